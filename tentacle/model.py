@@ -1,0 +1,50 @@
+"""An identified model as data: which arm, how many curvature coordinates, which effects, with which parameters.
+
+`affine_model` turns it into dynamics; `model.toml` is its file (see tentacle.model_file).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from tentacle.specimen import Fluid, Gravity, Specimen
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter's value with its 95 % interval, in `unit`; low = high = value where it was given, not fitted."""
+
+    value: float
+    low: float
+    high: float
+    unit: str = "1"
+
+    @staticmethod
+    def exact(value: float, unit: str = "1") -> Estimate:
+        """A given value."""
+        return Estimate(value, value, value, unit)
+
+
+@dataclass(frozen=True)
+class Model:
+    """The arm's model: a sum of effects.
+
+    parameters maps effect name -> parameter name -> Estimate. The base effects are elasticity (E [Pa], or k0, k1
+    [N m/rad]), damping (eta [Pa s], or d0, d1 [N m s/rad]) and drag (C_perp [1], in a fluid); inertia, weight and
+    buoyancy have no parameter. Effects beyond those are named as in the catalogue.
+    """
+
+    specimen: Specimen
+    fluid: Fluid = Fluid()
+    gravity: Gravity = Gravity()
+    order: int = 2
+    parameters: dict[str, dict[str, Estimate]] = field(default_factory=dict)
+
+    def value(self, effect: str, parameter: str) -> float:
+        """The value of one parameter; KeyError where the model has none."""
+        return self.parameters[effect][parameter].value
+
+    def with_effect(self, effect: str, **values: Estimate) -> Model:
+        """This model with an effect added or its parameters replaced."""
+        merged = {**self.parameters, effect: {**self.parameters.get(effect, {}), **values}}
+        return replace(self, parameters=merged)

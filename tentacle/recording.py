@@ -1,0 +1,69 @@
+"""A recording: what was declared about a run, and what was measured in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
+from tentacle.specimen import Fluid, Gravity, Specimen
+
+
+@dataclass(frozen=True)
+class Camera:
+    """The camera as declared: fps [1/s], scale [m/px], base_px (2,) and arm_px (2,) unit vector along the straight arm.
+
+    u is to the right, v down. n is (arm_v, -arm_u), or its opposite where mirrored. exposure [s].
+    """
+
+    fps: float
+    metres_per_px: float
+    base_px: tuple[float, float]
+    arm_px: tuple[float, float]
+    exposure: float = 0.0
+    mirrored: bool = False
+
+    @property
+    def normal_px(self) -> tuple[float, float]:
+        """The normal n in the image."""
+        sign = -1.0 if self.mirrored else 1.0
+        return (sign * self.arm_px[1], -sign * self.arm_px[0])
+
+    def to_pixels(self, xy: Array) -> Array:
+        """Base frame (..., 2) [m] to image (..., 2) [px]."""
+        axes = np.array([self.normal_px, self.arm_px])
+        return np.asarray(self.base_px) + (xy / self.metres_per_px) @ axes
+
+    def to_base_frame(self, px: Array) -> Array:
+        """Image (..., 2) [px] to base frame (..., 2) [m]."""
+        axes = np.array([self.normal_px, self.arm_px])
+        return ((np.asarray(px) - np.asarray(self.base_px)) @ axes.T) * self.metres_per_px
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """What is believed to be in a recording (recording.toml). release_t [s]: held still until then (a free decay)."""
+
+    specimen: Specimen
+    fluid: Fluid = Fluid()
+    gravity: Gravity = Gravity()
+    camera: Camera | None = None
+    motor_mode: Literal["prescribed", "servo"] = "prescribed"
+    release_t: float | None = None
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A run: its declaration and every signal that was measured; what was not measured is None."""
+
+    name: str
+    declaration: Declaration
+    motor: MotorSignal | None = None
+    load_cell: LoadCellSignal | None = None
+    midline: Midline | None = None
+    markers: Markers | None = None
+    video: Video | None = None
+    shape: ShapeTrack | None = None
+    notes: dict[str, str] = field(default_factory=dict)

@@ -1,0 +1,84 @@
+"""What a recording measures: motor, load cell, midline, markers, video. Arrays in SI units, times in seconds.
+
+All positions are in the base frame: origin at the clamp, x along the normal n, y along the straight arm at
+theta = 0. It stands still in the laboratory: when the servo turns the base by theta, the arm turns in this frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MotorSignal:
+    """Servo: times (N,) [s], commanded angle (N,) [rad], measured angle theta (N,) [rad]."""
+
+    t: Array
+    command: Array
+    angle: Array
+
+
+@dataclass(frozen=True)
+class LoadCellSignal:
+    """Load cell at the base: times (N,) [s], thrust (N,) [N] along +y of the base frame."""
+
+    t: Array
+    thrust: Array
+
+
+@dataclass(frozen=True)
+class Midline:
+    """Points of the central axis: t (T,), s (P,) in [0, 1], xy (T, P, 2) [m], sigma (T, P) [m] of each coordinate.
+
+    Missing points are NaN. sigma is NaN where the source states none.
+    """
+
+    t: Array
+    s: Array
+    xy: Array
+    sigma: Array
+
+
+@dataclass(frozen=True)
+class Markers:
+    """Points fixed to the arm at (s, d), d [m] along the normal: t (T,), names (M), s (M,), d (M,), xy (T, M, 2) [m]."""
+
+    t: Array
+    names: tuple[str, ...]
+    s: Array
+    d: Array
+    xy: Array
+
+
+@dataclass(frozen=True)
+class Video:
+    """A camera recording: a video file, or a folder of numbered PNG frames (then frame k is at k / camera.fps)."""
+
+    path: Path
+
+
+@dataclass(frozen=True)
+class ShapeTrack:
+    """What vision measured: per frame, shape coefficients with their full covariance.
+
+    t (T,) [s]; coefficients (T, K): [base angle offset, q1 .. q_(K-1)] in the paper's monomial coordinates [rad],
+    so that phi(s) = theta + offset + sum_j q_j s^j / j; covariance (T, K, K); accepted (T,) bool, False where the
+    frame could not be trusted (then the row is NaN); reason (T,) one short phrase, "" where accepted. scale is the measured
+    length over the declared one (1 = as declared) and scale_sigma its standard deviation; base_shift (2,) [m] is how far
+    the clamp lies from where the declaration puts it.
+    """
+
+    t: Array
+    coefficients: Array
+    covariance: Array
+    accepted: NDArray[np.bool_]
+    reason: tuple[str, ...]
+    scale: float
+    scale_sigma: float
+    base_shift: Array

@@ -1,0 +1,143 @@
+"""The arm and what surrounds it: section, specimen, fluid, gravity. Frozen, SI units, no parameter that is fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tentacle.errors import InputError
+
+STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
+
+StiffnessLaw = Literal["section", "affine"]
+Array = NDArray[np.float64]
+
+
+def _require_positive(**values: float) -> None:
+    for name, value in values.items():
+        if not (np.isfinite(value) and value > 0):
+            raise InputError(f"{value!r} is not usable", field=name, expected="a positive number")
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A circular cone, or truncated cone: radius base_radius [m] at s = 0, tip_radius [m] at s = 1."""
+
+    base_radius: float
+    tip_radius: float
+
+    def __post_init__(self) -> None:
+        _require_positive(base_radius_m=self.base_radius)
+        if not (np.isfinite(self.tip_radius) and self.tip_radius >= 0):
+            raise InputError(f"{self.tip_radius!r} is not usable", field="tip_radius_m", expected="a number >= 0")
+
+    def half_thickness(self, s: ArrayLike) -> Array:
+        """Half the extent along the normal n, in the plane of motion [m]: the radius r(s) = r0 + (r_tip - r0) s."""
+        return self.base_radius + (self.tip_radius - self.base_radius) * np.asarray(s, dtype=float)
+
+    def width(self, s: ArrayLike) -> Array:
+        """Extent across the plane of motion [m], the width that normal flow meets: 2 r(s)."""
+        return 2.0 * self.half_thickness(s)
+
+    def area(self, s: ArrayLike) -> Array:
+        """Section area A(s) = pi r^2 [m^2]."""
+        return np.pi * self.half_thickness(s) ** 2
+
+    def second_moment(self, s: ArrayLike) -> Array:
+        """Second moment of area about the bending axis, I_a(s) = pi r^4 / 4 [m^4]."""
+        return 0.25 * np.pi * self.half_thickness(s) ** 4
+
+    def perimeter(self, s: ArrayLike) -> Array:
+        """Wetted perimeter 2 pi r(s) [m]."""
+        return 2.0 * np.pi * self.half_thickness(s)
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A constant rectangle: width [m] across the plane of motion, height [m] along the normal n, in the plane."""
+
+    section_width: float
+    height: float
+
+    def __post_init__(self) -> None:
+        _require_positive(width_m=self.section_width, height_m=self.height)
+
+    def half_thickness(self, s: ArrayLike) -> Array:
+        """Half the extent along the normal n, in the plane of motion [m]."""
+        return np.full_like(np.asarray(s, dtype=float), 0.5 * self.height)
+
+    def width(self, s: ArrayLike) -> Array:
+        """Extent across the plane of motion [m], the width that normal flow meets."""
+        return np.full_like(np.asarray(s, dtype=float), self.section_width)
+
+    def area(self, s: ArrayLike) -> Array:
+        """Section area [m^2]."""
+        return np.full_like(np.asarray(s, dtype=float), self.section_width * self.height)
+
+    def second_moment(self, s: ArrayLike) -> Array:
+        """Second moment of area about the bending axis, w h^3 / 12 [m^4]."""
+        return np.full_like(np.asarray(s, dtype=float), self.section_width * self.height**3 / 12.0)
+
+    def perimeter(self, s: ArrayLike) -> Array:
+        """Wetted perimeter 2 (w + h) [m]."""
+        return np.full_like(np.asarray(s, dtype=float), 2.0 * (self.section_width + self.height))
+
+
+Section = Cone | Rectangle
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """The arm as measured with ruler and scales.
+
+    length [m], density [kg/m^3], tip_mass [kg] (declared payload at s = 1). stiffness says which law the fit
+    uses for k(s) and d(s): "section" (k = E I(s)/L, d = eta I(s)/L) or "affine" (k0 + k1 s, d0 + d1 s; eq. 13-14).
+    """
+
+    section: Section
+    length: float
+    density: float
+    tip_mass: float = 0.0
+    stiffness: StiffnessLaw = "section"
+
+    def __post_init__(self) -> None:
+        _require_positive(length_m=self.length, density_kg_m3=self.density)
+        if not (np.isfinite(self.tip_mass) and self.tip_mass >= 0):
+            raise InputError(f"{self.tip_mass!r} is not usable", field="tip_mass_kg", expected="a number >= 0")
+        if self.stiffness not in ("section", "affine"):
+            raise InputError(f"{self.stiffness!r} is not known", field="stiffness", expected='"section" or "affine"')
+
+    @property
+    def mass(self) -> float:
+        """Mass of the arm without payload [kg]; exact, since A(s) is a polynomial of degree <= 2 (Simpson)."""
+        area = self.section.area(np.array([0.0, 0.5, 1.0]))
+        return float(self.density * self.length * (area[0] + 4.0 * area[1] + area[2]) / 6.0)
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """The fluid around the arm; density [kg/m^3], 0 means air (no fluid force)."""
+
+    density: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.density) and self.density >= 0):
+            raise InputError(f"{self.density!r} is not usable", field="density_kg_m3", expected="a number >= 0")
+
+
+WATER = Fluid(998.0)
+AIR = Fluid(0.0)
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Direction of gravity: it pulls along magnitude (sin a, cos a) in (n, along the straight arm) at theta = 0.
+
+    a = angle [rad]: 0 hangs down, pi stands up, +-pi/2 is held horizontally. magnitude in m/s^2.
+    """
+
+    angle: float = 0.0
+    magnitude: float = STANDARD_GRAVITY
