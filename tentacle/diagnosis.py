@@ -1,0 +1,158 @@
+"""What the loop answers: a verdict, the evidence for it, and the comparison run by run. Plain data, no logic of a room."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tentacle.model import Estimate, Model
+from tentacle.signals import Array
+
+Verdict = Literal["nothing_missing", "effect", "group", "unknown"]
+
+
+@dataclass(frozen=True)
+class ErrorMeasure:
+    """Root mean square errors over the judged samples; None where the quantity was not measured."""
+
+    midline_mm: float | None = None
+    angle_rad: float | None = None
+    q1: float | None = None
+    q2: float | None = None
+    thrust_n: float | None = None
+
+
+@dataclass(frozen=True)
+class RankedEffect:
+    """A candidate: score in nats (log-likelihood gained by it alone, training data), its error when judged, its probability."""
+
+    effect: str
+    score: float
+    held_out_midline_mm: float | None
+    probability: float
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """Where the declared model's midline error comes from, in mm rms: measured noise, reduction, missing physics, rest."""
+
+    noise_mm: float
+    reduction_mm: float
+    missing_mm: float
+    rest_mm: float
+
+
+@dataclass(frozen=True)
+class RunComparison:
+    """One recording beside both models, at the measured instants, in the base frame.
+
+    t (T,) [s]; s (P,); measured, base, augmented (T, P, 2) [m] midline (or marker) positions, NaN where not measured;
+    q_measured, q_base, q_augmented (T, 2) [rad] the paper's coordinates (NaN where not measured); judged (T,) True on the samples
+    on which the errors are stated. theta (T,) [rad]. points says what the P columns are: "midline" or "markers".
+    """
+
+    name: str
+    t: Array
+    s: Array
+    measured: Array
+    base: Array
+    augmented: Array
+    q_measured: Array
+    q_base: Array
+    q_augmented: Array
+    judged: NDArray[np.bool_]
+    theta: Array
+    points: Literal["midline", "markers"] = "midline"
+
+
+@dataclass(frozen=True)
+class Gate:
+    """One adequacy test of a fitted model: chi-square, Ljung-Box, drift ... passed or not, and the number behind it."""
+
+    name: str
+    statistic: float
+    threshold: float
+    passed: bool
+    words: str
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The answer of `tentacle diagnose`; verdict.json and report.html are written from it."""
+
+    verdict: Verdict
+    effects: tuple[str, ...]
+    confidence: float
+    parameters: dict[str, dict[str, Estimate]]
+    before: ErrorMeasure
+    after: ErrorMeasure
+    floor: ErrorMeasure
+    held_out: bool
+    ranking: tuple[RankedEffect, ...]
+    next_experiment: dict[str, Any] | None
+    budget: ErrorBudget
+    base_model: Model
+    augmented_model: Model
+    gates: tuple[Gate, ...]
+    twin_names: tuple[str, ...]
+    twin_cosines: Array
+    runs: tuple[RunComparison, ...]
+    words: tuple[str, ...]
+    seed: int
+
+    @property
+    def headline(self) -> str:
+        """The verdict in one sentence, with the error before and after."""
+        error = ""
+        if self.before.midline_mm is not None and self.after.midline_mm is not None:
+            error = f" Error {self.before.midline_mm:.2f} mm before, {self.after.midline_mm:.2f} mm after"
+            if self.floor.midline_mm is not None:
+                error += f" (floor {self.floor.midline_mm:.2f} mm)"
+            error += ", on held-out data." if self.held_out else ", on the data that were fitted."
+        names = " + ".join(self.effects)
+        sentence = {
+            "nothing_missing": "Nothing that these data can show is missing from the declared model.",
+            "effect": f"The declared model lacks {names}.",
+            "group": f"The declared model lacks one of {' / '.join(self.effects)}; these data cannot tell which.",
+            "unknown": "The declared model lacks something that is not in the catalogue, or that these data cannot name.",
+        }[self.verdict]
+        return sentence + error
+
+    def verdict_json(self) -> dict[str, Any]:
+        """The contract's verdict.json as plain data."""
+
+        def measure(error: ErrorMeasure) -> dict[str, float | None]:
+            return {
+                "midline_mm": error.midline_mm,
+                "angle_rad": error.angle_rad,
+                "q1": error.q1,
+                "q2": error.q2,
+                "thrust_n": error.thrust_n,
+            }
+
+        return {
+            "verdict": self.verdict,
+            "effects": list(self.effects) if self.verdict in ("effect", "group") else [],
+            "confidence": self.confidence,
+            "parameters": {
+                effect: {
+                    name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit} for name, e in values.items()
+                }
+                for effect, values in self.parameters.items()
+            },
+            "error": {"before": measure(self.before), "after": measure(self.after), "floor": measure(self.floor)},
+            "held_out": self.held_out,
+            "ranking": [
+                {
+                    "effect": ranked.effect,
+                    "score": ranked.score,
+                    "held_out_midline_mm": ranked.held_out_midline_mm,
+                    "probability": ranked.probability,
+                }
+                for ranked in self.ranking
+            ],
+            "next_experiment": self.next_experiment,
+        }
