@@ -97,7 +97,7 @@ class Runner:
             raise InputError(f"no Dask scheduler answers at {self.scheduler}", field="--scheduler") from None
         with client:
             futures = {client.submit(work, dict(task), pure=False): index for index, task in tasks}
-            for future in as_completed(futures):
+            for future in as_completed(list(futures), loop=client.loop):
                 yield futures[future], future.result()
 
     def _progress(self, total: int, done: int, words: str):

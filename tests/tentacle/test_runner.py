@@ -48,6 +48,10 @@ def tasks(folder: Path, *numbers: int, wait: float = 0.0) -> list[dict[str, Any]
     return [{"x": x, "log": str(folder / "log.txt"), "wait": wait} for x in numbers]
 
 
+def finished(folder: Path) -> int:
+    return sum(not file.name.startswith(".") for file in (folder / "results").glob("*.npz"))
+
+
 def test_results_come_in_order_and_no_task_runs_twice(tmp_path: Path, square: Any) -> None:
     runner = Runner(tmp_path / "results", workers=2, quiet=True)
     first = runner.run(square, tasks(tmp_path, 3, 1, 2))
@@ -78,11 +82,11 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path: Path, square: Any) -> None:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*sys.path, os.environ["PYTHONPATH"]])}
     process = subprocess.Popen([sys.executable, str(tmp_path / "many.py")], env=environment, start_new_session=True)
     deadline = time.monotonic() + 30
-    while len(list((tmp_path / "results").glob("*.npz"))) < 3 and time.monotonic() < deadline:
+    while finished(tmp_path) < 3 and time.monotonic() < deadline:
         time.sleep(0.02)
     os.killpg(process.pid, signal.SIGKILL)  # the whole session, workers too
     process.wait()
-    kept = len(list((tmp_path / "results").glob("*.npz")))
+    kept = finished(tmp_path)
     assert 3 <= kept < 40
     runner = Runner(tmp_path / "results", workers=1, quiet=True)
     before = len((tmp_path / "log.txt").read_text().split())
@@ -99,9 +103,18 @@ def test_a_result_is_stored_without_pickle(tmp_path: Path) -> None:
     assert load_result(tmp_path / "bad") is None
 
 
-def test_tasks_that_are_no_plain_data_and_schedulers_that_do_not_answer_are_refused(
-    tmp_path: Path, square: Any
-) -> None:
+def test_the_same_tasks_run_on_a_dask_scheduler(tmp_path: Path, square: Any) -> None:
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp://", dashboard_address=None, host="127.0.0.1"
+    ) as cluster:
+        runner = Runner(tmp_path / "results", scheduler=cluster.scheduler_address, quiet=True)
+        assert [result["y"] for result in runner.run(square, tasks(tmp_path, 3, 2))] == [9, 4]
+    local = Runner(tmp_path / "results", workers=1, quiet=True)
+    assert [result["y"] for result in local.run(square, tasks(tmp_path, 2, 3))] == [4, 9]
+    assert len((tmp_path / "log.txt").read_text().split()) == 2
+
+
+def test_tasks_that_are_no_plain_data_are_refused(tmp_path: Path, square: Any) -> None:
     with pytest.raises(InputError, match="plain data"):
         Runner(tmp_path).file_of(square, {"x": {1, 2}})
     with pytest.raises(InputError, match="plain data"):

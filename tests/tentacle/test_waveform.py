@@ -90,7 +90,7 @@ def test_samples_are_a_kind_of_waveform() -> None:
         ("[waveform]\nkind = 'samples'\nt_s = [0, 0]\nangle_rad = [0, 0]", "waveform.t_s: times go back or repeat"),
         (
             "[waveform]\nkind = 'samples'\nt_s = [0, 1]\nangle_rad = [0, 0]",
-            "waveform.t_s: 2 samples; expected at least 6",
+            "t_s: 2 samples; expected at least 6",
         ),
     ],
 )
