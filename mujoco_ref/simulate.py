@@ -162,7 +162,7 @@ def simulate(
     rail: Rail | None = None,
     s: Array | None = None,
     initial_q: Array | None = None,
-    release_t: float = 0.0,
+    release_t: float | None = None,
     lead_in: float = 0.0,
     longest_step: float = LONGEST_STEP,
 ) -> Simulation:
@@ -212,7 +212,7 @@ def _record(
     step: float,
     s: Array,
     tare: Array,
-    release_t: float,
+    release_t: float | None,
 ) -> Simulation:
     """Step through, keeping positions at the frames and the mean of the two readings beside each."""
     size = stepper.chain.links + 3
@@ -224,7 +224,7 @@ def _record(
         at_frame = i >= first and (i - first) % substeps == 0
         if at_frame:
             q[(i - first) // substeps] = state.q
-        held_still = state.t < release_t - 0.5 * step
+        held_still = release_t is not None and state.t < release_t - 0.5 * step
         if held_still:
             stepper.reading[:] = 0.0
             state.t += step

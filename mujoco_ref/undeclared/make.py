@@ -10,7 +10,7 @@ import numpy as np
 
 from mujoco_ref.influence import refuse_unknown, value
 from mujoco_ref.simulate import DEFAULT_LINKS, Simulation, simulate
-from mujoco_ref.undeclared.strength import SIZES, is_catalogued, scaled, typical
+from mujoco_ref.undeclared.strength import SCALED, SIZES, is_catalogued, scaled, typical
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
@@ -52,7 +52,7 @@ class Scene:
     s: Array
     links: int
     initial_q: Array | None
-    release_t: float
+    release_t: float | None
 
 
 def _run(scene: Scene, hidden: Mapping[str, Mapping[str, float]], offset: float = 0.0, duration: float = 0.0) -> Simulation:
@@ -66,7 +66,7 @@ def _run(scene: Scene, hidden: Mapping[str, Mapping[str, float]], offset: float 
         links=scene.links,
         s=scene.s,
         initial_q=scene.initial_q,
-        release_t=max(0.0, scene.release_t - offset),
+        release_t=None if scene.release_t is None else max(0.0, scene.release_t - offset),
         lead_in=0.0 if decay else LEAD_IN,
     )
 
@@ -87,18 +87,28 @@ def shown_mm(scene: Scene, hidden: Mapping[str, Mapping[str, float]], bare: Arra
 
 def _sized(scene: Scene, effect: str, wanted_mm: float, random: np.random.Generator) -> dict[str, float]:
     """Typical parameters scaled until the midline moves by wanted_mm; as near as the effect's own limits let it."""
-    parameters = typical(effect, scene.model, random)
+    drawn = typical(effect, scene.model, random)
     duration = min(scene.duration, 8.0)
     bare = seen_midline(scene, {}, duration)
-    for _ in range(6):
+    factor, low, high = 1.0, 0.0, np.inf
+    best, best_miss = drawn, np.inf
+    for _ in range(10):
+        parameters = scaled(effect, drawn, factor)
         shown = shown_mm(scene, {effect: parameters}, bare, duration)
-        if shown <= 0.0 or 0.9 < shown / wanted_mm < 1.1:
+        miss = abs(np.log(max(shown, 1e-9) / wanted_mm))
+        if miss < best_miss:
+            best, best_miss = parameters, miss
+        if miss < 0.1 or not SCALED[effect]:
             break
-        changed = scaled(effect, parameters, float(np.clip(wanted_mm / shown, 0.1, 10.0)))
-        if changed == parameters:
-            break
-        parameters = changed
-    return parameters
+        if shown > wanted_mm:
+            high = factor
+        elif parameters == scaled(effect, drawn, 2.0 * factor):
+            break  # at the effect's limit
+        else:
+            low = factor
+        guess = factor * float(np.clip(wanted_mm / max(shown, 1e-9), 0.1, 10.0))
+        factor = guess if low < guess < high else float(np.sqrt(max(low, 0.01 * high) * high))
+    return best
 
 
 def resolve(
@@ -147,7 +157,7 @@ def make(
     s: Array | None = None,
     links: int = DEFAULT_LINKS,
     initial_q: Array | None = None,
-    release_t: float = 0.0,
+    release_t: float | None = None,
 ) -> tuple[Recording, dict[str, Any]]:
     """A recording whose declaration is the model's own, made with further effects, and the truth about them.
 
@@ -173,7 +183,7 @@ def make(
     recording = Recording(
         name=name,
         declaration=Declaration(
-            model.specimen, model.fluid, model.gravity, release_t=release_t if initial_q is not None else None
+            model.specimen, model.fluid, model.gravity, release_t=release_t
         ),
         motor=motor,
         load_cell=LoadCellSignal(run.t, load),
