@@ -116,6 +116,7 @@ def build_spec(
     for name, axis in (("mount_x", [1, 0, 0]), ("mount_y", [0, 1, 0])):
         body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
     body.mass, body.inertia, body.explicitinertial = mount.mass, [mount.hub_inertia] * 3, True
+    body.ipos = [0.0, 0.0, 0.0]
     body.gravcomp = 1.0  # the rail or stand carries the mount
     for k in range(links + 1):
         offset = 0.0 if k == 0 else lengths[k - 1]
@@ -139,6 +140,7 @@ def build_spec(
         payload = body.add_body(name="payload", pos=[0.0, lengths[-1], 0.0])
         point = max(1e-4 * tip_mass * lengths[-1] ** 2, SMALLEST_INERTIA)  # a point mass, as nearly as MuJoCo takes it
         payload.mass, payload.inertia, payload.explicitinertial = tip_mass, [point] * 3, True
+        payload.ipos = [0.0, 0.0, 0.0]  # left out, MuJoCo 4.0 puts it at `pos` once more
     return spec
 
 
