@@ -8,7 +8,7 @@ from mujoco_ref.step import State, Stepper
 from tentacle.errors import InputError
 
 _PERTURBATION = 1e-6  # [rad], balances truncation and rounding of the difference quotient
-_BIGGEST_CHANGE = 0.2  # [rad] a hinge may turn in one iteration: Newton's method is then safe for elastica
+_BIGGEST_CHANGE = 0.5  # [rad] the hinges may turn together in one iteration: Newton's method is then safe for elastica
 
 
 def equilibrium(stepper: Stepper, theta: float, tolerance: float = 1e-10, iterations: int = 200) -> State:
@@ -31,5 +31,5 @@ def equilibrium(stepper: Stepper, theta: float, tolerance: float = 1e-10, iterat
             slope[:, j] = (stepper.residual(state)[3:] - residual) / _PERTURBATION
             state.q[3 + j] -= _PERTURBATION
         change = np.linalg.solve(slope, -residual)
-        state.q[3:] += change * min(1.0, _BIGGEST_CHANGE / max(float(np.max(np.abs(change))), 1e-300))
+        state.q[3:] += change * min(1.0, _BIGGEST_CHANGE / max(float(np.sum(np.abs(change))), 1e-300))
     raise InputError("the arm finds no shape at rest", field="elasticity", expected="a stiffness that can carry the arm")
