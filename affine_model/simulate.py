@@ -41,7 +41,7 @@ class Batch:
     force_t (T-1,) [s], the middles of the output intervals, and over each the means of: fluid_force (T-1, 2, B) [N], load (T-1, B) [N]
     (what a load cell at the base feels along y, inertia and weight included), torque (T-1, B) [N m] of the servo.
     mean_thrust (B,) [N] is the y component of eq. 17 averaged from average_from on; mean_power (B,) [W] = torque times base rate;
-    diverged (B,) [s]: when an individual left all bounds, NaN where it did not. The trajectory arrays are empty (T = 0)
+    diverged (B,) [s]: when an individual left all bounds, NaN where it did not; its means are NaN. The trajectory arrays are empty (T = 0)
     where none were asked for.
     """
 
@@ -131,7 +131,7 @@ def simulate(
         fluid_force=out_force[: len(times) - 1, :2] if stride else out_force[:, :2],
         load=out_force[:, 2],
         torque=out_force[:, 3],
-        mean_thrust=summary[1],
-        mean_power=summary[2],
+        mean_thrust=np.where(summary[4] < 0.0, summary[1], np.nan),
+        mean_power=np.where(summary[4] < 0.0, summary[2], np.nan),
         diverged=np.where(summary[4] < 0.0, np.nan, summary[4]),
     )

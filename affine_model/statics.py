@@ -69,4 +69,6 @@ def equilibrium(
         z, force = z + step, tried
     if np.max(np.abs(force)) <= 1e-9 * scale:  # rounding is all that keeps the forces from falling
         return arm.to_monomial @ z
-    raise ArithmeticError(f"no equilibrium found at theta = {theta:.3g} rad: forces of {np.max(np.abs(force)):.2g} remain")
+    raise ArithmeticError(
+        f"no equilibrium found at theta = {theta:.3g} rad: forces of {np.max(np.abs(force)):.2g} remain"
+    )

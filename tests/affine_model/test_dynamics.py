@@ -84,7 +84,11 @@ def test_velocity_forces_are_christoffel(parameters, specimen, C_a):
 def test_gravity_elasticity_and_hardening_are_gradients(parameters, specimen):
     arm = Arm(specimen, WATER, Gravity(0.7), order=3, nodes=10)
     p = parameters(
-        elasticity__E=2e5, elasticity__k0=0.01, cubic_stiffness__beta=0.2, intrinsic_curvature__c0=0.3, tip_mass__mass=2e-3
+        elasticity__E=2e5,
+        elasticity__k0=0.01,
+        cubic_stiffness__beta=0.2,
+        intrinsic_curvature__c0=0.3,
+        tip_mass__mass=2e-3,
     )
     rule, section, L = arm.rule, specimen.section, specimen.length
     down = torch.tensor([np.sin(0.7), np.cos(0.7)]) * arm.gravity.magnitude
