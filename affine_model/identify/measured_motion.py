@@ -7,8 +7,9 @@ from math import factorial
 
 import numpy as np
 
-from affine_model.arm import Arm, active_effects, parameter_index
+from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
+from affine_model.dynamics import relaxation_time
 from tentacle.errors import InputError
 
 
@@ -65,12 +66,12 @@ def relaxing_memory(arm: Arm, parameters: Array, motion: MeasuredMotion) -> Arra
 
     Exact for a rate of curvature that is constant between two samples. Zero where no acting effect relaxes.
     """
-    if all(effect.relaxation_time is None for effect in active_effects(parameters)):
+    tau = relaxation_time(arm, active_effects(parameters), parameters)
+    if tau is None:
         return np.zeros((motion.t.size, arm.nodes))
-    tau = parameters[parameter_index("viscoelasticity", "tau")]
     c_rate = motion.u_rate[:, : arm.order] @ arm.curvature_basis.T
     memory = np.zeros_like(c_rate)
-    decay = np.exp(-np.diff(motion.t) / tau)
+    decay = np.exp(-np.diff(motion.t)[:, None] / tau)
     for k, factor in enumerate(decay):
         memory[k + 1] = factor * memory[k] + tau * (1.0 - factor) * 0.5 * (c_rate[k] + c_rate[k + 1])
     return memory
