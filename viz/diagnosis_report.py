@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tentacle.diagnosis import Diagnosis, RunComparison
+from tentacle.diagnosis import Diagnosis
 from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.signals import Array
@@ -19,19 +19,12 @@ from viz.figures.shapes import shapes_figure
 from viz.figures.spectrum import spectrum_figure
 from viz.figures.thrust import thrust_figure
 from viz.figures.twins import twins_figure
-from viz.heat import residual_mm
 from viz.report import Origin, Picture, Report, Section, Table, render
+from viz.scene import Scene, scene_of
 from viz.words import NONE, VERDICT_TITLES, effect_name, error_rows, interval, number
 
 DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
 TWIN_COSINE = 0.85  # pairs above this are named in words
-
-
-def judged_rms_mm(run: RunComparison, model: Array) -> float:
-    """Root mean square distance [mm] to the measured points over the judged instants; NaN where there are none."""
-    values = residual_mm(run, model)[run.judged]
-    values = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")
 
 
 def error_section(diagnosis: Diagnosis) -> Section:
@@ -135,40 +128,37 @@ def candidate_section(diagnosis: Diagnosis) -> Section:
     return Section("Candidates", paragraphs, tables, pictures)
 
 
-def worst_runs(diagnosis: Diagnosis, count: int) -> list[RunComparison]:
+def worst_runs(scenes: Sequence[Scene], count: int) -> list[Scene]:
     """The runs with the largest error before, largest first."""
-    error = {id(run): np.nan_to_num(judged_rms_mm(run, run.base), nan=-1.0) for run in diagnosis.runs}
-    return sorted(diagnosis.runs, key=lambda run: -error[id(run)])[:count]
+    return sorted(scenes, key=lambda scene: -np.nan_to_num(scene.judged_rms_mm(scene.models[0]), nan=-1.0))[:count]
 
 
-def run_section(run: RunComparison, recording: Recording | None) -> Section:
+def run_section(scene: Scene, recording: Recording | None) -> Section:
     """The figures of one run."""
-    pictures = [
-        Picture(shapes_figure(run), "Shapes at instants spread over the swing; models run open loop."),
-        Picture(residual_figure(run), "Where and when the models miss."),
-        Picture(spectrum_figure(run), "Tip, along n: the motion, and what each model leaves of it."),
-    ]
-    if np.isfinite(run.q_measured).any():
-        pictures.insert(1, Picture(coordinates_figure(run), "The paper's coordinates; grey: where errors are judged."))
-    thrust = thrust_figure(run, recording.load_cell if recording else None)
+    pictures = [Picture(shapes_figure(scene), "Shapes at instants spread over the swing; models run open loop.")]
+    if any(party.q is not None and np.isfinite(party.q).any() for party in scene.parties):
+        pictures.append(Picture(coordinates_figure(scene), "The paper's coordinates; grey: where errors are judged."))
+    if scene.models:
+        pictures.append(Picture(residual_figure(scene), "Where and when the models miss."))
+    pictures.append(Picture(spectrum_figure(scene), "Tip, along n: the motion, and what each model leaves of it."))
+    thrust = thrust_figure(scene, recording.load_cell if recording else None)
     if thrust is not None:
         pictures.append(Picture(thrust, "Thrust, as a load cell at the base reads it."))
-    return Section(f"Recording: {run.name}", (), (), pictures)
+    return Section(f"Recording: {scene.name}", (), (), pictures)
 
 
-def runs_section(diagnosis: Diagnosis) -> Section:
+def runs_section(scenes: Sequence[Scene]) -> Section:
     """Every recording's own error."""
     rows = []
-    for run in diagnosis.runs:
-        before, after = judged_rms_mm(run, run.base), judged_rms_mm(run, run.augmented)
-        span = f"{run.t[0]:.2f} to {run.t[-1]:.2f}"
-        rows.append((run.name, run.points, span, str(int(run.judged.sum())), number(before), number(after)))
-    header = ("recording", "points", "t [s]", "judged instants", "before [mm]", "after [mm]")
-    more = len(diagnosis.runs) - DRAWN_RUNS
-    words = [f"Figures follow for the {DRAWN_RUNS} with the largest error before."] if more > 0 else []
-    return Section(
-        "Recordings", words, [Table("Distance to the measured points, rms", header, rows, numeric=(3, 4, 5))]
-    )
+    for scene in scenes:
+        errors = [number(scene.judged_rms_mm(party)) for party in scene.models]
+        span = f"{scene.t[0]:.2f} to {scene.t[-1]:.2f}"
+        rows.append((scene.name, scene.points, span, str(int(scene.judged.sum())), *errors))
+    names = [f"{party.role.name} [mm]" for party in scenes[0].models] if scenes else []
+    words = [f"Figures follow for the {DRAWN_RUNS} with the largest error."] if len(scenes) > DRAWN_RUNS else []
+    header = ("recording", "points", "t [s]", "judged instants", *names)
+    numeric = tuple(range(3, 4 + len(names)))
+    return Section("Recordings", words, [Table("Distance to the measured points, rms", header, rows, numeric=numeric)])
 
 
 def flatten(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
@@ -208,14 +198,15 @@ def diagnosis_report(
     are found by the runs' names and give the load cell; they may be empty. The same arguments give the same text.
     """
     known = {recording.name: recording for recording in recordings}
+    scenes = [scene_of(run) for run in diagnosis.runs]
     sections = [
         error_section(diagnosis),
         parameter_section(diagnosis),
         gate_section(diagnosis),
         candidate_section(diagnosis),
         remaining_section(diagnosis),
-        runs_section(diagnosis),
-        *(run_section(run, known.get(run.name)) for run in worst_runs(diagnosis, DRAWN_RUNS)),
+        runs_section(scenes),
+        *(run_section(scene, known.get(scene.name)) for scene in worst_runs(scenes, DRAWN_RUNS)),
     ]
     before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
     merits = [

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tentacle.diagnosis import RunComparison
 from tentacle.signals import Array
+from viz.scene import Party, Scene
 
 COLUMNS = 600
 ROW_PIXELS = 8
@@ -30,31 +30,24 @@ class HeatMap:
         return (np.asarray(t) - self.start) / max(self.stop - self.start, 1e-9) * (width - 1)
 
 
-def residual_mm(run: RunComparison, model: Array) -> Array:
-    """Distance (T, P) [mm] between measured and modelled points; NaN where not measured."""
-    return 1e3 * np.linalg.norm(model - run.measured, axis=-1)
-
-
-def colour_limit(run: RunComparison) -> float:
-    """One limit [mm] for both models' maps, so that they can be compared: the base model's 99th percentile."""
-    values = residual_mm(run, run.base)
+def colour_limit(scene: Scene) -> float:
+    """One limit [mm] for every model's map, so that they can be compared: the first model's 99th percentile."""
+    values = scene.residual_mm(scene.models[0])
     values = values[np.isfinite(values)]
     return max(float(np.percentile(values, 99)), 1e-3) if values.size else 1.0
 
 
-def heat_map(run: RunComparison, model: Array, limit: float) -> HeatMap:
-    """The map of one model of a run; each column shows the nearest instant, each row band the nearest point."""
+def heat_map(scene: Scene, party: Party, limit: float) -> HeatMap:
+    """The map of one model of a scene; each column shows the nearest instant, each row band one point."""
     from matplotlib import colormaps
 
     from viz.palette import SEQUENTIAL_MAP
 
-    values = residual_mm(run, model)
-    start, stop = float(run.t[0]), float(run.t[-1])
-    # duplicated columns for short runs: a picture of fixed width keeps every view alike
-    times = np.linspace(start, stop, COLUMNS)
-    nearest = np.abs(np.searchsorted(0.5 * (run.t[1:] + run.t[:-1]), times))
-    order = np.argsort(run.s, kind="stable")
-    rows = np.repeat(order, ROW_PIXELS)
+    values = scene.residual_mm(party)
+    start, stop = float(scene.t[0]), float(scene.t[-1])
+    # columns are doubled in short runs: a picture of fixed width keeps every view alike
+    nearest = np.searchsorted(0.5 * (scene.t[1:] + scene.t[:-1]), np.linspace(start, stop, COLUMNS))
+    rows = np.repeat(np.argsort(scene.s, kind="stable"), ROW_PIXELS)
     sampled = values[nearest][:, rows].T
     colours = np.asarray(colormaps[SEQUENTIAL_MAP](np.clip(sampled / limit, 0.0, 1.0), bytes=True))[..., :3].copy()
     colours[~np.isfinite(sampled)] = GAP

@@ -13,8 +13,9 @@ import rerun.blueprint as rrb
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.recording import Declaration, Recording
-from viz.blueprints.diagnose import Shown, diagnose_blueprint
-from viz.palette import AUGMENTED, BASE, MEASURED
+from viz.blueprints.diagnose import diagnose_blueprint
+from viz.blueprints.run import Shown
+from viz.scene import Scene, scene_of
 from viz.topics.arms import log_arms
 from viz.topics.camera import log_camera
 from viz.topics.coordinates import log_coordinates
@@ -53,6 +54,23 @@ def set_layout(session: rr.RecordingStream, blueprint: rrb.Blueprint) -> None:
     session.send_blueprint(blueprint, make_active=True, make_default=True)
 
 
+def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording) -> Shown:
+    """Every topic of one run; says which of the optional ones there were."""
+    path = run_path(scene.name)
+    log_arms(session, path, scene, recording.declaration)
+    log_coordinates(session, path, scene, recording.shape)
+    log_residual(session, path, scene)
+    log_spectra(session, path, scene)
+    return Shown(
+        scene.name,
+        recording.declaration,
+        tuple((party.key, party.role.name) for party in scene.models),
+        camera=log_camera(session, path, scene, recording),
+        thrust=log_thrust(session, path, scene, recording.load_cell),
+        events=log_events(session, path, recording_events(recording) + judged_events(scene)),
+    )
+
+
 def declaration_of(diagnosis: Diagnosis) -> Declaration:
     """What the base model says of the arm, for a run whose recording is not at hand."""
     model = diagnosis.base_model
@@ -73,23 +91,6 @@ def write_session(diagnosis: Diagnosis, recordings: Sequence[Recording], path: P
         log_verdict(session, diagnosis)
         for run in diagnosis.runs:
             recording = known.get(run.name) or Recording(run.name, declaration_of(diagnosis))
-            where = run_path(run.name)
-            log_arms(session, where, run, recording.declaration)
-            log_coordinates(session, where, run, recording.shape)
-            log_residual(session, where, run)
-            log_spectra(session, where, run)
-            camera = log_camera(
-                session,
-                where,
-                recording,
-                [
-                    ("measured", MEASURED, run.t, run.measured),
-                    ("base", BASE, run.t, run.base),
-                    ("augmented", AUGMENTED, run.t, run.augmented),
-                ],
-            )
-            thrust = log_thrust(session, where, run, recording.load_cell)
-            events = log_events(session, where, recording_events(recording) + judged_events(run))
-            shown.append(Shown(run.name, recording.declaration, camera, thrust, events))
+            shown.append(log_scene(session, scene_of(run), recording))
         set_layout(session, diagnose_blueprint(shown))
     return path

@@ -9,8 +9,9 @@ import pytest
 
 from tentacle.model import Estimate
 from tentacle.specimen import Cone, Specimen
-from viz.heat import COLUMNS, GAP, colour_limit, heat_map, residual_mm
+from viz.heat import COLUMNS, GAP, colour_limit, heat_map
 from viz.palette import AUGMENTED, BASE, MEASURED, WARNING
+from viz.scene import scene_of
 from viz.spectrum import amplitude_spectrum
 from viz.tube import tube
 from viz.words import interval, number
@@ -55,9 +56,9 @@ def test_the_residual_map_puts_time_and_arc_length_where_it_says(case):
     base = run.measured.copy()
     instant, point = 100, 40  # only here does the model miss, by 5 mm
     base[instant, point] += [0.003, 0.004]
-    run = replace(run, base=base)
-    assert residual_mm(run, base)[instant, point] == pytest.approx(5.0)
-    drawn = heat_map(run, base, limit=5.0)
+    scene = scene_of(replace(run, base=base))
+    assert scene.residual_mm(scene.models[0])[instant, point] == pytest.approx(5.0)
+    drawn = heat_map(scene, scene.models[0], limit=5.0)
     bright = np.argwhere(drawn.picture[..., 0].astype(int) - drawn.picture[..., 2] > 100)
     assert bright[:, 0].min() == 40 * 8  # the tip is the last band of rows
     assert abs(bright[:, 1].mean() - drawn.column(run.t[instant])) < 2  # one sample is 600/180 columns wide
@@ -67,9 +68,9 @@ def test_the_residual_map_puts_time_and_arc_length_where_it_says(case):
 
 
 def test_both_maps_share_the_base_models_limit(case):
-    run = case.diagnosis.runs[0]
-    values = residual_mm(run, run.base)
-    share = np.mean(values[np.isfinite(values)] > colour_limit(run))
+    scene = scene_of(case.diagnosis.runs[0])
+    values = scene.residual_mm(scene.models[0])
+    share = np.mean(values[np.isfinite(values)] > colour_limit(scene))
     assert share == pytest.approx(0.01, abs=0.002)
 
 

@@ -5,23 +5,22 @@ from __future__ import annotations
 import numpy as np
 import rerun as rr
 
-from tentacle.diagnosis import RunComparison
 from tentacle.recording import Declaration
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
-from viz.palette import AUGMENTED, BASE, MEASURED, NEUTRAL, REFERENCE, Role
+from viz.palette import MEASURED, NEUTRAL, REFERENCE, Role
+from viz.scene import Party, Scene
 from viz.topics.paths import seconds
 from viz.tube import planar_to_space, thin, tube
 
 CORE = 0.3  # a model's arm is drawn this thick, in front of the measured one: both are seen where they agree
 
 
-def log_tube(session: rr.RecordingStream, path: str, role: Role, t: Array, s: Array, xy: Array, arm: Specimen) -> None:
-    """An arm over time: midline xy (T, P, 2) [m] at s (P,); the measured one in full thickness, a model's as a core."""
-    if role is MEASURED:
-        drawn = tube(xy, s, arm)
-    else:
-        drawn = tube(xy, s, arm, thickness=CORE, lift=float(arm.section.half_thickness(0.0)))
+def log_tube(
+    session: rr.RecordingStream, path: str, role: Role, t: Array, s: Array, xy: Array, arm: Specimen, full: bool
+) -> None:
+    """An arm over time: midline xy (T, P, 2) [m] at s (P,); in full thickness, or its core in front of it."""
+    drawn = tube(xy, s, arm) if full else tube(xy, s, arm, thickness=CORE, lift=float(arm.section.half_thickness(0.0)))
     session.log(path, rr.LineStrips3D.from_fields(colors=[role.colour]), static=True)
     columns = rr.LineStrips3D.columns(strips=drawn.ends, radii=drawn.radius)
     session.send_columns(path, [seconds(t)], columns.partition(drawn.lengths))
@@ -68,23 +67,26 @@ def log_tank(session: rr.RecordingStream, path: str, declaration: Declaration) -
         session.log(f"{path}/water", water, static=True)
 
 
-def log_arms(session: rr.RecordingStream, path: str, run: RunComparison, declaration: Declaration) -> None:
-    """Measured, base and augmented arms of a run, and the drag on the augmented one where it was computed."""
+def log_misses(session: rr.RecordingStream, path: str, scene: Scene, party: Party, radius: float) -> None:
+    """Lines from each measured marker to where a model puts it."""
+    misses = planar_to_space(np.stack([scene.subject.xy, party.xy], axis=2))
+    present = np.isfinite(misses).all(axis=(2, 3))
+    session.log(path, rr.LineStrips3D.from_fields(colors=[party.role.colour], radii=[radius]), static=True)
+    columns = rr.LineStrips3D.columns(strips=misses[present])
+    session.send_columns(path, [seconds(scene.t)], columns.partition(present.sum(axis=1)))
+
+
+def log_arms(session: rr.RecordingStream, path: str, scene: Scene, declaration: Declaration) -> None:
+    """Every party's arm of a scene, and the drag on the last one where it is known."""
     arm = declaration.specimen
     log_tank(session, f"{path}/arms", declaration)
-    parties = (("measured", MEASURED, run.measured), ("base", BASE, run.base), ("augmented", AUGMENTED, run.augmented))
-    for name, role, xy in parties:
-        if run.points == "midline":
-            log_tube(session, f"{path}/arms/{name}", role, run.t, run.s, xy, arm)
-        else:
-            log_markers(session, f"{path}/arms/{name}", role, run.t, xy, arm.length / 60)
-    if run.points == "markers":
-        for name, role, xy in parties[1:]:
-            misses = planar_to_space(np.stack([run.measured, xy], axis=2))
-            present = np.isfinite(misses).all(axis=(2, 3))
-            style = rr.LineStrips3D.from_fields(colors=[role.colour], radii=[arm.length / 300])
-            session.log(f"{path}/arms/{name}/miss", style, static=True)
-            columns = rr.LineStrips3D.columns(strips=misses[present])
-            session.send_columns(f"{path}/arms/{name}/miss", [seconds(run.t)], columns.partition(present.sum(axis=1)))
-    if run.drag is not None:
-        log_drag(session, f"{path}/arms/drag", run.t, run.augmented, run.drag, arm.length)
+    for party in scene.parties:
+        where = f"{path}/arms/{party.key}"
+        if scene.points == "midline":
+            log_tube(session, where, party.role, scene.t, scene.s, party.xy, arm, full=party is scene.subject)
+            continue
+        log_markers(session, where, party.role, scene.t, party.xy, arm.length / 60)
+        if party is not scene.subject:
+            log_misses(session, f"{where}/miss", scene, party, arm.length / 300)
+    if scene.drag is not None:
+        log_drag(session, f"{path}/arms/drag", scene.t, scene.parties[-1].xy, scene.drag, arm.length)

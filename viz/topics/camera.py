@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import rerun as rr
 
 from tentacle.recording import Camera, Recording
 from tentacle.signals import Array, ShapeTrack
 from viz.palette import WARNING, Role
+from viz.scene import Scene
 from viz.topics.paths import seconds
 from viz.tube import thin
 from viz.video import SmallVideo, small_video
@@ -45,10 +44,8 @@ def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, vide
     session.send_columns(path, [seconds(shape.t)], columns.partition(rejected.astype(int)))
 
 
-def log_camera(
-    session: rr.RecordingStream, path: str, recording: Recording, lines: Iterable[tuple[str, Role, Array, Array]]
-) -> bool:
-    """The video with lines (name, role, t (T,), xy (T, P, 2)) over it; False where the recording has none."""
+def log_camera(session: rr.RecordingStream, path: str, scene: Scene, recording: Recording) -> bool:
+    """The video with every party's line over it; False where the recording has none."""
     camera = recording.declaration.camera
     if recording.video is None or camera is None:
         return False
@@ -57,8 +54,8 @@ def log_camera(
     session.log(f"{path}/camera", asset, static=True)
     frames = rr.VideoFrameReference.columns_nanos(asset.read_frame_timestamps_nanos())
     session.send_columns(f"{path}/camera", [seconds(video.t)], frames)
-    for name, role, t, xy in lines:
-        log_overlay(session, f"{path}/camera/{name}", role, t, xy, camera, video.scale)
+    for party in scene.parties:
+        log_overlay(session, f"{path}/camera/{party.key}", party.role, scene.t, party.xy, camera, video.scale)
     if recording.shape is not None:
         log_rejected(session, f"{path}/camera/rejected", recording.shape, video)
     return True

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 import rerun as rr
 
-from tentacle.diagnosis import RunComparison
 from tentacle.recording import Recording
+from viz.scene import Scene
 from viz.topics.paths import seconds
 
 Level = Literal["INFO", "WARN", "ERROR"]
@@ -41,11 +41,11 @@ def recording_events(recording: Recording) -> list[Event]:
     return events
 
 
-def judged_events(run: RunComparison) -> list[Event]:
+def judged_events(scene: Scene) -> list[Event]:
     """Where the errors begin and cease to be judged."""
-    edges = np.diff(run.judged.astype(int), prepend=0)
-    starts = [Event(float(t), "INFO", "errors are judged from here") for t in run.t[edges == 1]]
-    stops = [Event(float(t), "INFO", "errors are not judged from here") for t in run.t[edges == -1]]
+    edges = np.diff(scene.judged.astype(int), prepend=0)
+    starts = [Event(float(t), "INFO", "errors are judged from here") for t in scene.t[edges == 1]]
+    stops = [Event(float(t), "INFO", "errors are not judged from here") for t in scene.t[edges == -1]]
     return starts + stops
 
 

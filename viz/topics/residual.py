@@ -7,10 +7,10 @@ import warnings
 import numpy as np
 import rerun as rr
 
-from tentacle.diagnosis import RunComparison
 from tentacle.signals import Array
-from viz.heat import colour_limit, heat_map, residual_mm
-from viz.palette import AUGMENTED, BASE, NEUTRAL, WARNING
+from viz.heat import colour_limit, heat_map
+from viz.palette import NEUTRAL, WARNING
+from viz.scene import Party, Scene
 from viz.topics.lines import log_line
 from viz.topics.paths import seconds
 
@@ -24,9 +24,9 @@ def rms_over_points(values: Array) -> Array:
         return np.sqrt(np.nanmean(values**2, axis=1))
 
 
-def log_heat(session: rr.RecordingStream, path: str, run: RunComparison, model: Array) -> None:
-    """One model's residual map [mm] on the colour scale shared by both."""
-    drawn = heat_map(run, model, colour_limit(run))
+def log_heat(session: rr.RecordingStream, path: str, scene: Scene, party: Party) -> None:
+    """One model's residual map [mm] on the colour scale shared by all."""
+    drawn = heat_map(scene, party, colour_limit(scene))
     height, width = drawn.picture.shape[:2]
     session.log(f"{path}/map", rr.Image(drawn.picture), static=True)
     labels = [f"dark 0, yellow {drawn.limit:.2g} mm", "base", "tip", f"{drawn.start:.1f} s", f"{drawn.stop:.1f} s"]
@@ -40,17 +40,18 @@ def log_heat(session: rr.RecordingStream, path: str, run: RunComparison, model: 
     session.send_columns(f"{path}/now", [seconds(t)], rr.LineStrips2D.columns(strips=mark.astype(np.float32)))
 
 
-def log_residual(session: rr.RecordingStream, path: str, run: RunComparison) -> None:
-    """Maps and rms [mm] of both models' residuals."""
-    for name, role, model in (("base", BASE, run.base), ("augmented", AUGMENTED, run.augmented)):
-        log_heat(session, f"{path}/residual/{name}", run, model)
-        log_line(session, f"{path}/error/{name}", role, run.t, rms_over_points(residual_mm(run, model)))
+def log_residual(session: rr.RecordingStream, path: str, scene: Scene) -> None:
+    """Maps and rms [mm] of every model's residual."""
+    for party in scene.models:
+        log_heat(session, f"{path}/residual/{party.key}", scene, party)
+        rms = rms_over_points(scene.residual_mm(party))
+        log_line(session, f"{path}/error/{party.key}", party.role, scene.t, rms)
 
 
-def log_spectra(session: rr.RecordingStream, path: str, run: RunComparison) -> None:
+def log_spectra(session: rr.RecordingStream, path: str, scene: Scene) -> None:
     """Amplitude spectra of the tip as a picture: the viewer's charts have no logarithmic and no frequency axis."""
     from viz.figures.spectrum import spectrum_figure
     from viz.figures.style import png
 
-    picture = png(spectrum_figure(run, height=3.4, width=5.0), dpi=150, ink="#dddddd", paper="#101010")
+    picture = png(spectrum_figure(scene, height=3.4, width=5.0), dpi=150, ink="#dddddd", paper="#101010")
     session.log(f"{path}/spectrum", rr.EncodedImage(contents=picture, media_type="image/png"), static=True)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import rerun as rr
 
-from tentacle.diagnosis import RunComparison
 from tentacle.signals import LoadCellSignal
-from viz.palette import AUGMENTED, BASE, MEASURED
+from viz.palette import MEASURED
+from viz.scene import Scene
 from viz.topics.lines import log_line
 
 
-def log_thrust(session: rr.RecordingStream, path: str, run: RunComparison, load_cell: LoadCellSignal | None) -> bool:
+def log_thrust(session: rr.RecordingStream, path: str, scene: Scene, load_cell: LoadCellSignal | None) -> bool:
     """Whatever is known of the thrust; False where nothing is."""
     if load_cell is not None:
         log_line(session, f"{path}/thrust/measured", MEASURED, load_cell.t, load_cell.thrust)
-    for name, role, thrust in (("base", BASE, run.thrust_base), ("augmented", AUGMENTED, run.thrust_augmented)):
-        if thrust is not None:
-            log_line(session, f"{path}/thrust/{name}", role, run.t, thrust)
-    return load_cell is not None or run.thrust_base is not None or run.thrust_augmented is not None
+    known = [(party, party.thrust) for party in scene.parties if party.thrust is not None]
+    for party, thrust in known:
+        log_line(session, f"{path}/thrust/{party.key}", party.role, scene.t, thrust)
+    return load_cell is not None or bool(known)
