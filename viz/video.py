@@ -13,7 +13,6 @@ import av
 import av.error
 import av.video.frame
 import numpy as np
-from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
@@ -41,7 +40,7 @@ class SmallVideo:
 def frames(recording: Recording) -> Iterator[tuple[float, av.VideoFrame]]:
     """(time [s], frame) of a recording's video: each frame's own time stamp, or k / fps for a folder of pictures.
 
-    Raises InputError where the video cannot be read.
+    A video that breaks off gives what stands before the break. Raises InputError where nothing can be read.
     """
     if recording.video is None or recording.declaration.camera is None:
         raise InputError("no video with a declared camera", field="video", expected="a recording that has both")
@@ -51,14 +50,25 @@ def frames(recording: Recording) -> Iterator[tuple[float, av.VideoFrame]]:
             with av.open(str(picture)) as container:
                 yield index / recording.declaration.camera.fps, next(container.decode(video=0))
         return
+    started = False
     try:
         with av.open(str(path)) as container:
             for frame in container.decode(video=0):
-                yield float(frame.time or 0.0), frame
+                if frame.time is not None:
+                    yield float(frame.time), frame
+                    started = True
     except (OSError, av.error.FFmpegError) as error:
-        raise InputError(
-            f"cannot be read as a video ({error})", file=path, expected="an mp4 or a folder of PNG"
-        ) from None
+        if not started:
+            raise InputError(f"cannot be read as a video ({error})", file=path, expected="a video") from None
+
+
+def upright(frame: av.VideoFrame) -> av.VideoFrame:
+    """The frame turned as its file declares (a camera held sideways); unchanged where it declares nothing."""
+    turns = round(frame.rotation / 90) % 4
+    if turns == 0:
+        return frame
+    turned = np.rot90(frame.to_ndarray(format="rgb24").astype(np.uint8), turns)
+    return av.VideoFrame.from_ndarray(np.ascontiguousarray(turned), "rgb24")
 
 
 def even(value: float) -> int:
@@ -77,7 +87,8 @@ def small_video(recording: Recording) -> SmallVideo:
         stream.options = {"preset": "10", "crf": str(QUALITY), "g": str(KEY_FRAME_EVERY), "svtav1-params": "lp=1"}
         stream.pix_fmt = "yuv420p"
         stream.time_base = Fraction(1, TICKS)
-        for t, frame in frames(recording):
+        for t, seen in frames(recording):
+            frame = upright(seen)
             if not times:
                 scale = min(1.0, MAXIMUM_WIDTH / frame.width)
                 size = (even(frame.width * scale), even(frame.height * scale))
@@ -93,9 +104,3 @@ def small_video(recording: Recording) -> SmallVideo:
     if not times:
         raise InputError("has no frames", file=recording.video.path if recording.video else None, expected="a video")
     return SmallVideo(target.getvalue(), np.array(times), scale, *size)
-
-
-def frame_nanoseconds(video: SmallVideo) -> NDArray[np.int64]:
-    """Each frame's time stamp (T,) [ns] inside the encoded file, which the viewer looks it up by."""
-    ticks = np.round(video.t * TICKS).astype(np.int64)
-    return (ticks * 1_000_000_000) // TICKS

@@ -64,7 +64,7 @@ def test_every_topic_of_every_run_is_there(written):
     assert "/runs/gait\\:\\ trial\\/2/camera" not in found  # no video, no view of one
 
 
-def test_a_missing_instant_has_no_arm_and_the_others_have_sixteen_pieces(case, written):
+def test_a_missing_instant_has_no_arm_and_the_others_have_24_pieces(case, written):
     pieces = [
         len(row)
         for batch in read(written)["/runs/chirp\\ 1/arms/measured"]
@@ -72,7 +72,7 @@ def test_a_missing_instant_has_no_arm_and_the_others_have_sixteen_pieces(case, w
         for row in batch.column("LineStrips3D:strips").to_pylist()
     ]
     present = np.isfinite(case.diagnosis.runs[0].measured).all(axis=(1, 2))
-    assert pieces == [16 if there else 0 for there in present]
+    assert pieces == [24 if there else 0 for there in present]
 
 
 def test_the_video_inside_is_av1_and_has_every_frame_at_its_time(case, written):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import rerun.blueprint as rrb
 from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
@@ -38,17 +40,18 @@ def camera_view(path: str) -> rrb.Spatial2DView:
 
 def events_view(path: str) -> rrb.TextLogView:
     """The event log of a run."""
-    columns = rrb.TextLogColumns(
-        timeline_columns=[TimelineColumn(TIMELINE)], text_log_columns=[TextLogColumn("LogLevel"), TextLogColumn("Body")]
+    columns = rrb.TextLogColumns(  # the text says the time: the viewer's own column is too narrow to read
+        timeline_columns=[TimelineColumn(TIMELINE, visible=False)],
+        text_log_columns=[TextLogColumn("LogLevel"), TextLogColumn("Body")],
     )
     return rrb.TextLogView(origin=f"{path}/events", name="events", columns=columns)
 
 
-def page(*parts: rrb.BlueprintPart) -> rrb.Blueprint:
+def page(*parts: rrb.BlueprintPart, state: Literal["paused", "following"] = "paused") -> rrb.Blueprint:
     """A layout with a low time panel that stands on the shared time line, other panels closed."""
     return rrb.Blueprint(
         *parts,
-        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="paused"),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state=state),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
         auto_views=False,

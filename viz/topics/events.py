@@ -42,7 +42,9 @@ def recording_events(recording: Recording) -> list[Event]:
 
 
 def judged_events(scene: Scene) -> list[Event]:
-    """Where the errors begin and cease to be judged."""
+    """Where the errors begin and cease to be judged; nothing where that is everywhere."""
+    if scene.judged.all():
+        return []
     edges = np.diff(scene.judged.astype(int), prepend=0)
     starts = [Event(float(t), "INFO", "errors are judged from here") for t in scene.t[edges == 1]]
     stops = [Event(float(t), "INFO", "errors are not judged from here") for t in scene.t[edges == -1]]
@@ -54,6 +56,6 @@ def log_events(session: rr.RecordingStream, path: str, events: Iterable[Event]) 
     ordered = sorted(events, key=lambda event: event.t)
     if not ordered:
         return False
-    columns = rr.TextLog.columns(text=[e.text for e in ordered], level=[e.level for e in ordered])
+    columns = rr.TextLog.columns(text=[f"{e.t:.3f} s  {e.text}" for e in ordered], level=[e.level for e in ordered])
     session.send_columns(f"{path}/events", [seconds(np.array([e.t for e in ordered]))], columns)
     return True
