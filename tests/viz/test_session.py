@@ -25,7 +25,7 @@ def read(path: Path) -> dict[str, list]:
 
 def times_of(batch) -> np.ndarray:
     """The time line's column [s]; it counts whole nanoseconds."""
-    return batch.column("t").cast("int64").to_numpy() / 1e9
+    return batch.column("time").cast("int64").to_numpy() / 1e9
 
 
 def scalars(batches: list) -> tuple[np.ndarray, np.ndarray]:
@@ -68,7 +68,7 @@ def test_a_missing_instant_has_no_arm_and_the_others_have_24_pieces(case, writte
     pieces = [
         len(row)
         for batch in read(written)["/runs/chirp\\ 1/arms/measured"]
-        if "t" in batch.schema.names
+        if "time" in batch.schema.names
         for row in batch.column("LineStrips3D:strips").to_pylist()
     ]
     present = np.isfinite(case.diagnosis.runs[0].measured).all(axis=(1, 2))
@@ -79,7 +79,7 @@ def test_the_video_inside_is_av1_and_has_every_frame_at_its_time(case, written):
     batches = read(written)["/runs/chirp\\ 1/camera"]
     blob = next(b.column("AssetVideo:blob")[0].as_py()[0] for b in batches if "AssetVideo:blob" in b.schema.names)
     assert b"av01" in bytes(blob)
-    times = np.concatenate([times_of(b) for b in batches if "t" in b.schema.names])
+    times = np.concatenate([times_of(b) for b in batches if "time" in b.schema.names])
     np.testing.assert_allclose(times, case.diagnosis.runs[0].t, atol=1e-4)  # mp4 ticks: 1/90000 s and the source's own
 
 
@@ -118,7 +118,7 @@ def test_markers_are_points_with_lines_to_where_the_models_put_them(case, tmp_pa
     lengths = [
         np.linalg.norm(np.subtract(strip[1], strip[0]))
         for batch in found["/runs/chirp\\ 1/arms/base/miss"]
-        if "t" in batch.schema.names
+        if "time" in batch.schema.names
         for row in batch.column("LineStrips3D:strips").to_pylist()
         for strip in row
     ]

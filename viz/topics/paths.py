@@ -6,7 +6,7 @@ import rerun as rr
 
 from tentacle.signals import Array
 
-TIMELINE = "t"
+TIMELINE = "time"
 
 
 def run_path(name: str) -> str:
