@@ -2,7 +2,6 @@
 //   rig_host --link PATH [--trace PATH] [--seed N] [--rate R] [--skew-ppm P] [--period-us U] [--offset COUNTS]
 //            [--counts-per-newton C] [--noise-counts S] [--plant-in FD --plant-out FD --plant-step-s S]
 #include <poll.h>
-#include <sys/prctl.h>
 #include <time.h>
 
 #include <csignal>
@@ -112,8 +111,11 @@ int main(int count, char** words) {
   std::string typed;
   int since_publish = 0;
   for (;;) {
-    pollfd waiting{0, POLLIN, 0};
-    if (poll(&waiting, 1, 1) > 0) {
+    // Woken by bytes at once; they are handled at the board time at which they came.
+    pollfd waiting[2] = {{0, POLLIN, 0}, {port.descriptor(), POLLIN, 0}};
+    const timespec nap{0, 1000000};
+    const bool woken = ppoll(waiting, 2, &nap, nullptr) > 0;
+    if (woken && waiting[0].revents != 0) {
       char buffer[256];
       const ssize_t got = read(0, buffer, sizeof buffer);
       if (got <= 0) return 0;
@@ -122,15 +124,17 @@ int main(int count, char** words) {
         if (!obey(typed.substr(0, end))) return 0;
     }
     const double until_us = 1e6 * truth.rate * (host_seconds() - truth.host_zero_s);
+    // After a long stop of this process bytes are read early, lest the watchdog bite for the computer's sake.
+    const bool stalled = until_us - time_us > 50000;
     for (; time_us + kStepUs <= until_us; time_us += kStepUs) {
       const double board_us = truth.boot_offset_us + time_us;
       if (board_us > hardware.now_us) hardware.now_us = board_us;
       const bool armed = hardware.pulse_us != 0;
       plant->advance(1e-6 * time_us, armed ? (hardware.pulse_us - 1500.0) / kUsPerRadian : 0.0, armed);
       hardware.chip.advance(hardware.now_us, plant->state().force_n);
-      hardware.exchange();
+      if (stalled || time_us + 2 * kStepUs > until_us) hardware.receive();
       board->step();
-      hardware.exchange();
+      hardware.transmit();
       if (++since_publish % 4 != 0) continue;
       truth.board_us = hardware.now_us;
       truth.led_on_us = hardware.led_on_us;

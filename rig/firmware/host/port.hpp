@@ -39,7 +39,7 @@ class Port {
     ::unlink(link_.c_str());
   }
 
-  bool plugged() const { return master_ >= 0; }
+  int descriptor() const { return master_; }  // -1 while unplugged
 
   long receive(std::uint8_t* buffer, std::size_t size) { return master_ < 0 ? -1 : ::read(master_, buffer, size); }
   // Bytes that nobody takes are lost, as on a real UART.

@@ -57,16 +57,17 @@ class Simulated : public rig::Hardware {
     (on ? led_on_us : led_off_us) = now_us;
   }
 
-  // Moves bytes between the pty and the board, through the bad line.
-  void exchange() {
+  // Takes what has come over the pty, through the bad line.
+  void receive() {
     std::uint8_t buffer[512], bad[2];
     long got;
     while ((got = port_.receive(buffer, sizeof buffer)) > 0)
       for (long i = 0; i < got; ++i) incoming_.insert(incoming_.end(), bad, bad + from_host.pass(buffer[i], bad));
+  }
+  void transmit() {
     if (outgoing_.empty()) return;
-    const std::vector<std::uint8_t> bytes(outgoing_.begin(), outgoing_.end());
+    port_.transmit(outgoing_.data(), outgoing_.size());
     outgoing_.clear();
-    port_.transmit(bytes.data(), bytes.size());
   }
   void reset() {
     incoming_.clear();
@@ -79,7 +80,8 @@ class Simulated : public rig::Hardware {
  private:
   Port& port_;
   Plant& plant_;
-  std::deque<std::uint8_t> incoming_, outgoing_;
+  std::deque<std::uint8_t> incoming_;
+  std::vector<std::uint8_t> outgoing_;
 
  public:
   CellChip chip;
