@@ -126,13 +126,15 @@ int main(int count, char** words) {
     const double until_us = 1e6 * truth.rate * (host_seconds() - truth.host_zero_s);
     // After a long stop of this process bytes are read early, lest the watchdog bite for the computer's sake.
     const bool stalled = until_us - time_us > 50000;
-    for (; time_us + kStepUs <= until_us; time_us += kStepUs) {
+    while (time_us < until_us) {
+      const double left_us = until_us - time_us;
+      time_us += left_us < kStepUs ? left_us : kStepUs;
       const double board_us = truth.boot_offset_us + time_us;
       if (board_us > hardware.now_us) hardware.now_us = board_us;
       const bool armed = hardware.pulse_us != 0;
       plant->advance(1e-6 * time_us, armed ? (hardware.pulse_us - 1500.0) / kUsPerRadian : 0.0, armed);
       hardware.chip.advance(hardware.now_us, plant->state().force_n);
-      if (stalled || time_us + 2 * kStepUs > until_us) hardware.receive();
+      if (stalled || left_us <= kStepUs) hardware.receive();
       board->step();
       hardware.transmit();
       if (++since_publish % 4 != 0) continue;
