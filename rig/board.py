@@ -46,6 +46,7 @@ class Board:
         self.clock = ClockEstimator()
         self.boot: Boot | None = None
         self.pong: Pong | None = None
+        self.limits = b""  # the body of LIMITS with which it was armed last
         self._counters = LineCounters()
         self._sequence = SampleSequence()
         self._inbox: list[Sample] = []
@@ -66,6 +67,7 @@ class Board:
         until = time.monotonic() + BOOT_WITHIN
         while self.boot is None and time.monotonic() < until:
             self._command_number = (self._command_number + 1) & 0xFF
+            self._answer = None
             self.link.send(Frame(Type.HELLO, self._command_number, protocol.hello()))
             self._listen_until(lambda: self.boot is not None or self._answer is not None, 0.3)
             if self._answer is not None and self._answer.reason == Reason.BAD_VERSION:

@@ -36,6 +36,8 @@ def compiled(program: str) -> Path:
     command = [compiler, *_FLAGS, "-o", str(fresh), str(FIRMWARE / source), *map(str, core)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode != 0:
-        raise InputError(f"{Path(compiler).name} failed: {result.stderr.strip().splitlines()[-1:]}", file=FIRMWARE / source)
+        raise InputError(
+            f"{Path(compiler).name} failed: {result.stderr.strip().splitlines()[-1:]}", file=FIRMWARE / source
+        )
     fresh.replace(target)
     return target

@@ -72,6 +72,15 @@ def estimate_offset(frame_times: Array, lit: np.ndarray, on: Array, off: Array) 
     return CameraOffset(mean, max(sigma, jitter / np.sqrt(used)), used)
 
 
+def combined(now: CameraOffset, calibrated: CameraOffset | None) -> CameraOffset:
+    """This run's estimate and the calibrated one, weighted; this run's alone where they contradict (3 sigma)."""
+    if calibrated is None or abs(now.offset - calibrated.offset) > 3.0 * np.hypot(now.sigma, calibrated.sigma):
+        return now
+    weight = np.array([now.sigma, calibrated.sigma]) ** -2.0
+    offset = float(weight @ [now.offset, calibrated.offset] / weight.sum())
+    return CameraOffset(offset, float(weight.sum() ** -0.5), now.edges)
+
+
 def _between(early: Array, late: Array, jitter: float) -> Array:
     """Probability that 0 lies between two jittered instants."""
     return np.clip(ndtr(late / jitter) - ndtr(early / jitter), 0.0, 1.0)

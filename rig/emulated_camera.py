@@ -51,7 +51,9 @@ class EmulatedSource:
             opened = self._start + self._count / optics.declaration.fps
             closed = opened + optics.declaration.exposure
             self._count += 1
-            self._time.wait(closed + 0.004 * self._time.rate - self._time.now())  # the truth is written every millisecond
+            self._time.wait(
+                closed + 0.004 * self._time.rate - self._time.now()
+            )  # the truth is written every millisecond
             if not optics.stall[0] <= opened - self._start < optics.stall[1]:
                 break
         truth = read_truth(self._trace)

@@ -52,7 +52,9 @@ class Link:
             port = serial.serial_for_url(target, baudrate=BAUD, timeout=0.0, write_timeout=0.5, **exclusive)
         except (OSError, ValueError) as error:  # SerialException is an OSError
             raise Fault("link_lost", f"{self.url} cannot be opened: {_reason(error)}") from None
-        with contextlib.suppress(OSError):  # a pty has no modem lines and says ENOTTY; it may have no input queue either
+        with contextlib.suppress(
+            OSError
+        ):  # a pty has no modem lines and says ENOTTY; it may have no input queue either
             port.reset_input_buffer()
         self._bad_before, self._parser = self.bad_frames, Parser()
         self._port = port

@@ -26,6 +26,13 @@ _ENDS: dict[int, Kind] = {
 
 
 @dataclass(frozen=True)
+class PlayStart:
+    """The board has taken the run: start_us is the board time [us] of set point 0, a moment ahead."""
+
+    start_us: int
+
+
+@dataclass(frozen=True)
 class PlayEnd:
     """How a run ended: outcome "complete", "interrupted" or a Fault's kind; start_us, board time of set point 0."""
 
@@ -38,7 +45,8 @@ def arm(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
     """Hands the limits to the board and waits until it is ready at neutral."""
     assert board.boot is not None
     check_limits(limits, servo, board.boot)
-    board.command(Type.LIMITS, limits_message(limits, servo))
+    board.limits = limits_message(limits, servo)
+    board.command(Type.LIMITS, board.limits)
     until = time.monotonic() + 3.0
     while board.state != State.READY:
         board.service()
@@ -54,10 +62,10 @@ def play(
     *,
     period: float = SERVO_FRAME,
     interrupts: Interrupts | None = None,
-) -> Iterator[Sequence[Sample] | PlayEnd]:
+) -> Iterator[Sequence[Sample] | PlayStart | PlayEnd]:
     """Plays set points (N,) [rad], one every `period` [s], on an armed board.
 
-    Yields batches of samples in order as they come, and a PlayEnd at last. Nothing is raised for a fault of the rig: it is
+    Yields a PlayStart, batches of samples in order as they come, and a PlayEnd at last. Nothing is raised for a fault of the rig: it is
     the PlayEnd's outcome, after what could still be had from the board was yielded. The arm ends at neutral.
     """
     check_set_points(points, period, limits)
@@ -65,6 +73,7 @@ def play(
     start_us = 0
     try:
         start_us, sent = _begin(board, urad, period)
+        yield PlayStart(start_us)
         stopping = False
         while True:
             board.service()
@@ -129,7 +138,19 @@ def _after(board: Board, fault: Fault, start_us: int) -> Iterator[Sequence[Sampl
     batch = board.take()
     if batch:
         yield batch
+    if fault.kind == "board_reset":
+        _rearm(board)
     return PlayEnd(fault.kind, str(fault), start_us)
+
+
+def _rearm(board: Board) -> None:
+    """A board that has started anew leaves the servo limp: greeted and armed again, it holds it at neutral."""
+    try:
+        board.connect()
+        board.command(Type.LIMITS, board.limits)
+        board.command(Type.STREAM, protocol.stream(True))
+    except Fault:
+        pass  # it stays limp, which is safe; the run's outcome is the reset all the same
 
 
 def _rest(board: Board) -> Iterator[Sequence[Sample]]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -15,15 +16,16 @@ import numpy as np
 from rig import protocol
 from rig.board import Board
 from rig.camera import Camera, CameraFrame, FileSource, FrameSource, WebcamSource
-from rig.camera_offset import CameraOffset, estimate_offset, lit_frames
+from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frames
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.fault import Fault
 from rig.host_time import HostTime
 from rig.interrupts import Interrupts
 from rig.link import Link
-from rig.play import PlayEnd, arm, play
+from rig.play import PlayEnd, PlayStart, arm, play
 from rig.protocol import Event, EventCode, LoadSample, Sample, Type
 from rig.recorder import Recorder
+from rig.run_file import read_run, write_video
 from rig.safety import SERVO_FRAME, check_set_points, lead_samples, set_points
 from rig.settle import Settling
 from rig.setup_file import RigSetup, setup_tables
@@ -125,7 +127,9 @@ def record(
         except Fault as fault:
             end = PlayEnd(fault.kind, str(fault), 0)
             _neutral(board)
-        recorder.stop(end.outcome, run.stop_record(end))
+        stop = run.stop_record(end)
+        _film(recorder, path, {"outcome": end.outcome, **stop})
+        recorder.stop(end.outcome, stop)
     return RunResult(path, end.outcome, end.words, run.mean_thrust(end), run.count, board.counters.samples_lost)
 
 
@@ -152,6 +156,7 @@ class _Run:
         self._flashes: list[tuple[int, bool]] = []
         self._sync: list[CameraFrame] = []
         self._clocked_at = -1e9
+        self._synchronised = camera is None
 
     def perform(self, recorder: Recorder) -> PlayEnd:
         self._settle(recorder)
@@ -161,6 +166,8 @@ class _Run:
                          interrupts=self.interrupts):  # fmt: skip
             if isinstance(item, PlayEnd):
                 end = item
+            elif isinstance(item, PlayStart):
+                recorder.begin(item.start_us + round(1e6 * self.motion.zero_index * self.motion.period))
             else:
                 self._take(recorder, list(item))
                 share = (self.board.time.now() - begun) / (self.motion.duration + 0.5)
@@ -200,7 +207,7 @@ class _Run:
             self._synchronise_camera(recorder)
 
     def _synchronise_camera(self, recorder: Recorder) -> None:
-        until = self.board.time.now() + 0.4 + self.setup_offset
+        until = self.board.time.now() + 0.5
         while self.board.time.now() < until:  # the last frames are still on their way
             self.board.service()
             self._take(recorder, self.board.take())
@@ -209,14 +216,15 @@ class _Run:
         try:
             lit = lit_frames(np.array([f.thumbnail for f in self._sync]))
             times = np.array([fit.to_board(f.host_s) for f in self._sync])
-            self.offset = estimate_offset(times, lit, np.array(on), np.array(off))
+            self.offset = combined(estimate_offset(times, lit, np.array(on), np.array(off)), self._calibrated())
         except Fault:
             self.offset = None  # the lamp is out of sight: the calibrated offset stands, and the stop record says so
+        self._synchronised = True
         self._sync.clear()
 
-    @property
-    def setup_offset(self) -> float:
-        return self.setup.camera.offset if self.setup.camera else 0.0
+    def _calibrated(self) -> CameraOffset | None:
+        camera = self.setup.camera
+        return CameraOffset(camera.offset, camera.sigma, 0) if camera is not None and camera.sigma > 0 else None
 
     def _take(self, recorder: Recorder, batch: list[Sample]) -> None:
         recorder.samples(batch)
@@ -229,7 +237,7 @@ class _Run:
         if self.camera is not None:
             frames = self.camera.take()
             recorder.frames(frames)
-            if self.offset is None:
+            if not self._synchronised:
                 self._sync += frames
             self._watch_camera()
         if time.monotonic() - self._clocked_at > 1.0 and len(self.board.clock) > 3:
@@ -294,6 +302,21 @@ def _start_record(setup: RigSetup, board: Board, motion: Motion, name: str) -> d
         "load_cell": tables["load_cell"],
         "camera": tables.get("camera"),
     }
+
+
+def _film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
+    """The frames of the run as one video with true times, so that tracking can read it; the frames themselves stay."""
+    if not stop["start_us"] or stop["camera"] is None:
+        return
+    recorder.flush()
+    run = replace(read_run(path), stop=stop)
+    with tempfile.TemporaryDirectory() as folder:
+        video = Path(folder) / "video.mp4"
+        try:
+            write_video(run, video)
+        except InputError:
+            return  # a camera that gave nothing: its gap is in the stop record
+        recorder.video(video)
 
 
 def _neutral(board: Board) -> None:

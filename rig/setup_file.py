@@ -142,7 +142,9 @@ def _parse_settle(table: Table) -> SettleRule:
 def _parse_load_cell(table: Table) -> LoadCellCalibration:
     slope = table.number("counts_per_newton")
     if slope == 0:
-        raise table.error("0 is not usable", "counts_per_newton", "counts per newton, negative where the cell is upside down")
+        raise table.error(
+            "0 is not usable", "counts_per_newton", "counts per newton, negative where the cell is upside down"
+        )
     cell = LoadCellCalibration(table.number("offset_counts"), slope, table.number("rms_n", 0.0, least=0))
     table.finish()
     return cell

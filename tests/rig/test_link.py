@@ -47,10 +47,12 @@ def url(request: pytest.FixtureRequest):
         os.close(far)
     else:
         with socket.create_server(("127.0.0.1", 0)) as server:
+
             def accept() -> None:
                 peer, _ = server.accept()
                 with peer:
                     Echo(peer.recv, peer.sendall).join(5)
+
             thread = threading.Thread(target=accept, daemon=True)
             thread.start()
             yield f"socket://127.0.0.1:{server.getsockname()[1]}"

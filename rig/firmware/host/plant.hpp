@@ -56,9 +56,9 @@ class Paddle : public Plant {
         const double along = kLink * (node + 0.5) / kNodes;
         const double carried = link == 0 ? 0.0 : kLink * rate_;
         const double normal_speed = carried * std::cos(bend_) + turning * along;
-        const double drag = -kWater * kDrag * kRadius * std::fabs(normal_speed) * normal_speed * kLink / kNodes;
-        force += drag * std::sin(angle);  // normal (cos phi, sin phi): its part along +y
-        if (link == 1) torque += drag * along;
+        const double drag = kWater * kDrag * kRadius * std::fabs(normal_speed) * normal_speed * kLink / kNodes;
+        force += drag * std::sin(angle);  // turning onward moves a link along -n; the drag is along n = (cos, sin) phi
+        if (link == 1) torque -= drag * along;
       }
     }
     const double hinge = torque - kSpring * bend_ - kDamping * bend_rate_ - kInertia * acceleration;
