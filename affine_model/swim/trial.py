@@ -37,17 +37,17 @@ class Trial:
     rail: Rail | None = None
     settle: float = 2.0
     window: float = 6.0
-    step: float = 1.0 / 150.0
+    step: float = 1.0 / 120.0
 
     @property
     def steps(self) -> int:
         """Steps of one run, even."""
         return 2 * round(0.5 * (self.settle + self.window) / self.step)
 
-    def refined(self, seconds: float = 20.0) -> Trial:
-        """The same trial to be believed, not to be fast: twice the nodes, a third of the step, a window of `seconds`."""
-        arm = replace(self.arm, nodes=2 * self.arm.nodes)
-        return replace(self, arm=arm, step=self.step / 3.0, window=seconds, settle=max(self.settle, 4.0))
+    def refined(self, seconds: float = 12.0) -> Trial:
+        """The same trial to be believed, not to be fast: more nodes, a third of the step, a window of `seconds`."""
+        arm = replace(self.arm, nodes=max(8, self.arm.nodes + 2))
+        return replace(self, arm=arm, step=self.step / 3.0, window=seconds, settle=max(self.settle, 3.0))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,8 @@
-"""CMA-ES (package cmaes; Hansen 2016), several runs side by side so that a batch of the kernel is full; each restarts where it has converged."""
+"""CMA-ES (package cmaes; Hansen 2016), several runs side by side so that a batch of the kernel is full.
+
+A run whose best has stood still restarts elsewhere: the landscape has several hills (one for each way to shape the wave), and the last
+digits are left to the polish.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,8 @@ from affine_model.curvature import Array
 from tentacle.gait import GAIT_PARAMETERS
 
 _GOES_AROUND = 3  # the phases are the last three coordinates: no bound, they are taken modulo 1
+_PATIENCE = 12  # generations over which the best must rise ...
+_RISE = 2e-3  # ... by this share
 
 
 class CovarianceEvolution:
@@ -18,12 +24,13 @@ class CovarianceEvolution:
         self._random = np.random.default_rng(seed)
         self._population, self._sigma = population, sigma
         self._runs = [self._fresh() for _ in range(runs)]
+        self._bests: list[list[float]] = [[] for _ in range(runs)]
 
     def _fresh(self) -> CMA:
         bounds = np.tile([0.0, 1.0], (GAIT_PARAMETERS, 1))
         bounds[-_GOES_AROUND:] = [-1e3, 1e3]
         return CMA(
-            mean=self._random.uniform(0.2, 0.8, GAIT_PARAMETERS),
+            mean=self._random.uniform(0.1, 0.9, GAIT_PARAMETERS),
             sigma=self._sigma,
             bounds=bounds,
             population_size=self._population,
@@ -39,5 +46,8 @@ class CovarianceEvolution:
         for number, run in enumerate(self._runs):
             own = range(number * self._population, (number + 1) * self._population)
             run.tell([(unit[:, index], -float(scores[index])) for index in own])
-            if run.should_stop():
-                self._runs[number] = self._fresh()
+            bests = self._bests[number]
+            bests.append(float(max(np.max(scores[own]), bests[-1] if bests else -np.inf)))
+            still = len(bests) > _PATIENCE and bests[-1] - bests[-_PATIENCE - 1] <= _RISE * abs(bests[-1])
+            if still or run.should_stop():
+                self._runs[number], self._bests[number] = self._fresh(), []
