@@ -38,7 +38,9 @@ OBJECTIVES = {
     for objective in (
         Objective("thrust", "N", "mean forward thrust, base clamped (eq. 21)", False, lambda o: o.thrust),
         Objective("speed", "m/s", "mean forward speed on the rail", True, lambda o: o.speed),
-        Objective("transport", "m/J", "distance per energy on the rail", True, lambda o: o.speed / (o.power + IDLE_POWER)),
+        Objective(
+            "transport", "m/J", "distance per energy on the rail", True, lambda o: o.speed / (o.power + IDLE_POWER)
+        ),
     )
 }
 

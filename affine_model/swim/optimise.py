@@ -63,14 +63,11 @@ class Swimming:
         return self.value / self.sine_value
 
 
-def promise(trial: Trial, alpha: Array) -> Promise:
-    """What the trial's model says of a gait (9,), clamped and on the rail (PAPER_RAIL where the trial has none)."""
+def promise(trial: Trial, alpha: Array, rail: Rail = PAPER_RAIL) -> Promise:
+    """What the clamped trial's model says of a gait (9,), clamped and on the rail."""
     fine = replace(trial, parameters=trial.parameters[:, :1]).refined()
-    clamped = run(replace(fine, rail=None), alpha[:, None])
-    swum = run(replace(fine, rail=trial.rail or PAPER_RAIL), alpha[:, None])
-    thrust, speed, power, torque = (
-        float(part[0, 0]) for part in (clamped.thrust, swum.speed, swum.power, swum.torque)
-    )
+    clamped, swum = run(fine, alpha[:, None]), run(fine.on_rail(rail), alpha[:, None])
+    thrust, speed, power, torque = (float(part[0, 0]) for part in (clamped.thrust, swum.speed, swum.power, swum.torque))
     return Promise(thrust, speed, power, torque, (power + IDLE_POWER) / speed if speed > 0.0 else np.inf)
 
 
@@ -91,8 +88,8 @@ def periodic(alpha: Array, faint: float = 0.05) -> Array:
 
 
 def for_objective(trial: Trial, objective: Objective, rail: Rail = PAPER_RAIL) -> Trial:
-    """The trial with its base clamped or on its rail, as the objective needs it."""
-    return replace(trial, rail=(trial.rail or rail) if objective.on_rail else None)
+    """The clamped trial as it is, or on the rail, as the objective needs it."""
+    return trial.on_rail(rail) if objective.on_rail else trial
 
 
 def optimise(
@@ -102,17 +99,19 @@ def optimise(
     method: str = "cmaes",
     evaluations: int = 5000,
     seed: int = 0,
+    rail: Rail = PAPER_RAIL,
     box: Box | None = None,
     noted: Iterable[Array] = (),
     watch: Callable[[Generation], None] = lambda generation: None,
 ) -> Swimming:
-    """Find the best gait of eq. 20 for the objective, within the servo's limits.
+    """Find the best gait of eq. 20 for the objective, within the servo's limits. The trial is clamped (trial_of); rail serves
+    the objectives that swim, and the promises.
 
     watch is called after every generation. noted: scores of an interrupted run's generations (see search). Raises InputError where
     nothing swims forward at all.
     """
     box = box or search_box(trial.limits)
-    ready = for_objective(trial, objective)
+    ready = for_objective(trial, objective, rail)
     sine, _ = best_sine(ready, objective)
     course: list[Generation] = []
     for generation in search(ready, objective, box, method, evaluations=evaluations, seed=seed, noted=noted):
@@ -135,8 +134,8 @@ def optimise(
         seed=seed,
         gait=Gait(tuple(winner.tolist()), bandwidth),
         sine=Gait(tuple(candidates[:, 0].tolist()), bandwidth),
-        promise=promise(trial, winner),
-        sine_promise=promise(trial, candidates[:, 0]),
+        promise=promise(trial, winner, rail),
+        sine_promise=promise(trial, candidates[:, 0], rail),
         value=value,
         sine_value=sine_value,
         evaluations=np.array([generation.evaluations for generation in course]),

@@ -12,7 +12,15 @@ from affine_model.swim.objectives import weighted
 from affine_model.swim.search import search
 from affine_model.swim.trial import Trial
 
-EXPONENTS = (0.0, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0)  # of the power in speed / power^x, from the fastest gait to the cheapest
+EXPONENTS = (
+    0.0,
+    0.25,
+    0.4,
+    0.55,
+    0.7,
+    0.85,
+    1.0,
+)  # of the power in speed / power^x, from the fastest gait to the cheapest
 
 
 @dataclass(frozen=True)

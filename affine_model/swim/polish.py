@@ -17,7 +17,9 @@ from affine_model.swim.trial import Trial, run
 _OFFSET = 1e-4  # of the unit cube: truncation ~ offset^2, rounding ~ 1e-13 / offset
 
 
-def value_and_gradient(trial: Trial, objective: Objective, box: Box, unit: Array, offset: float = _OFFSET) -> tuple[float, Array]:
+def value_and_gradient(
+    trial: Trial, objective: Objective, box: Box, unit: Array, offset: float = _OFFSET
+) -> tuple[float, Array]:
     """Score of a point (9,) of the unit cube and its gradient (9,) by central differences, one-sided at the walls."""
     size = len(unit)
     steps = offset * np.eye(size)

@@ -64,7 +64,9 @@ def search(
         if values is None:
             outcome = run(trial, box.alpha(unit))
             if np.all(outcome.diverged):
-                raise InputError("every gait diverges", field="specimen", expected="an arm that the model can integrate")
+                raise InputError(
+                    "every gait diverges", field="specimen", expected="an arm that the model can integrate"
+                )
             values = scores(objective, trial, outcome)
             speed, power = outcome.speed.mean(axis=1), outcome.power.mean(axis=1)
         elif len(values) != unit.shape[1]:
