@@ -1,9 +1,9 @@
-"""The nine-parameter gait of eq. 20 as a base motion: a sine, a square-wave series and a saw-tooth series, finitely many terms.
+"""The nine-parameter gait of eq. 20 as a base motion: a sine, a square wave and a saw-tooth, five terms each.
 
-The print sums to infinity; a servo follows no jump. Here a series ends where its harmonics leave the servo's band: harmonic
-n >= 2 of a fundamental f is weighed by cos^2(pi/2 max(n f / bandwidth, n / 16)), zero from there on, so the motion is
-smooth in time and in its parameters. As printed, the phase is added to every harmonic (not multiplied by n): alpha_8 and
-alpha_9 therefore change the wave's shape, not only its start.
+The print sums infinitely many terms, whose acceleration has no limit. Here the first five of each series are taken, and
+harmonics fade out towards the servo's bandwidth: harmonic n >= 2 of a fundamental f is weighed by
+cos^2(pi/2 n f / bandwidth), zero from there on, so that the motion is smooth in time and in its parameters. As printed,
+a phase is added to every harmonic alike: alpha_8 and alpha_9 bend the square and the saw-tooth rather than shift them.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from numpy.typing import ArrayLike
 from tentacle.errors import InputError
 from tentacle.signals import Array
 
-# The definition's constants: for every harmonic its multiple n of the fundamental, its coefficient, and which of the three
-# terms of eq. 20 it belongs to (0 sine, 1 square wave, 2 saw-tooth).
-LAST_MULTIPLE = 15
-SINE, SQUARE, SAW = 0, 1, 2
+# The definition's constants: for every harmonic its multiple n of the fundamental, its coefficient, and which of the
+# three waves of eq. 20 it belongs to (0 sine, 1 square wave, 2 saw-tooth).
+GAIT_TERMS = 5
 _HARMONICS = (
-    [(1, 1.0, SINE)]
-    + [(n, 1.0 / n, SQUARE) for n in range(1, LAST_MULTIPLE + 1, 2)]
-    + [(n, 1.0 / n, SAW) for n in range(1, LAST_MULTIPLE + 1)]
+    [(1, 1.0, 0)]
+    + [(2 * k - 1, 1.0 / (2 * k - 1), 1) for k in range(1, GAIT_TERMS + 1)]
+    + [(k, 1.0 / k, 2) for k in range(1, GAIT_TERMS + 1)]
 )
 MULTIPLE = np.array([harmonic[0] for harmonic in _HARMONICS])
 COEFFICIENT = np.array([harmonic[1] for harmonic in _HARMONICS])
@@ -32,16 +31,19 @@ GAIT_PARAMETERS = 9
 
 
 def harmonic_weights(fundamental: ArrayLike, bandwidth: float) -> Array:
-    """How much of every harmonic (H, ...) stays, for fundamentals (3, ...) [Hz] of the three terms and a bandwidth [Hz]."""
+    """How much of every harmonic (H, ...) stays, for fundamentals (3, ...) [Hz] of the three terms and a bandwidth
+    [Hz].
+    """
     frequency = np.abs(np.asarray(fundamental, dtype=float))[TERM]
     multiple = MULTIPLE.reshape(-1, *([1] * (frequency.ndim - 1)))
-    share = np.maximum(multiple * frequency / bandwidth, multiple / (LAST_MULTIPLE + 1.0))
+    share = multiple * frequency / bandwidth
     return np.where(multiple == 1, 1.0, np.cos(0.5 * np.pi * np.minimum(share, 1.0)) ** 2)
 
 
 @dataclass(frozen=True)
 class Gait:
-    """Eq. 20: alpha (9,) = amplitudes alpha_1..3 [rad], angular frequencies alpha_4..6 [rad/s], phases alpha_7..9 [rad].
+    """Eq. 20: alpha (9,) = amplitudes alpha_1..3 [rad], angular frequencies alpha_4..6 [rad/s], phases alpha_7..9
+    [rad].
 
     bandwidth [Hz]: harmonics above the fundamental fade out up to it. Raises InputError on numbers that make no motion.
     """

@@ -1,7 +1,8 @@
 """Many gaits at once: the table of base motions that the batch kernel takes, for a batch of eq. 20 parameters.
 
-Same definition as tentacle.gait.Gait (its constants are used here, and a test compares both). Every harmonic is a phasor that
-is turned by a fixed angle a step: no sine is computed inside the loop, and the batch is innermost so that it vectorises.
+Same definition as tentacle.gait.Gait (its constants are used here, and a test compares both). Every harmonic is a
+phasor that is turned by a fixed angle a step: no sine is computed inside the loop, and the batch is innermost so that
+it vectorises.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
 @njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
-def _fill(strength, omega, phase, start, step, table, peaks):  # noqa: ANN001, ANN202 (compiled; typed by its caller)
+def _fill(strength, omega, phase, start, step, table, peaks):
     harmonics, count = strength.shape
     steps = table.shape[1]
     for block in prange((count + _BLOCK - 1) // _BLOCK):
@@ -76,7 +77,8 @@ def _fill(strength, omega, phase, start, step, table, peaks):  # noqa: ANN001, A
 def gait_tables(alpha: Array, steps: int, step: float, bandwidth: float, start: float = 0.0) -> tuple[Array, Array]:
     """Base motions of gaits alpha (9, B) at start + k step, k = 0 .. steps - 1 [s].
 
-    Returns the table (3, steps, B) of theta and its first two derivatives [rad, s], and their largest magnitudes (3, B).
+    Returns the table (3, steps, B) of theta and its first two derivatives [rad, s], and their largest magnitudes (3,
+    B).
     """
     alpha = np.ascontiguousarray(alpha, dtype=float)
     amplitude, omega, phase = alpha[0:3], alpha[3:6], alpha[6:9]

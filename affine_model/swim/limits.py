@@ -14,8 +14,9 @@ from tentacle.errors import InputError
 class ServoLimits:
     """angle [rad], speed [rad/s], acceleration [rad/s^2], torque [N m] at the horn; bandwidth [Hz] of what it follows.
 
-    lowest_frequency [Hz]: slower fundamentals are not searched (their mean would need a longer run). The defaults are those of a
-    waterproof hobby servo of the paper's class (0.16 s for 60 degrees, about 1 N m in continuous use), with a margin.
+    lowest_frequency [Hz]: slower fundamentals are not searched (their mean would need a longer run). The defaults are
+    those of a waterproof hobby servo of the paper's class (0.16 s for 60 degrees, about 1 N m in continuous use), with
+    a margin.
     """
 
     angle: float = np.pi / 3.0
@@ -45,7 +46,7 @@ class ServoLimits:
         return np.array([self.angle, self.speed, self.acceleration])
 
     def scale(self, peaks: Array) -> Array:
-        """The factor (B,) <= 1 on the amplitudes that brings peaks (3, B) within the limits: gaits are linear in them."""
+        """The factor (B,) <= 1 on the amplitudes that brings peaks (3, B) within the limits (gaits are linear)."""
         with np.errstate(divide="ignore"):
             return np.minimum(1.0, np.min(self.kinematic[:, None] / peaks, axis=0))
 
@@ -78,8 +79,8 @@ class Box:
 def search_box(limits: ServoLimits) -> Box:
     """Amplitudes of either sign up to the servo's angle, its frequencies, all phases.
 
-    A square wave's fundamental is 4/pi of its level, a saw-tooth's 2/pi: the same amplitude bound serves all three terms.
-    Amplitudes need no negative sign: a phase of pi does the same.
+    A square wave's fundamental is 4/pi of its level, a saw-tooth's 2/pi: the same amplitude bound serves all three
+    terms. Amplitudes need no negative sign: a phase of pi does the same.
     """
     low, high = 2.0 * np.pi * limits.lowest_frequency, 2.0 * np.pi * limits.highest_frequency
     return Box((0.0,) * 3 + (low,) * 3 + (0.0,) * 3, (limits.angle,) * 3 + (high,) * 3 + (2.0 * np.pi,) * 3)

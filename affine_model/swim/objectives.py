@@ -1,4 +1,4 @@
-"""What is maximised: mean thrust (eq. 21), mean speed on the rail, distance per energy (the inverse cost of transport)."""
+"""What is maximised: mean thrust (eq. 21), mean speed on the rail, distance per energy (inverse cost of transport)."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import numpy as np
 from affine_model.curvature import Array
 from affine_model.swim.trial import Outcome, Trial
 
-# Servo and board draw this even at rest [W]. Without it the slowest gait would always be the cheapest: drag makes power fall with the
-# cube of the speed.
+# Servo and board draw this even at rest [W]. Without it the slowest gait would always be the cheapest: drag makes power
+# fall with the cube of the speed.
 IDLE_POWER = 0.1
 _WORSE_THAN_ANY = -1e6
 
 
 @dataclass(frozen=True)
 class Objective:
-    """A quantity (B, K) of an outcome to maximise; unit and words for the reader; on_rail: it needs the sliding base."""
+    """A quantity (B, K) of an outcome to maximise; unit and words for the reader; on_rail: it needs the rail."""
 
     name: str
     unit: str

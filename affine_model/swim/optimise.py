@@ -1,4 +1,6 @@
-"""From a model to a gait: best sine, search, polish, limits made sure for any length of time, and a promise computed finely."""
+"""From a model to a gait: best sine, search, polish, limits made sure for any length of time, and a promise computed
+finely.
+"""
 
 from __future__ import annotations
 
@@ -40,8 +42,9 @@ class Promise:
 class Swimming:
     """The result: the gait and the best sine beside it, what each promises, and how the search went.
 
-    gain: the objective's value over the sine's, on the fine trial. evaluations (G,) and best (G,): the search's course; value, sine_value
-    and best in the objective's unit. peaks (3,): largest |theta|, |theta'|, |theta''| of the gait in 300 s.
+    gain: the objective's value over the sine's, on the fine trial. evaluations (G,) and best (G,): the search's course;
+    value, sine_value and best in the objective's unit. peaks (3,): largest |theta|, |theta'|, |theta''| of the gait in
+    300 s.
     """
 
     objective: str
@@ -102,13 +105,13 @@ def optimise(
     rail: Rail = PAPER_RAIL,
     box: Box | None = None,
     noted: Iterable[Array] = (),
-    watch: Callable[[Generation], None] = lambda generation: None,
+    watch: Callable[[Generation], None] | None = None,
 ) -> Swimming:
-    """Find the best gait of eq. 20 for the objective, within the servo's limits. The trial is clamped (trial_of); rail serves
-    the objectives that swim, and the promises.
+    """Find the best gait of eq. 20 for the objective, within the servo's limits. The trial is clamped (trial_of); rail
+    serves the objectives that swim, and the promises.
 
-    watch is called after every generation. noted: scores of an interrupted run's generations (see search). Raises InputError where
-    nothing swims forward at all.
+    watch is called after every generation. noted: scores of an interrupted run's generations (see search). Raises
+    InputError where nothing swims forward at all.
     """
     box = box or search_box(trial.limits)
     ready = for_objective(trial, objective, rail)
@@ -116,7 +119,8 @@ def optimise(
     course: list[Generation] = []
     for generation in search(ready, objective, box, method, evaluations=evaluations, seed=seed, noted=noted):
         course.append(generation)
-        watch(generation)
+        if watch is not None:
+            watch(generation)
     unit, _ = polish(ready, objective, box, course[-1].best_unit)
     found = box.alpha(unit[:, None])[:, 0]
     # The search's own best counts only where the long, fine trial agrees; a sine is a gait of eq. 20 too.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.curvature import Array
 from affine_model.swim.limits import Box
@@ -32,7 +33,7 @@ class Front:
     power: Array
 
 
-def not_dominated(speed: Array, power: Array) -> Array:
+def not_dominated(speed: Array, power: Array) -> NDArray[np.intp]:
     """Indices of the pairs that no other beats (faster and cheaper), by rising speed."""
     order = np.lexsort((power, -speed))  # fastest first; of equals the cheapest
     cheapest = np.minimum.accumulate(np.concatenate([[np.inf], power[order][:-1]]))
@@ -41,7 +42,7 @@ def not_dominated(speed: Array, power: Array) -> Array:
 
 
 def pareto_front(trial: Trial, box: Box, *, evaluations: int, seed: int) -> Front:
-    """Search speed / power^x for several x with `evaluations` each, and keep what is not dominated of all gaits tried."""
+    """Search speed / power^x for several x with `evaluations` each; keep what is not dominated of all gaits."""
     units, speeds, powers = [], [], []
     for number, exponent in enumerate(EXPONENTS):
         generations = search(trial, weighted(exponent), box, "cmaes", evaluations=evaluations, seed=seed + number)

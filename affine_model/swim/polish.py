@@ -1,7 +1,7 @@
 """The last digits: a quasi-Newton ascent from the best gait found, with the gradient from one batch of the kernel.
 
-All 18 neighbours of a point run as one batch, so a gradient costs about one generation; no derivative of the model is needed, and every effect and
-objective is served alike.
+All 18 neighbours of a point run as one batch, so a gradient costs about one generation; no derivative of the model is
+needed, and every effect and objective is served alike.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ def value_and_gradient(
 
 
 def polish(trial: Trial, objective: Objective, box: Box, unit: Array, iterations: int = 25) -> tuple[Array, float]:
-    """Climb from a point (9,): the best point met and its score, never worse than the start (L-BFGS-B, Byrd et al. 1995)."""
+    """Climb from a point (9,): the best point met and its score, never worse than the start (L-BFGS-B, Byrd et al.
+    1995).
+    """
     scale = max(abs(float(scores(objective, trial, run(trial, box.alpha(unit[:, None])))[0])), 1e-12)
     best: list[tuple[float, Array]] = []
 

@@ -1,4 +1,6 @@
-"""Many arms that the data allow: samples of a model's parameters, so that a gait is chosen for all of them, not for their mean."""
+"""Many arms that the data allow: samples of a model's parameters, so that a gait is chosen for all of them, not for
+their mean.
+"""
 
 from __future__ import annotations
 

@@ -19,8 +19,8 @@ from tentacle.errors import InputError
 class Generation:
     """One batch of a search.
 
-    number counts from 0, evaluations up to and with this batch; unit (9, B) the points, scores (B,) theirs; best_unit (9,) and
-    best_score of all so far; speed and power (B,) at the estimates (NaN where replayed).
+    number counts from 0, evaluations up to and with this batch; unit (9, B) the points, scores (B,) theirs; best_unit
+    (9,) and best_score of all so far; speed and power (B,) at the estimates (NaN where replayed).
     """
 
     number: int
@@ -46,9 +46,9 @@ def search(
 ) -> Iterator[Generation]:
     """Yield generation after generation until `evaluations` gaits have been tried.
 
-    noted: scores of the first generations from an interrupted run of the same search; they are told, not tried again, and the
-    search goes on exactly as it would have. start (9, B): points tried first and kept as the best to beat (not told).
-    Raises InputError where the method is unknown or every gait of a generation diverges.
+    noted: scores of the first generations from an interrupted run of the same search; they are told, not tried again,
+    and the search goes on exactly as it would have. start (9, B): points tried first and kept as the best to beat (not
+    told). Raises InputError where the method is unknown or every gait of a generation diverges.
     """
     if method not in METHODS:
         raise InputError(f"{method!r} is not known", field="method", expected=f"one of {', '.join(METHODS)}")

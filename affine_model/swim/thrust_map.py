@@ -13,7 +13,9 @@ from affine_model.swim.trial import Trial, run
 
 @dataclass(frozen=True)
 class SineMap:
-    """amplitudes (A,) [rad] asked for, frequencies (F,) [Hz], values (A, F) of the objective, NaN where the servo cannot follow."""
+    """amplitudes (A,) [rad] asked for, frequencies (F,) [Hz], values (A, F) of the objective, NaN where the servo
+    cannot follow.
+    """
 
     amplitudes: Array
     frequencies: Array
@@ -21,7 +23,9 @@ class SineMap:
 
 
 def sine_gaits(amplitude: Array, frequency: Array) -> Array:
-    """Gaits (9, B) that are plain sines: amplitude (B,) [rad], frequency (B,) [Hz]. Silent terms get the same frequency."""
+    """Gaits (9, B) that are plain sines: amplitude (B,) [rad], frequency (B,) [Hz]. Silent terms get the same
+    frequency.
+    """
     alpha = np.zeros((9, len(amplitude)))
     alpha[0] = amplitude
     alpha[3:6] = 2.0 * np.pi * frequency
@@ -41,7 +45,8 @@ def sine_map(trial: Trial, objective: Objective, amplitudes: Array, frequencies:
 def best_sine(trial: Trial, objective: Objective, rounds: int = 3, count: int = 48) -> tuple[Array, float]:
     """The best sine that the servo can follow: alpha (9,) and its score.
 
-    At every frequency the amplitude is either as large as the limits let, or smaller: both are searched, on a grid that closes in.
+    At every frequency the amplitude is either as large as the limits let, or smaller: both are searched, on a grid that
+    closes in.
     """
     limits = trial.limits
     frequency = np.linspace(limits.lowest_frequency, limits.highest_frequency, count)

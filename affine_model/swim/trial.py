@@ -1,15 +1,16 @@
 """A swimming trial: a batch of gaits, run by the compiled kernel, and what each of them achieves.
 
-SIGN, stated here once: the arm hangs from its base towards +y, and swims base first. So thrust and speed are called forward where
-they point along -y, away from the tip; every forward quantity in this package is the negative of a y component.
+SIGN, stated here once: the arm hangs from its base towards +y, and swims base first. So thrust and speed are called
+forward where they point along -y, away from the tip; every forward quantity in this package is the negative of a y
+component.
 
-GRAVITY on the rail: the rail is level and the arm swings in the horizontal plane, so gravity has no part in that plane (a vertical rail
-would have to carry the weight). With the base clamped gravity is as the model declares it.
+GRAVITY on the rail: the rail is level and the arm swings in the horizontal plane, so gravity has no part in that plane
+(a vertical rail would have to carry the weight). With the base clamped gravity is as the model declares it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,8 +22,9 @@ from affine_model.swim.limits import ServoLimits
 from tentacle.errors import InputError
 from tentacle.model import Model
 
-# The carriage of the swimming set-up (paper Fig. 7c). The paper states no friction; with these numbers a 21 cm arm of Dragon Skin 10
-# at pi/6 and 3 rad/s swims at the 0.52 cm/s of its Table II. Ratios of speeds depend on them far less than speeds do.
+# The carriage of the swimming set-up (paper Fig. 7c). The paper states no friction; with these numbers a 21 cm arm of
+# Dragon Skin 10 at pi/6 and 3 rad/s swims at the 0.52 cm/s of its Table II. Ratios of speeds depend on them far less
+# than speeds do.
 PAPER_RAIL = Rail(mass=0.25, viscous=0.35)
 
 
@@ -30,13 +32,13 @@ PAPER_RAIL = Rail(mass=0.25, viscous=0.35)
 class Trial:
     """How gaits are tried.
 
-    arm, parameters (R, K): K samples of the model's parameters, every gait is run on each. settle [s] is left out of the means, window [s]
-    is averaged over. rail: see on_rail; None clamps the base. step [s]: accuracy alone sets it.
+    arm, parameters (R, K): K samples of the model's parameters, every gait is run on each. settle [s] is left out of
+    the means, window [s] is averaged over. rail: see on_rail; None clamps the base. step [s]: accuracy alone sets it.
     """
 
     arm: Arm
     parameters: Array
-    limits: ServoLimits = ServoLimits()
+    limits: ServoLimits = field(default_factory=ServoLimits)
     rail: Rail | None = None
     settle: float = 2.0
     window: float = 6.0
@@ -62,9 +64,9 @@ class Trial:
 class Outcome:
     """What B gaits achieve on K parameter samples, means over the window.
 
-    alpha (9, B): the gaits as run, amplitudes already scaled to the servo's limits. thrust (B, K) [N] and speed (B, K) [m/s] forward
-    (speed is zero without a rail), power (B, K) [W] that the servo gives to the arm, torque (B, K) [N m] its peak;
-    diverged (B, K) bool.
+    alpha (9, B): the gaits as run, amplitudes already scaled to the servo's limits. thrust (B, K) [N] and speed (B, K)
+    [m/s] forward (speed is zero without a rail), power (B, K) [W] that the servo gives to the arm, torque (B, K) [N m]
+    its peak; diverged (B, K) bool.
     """
 
     alpha: Array
@@ -76,7 +78,7 @@ class Outcome:
 
 
 def trial_of(model: Model, limits: ServoLimits | None = None, rail: Rail | None = None, nodes: int = 6) -> Trial:
-    """The trial of a model at its estimates, augmented models as they are; InputError where its stiffness is unusable."""
+    """The trial of a model at its estimates, augmented models as they are; InputError on unusable stiffness."""
     arm, parameters = replace(arm_of(model), nodes=max(nodes, model.order + 3)), parameter_vector(model)
     refuse_soft_sections(arm, parameters)
     if model.fluid.density == 0.0:
@@ -86,7 +88,7 @@ def trial_of(model: Model, limits: ServoLimits | None = None, rail: Rail | None 
 
 
 def within_limits(alpha: Array, limits: ServoLimits, seconds: float, step: float) -> Array:
-    """Gaits (9, B) with amplitudes scaled down where their angle, speed or acceleration leaves the limits in that time."""
+    """Gaits (9, B), amplitudes scaled down where angle, speed or acceleration leave the limits in that time."""
     _, peaks = gait_tables(alpha, round(seconds / step) + 1, step, limits.bandwidth)
     scaled = np.array(alpha, dtype=float)
     scaled[:3] *= limits.scale(peaks)

@@ -1,4 +1,6 @@
-"""Ways to search the unit cube of gaits, one a file: each asks for a batch (9, B) and is told its scores (B,), higher is better."""
+"""Ways to search the unit cube of gaits, one a file: each asks for a batch (9, B) and is told its scores (B,), higher
+is better.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """CMA-ES (package cmaes; Hansen 2016), several runs side by side so that a batch of the kernel is full.
 
-A run whose best has stood still restarts elsewhere: the landscape has several hills (one for each way to shape the wave), and the last
-digits are left to the polish.
+A run whose best has stood still restarts elsewhere: the landscape has several hills (one for each way to shape the
+wave), and the last digits are left to the polish.
 """
 
 from __future__ import annotations

@@ -1,13 +1,15 @@
 """The paper's evolutionary algorithm: population 50, mutation rate 0.02 (100 generations make its 5000 evaluations).
 
-The paper names Matlab's Global Optimization Toolbox and these numbers only. What it leaves open is taken as that toolbox's `ga` does by
-default for bounded problems: rank scaling 1/sqrt(rank), stochastic universal selection, 5 % elite, 80 % of the others by
-scattered crossover, the rest by mutation; mutation rate then means uniform mutation (each gene redrawn with that probability).
+The paper names Matlab's Global Optimization Toolbox and these numbers only. What it leaves open is taken as that
+toolbox's `ga` does by default for bounded problems: rank scaling 1/sqrt(rank), stochastic universal selection, 5 %
+elite, 80 % of the others by scattered crossover, the rest by mutation; mutation rate then means uniform mutation (each
+gene redrawn with that probability).
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.curvature import Array
 from tentacle.gait import GAIT_PARAMETERS
@@ -41,7 +43,7 @@ class GeneticAlgorithm:
         mutants = np.where(redrawn, self._random.random(mutants.shape), mutants)
         self._generation = np.concatenate([ranked[:, : self._elite], crossed, mutants], axis=1)
 
-    def _select(self, fitness: Array, count: int) -> Array:
+    def _select(self, fitness: Array, count: int) -> NDArray[np.intp]:
         """Stochastic universal selection: one throw, evenly spaced pointers on the wheel, then shuffled into pairs."""
         pointers = (self._random.random() + np.arange(count)) / count
         chosen = np.searchsorted(np.cumsum(fitness) / np.sum(fitness), pointers)
