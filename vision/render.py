@@ -1,7 +1,7 @@
-"""Test videos of a tentacle in a tank, rendered from a midline. Shares no code with the fit: each is the other's check.
+"""Test videos of a tentacle in a tank, rendered from a midline. No code is shared with the fit, which they check.
 
-The outline is that of eq. (4), the midline plus and minus the half thickness along its normal, with a flat end. Coverage
-is exact on the pixel grid and smear is the mean over the exposure, so that a frame's truth is known far below 0.01 px.
+The outline is that of eq. (4), the midline plus and minus the half thickness along its normal, with a flat end.
+Coverage is exact on the pixel grid, smear is the mean over the exposure: a frame's truth is known far below 0.01 px.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What is in a rendered tank besides the arm: light, wall, bubbles, specks, the mirror image in the glass; frame faults."""
+"""What is in a rendered tank besides the arm: light, wall, bubbles, specks, mirror image in the glass; frame faults."""
 
 from __future__ import annotations
 
