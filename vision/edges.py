@@ -14,6 +14,7 @@ from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
 
 LONGEST = 256  # samples that a profile may have
+GROUND = 6  # samples of the ground, 1 px apart, that tell its slope
 
 
 @dataclass(frozen=True)
@@ -21,14 +22,16 @@ class Edges:
     """What the profiles say, one entry per edge of the outline.
 
     offset (E,) [px]: how far outward of the expected place the edge lies. contrast (E,): outside minus inside grey.
-    information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the profile's residual [grey]. found
-    (E,): a profile with both of its sides in the picture and an edge within reach.
+    information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the profile's residual [grey]. slope
+    (E,) [grey/px]: how the ground's grey changes outward. found (E,): a profile with both of its sides in the picture
+    and an edge within reach.
     """
 
     offset: Array
     contrast: Array
     information: Array
     misfit: Array
+    slope: Array
     found: NDArray[np.bool_]
 
 
@@ -51,6 +54,29 @@ def _below(x: float) -> float:
     return 0.5 * math.erfc(-x * 0.7071067811865476)
 
 
+@njit(cache=True, inline="always")
+def _bell(x: float) -> float:
+    """The normal density."""
+    return 0.3989422804014327 * math.exp(-0.5 * x * x)
+
+
+@njit(cache=True, inline="always")
+def _rise(d: float, blur: float, half: float) -> float:
+    """A step from 0 to 1 at d = 0, through a normal blur and a box of half width half: the smear of a moving edge."""
+    if half < 0.15 * blur:
+        return _below(d / blur)
+    a, b = (d + half) / blur, (d - half) / blur
+    return (a * _below(a) + _bell(a) - b * _below(b) - _bell(b)) * blur / (2.0 * half)
+
+
+@njit(cache=True, inline="always")
+def _steepness(d: float, blur: float, half: float) -> float:
+    """The derivative of _rise by d."""
+    if half < 0.15 * blur:
+        return _bell(d / blur) / blur
+    return (_below((d + half) / blur) - _below((d - half) / blur)) / (2.0 * half)
+
+
 @njit(cache=True, nogil=True)
 def _sharp(
     image: NDArray[np.uint8],
@@ -58,20 +84,25 @@ def _sharp(
     points: Array,
     normals: Array,
     depth: Array,
-    blur: Array,
+    blur: float,
+    half: Array,
+    ground: Array,
     reach: float,
     offset: Array,
     contrast: Array,
     information: Array,
     misfit: Array,
+    slope: Array,
     found: NDArray[np.bool_],
 ) -> None:
     """Fit outside level, contrast and offset of a blurred bar's edge to each profile, by Gauss-Newton."""
-    grey, place = np.empty(LONGEST), np.empty(LONGEST)
+    grey, place, share = np.empty(LONGEST), np.empty(LONGEST), np.empty(LONGEST)
     for e in range(points.shape[0]):
         found[e] = False
-        outer = int(math.ceil(reach + 2.0 * blur[e]))
-        inner = int(math.ceil(min(reach + 2.0 * blur[e], max(0.5 * depth[e], 1.0))))
+        fuzzy = 2.0 * blur + half[e]
+        outer = int(math.ceil(reach + fuzzy))
+        inner = int(math.ceil(min(reach + fuzzy, max(0.5 * depth[e], 1.0))))
+        thin = depth[e] < 2.0 * fuzzy + 2.0
         count = min(inner + outer + 1, LONGEST)
         inside = True
         for k in range(count):
@@ -88,12 +119,16 @@ def _sharp(
         for sweep in range(3):  # linear in (level, step); one Newton step in delta follows each solve
             n_c, n_cc, n_y, n_yc = 0.0, 0.0, 0.0, 0.0
             for k in range(count):
-                x = (place[k] - delta) / blur[e]
-                c = _below(x) + _below(-x - depth[e] / blur[e])  # share of outside, across the bar
+                d = place[k] - delta
+                c = _rise(d, blur, half[e])  # share of outside
+                if thin:  # the bar's other edge is near
+                    c += _rise(-d - depth[e], blur, half[e])
+                share[k] = c
+                y = grey[k] - ground[e] * place[k] * c
                 n_c += c
                 n_cc += c * c
-                n_y += grey[k]
-                n_yc += grey[k] * c
+                n_y += y
+                n_yc += y * c
             spread = n_cc - n_c * n_c / count
             if spread < 1e-3:
                 break
@@ -104,10 +139,9 @@ def _sharp(
             # derivative by delta, with level and step projected out (variable projection)
             g_sum, g_c, g_g, r_g, total = 0.0, 0.0, 0.0, 0.0, 0.0
             for k in range(count):
-                x = (place[k] - delta) / blur[e]
-                c = _below(x) + _below(-x - depth[e] / blur[e])
-                g = -step_level * 0.3989422804014327 / blur[e] * math.exp(-0.5 * x * x)
-                residual = grey[k] - level - step_level * c
+                c = share[k]
+                g = -step_level * _steepness(place[k] - delta, blur, half[e])
+                residual = grey[k] - ground[e] * place[k] * c - level - step_level * c
                 g_sum += g
                 g_c += g * c
                 g_g += g * g
@@ -122,6 +156,15 @@ def _sharp(
             information[e] = fisher
         offset[e], contrast[e] = delta, step_level
         misfit[e] = math.sqrt(total / count)
+        # the ground's slope from what lies beyond the blur, which a wrong blur cannot bend
+        rise, known = 0.0, True
+        for k in range(GROUND):
+            d = delta + math.ceil(2.5 * blur + half[e]) + k
+            u, v = bend_point(points[e, 0] + d * normals[e, 0], points[e, 1] + d * normals[e, 1], lens)
+            value = _grey(image, u, v)
+            known = known and not np.isnan(value)
+            rise += value * (k - 0.5 * (GROUND - 1))
+        slope[e] = rise * 12.0 / (GROUND * (GROUND**2 - 1)) if known else 0.0
         found[e] = solved and abs(delta) <= reach
 
 
@@ -138,6 +181,7 @@ def _wide(
     contrast: Array,
     information: Array,
     misfit: Array,
+    slope: Array,
     found: NDArray[np.bool_],
 ) -> None:
     """The strongest step of the right sign along each profile; a nearer one is preferred among equals."""
@@ -163,23 +207,35 @@ def _wide(
             value = polarity * rise * (1.0 - 0.4 * (d / (reach + 1.0)) ** 2)
             if value > best:
                 best, offset[e], contrast[e], found[e] = value, d, rise, True
-        information[e], misfit[e] = 1.0, 0.0
+        information[e], misfit[e], slope[e] = 1.0, 0.0, 0.0
 
 
 def find_edges(
-    image: NDArray[np.uint8], expected: Outline, lens: Lens, reach: float, blur: Array | float, polarity: float, sharp: bool
+    image: NDArray[np.uint8],
+    expected: Outline,
+    lens: Lens,
+    reach: float,
+    polarity: float,
+    sharp: bool,
+    blur: float = 1.0,
+    smear: Array | float = 0.0,
+    ground: Array | float = 0.0,
 ) -> Edges:
-    """Look for each expected edge within reach [px] of its place; blur [px] (E,) or one for all.
+    """Look for each expected edge within reach [px] of its place.
+
+    blur [px] is the lens'; smear [px], how far the edge moves while the shutter is open, and ground, the known slope of
+    the ground's grey outward [grey/px], are one each (E,) or one for all.
 
     polarity is +1 for an arm darker than its ground, -1 for a lighter one. sharp: sub-pixel, from the whole profile,
     right where the edge is within about 2 px; otherwise the strongest step, to a pixel, from anywhere within reach.
     """
     count = len(expected.points)
-    result = Edges(*(np.zeros(count) for _ in range(4)), found=np.zeros(count, dtype=np.bool_))
-    out = (result.offset, result.contrast, result.information, result.misfit, result.found)
+    result = Edges(*(np.zeros(count) for _ in range(5)), found=np.zeros(count, dtype=np.bool_))
+    out = (result.offset, result.contrast, result.information, result.misfit, result.slope, result.found)
     place = (image, lens.packed, expected.points, expected.normals, expected.depth)
     if sharp:
-        _sharp(*place, np.broadcast_to(np.asarray(blur, dtype=float), count).copy(), float(reach), *out)
+        known = [np.broadcast_to(np.asarray(value, dtype=float), count).copy() for value in (smear, ground)]
+        _sharp(*place, float(blur), 0.5 * known[0], known[1], float(reach), *out)
         result.found[:] &= polarity * result.contrast > 0
     else:
         _wide(*place, float(reach), float(polarity), *out)

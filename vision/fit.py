@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import medfilt
 
 from tentacle.signals import Array
 from vision.edges import Edges, find_edges
@@ -14,8 +15,13 @@ from vision.kinematics import SHARED, Geometry, Outline, outline
 TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)
 BIWEIGHT = 1.17  # what the biweight takes from the variance of normal residuals, and adds to the estimate's own
 LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
+MISFIT = 2.5  # times the usual profile residual
+LEAP = 0.3  # of the contrast around
+NEIGHBOURS = 4  # stations beside a disturbed edge that go with it
+SLOPE_WINDOW = 31  # stations
 LAGS = 24  # stations over which neighbouring edges' errors are watched for correlation
 NARROW = 2.5  # px
+FINAL = 1.2  # px: a short profile sees least of what else is near
 ENDS = 14.0  # px along the arm within which its ends are looked for
 
 
@@ -64,21 +70,29 @@ def refine(
     smears the edge, which widens the profile that is looked for.
     """
     x = np.array(x, dtype=float)
-    steps = [(reach, False) for reach in reaches] + [(NARROW, True), (NARROW, True)]
+    steps = [(reach, False) for reach in reaches] + [(NARROW, True), (FINAL, True)]
+    ground: Array | float = 0.0
     for index, (reach, sharp) in enumerate(steps):
         final = index == len(steps) - 1
         expected = outline(geometry, theta, x, shared, stride=1 if sharp else 4)
         order = len(x)
         smear = np.abs(expected.jacobian[:, :order] @ rate) * exposure
-        blur = np.sqrt(sight.blur**2 + smear**2 / 12.0)  # the variance of a box is its width squared over 12
-        edges = find_edges(image, expected, geometry.lens, reach + 0.5 * smear.max(initial=0.0), blur, sight.polarity, sharp)
+        edges = find_edges(
+            image, expected, geometry.lens, reach, sight.polarity, sharp, blur=sight.blur, smear=smear, ground=ground
+        )
         usable = edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast)
         usable &= expected.kind < 2  # the ends move with the recording's parameters, hardly with x
         if np.count_nonzero(usable) < 4 * order:
             return None
+        if sharp:
+            usable &= ~_disturbed(expected, edges, usable)
+            if np.count_nonzero(usable) < 4 * order:
+                return None
         step, weight, scale = _robust_step(expected.jacobian[:, :order], edges, usable, reach, sharp)
         if final:
             return _summary(image, geometry, x, expected, edges, usable, sight)
+        if sharp:
+            ground = _smooth_slope(expected, edges, weight)
         x = x + step
     return None
 
@@ -95,6 +109,33 @@ def _robust_step(jacobian: Array, edges: Edges, usable: NDArray[np.bool_], reach
         scale = max(1.4826 * float(np.median(np.abs(residual[usable]))), 0.02 if sharp else 0.4)
         weight = base * np.clip(1.0 - (residual / (TUKEY * scale)) ** 2, 0.0, 1.0) ** 2
     return step, weight, scale
+
+
+def _disturbed(expected: Outline, edges: Edges, usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Edges (E,) whose profile is no plain step, or whose contrast leaps: a bubble sits there. Its neighbours go with it."""
+    ordinary = max(float(np.median(edges.misfit[usable])), 0.3)
+    odd = np.zeros(len(usable), dtype=np.bool_)
+    for side in (0, 1):
+        index = np.flatnonzero(expected.kind == side)
+        window = min(2 * (len(index) // 16) + 1, 61)
+        contrast = np.abs(edges.contrast[index])
+        around = medfilt(contrast, window)
+        usual = MISFIT * np.maximum(medfilt(edges.misfit[index], window), 0.5 * ordinary)
+        strange = (edges.misfit[index] > usual) | (np.abs(contrast - around) > LEAP * around)
+        odd[index] = np.convolve(strange & usable[index], np.ones(2 * NEIGHBOURS + 1), mode="same") > 0.5
+    return odd
+
+
+def _smooth_slope(expected: Outline, edges: Edges, weight: Array) -> Array:
+    """The ground's slope (E,) [grey/px], a running mean over each side's sound edges: single profiles are too noisy."""
+    smooth = np.zeros(len(weight))
+    window = np.ones(SLOPE_WINDOW)
+    for side in (0, 1):
+        index = np.flatnonzero(expected.kind == side)
+        share = weight[index]
+        total = np.convolve(share * edges.slope[index], window, mode="same")
+        smooth[index] = total / np.maximum(np.convolve(share, window, mode="same"), 1.0)
+    return smooth
 
 
 def _trust(edges: Edges, usable: NDArray[np.bool_]) -> Array:
@@ -122,15 +163,15 @@ def _summary(
     residual = edges.offset - full[:, :order] @ step
     information = full.T @ (weight[:, None] * full)
     gradient = full.T @ (weight * residual)
-    sides = weight * (expected.kind < 2)
-    used = np.count_nonzero(sides > 0)
-    variance = BIWEIGHT * float(np.sum(sides * residual**2)) / max(used - order - SHARED, 1)
+    sway = _sway(np.sqrt(weight) * residual, weight, expected.kind)
+    used = np.count_nonzero(sway)
+    variance = BIWEIGHT * float(sway @ sway) / max(used - order - SHARED, 1)
     return FrameFit(
         x=x + step,
         information=information,
         gradient=gradient,
         sigma=float(np.sqrt(variance)),
-        correlation=_correlation(np.sqrt(sides) * residual, expected.kind),
+        correlation=_correlation(sway),
         edges=edges,
         expected=expected,
         weight=weight,
@@ -142,14 +183,14 @@ def _end(image: NDArray[np.uint8], geometry: Geometry, expected: Outline, kind: 
     index = np.flatnonzero(expected.kind == kind)
     rows = Outline(*(getattr(expected, name)[index] for name in ("points", "normals", "depth", "jacobian", "s", "kind")))
     nothing = np.zeros(len(index))
-    coarse = find_edges(image, rows, geometry.lens, ENDS, 1.0, sight.polarity, False)
+    coarse = find_edges(image, rows, geometry.lens, ENDS, sight.polarity, sharp=False)
     like = sight.polarity * coarse.contrast
     alike = coarse.found & (like > 0.5 * sight.contrast) & (like < 1.6 * sight.contrast)
     if np.count_nonzero(alike) < max(0.7 * len(index), 1):
         return index, nothing
     shift = float(np.median(coarse.offset[alike]))
     rows = replace(rows, points=rows.points + shift * rows.normals)
-    sharp = find_edges(image, rows, geometry.lens, NARROW, sight.blur, sight.polarity, True)
+    sharp = find_edges(image, rows, geometry.lens, NARROW, sight.polarity, sharp=True, blur=sight.blur)
     middle = float(np.median(sharp.offset[sharp.found])) if sharp.found.any() else 0.0
     agree = sharp.found & (np.abs(sharp.offset - middle) < 1.0)
     if np.count_nonzero(agree) < max(0.7 * len(index), 1):
@@ -157,12 +198,17 @@ def _end(image: NDArray[np.uint8], geometry: Geometry, expected: Outline, kind: 
     return index, np.where(agree, shift + sharp.offset, 0.0)
 
 
-def _correlation(whitened: Array, kind: Array) -> Array:
-    """Autocorrelation (LAGS,) of the weighted residuals along both sides; a lost edge counts as zero."""
-    total, power = np.zeros(LAGS), 0.0
-    for side in (0, 1):
-        row = whitened[kind == side]
-        power += float(row @ row)
-        for lag in range(1, min(LAGS + 1, len(row))):
-            total[lag - 1] += float(row[lag:] @ row[:-lag])
-    return total / max(power, 1e-12)
+def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
+    """Where both sides of a station are seen: what their residuals say about its centre (S,), 0 elsewhere.
+
+    What widens both sides alike (a wrong blur, a shadow) does not move the centre, so it is no part of the noise in q.
+    """
+    left, right = kind == 0, kind == 1
+    both = (weight[left] > 0) & (weight[right] > 0)
+    return np.where(both, (whitened[left] - whitened[right]) / np.sqrt(2.0), 0.0)
+
+
+def _correlation(sway: Array) -> Array:
+    """Autocorrelation (LAGS,) of the weighted residuals along the arm; a lost edge counts as zero."""
+    power = max(float(sway @ sway), 1e-12)
+    return np.array([float(sway[lag:] @ sway[:-lag]) / power for lag in range(1, LAGS + 1)])
