@@ -1,1 +1,1 @@
-"""See docs/layout.md."""
+"""Closing the loop: the residual, the effect behind it, the error before and after, and an honest "unknown"."""

@@ -1,4 +1,4 @@
-"""What the loop answers: a verdict, the evidence for it, and the comparison run by run. Plain data, no logic of a room."""
+"""What the loop answers: a verdict, its evidence, and the comparison run by run. Plain data, no logic of a room."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class ErrorMeasure:
 
 @dataclass(frozen=True)
 class RankedEffect:
-    """A candidate: score in nats (log-likelihood gained by it alone, training data), its error when judged, its probability."""
+    """A candidate: score in nats (log-likelihood gained by it alone, training data), judged error, probability."""
 
     effect: str
     score: float
@@ -37,7 +37,7 @@ class RankedEffect:
 
 @dataclass(frozen=True)
 class ErrorBudget:
-    """Where the declared model's midline error comes from, in mm rms: measured noise, reduction, missing physics, rest."""
+    """Where the declared model's midline error comes from, in mm rms: noise, reduction, missing physics, the rest."""
 
     noise_mm: float
     reduction_mm: float
@@ -50,8 +50,8 @@ class RunComparison:
     """One recording beside both models, at the measured instants, in the base frame.
 
     t (T,) [s]; s (P,); measured, base, augmented (T, P, 2) [m] midline (or marker) positions, NaN where not measured;
-    q_measured, q_base, q_augmented (T, 2) [rad] the paper's coordinates (NaN where not measured); judged (T,) True on the samples
-    on which the errors are stated. theta (T,) [rad]. points says what the P columns are: "midline" or "markers".
+    q_measured, q_base, q_augmented (T, 2) [rad] the paper's coordinates (NaN where not measured); judged (T,) True on
+    the samples on which the errors are stated. theta (T,) [rad]. points: what the P columns are.
     """
 
     name: str
@@ -117,7 +117,7 @@ class Diagnosis:
             "nothing_missing": "Nothing that these data can show is missing from the declared model.",
             "effect": f"The declared model lacks {names}.",
             "group": f"The declared model lacks one of {' / '.join(self.effects)}; these data cannot tell which.",
-            "unknown": "The declared model lacks something that is not in the catalogue, or that these data cannot name.",
+            "unknown": "The declared model lacks something that the catalogue has not, or that these data cannot name.",
         }[self.verdict]
         return sentence + error
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from tentacle.specimen import Fluid, Gravity, Specimen
+from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class Model:
     """
 
     specimen: Specimen
-    fluid: Fluid = Fluid()
-    gravity: Gravity = Gravity()
+    fluid: Fluid = AIR
+    gravity: Gravity = HANGING_DOWN
     order: int = 2
     parameters: dict[str, dict[str, Estimate]] = field(default_factory=dict)
 

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
-from tentacle.specimen import Fluid, Gravity, Specimen
+from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class Declaration:
     """What is believed to be in a recording (recording.toml). release_t [s]: held still until then (a free decay)."""
 
     specimen: Specimen
-    fluid: Fluid = Fluid()
-    gravity: Gravity = Gravity()
+    fluid: Fluid = AIR
+    gravity: Gravity = HANGING_DOWN
     camera: Camera | None = None
     motor_mode: Literal["prescribed", "servo"] = "prescribed"
     release_t: float | None = None

@@ -47,7 +47,10 @@ class Midline:
 
 @dataclass(frozen=True)
 class Markers:
-    """Points fixed to the arm at (s, d), d [m] along the normal: t (T,), names (M), s (M,), d (M,), xy (T, M, 2) [m]."""
+    """Points fixed to the arm at (s, d), d [m] along the normal.
+
+    t (T,) [s], names (M), s (M,), d (M,) [m], xy (T, M, 2) [m]; NaN where a marker was not seen.
+    """
 
     t: Array
     names: tuple[str, ...]
@@ -69,9 +72,9 @@ class ShapeTrack:
 
     t (T,) [s]; coefficients (T, K): [base angle offset, q1 .. q_(K-1)] in the paper's monomial coordinates [rad],
     so that phi(s) = theta + offset + sum_j q_j s^j / j; covariance (T, K, K); accepted (T,) bool, False where the
-    frame could not be trusted (then the row is NaN); reason (T,) one short phrase, "" where accepted. scale is the measured
-    length over the declared one (1 = as declared) and scale_sigma its standard deviation; base_shift (2,) [m] is how far
-    the clamp lies from where the declaration puts it.
+    frame could not be trusted (then the row is NaN); reason (T,) one short phrase, "" where accepted. scale is the
+    measured length over the declared one (1 = as declared) and scale_sigma its standard deviation; base_shift (2,) [m]
+    is how far the clamp lies from where the declaration puts it.
     """
 
     t: Array

@@ -141,3 +141,6 @@ class Gravity:
 
     angle: float = 0.0
     magnitude: float = STANDARD_GRAVITY
+
+
+HANGING_DOWN = Gravity()

@@ -1,0 +1,150 @@
+"""The arm made ready for computing: sections at the quadrature nodes, curvature bases, the effects' parameters in a row."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from affine_model.curvature import Array, Quadrature, angle_basis, curvature_basis, legendre_to_monomial, quadrature
+from affine_model.effect import Effect, Parameter
+from affine_model.effects import catalogue
+from tentacle.errors import InputError
+from tentacle.model import Model
+from tentacle.specimen import Fluid, Gravity, Specimen
+
+
+@dataclass(frozen=True)
+class ParameterRow:
+    """Where one parameter stands in the row of all parameters of all effects."""
+
+    effect: str
+    parameter: Parameter
+    index: int
+
+
+def parameter_rows() -> tuple[ParameterRow, ...]:
+    """Every parameter of the catalogue, in the order of the parameter vector that all simulations take."""
+    pairs = [(effect.name, parameter) for effect in catalogue().values() for parameter in effect.parameters]
+    return tuple(ParameterRow(effect, parameter, index) for index, (effect, parameter) in enumerate(pairs))
+
+
+def parameter_index(effect: str, parameter: str) -> int:
+    """Position of a parameter in the vector; KeyError where the catalogue has none of that name."""
+    for row in parameter_rows():
+        if row.effect == effect and row.parameter.name == parameter:
+            return row.index
+    raise KeyError(f"no parameter {effect}.{parameter}")
+
+
+def neutral_parameters() -> Array:
+    """The vector (R,) at which every effect with parameters is absent."""
+    return np.array([row.parameter.neutral for row in parameter_rows()])
+
+
+def parameter_vector(model: Model) -> Array:
+    """The vector (R,) of a model; InputError where it names an effect or parameter that the catalogue lacks."""
+    values = neutral_parameters()
+    for effect, parameters in model.parameters.items():
+        for name, estimate in parameters.items():
+            try:
+                values[parameter_index(effect, name)] = estimate.value
+            except KeyError:
+                known = ", ".join(f"{row.effect}.{row.parameter.name}" for row in parameter_rows())
+                raise InputError("no such parameter", field=f"{effect}.{name}", expected=f"one of {known}") from None
+    return values
+
+
+@dataclass(frozen=True)
+class Arm:
+    """Geometry, surroundings, number of coordinates and quadrature nodes; all that does not change along a batch."""
+
+    specimen: Specimen
+    fluid: Fluid = Fluid()
+    gravity: Gravity = Gravity()
+    order: int = 2
+    nodes: int = 8
+
+    def __post_init__(self) -> None:
+        if self.order < 1:
+            raise InputError(f"{self.order} is not usable", field="order", expected="an integer >= 1")
+        if self.nodes < self.order + 2:
+            raise InputError(f"{self.nodes} is too few", field="nodes", expected=f"at least {self.order + 2}")
+
+    @cached_property
+    def rule(self) -> Quadrature:
+        """The quadrature rule along the arm."""
+        return quadrature(self.nodes)
+
+    @cached_property
+    def curvature_basis(self) -> Array:
+        """dc/dz at the nodes (N, n)."""
+        return curvature_basis(self.order, self.rule.s)
+
+    @cached_property
+    def angle_basis(self) -> Array:
+        """d alpha/dz at the nodes (N, n)."""
+        return angle_basis(self.order, self.rule.s)
+
+    @cached_property
+    def to_monomial(self) -> Array:
+        """T (n, n) with q = T z."""
+        return legendre_to_monomial(self.order)
+
+    @cached_property
+    def from_monomial(self) -> Array:
+        """Inverse of T: z = T^-1 q."""
+        return np.linalg.inv(self.to_monomial)
+
+    @cached_property
+    def node_quantities(self) -> dict[str, Array]:
+        """Section quantities at the nodes (N,), named as in affine_model.effect.NODE_QUANTITIES."""
+        section, s = self.specimen.section, self.rule.s
+        return {
+            "s": s,
+            "area": section.area(s),
+            "second_moment": section.second_moment(s),
+            "width": section.width(s),
+            "perimeter": section.perimeter(s),
+        }
+
+    @cached_property
+    def arm_quantities(self) -> dict[str, float]:
+        """Quantities of the whole arm, named as in affine_model.effect.ARM_QUANTITIES (without the time t)."""
+        return {
+            "length": self.specimen.length,
+            "density": self.specimen.density,
+            "fluid_density": self.fluid.density,
+            "payload": self.specimen.tip_mass,
+            "gravity": self.gravity.magnitude,
+        }
+
+
+def arm_of(model: Model, nodes: int = 8) -> Arm:
+    """The arm of a model."""
+    return Arm(model.specimen, model.fluid, model.gravity, model.order, max(nodes, model.order + 4))
+
+
+def refuse_soft_sections(arm: Arm, parameters: Array) -> None:
+    """InputError where k(s) = E I(s)/L + k0 + k1 s is not positive somewhere on [0, 1], naming the s (physics.md)."""
+    E, k0, k1 = (parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
+    s = np.linspace(0.0, 1.0, 201)
+    k = E * arm.specimen.section.second_moment(s) / arm.specimen.length + k0 + k1 * s
+    # A cone that ends in a point has I(1) = 0; only there may k vanish.
+    pointed = k0 == 0.0 and k1 == 0.0 and E > 0.0
+    bad = np.flatnonzero(~(k > 0.0) & ~(pointed & (s == 1.0)))
+    if bad.size:
+        raise InputError(
+            f"k(s) = {k[bad[0]]:.3g} N m/rad at s = {s[bad[0]]:.3f}", field="elasticity", expected="k(s) > 0 on [0, 1]"
+        )
+
+
+def active_effects(parameters: Array) -> tuple[Effect, ...]:
+    """The effects that act under these parameters (R, ...): base effects, and those with a strength that is not zero."""
+    effects = []
+    for effect in catalogue().values():
+        rows = [row.index for row in parameter_rows() if row.effect == effect.name and not row.parameter.scan]
+        if effect.family == "base" or np.any(parameters[rows] != 0.0):
+            effects.append(effect)
+    return tuple(effects)

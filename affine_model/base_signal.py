@@ -1,0 +1,68 @@
+"""The base motion as the kernel takes it: tables of theta and its derivatives, bent by the servo effects where they act."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import lfilter
+
+from affine_model.curvature import Array
+from tentacle.waveform import Waveform
+
+PLAY_SMOOTHING = 0.006  # s: the play operator's corners are rounded over this time, so that theta has two derivatives
+
+
+def step_middles(t0: float, step: float, steps: int) -> Array:
+    """Times (S,) of the middles of the steps, where the kernel wants the base motion."""
+    return t0 + step * (np.arange(steps) + 0.5)
+
+
+def _lagged(table: Array, step: float, tau: float) -> Array:
+    """First-order lag of each row (exact for piecewise linear input), started in the steady state."""
+    if tau <= 0.0:
+        return table
+    decay = np.exp(-step / tau)
+    ahead = tau / step * (1.0 - decay)
+    b, a = np.array([1.0 - ahead, ahead - decay]), np.array([1.0, -decay])
+    rows = []
+    for row, rate in zip(table, (*table[1:], np.gradient(table[2], step)), strict=True):
+        before = row[0] - step * rate[0]
+        lagged_before = before - tau * rate[0]
+        filtered, _ = lfilter(b, a, row, zi=[b[1] * before - a[1] * lagged_before])
+        rows.append(filtered)
+    return np.array(rows)
+
+
+def play_operator(angle: Array, play: float) -> Array:
+    """Output (S,) of a gear with total play [rad]: it follows the input once the play is used up."""
+    half = 0.5 * play
+    output = np.empty_like(angle)
+    position = angle[0]
+    for k, value in enumerate(angle):
+        position = min(max(position, value - half), value + half)
+        output[k] = position
+    return output
+
+
+def _with_play(table: Array, step: float, play: float) -> Array:
+    """theta behind a gear with play, and its derivatives. Only the difference to the input is smoothed."""
+    if play <= 0.0:
+        return table
+    lost = gaussian_filter1d(play_operator(table[0], play) - table[0], PLAY_SMOOTHING / step, mode="nearest")
+    rate = np.gradient(lost, step)
+    return table + np.array([lost, rate, np.gradient(rate, step)])
+
+
+def base_table(waveform: Waveform, t0: float, step: float, steps: int, lag: Array, play: Array) -> Array:
+    """theta, rate, acceleration at the step middles for B individuals: (3, S, B), or (3, S, 1) where all share one.
+
+    lag (B,) [s] is that of servo_lag, play (B,) [rad] that of backlash (the gear comes before the lag).
+    """
+    table = waveform(step_middles(t0, step, steps))
+    if not (np.any(lag > 0.0) or np.any(play > 0.0)):
+        return table[:, :, None]
+    bent = {}
+    for pair in zip(lag.tolist(), play.tolist(), strict=True):
+        if pair not in bent:
+            bent[pair] = _lagged(_with_play(table, step, pair[1]), step, pair[0])
+    return np.stack([bent[pair] for pair in zip(lag.tolist(), play.tolist(), strict=True)], axis=-1)

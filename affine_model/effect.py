@@ -1,0 +1,123 @@
+"""The effect: one physical law, its parameters, and where it enters the equations. A model is a sum of effects.
+
+Every law is a function of (x, p): x holds the section's quantities (see QUANTITIES), p the effect's own parameters.
+An effect at its neutral parameters (all strengths zero) changes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+Law = Callable[[Any, Any], Any]
+PairLaw = Callable[[Any, Any], tuple[Any, Any]]
+
+# What a law sees at each section. Per node of the arm:
+NODE_QUANTITIES = {
+    "s": "position along the arm, 0 at the base, 1 at the tip",
+    "area": "section area [m^2]",
+    "second_moment": "second moment of area about the bending axis [m^4]",
+    "width": "extent across the plane of motion [m]",
+    "perimeter": "wetted perimeter [m]",
+}
+# The same for the whole arm:
+ARM_QUANTITIES = {
+    "length": "length L [m]",
+    "density": "density of the arm [kg/m^3]",
+    "fluid_density": "density of the fluid [kg/m^3], 0 in air",
+    "payload": "declared mass at the tip [kg]",
+    "gravity": "magnitude of gravity [m/s^2]",
+    "t": "time since the recording began [s]",
+}
+# Changing with the motion:
+STATE_QUANTITIES = {
+    "c": "curvature q1 + q2 s + ... (eq. 1) [rad]",
+    "c_rate": "its rate [rad/s]",
+    "stiffness": "k(s) of the elasticity (eq. 13) [N m/rad]",
+    "x": "position along n at theta = 0 [m]",
+    "y": "position along the straight arm at theta = 0 [m]",
+    "phi": "tangent angle theta + alpha [rad]",
+    "phi_rate": "its rate [rad/s]",
+    "u_n": "velocity relative to the water, along the normal [m/s]",
+    "u_t": "velocity relative to the water, along the tangent [m/s]",
+    "speed": "its magnitude [m/s]",
+    "memory": "relaxing curvature of a Maxwell branch [rad] (only where the effect has relaxation_time)",
+}
+QUANTITIES = {**NODE_QUANTITIES, **ARM_QUANTITIES, **STATE_QUANTITIES}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an effect.
+
+    nominal is a typical size, used as the scale of the fit and as the strength in tests; the fit keeps the value
+    within bounds. A strength is neutral at 0. A parameter with scan values shapes the effect and means nothing while the
+    strengths are zero: a search tries each of them (default: the first).
+    """
+
+    name: str
+    unit: str
+    nominal: float
+    bounds: tuple[float, float]
+    words: str
+    scan: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        low, high = self.bounds
+        if not (low <= self.neutral <= high and low <= self.nominal <= high and low < high):
+            raise ValueError(f"parameter {self.name}: neutral and nominal must lie within bounds {self.bounds}")
+
+    @property
+    def neutral(self) -> float:
+        """The value at which the effect is absent (for a shape parameter: its first scan value)."""
+        return self.scan[0] if self.scan else 0.0
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect: what it adds to the equations of motion, or how it bends the base or the measurement.
+
+    Laws along the arm, per length and at each section:
+    stiffness [N m/rad] (adds k(s) c to the bending moment; other laws see the sum as x.stiffness),
+    bending_moment [N m] (conjugate to c, so Q_j = -int m dc/dq_j ds, as in eq. 12-14),
+    force (normal, tangential) [N/m] of the fluid, couple [N] (moment per length),
+    line_inertia [kg/m] (as carried mass), normal_inertia [kg/m] (carried along the normal only),
+    rotary_inertia [kg m], weight [kg/m] (mass per length on which gravity acts, buoyancy already taken off),
+    water_velocity (x, y) [m/s] in the base frame.
+    At the tip: tip_mass [kg]. For all: gravity_tilt [rad]. relaxation_time [s]: gives the law x.memory.
+    Outside the equations of motion: base ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll",
+    "scale"), extra_order (curvature coordinates added).
+    """
+
+    name: str
+    title: str
+    parameters: tuple[Parameter, ...]
+    source: str
+    family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement"]
+    dissipative: bool = False
+    stiffness: Law | None = None
+    bending_moment: Law | None = None
+    force: PairLaw | None = None
+    couple: Law | None = None
+    line_inertia: Law | None = None
+    normal_inertia: Law | None = None
+    rotary_inertia: Law | None = None
+    weight: Law | None = None
+    water_velocity: PairLaw | None = None
+    tip_mass: Law | None = None
+    gravity_tilt: Law | None = None
+    relaxation_time: Law | None = None
+    base: Literal["lag", "backlash"] | None = None
+    measurement: Literal["time_offset", "roll", "scale"] | None = None
+    extra_order: int = 0
+
+    @property
+    def strengths(self) -> tuple[Parameter, ...]:
+        """The parameters that are zero when the effect is absent."""
+        return tuple(parameter for parameter in self.parameters if not parameter.scan)
+
+    @property
+    def shapes(self) -> tuple[Parameter, ...]:
+        """The parameters that only shape the effect."""
+        return tuple(parameter for parameter in self.parameters if parameter.scan)

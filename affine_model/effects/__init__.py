@@ -1,0 +1,38 @@
+"""The catalogue: every effect that stands in a file of this folder, found by itself. One file is one effect."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+from affine_model.effect import Effect
+
+
+@cache
+def catalogue() -> dict[str, Effect]:
+    """All effects by name, sorted: base effects first, then the others by name.
+
+    Raises ValueError where two files define the same name, or a file holds no effect.
+    """
+    found: dict[str, Effect] = {}
+    for module_info in pkgutil.iter_modules(__path__):
+        module = importlib.import_module(f"{__name__}.{module_info.name}")
+        effects = [value for value in vars(module).values() if isinstance(value, Effect)]
+        if not effects:
+            raise ValueError(f"affine_model/effects/{module_info.name}.py defines no Effect")
+        for effect in effects:
+            if effect.name in found:
+                raise ValueError(f"two effects are named {effect.name!r}")
+            found[effect.name] = effect
+    return dict(sorted(found.items(), key=lambda item: (item[1].family != "base", item[0])))
+
+
+def base_effects() -> tuple[Effect, ...]:
+    """The effects of the paper's model (eq. 8): inertia, elasticity, damping, weight and buoyancy, drag."""
+    return tuple(effect for effect in catalogue().values() if effect.family == "base")
+
+
+def absent_effects() -> tuple[Effect, ...]:
+    """The effects that the paper's model lacks."""
+    return tuple(effect for effect in catalogue().values() if effect.family != "base")

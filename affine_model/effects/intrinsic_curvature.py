@@ -1,0 +1,12 @@
+"""Intrinsic curvature: the arm was cast, or has set, with a bend of its own; it is at rest at c = c0."""
+
+from affine_model.effect import Effect, Parameter
+
+INTRINSIC_CURVATURE = Effect(
+    name="intrinsic_curvature",
+    title="Curvature at rest",
+    parameters=(Parameter("c0", "rad", 0.1, (-6.3, 6.3), "curvature of the unloaded arm, per unit s"),),
+    source="Antman 2005, ch. 4, naturally curved rod",
+    family="elastic",
+    bending_moment=lambda x, p: -x.stiffness * p.c0,
+)

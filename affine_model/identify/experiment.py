@@ -1,0 +1,124 @@
+"""One recording made ready for fitting: base motion, time window, observation, and what is unknown about this run alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.arm import Arm, parameter_index
+from affine_model.base_signal import base_table
+from affine_model.curvature import Array
+from affine_model.identify.observation import MarkerObservation, ShapeObservation
+from affine_model.simulate import Batch, simulate
+from tentacle.waveform import Waveform
+
+Observation = ShapeObservation | MarkerObservation
+
+SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
+RATE_PRIOR = 30.0  # rad/s: initial rates of curvature are unknown, but not without bound
+HIGHER_PRIOR = 0.3  # rad: initial curvature beyond what the observation can see
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A recording as the fit sees it.
+
+    base: the recorded base motion; t0, duration [s]: the simulated window; release [s]: the arm is held still
+    until then (None: it moves from the start); used (T,) bool: frames that the fit may use (the others are for judging).
+    noise_gain: factor on the observation's stated standard deviation, found from the data.
+    """
+
+    name: str
+    observation: Observation
+    base: Waveform
+    t0: float
+    duration: float
+    release: float | None
+    used: np.ndarray
+    noise_gain: Array
+    release_sigma: float = 0.01
+
+    def nuisance_names(self, order: int) -> list[str]:
+        """Unknowns of this run alone: initial shape and rates (or, released, the instant), shift of the clamp."""
+        initial = [f"q{j + 1}(0)" for j in range(order)]
+        moving = [f"q{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
+        return [*initial, *moving, "shift_x", "shift_y"]
+
+    def nuisance_scales(self, order: int, length: float) -> Array:
+        """Typical sizes of the nuisances, the scale of the fit's steps."""
+        moving = [1.0] * order if self.release is None else [0.01]
+        return np.array([0.1] * order + moving + [SHIFT_PRIOR * length] * 2)
+
+    def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
+        """What is known beforehand of the nuisances (M, B), as whitened residuals."""
+        shift = nuisances[-2:] / (SHIFT_PRIOR * length)
+        seen = self.observation.order if isinstance(self.observation, ShapeObservation) else 2
+        higher = nuisances[seen:order] / HIGHER_PRIOR
+        if self.release is None:
+            return np.concatenate([nuisances[order : 2 * order] / RATE_PRIOR, shift, higher])
+        return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher])
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A batch at the observation's instants: q (T, n, B), theta (T, B), shift (2, B), and the simulated batch itself."""
+
+    q: Array
+    theta: Array
+    shift: Array
+    batch: Batch
+
+
+def _hermite(batch: Batch, values: Array, rates: Array, times: Array) -> Array:
+    """Cubic interpolation of values (T, ..., B) at times (M, B): shape (M, ..., B); constant before the first instant."""
+    spacing = batch.t[1] - batch.t[0]
+    place = np.clip((times - batch.t[0]) / spacing, 0.0, batch.t.size - 1 - 1e-9)
+    index = place.astype(int)
+    u = place - index
+    extra = values.ndim - 2
+    u = u.reshape(u.shape[:1] + (1,) * extra + u.shape[1:])
+    if times.shape[1] == 1:
+        a, b, da, db = values[index[:, 0]], values[index[:, 0] + 1], rates[index[:, 0]], rates[index[:, 0] + 1]
+    else:
+        lanes = np.arange(values.shape[-1])
+        pick = (lambda array, k: array[k, lanes]) if extra == 0 else (lambda array, k: _pick(array, k, lanes))
+        a, b, da, db = pick(values, index), pick(values, index + 1), pick(rates, index), pick(rates, index + 1)
+    h00, h10 = (1 + 2 * u) * (1 - u) ** 2, u * (1 - u) ** 2
+    return h00 * a + (1 - h00) * b + spacing * (h10 * da - u**2 * (1 - u) * db)
+
+
+def _pick(array: Array, index: np.ndarray, lanes: np.ndarray) -> Array:
+    """array[index[m, b], :, b] as (M, n, B)."""
+    return np.swapaxes(array[index, :, lanes], 1, 2)
+
+
+def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
+    """Simulate B individuals (parameters (R, B), nuisances (M, B)) and give their shapes at the observed instants."""
+    n = arm.order
+    value = {name: parameters[parameter_index(effect, name)] for effect, name in _OUTSIDE}
+    steps = int(np.ceil(experiment.duration / step)) + 1
+    steps += steps % 2
+    start = experiment.t0 if experiment.release is None else experiment.release
+    base = base_table(experiment.base, start, step, steps, value["tau"], value["play"])
+    rates = nuisances[n : 2 * n] if experiment.release is None else np.zeros((n, nuisances.shape[1]))
+    batch = simulate(arm, parameters, base, step, q=nuisances[:n], q_rate=rates, t0=start, stride=2)
+    times = experiment.observation.t[:, None] + value["offset"]
+    if experiment.release is not None:
+        times = times - nuisances[n]
+    if np.all(times == times[:, :1]):
+        times = times[:, :1]
+    q = _hermite(batch, batch.q, batch.q_rate, times)
+    theta = _hermite(batch, batch.theta, batch.theta_rate, times)
+    return Prediction(q, theta, nuisances[-2:], batch)
+
+
+_OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"))
+
+
+def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:
+    """Measured less predicted, whitened (T, K, B), over all frames."""
+    roll = parameters[parameter_index("camera_roll", "roll")]
+    scale = parameters[parameter_index("camera_scale", "excess")]
+    error = experiment.observation.predict(prediction.q, prediction.theta, roll, scale, prediction.shift)
+    return error / experiment.noise_gain[:, None]

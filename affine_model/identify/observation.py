@@ -1,0 +1,166 @@
+"""What was seen of the arm's shape, as numbers with a covariance that a model's prediction is compared with.
+
+A frame's midline is reduced, without loss, to shape coefficients: [q1 .. qm, base angle offset, shift x, shift y,
+log scale], fitted by least squares, with the root R of their information matrix, so that R (measured - predicted) has
+independent entries of unit variance. The columns are ordered so that the last rows of R belong to the highest
+curvature coordinates alone: whether a further coordinate is needed is read off them directly.
+Markers are compared as points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside, quadrature
+from tentacle.signals import Markers, Midline, ShapeTrack
+
+POSE = 4  # base angle offset [rad], shift x, shift y [m], log of the apparent scale
+
+
+@dataclass(frozen=True)
+class ShapeObservation:
+    """Shape coefficients of T frames in the order [offset, shift x, shift y, log scale, z_1 .. z_m] (Legendre z).
+
+    t (T,) [s]; theta (T,) [rad] the recorded base angle that the offset is counted from; coefficients (T, K);
+    root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): what the coefficients leave
+    of the frame's points, in units of the stated variance (0, 0 where unknown).
+    """
+
+    t: Array
+    theta: Array
+    coefficients: Array
+    root: Array
+    residual_chi2: Array
+    residual_count: Array
+
+    @property
+    def order(self) -> int:
+        """How many curvature coordinates were measured."""
+        return self.coefficients.shape[1] - POSE
+
+    def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
+        """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2, B)."""
+        n = q.shape[1]
+        z = np.linalg.solve(legendre_to_monomial(n), q)
+        error = np.repeat(self.coefficients[:, :, None], q.shape[2], axis=2)
+        error[:, 0] -= theta - self.theta[:, None] + roll
+        error[:, 1:3] -= shift
+        error[:, 3] -= np.log1p(scale)
+        kept = min(n, self.order)
+        error[:, POSE : POSE + kept] -= z[:, :kept]
+        return np.matmul(self.root, error)
+
+
+@dataclass(frozen=True)
+class MarkerObservation:
+    """Markers as points: t (T,), s (M,), d (M,) [m], xy (T, M, 2) [m], sigma [m] of each coordinate; NaN rows count nothing."""
+
+    t: Array
+    theta: Array
+    length: float
+    s: Array
+    d: Array
+    xy: Array
+    sigma: float
+
+    def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
+        """Whitened residuals (T, 2 M, B); 0 where a marker was not seen."""
+        shape = np.moveaxis(q, 1, -1)  # (T, B, n)
+        points = points_beside(shape, theta + roll, self.length, self.s, self.d) * (1.0 + scale)[:, None, None]
+        points = points + shift.T[:, None, :]
+        error = (self.xy[:, None] - points) / self.sigma
+        return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))
+
+
+def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: float) -> ShapeObservation:
+    """Least-squares shape coefficients of every frame of a midline.
+
+    theta (T,) recorded base angle; sigma [m] stands in where the data state none. Frames with too few points get
+    root 0: they weigh nothing. Gauss-Newton from the straight arm along the points' mean direction; all frames at once.
+    """
+    frames, points = data.xy.shape[:2]
+    stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, sigma)
+    seen = np.isfinite(data.xy).all(axis=2)
+    weight = np.where(seen, 1.0 / stated, 0.0)
+    xy = np.nan_to_num(data.xy)
+    to_monomial = legendre_to_monomial(order)
+    count = POSE + order
+    usable = seen.sum(axis=1) * 2 >= count + 2
+    coefficients = np.zeros((frames, count))
+    rule, steps = quadrature(16), 12
+    jacobian = np.zeros((frames, points, 2, count))
+    for _ in range(steps):
+        q, angle = coefficients[:, POSE:] @ to_monomial.T, theta + coefficients[:, 0]
+        shape = midline(q, angle, length, data.s)
+        size = np.exp(coefficients[:, 3])[:, None, None]
+        predicted = size * shape + coefficients[:, None, 1:3]
+        jacobian[..., 0] = size * np.stack([-shape[..., 1], shape[..., 0]], axis=-1)
+        jacobian[..., 0, 1] = 1.0
+        jacobian[..., 1, 2] = 1.0
+        jacobian[..., 3] = size * shape
+        jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, length, data.s, order, rule.s.size)
+        error = (xy - predicted) * weight[..., None]
+        weighted = (jacobian * weight[..., None, None]).reshape(frames, 2 * points, count)
+        normal = np.einsum("tpk,tpl->tkl", weighted, weighted)
+        normal[~usable] = np.eye(count)
+        # Levenberg's share keeps the first steps of strongly bent frames from overshooting.
+        gradient = np.einsum("tpk,tp->tk", weighted, error.reshape(frames, -1))
+        update = np.linalg.solve(normal, gradient[..., None])[..., 0]
+        limit = np.minimum(1.0, 1.5 / np.maximum(np.abs(update).max(axis=1), 1e-12))
+        coefficients = coefficients + update * limit[:, None] * usable[:, None]
+        if np.abs(update[usable]).max(initial=0.0) < 1e-10:
+            break
+    root = np.swapaxes(np.linalg.cholesky(normal), 1, 2) * usable[:, None, None]
+    chi2 = np.where(usable, np.einsum("tpx,tpx->t", error, error), 0.0)
+    left = np.where(usable, 2 * seen.sum(axis=1) - count, 0)
+    return ShapeObservation(data.t, theta, coefficients, root, chi2, left.astype(float))
+
+
+def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: int, nodes: int) -> Array:
+    """d r(s) / dz (T, P, 2, order) by central differences in z, exact enough for Gauss-Newton and its covariance."""
+    to_monomial = legendre_to_monomial(order)
+    step = 1e-5
+    columns = []
+    for j in range(order):
+        shift = step * to_monomial[:, j]
+        ahead = midline(q + shift, angle, length, s, nodes)
+        behind = midline(q - shift, angle, length, s, nodes)
+        columns.append((ahead - behind) / (2.0 * step))
+    return np.stack(columns, axis=-1)
+
+
+def from_track(track: ShapeTrack, theta: Array) -> ShapeObservation:
+    """A video's shape track as an observation; scale and shift are known once for the recording, with their own sigma.
+
+    theta (T,) is the recorded base angle at the frames. Rejected frames weigh nothing.
+    """
+    order = track.coefficients.shape[1] - 1
+    count = POSE + order
+    frames = track.t.size
+    coefficients = np.zeros((frames, count))
+    root = np.zeros((frames, count, count))
+    from_monomial = np.linalg.inv(legendre_to_monomial(order))
+    accepted = track.accepted & np.isfinite(track.coefficients).all(axis=1)
+    good = np.flatnonzero(accepted)
+    coefficients[good, 0] = track.coefficients[good, 0]
+    coefficients[good, POSE:] = track.coefficients[good, 1:] @ from_monomial.T
+    transform = np.zeros((1 + order, 1 + order))
+    transform[0, 0] = 1.0
+    transform[1:, 1:] = from_monomial
+    covariance = transform @ track.covariance[good] @ transform.T
+    inner = np.swapaxes(np.linalg.cholesky(np.linalg.inv(covariance)), 1, 2)
+    kept = np.array([0, *range(POSE, count)])
+    root[np.ix_(good, kept, kept)] = inner
+    # The recording's one scale, seen in every frame: spread its information evenly, so that the sum is right.
+    coefficients[good, 3] = np.log(track.scale)
+    if good.size and np.isfinite(track.scale_sigma) and track.scale_sigma > 0:
+        root[good, 3, 3] = 1.0 / (track.scale_sigma * np.sqrt(good.size))
+    nothing = np.zeros(frames)
+    return ShapeObservation(track.t, theta, coefficients, root, nothing, nothing)
+
+
+def from_markers(markers: Markers, theta: Array, length: float, sigma: float) -> MarkerObservation:
+    """Markers as an observation, with the noise sigma [m] of each coordinate."""
+    return MarkerObservation(markers.t, theta, length, markers.s, markers.d, markers.xy, sigma)

@@ -1,0 +1,201 @@
+"""The trajectory fit: parameters and initial states that bring the simulated motion onto the measured one.
+
+Least squares on whitened residuals over any number of recordings at once (scipy's trust region with bounds). All
+derivatives come from one batch of simulations a step, two individuals per unknown.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from affine_model.arm import Arm, parameter_rows
+from affine_model.curvature import Array
+from affine_model.identify.experiment import Experiment, predict, whitened_residuals
+
+ParameterName = tuple[str, str]  # effect, parameter
+DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
+DEAD = 1e-6  # a parameter whose whole column is shorter than this cannot be seen
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model.
+
+    free: the fitted parameters; values, covariance of them alone, all else marginalised; parameters (R,) the whole vector;
+    nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames (nats);
+    count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names
+    of parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests.
+    """
+
+    free: tuple[ParameterName, ...]
+    values: Array
+    covariance: Array
+    parameters: Array
+    nuisances: tuple[Array, ...]
+    misfit: float
+    count: int
+    residuals: tuple[Array, ...]
+    at_bound: tuple[ParameterName, ...]
+    jacobian: Array
+    used_residuals: Array
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is to be fitted: an arm, recordings, the names of the free parameters, the fixed rest of the vector.
+
+    prior: mean (F,) and information matrix (F, F) of leading free parameters, from a baseline fit (None: no prior).
+    """
+
+    arm: Arm
+    experiments: tuple[Experiment, ...]
+    free: tuple[ParameterName, ...]
+    parameters: Array
+    step: float
+    prior_free: tuple[ParameterName, ...] = ()
+    prior_mean: Array | None = None
+    prior_root: Array | None = None
+
+    def rows(self) -> np.ndarray:
+        """Places of the free parameters in the vector."""
+        places = {(row.effect, row.parameter.name): row.index for row in parameter_rows()}
+        return np.array([places[name] for name in self.free], dtype=int)
+
+    def sizes(self) -> list[int]:
+        """Number of nuisances of each recording."""
+        return [len(experiment.nuisance_names(self.arm.order)) for experiment in self.experiments]
+
+    def scales(self) -> Array:
+        """Size of one unit of each unknown: of a parameter its value or nominal, whichever is larger."""
+        nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
+        own = [max(abs(nominal[name]) * 0.1, abs(self.parameters[row])) for name, row in zip(self.free, self.rows(), strict=True)]
+        length = self.arm.specimen.length
+        return np.concatenate([own, *(e.nuisance_scales(self.arm.order, length) for e in self.experiments)])
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Bounds of all unknowns; nuisances have none."""
+        limits = {(row.effect, row.parameter.name): row.parameter.bounds for row in parameter_rows()}
+        low, high = np.array([limits[name] for name in self.free]).reshape(-1, 2).T
+        rest = np.full(sum(self.sizes()), np.inf)
+        return np.concatenate([low, -rest]), np.concatenate([high, rest])
+
+    def residuals(self, unknowns: Array) -> tuple[Array, list[Array]]:
+        """Residuals (N, B) on the used frames with the priors, and all frames' (T, K, B) a recording; unknowns (P, B)."""
+        parameters = np.repeat(self.parameters[:, None], unknowns.shape[1], axis=1)
+        parameters[self.rows()] = unknowns[: len(self.free)]
+        return self._compare(parameters, unknowns)
+
+    def residuals_of(self, parameters: Array, unknowns: Array) -> Array:
+        """Residuals (N, B) on the used frames for whole parameter vectors (R, B), nuisances out of unknowns (P, B)."""
+        return self._compare(parameters, unknowns)[0]
+
+    def _compare(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
+        count = unknowns.shape[1]
+        used, everything, place = [], [], len(self.free)
+        for experiment, size in zip(self.experiments, self.sizes(), strict=True):
+            nuisances = unknowns[place : place + size]
+            place += size
+            prediction = predict(self.arm, experiment, parameters, nuisances, self.step)
+            error = whitened_residuals(experiment, parameters, prediction)
+            error[:, :, np.isfinite(prediction.batch.diverged)] = 1e6
+            everything.append(error)
+            used.append(error[experiment.used].reshape(-1, count))
+            used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
+        if self.prior_mean is not None and self.prior_root is not None:
+            places = [self.free.index(name) for name in self.prior_free]
+            used.append(self.prior_root @ (unknowns[places] - self.prior_mean[:, None]))
+        return np.concatenate(used), everything
+
+    def jacobian(self, unknowns: Array, columns: np.ndarray | None = None) -> Array:
+        """d residuals / d unknowns (N, P) by differences, one batch; one-sided where a bound is in the way."""
+        scales, (low, high) = self.scales(), self.bounds()
+        columns = np.arange(unknowns.size) if columns is None else columns
+        ahead = np.minimum(unknowns + DIFFERENCE * scales, high)
+        behind = np.maximum(unknowns - DIFFERENCE * scales, low)
+        batch = np.repeat(unknowns[:, None], 2 * columns.size, axis=1)
+        for place, column in enumerate(columns):
+            batch[column, 2 * place], batch[column, 2 * place + 1] = ahead[column], behind[column]
+        values, _ = self.residuals(batch)
+        return (values[:, 0::2] - values[:, 1::2]) / (ahead - behind)[columns]
+
+
+def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-6, most: int = 40) -> Fit:
+    """Fit from one start: the problem's parameters and the given nuisances.
+
+    Raises ValueError where there is not one used frame.
+    """
+    low, high = problem.bounds()
+    scales = problem.scales()
+    start = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+    start = np.clip(start, low, high)
+    if not any(experiment.used.any() for experiment in problem.experiments):
+        raise ValueError("no frame to fit")
+
+    def residuals(scaled: Array) -> Array:
+        return problem.residuals((scaled * scales)[:, None])[0][:, 0]
+
+    def jacobian(scaled: Array) -> Array:
+        return problem.jacobian(scaled * scales) * scales
+
+    inside = np.clip(start / scales, low / scales + 1e-12, high / scales - 1e-12)
+    solution = least_squares(
+        residuals, inside, jacobian, (low / scales, high / scales), "trf", tolerance, tolerance, None, max_nfev=most
+    )
+    unknowns = solution.x * scales
+    return _finished(problem, unknowns, solution.jac / scales, int(solution.nfev))
+
+
+def _finished(problem: Problem, unknowns: Array, jacobian: Array, evaluations: int) -> Fit:
+    used, everything = problem.residuals(unknowns[:, None])
+    low, high = problem.bounds()
+    count = len(problem.free)
+    information = jacobian.T @ jacobian
+    size = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    covariance = np.linalg.pinv(information / np.outer(size, size), hermitian=True) / np.outer(size, size)
+    values = unknowns[:count]
+    close = 1e-6 * problem.scales()[:count]
+    touching = (values <= low[:count] + close) | (values >= high[:count] - close)
+    parameters = problem.parameters.copy()
+    parameters[problem.rows()] = values
+    parts = np.split(unknowns[count:], np.cumsum(problem.sizes())[:-1]) if problem.experiments else []
+    return Fit(
+        free=problem.free,
+        values=values,
+        covariance=covariance[:count, :count],
+        parameters=parameters,
+        nuisances=tuple(parts),
+        misfit=0.5 * float(used[:, 0] @ used[:, 0]),
+        count=used.shape[0],
+        residuals=tuple(error[:, :, 0] for error in everything),
+        at_bound=tuple(name for name, flag in zip(problem.free, touching, strict=True) if flag),
+        jacobian=jacobian,
+        used_residuals=used[:, 0],
+        evaluations=evaluations,
+    )
+
+
+def evaluate(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
+    """The problem at its start, not fitted (its Jacobian included)."""
+    unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+    return _finished(problem, unknowns, problem.jacobian(unknowns), 0)
+
+
+def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:
+    """The best of several starts; starts (F, S) are values of the free parameters, screened in one batch, `keep` refined."""
+    flat = np.concatenate(nuisances)[:, None]
+    unknowns = np.concatenate([starts, np.repeat(flat, starts.shape[1], axis=1)])
+    values, _ = problem.residuals(unknowns)
+    cost = np.einsum("nb,nb->b", values, values)
+    best: Fit | None = None
+    for place in np.argsort(cost)[:keep]:
+        parameters = problem.parameters.copy()
+        parameters[problem.rows()] = starts[:, place]
+        candidate = fit(replace(problem, parameters=parameters), nuisances)
+        if best is None or candidate.misfit < best.misfit:
+            best = candidate
+    assert best is not None
+    return best

@@ -1,0 +1,48 @@
+"""Compiles the generated kernel once and keeps it: a module in the user's cache folder, named by the hash of its text."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+from affine_model.kernel.generate import BLOCK, kernel_source
+
+__all__ = ["BLOCK", "load_kernel"]
+
+
+def _cache_folder() -> Path:
+    """TENTACLE_CACHE, or the user's cache folder; a temporary one where neither can be written."""
+    base = os.environ.get("TENTACLE_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    folder = Path(base) / "tentacle-twin" / "kernels"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        folder = Path(tempfile.mkdtemp(prefix="tentacle-kernels-"))
+    return folder
+
+
+@cache
+def load_kernel(nodes: int) -> ModuleType:
+    """The kernel for that number of quadrature nodes; compiled on first use (tens of seconds), then loaded from the cache."""
+    source = kernel_source(nodes)
+    name = f"kernel_{nodes}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+    path = _cache_folder() / f"{name}.py"
+    if not path.exists():
+        partial = path.with_suffix(f".{os.getpid()}.part")
+        partial.write_text(source)
+        partial.replace(path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"cannot load the generated kernel {path}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

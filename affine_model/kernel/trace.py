@@ -1,0 +1,69 @@
+"""From a law to lines of code: the law is called with symbols, differentiated, and printed with common subexpressions shared."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import sympy
+from sympy.printing.pycode import PythonCodePrinter
+
+from affine_model.arm import parameter_rows
+from affine_model.effect import ARM_QUANTITIES, NODE_QUANTITIES, STATE_QUANTITIES, Effect
+
+# How the kernel spells each quantity inside its innermost loop, over the individual b of a block, at node i.
+SPELLING = {
+    **{name: f"{name}[i]" for name in NODE_QUANTITIES},
+    **{name: name for name in ARM_QUANTITIES},
+    **{name: f"{name}[i, b]" for name in STATE_QUANTITIES},
+}
+
+
+class _Printer(PythonCodePrinter):
+    """Integer powers as products, which vectorise; symbols as the kernel spells them."""
+
+    def _print_Symbol(self, expr: sympy.Symbol) -> str:
+        return SPELLING.get(expr.name, expr.name)
+
+    def _print_Pow(self, expr: sympy.Pow, rational: bool = False) -> str:
+        base, exponent = expr.as_base_exp()
+        if exponent.is_Integer and 1 < abs(int(exponent)) <= 6:
+            product = "*".join([f"({self._print(base)})"] * abs(int(exponent)))
+            return f"({product})" if exponent.is_positive else f"(1.0/({product}))"
+        return super()._print_Pow(expr, rational=rational)
+
+
+def symbols_for(effect: Effect) -> tuple[SimpleNamespace, SimpleNamespace]:
+    """(x, p) of symbols to call the effect's laws with; parameters are spelled par[row, b]."""
+    quantities = {**NODE_QUANTITIES, **ARM_QUANTITIES, **STATE_QUANTITIES}
+    x = SimpleNamespace(**{name: sympy.Symbol(name, real=True) for name in quantities})
+    rows = [row for row in parameter_rows() if row.effect == effect.name]
+    p = SimpleNamespace(**{row.parameter.name: sympy.Symbol(f"par[{row.index}, b]", real=True) for row in rows})
+    return x, p
+
+
+def traced(effect: Effect, kind: str) -> tuple[sympy.Expr, ...]:
+    """The law of that kind as expressions: one, or two for a pair law."""
+    x, p = symbols_for(effect)
+    value: Any = getattr(effect, kind)(x, p)
+    values = value if isinstance(value, tuple) else (value,)
+    return tuple(sympy.sympify(part) for part in values)
+
+
+def lines(assignments: list[tuple[str, str, sympy.Expr]], indent: str) -> list[str]:
+    """Code of `target op expression` for every assignment whose expression is not zero, subexpressions shared."""
+    kept = [(target, operator, value) for target, operator, value in assignments if value != 0]
+    if not kept:
+        return []
+    shared, reduced = sympy.cse([value for _, _, value in kept], symbols=sympy.numbered_symbols("share"))
+    printer = _Printer({"fully_qualified_modules": True})
+    text = [f"{indent}{symbol} = {printer.doprint(value)}" for symbol, value in shared]
+    for (target, operator, _), value in zip(kept, reduced, strict=True):
+        text.append(f"{indent}{target} {operator} {printer.doprint(value)}")
+    return text
+
+
+def slope_along(value: sympy.Expr, component: str) -> sympy.Expr:
+    """d value / d component for a relative velocity component, through the speed as well."""
+    part, speed = sympy.Symbol(component, real=True), sympy.Symbol("speed", real=True)
+    return sympy.diff(value, part) + sympy.diff(value, speed) * part / speed

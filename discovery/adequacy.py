@@ -1,0 +1,113 @@
+"""Adequacy gates: may a fitted model be called complete? Chi-square, Ljung-Box and drift, each with its number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2 as chi_square
+
+from affine_model.curvature import Array
+from affine_model.identify.experiment import Experiment
+from affine_model.identify.trajectory import Fit
+from discovery.score import absorbed_basis
+from tentacle.diagnosis import Gate
+
+SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fit, false alarms well under 1 %
+MATERIAL = 0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
+LAGS = 20
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """The gates of one fit on one set of frames. structure: rms of what is not noise, in noise sigmas."""
+
+    gates: tuple[Gate, ...]
+    structure: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every gate was passed."""
+        return all(gate.passed for gate in self.gates)
+
+
+def judged_rows(experiment: Experiment, residuals: Array, held_out: bool) -> Array:
+    """Whitened residuals (T', K) of the frames that were fitted, or of those that were held out; unseen frames dropped."""
+    chosen = residuals[~experiment.used if held_out else experiment.used]
+    return chosen[np.any(chosen != 0.0, axis=1)]
+
+
+def _live(rows: Array) -> Array:
+    """The channels that carry information: a track has none for the clamp's shift, for instance."""
+    return rows[:, np.any(rows != 0.0, axis=0)]
+
+
+def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
+    """Sum over channels of Q = N (N + 2) sum_k rho_k^2 / (N - k), and its degrees of freedom."""
+    count = rows.shape[0]
+    lags = min(lags, count // 4)
+    centred = rows - rows.mean(axis=0)
+    power = np.sum(centred**2, axis=0)
+    total = 0.0
+    for lag in range(1, lags + 1):
+        rho = np.sum(centred[lag:] * centred[:-lag], axis=0) / np.maximum(power, 1e-300)
+        total += float(np.sum(rho**2)) * count * (count + 2) / (count - lag)
+    return total, lags * rows.shape[1]
+
+
+def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool) -> Adequacy:
+    """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones."""
+    parts = [
+        _live(judged_rows(experiment, residuals, held_out))
+        for experiment, residuals in zip(experiments, fitted.residuals, strict=True)
+    ]
+    parts = [part for part in parts if part.size]
+    if not parts:
+        return Adequacy((), 0.0)
+    squares = sum(float(np.sum(part**2)) for part in parts)
+    count = sum(part.size for part in parts) - (0 if held_out else len(fitted.values))
+    ratio = squares / max(count, 1)
+    structure = float(np.sqrt(max(ratio - 1.0, 0.0)))
+    threshold = float(chi_square.isf(SIGNIFICANCE, count)) / count
+    # Held-out frames carry the parameters' own uncertainty on top of the noise.
+    threshold += MATERIAL**2
+    gates = [
+        Gate("chi-square", ratio, threshold, ratio <= threshold, f"mean square residual {ratio:.3f} noise variances"),
+    ]
+    statistic, freedom = 0.0, 0
+    for part in parts:
+        value, degrees = ljung_box(part)
+        statistic, freedom = statistic + value, freedom + degrees
+    if freedom:
+        limit = float(chi_square.isf(SIGNIFICANCE, freedom))
+        # Structure of MATERIAL rms shifts every rho by MATERIAL^2 at most.
+        limit += sum(part.size for part in parts) * LAGS * MATERIAL**4
+        gates.append(
+            Gate("Ljung-Box", statistic, limit, statistic <= limit, f"residuals correlated over {LAGS} frames")
+        )
+    if not held_out:
+        gates.append(_drift(experiments, fitted))
+    return Adequacy(tuple(gates), structure)
+
+
+def _drift(experiments: tuple[Experiment, ...], fitted: Fit) -> Gate:
+    """Whether parameters that grow or fall in time would explain more: sensitivities times time, freed of the model's own."""
+    times = []
+    for experiment, residuals in zip(experiments, fitted.residuals, strict=True):
+        t = experiment.observation.t[experiment.used]
+        centred = (t - t.mean()) / max(np.ptp(t), 1e-9)
+        times.append(np.repeat(centred, residuals.shape[1]))
+        nuisances = fitted.nuisances[len(times) - 1].size
+        order = (nuisances - 3) if experiment.release is not None else (nuisances - 2) // 2
+        priors = experiment.prior_residuals(order, 1.0, np.ones((nuisances, 1))).shape[0]
+        times.append(np.zeros(priors))
+    weight = np.concatenate(times)
+    weight = np.concatenate([weight, np.zeros(fitted.used_residuals.size - weight.size)])
+    columns = fitted.jacobian[:, : len(fitted.values)] * weight[:, None]
+    basis = absorbed_basis(fitted)
+    columns = columns - basis @ (basis.T @ columns)
+    left, singular, _ = np.linalg.svd(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False)
+    left = left[:, singular > 1e-6 * max(singular[0], 1e-300)]
+    gain = 0.5 * float(np.sum((left.T @ fitted.used_residuals) ** 2))
+    limit = 0.5 * float(chi_square.isf(SIGNIFICANCE, left.shape[1])) + 0.5 * fitted.count * MATERIAL**2
+    return Gate("drift", gain, limit, gain <= limit, "gain in nats if the base parameters drifted")

@@ -1,0 +1,137 @@
+"""The declared model, fitted as well as it goes: order, starts, base parameters, noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.arm import Arm, arm_of, neutral_parameters, parameter_index
+from affine_model.curvature import Array, legendre_to_monomial
+from affine_model.identify.experiment import Experiment
+from affine_model.identify.observation import POSE, ShapeObservation
+from affine_model.identify.trajectory import Fit, ParameterName, Problem, fit, fit_multistart
+from discovery.floor import noise_deviation
+from discovery.prepare import recalibrated
+from tentacle.model import Model
+from tentacle.recording import Declaration
+
+STEP = 1.0 / 300.0  # s: second order, 1e-3 of phase error at 5 Hz (checked by halving in the tests)
+VISIBLE = 1.25  # a curvature coordinate counts as seen where its rms is this many times its noise
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a fit starts from: the arm's declaration, its experiments, the order of curvature."""
+
+    declaration: Declaration
+    experiments: tuple[Experiment, ...]
+    order: int
+    step: float = STEP
+
+    def arm(self, order: int | None = None) -> Arm:
+        """The arm with that many coordinates."""
+        d = self.declaration
+        return arm_of(Model(d.specimen, d.fluid, d.gravity, order or self.order))
+
+    def base_free(self) -> tuple[ParameterName, ...]:
+        """The base parameters that these surroundings let one see."""
+        free: list[ParameterName]
+        if self.declaration.specimen.stiffness == "section":
+            free = [("elasticity", "E"), ("damping", "eta")]
+        else:
+            free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1")]
+        if self.declaration.fluid.density > 0.0:
+            free.append(("drag", "C_perp"))
+        return tuple(free)
+
+
+def needed_order(experiments: tuple[Experiment, ...]) -> int:
+    """How many curvature coordinates the measured shapes show, from the top down, without any dynamics.
+
+    The last row of the whitening root belongs to the highest coordinate alone: where that coordinate is zero, its whitened
+    value is pure noise, whose size is known from the frame-to-frame differences.
+    """
+    needed = 2
+    for experiment in experiments:
+        observation = experiment.observation
+        if not isinstance(observation, ShapeObservation):
+            needed = max(needed, 3)
+            continue
+        seen = observation.root[:, -1, -1] > 0
+        for order in range(observation.order, needed, -1):
+            row = POSE + order - 1
+            # Where the higher coordinates are zero, this row of the whitened data is R_kk z_k plus unit noise.
+            value = np.einsum("tl,tl->t", observation.root[seen, POSE + order - 1], observation.coefficients[seen])
+            noise = max(float(noise_deviation(value)), 0.5)
+            rms = float(np.sqrt(np.mean(value**2)))
+            surplus = rms**2 / noise**2 - 1.0
+            if rms > VISIBLE * noise or surplus > 6.0 * np.sqrt(2.0 / seen.sum()) + 0.02:
+                needed = order
+                break
+    return needed
+
+
+def initial_nuisances(experiment: Experiment, order: int) -> Array:
+    """Initial shape and rates of a run from its first frames (released: from all frames before)."""
+    observation = experiment.observation
+    q = np.zeros(order)
+    rates = np.zeros(order)
+    if isinstance(observation, ShapeObservation):
+        seen = np.flatnonzero(observation.root[:, -1, -1] > 0)
+        z = observation.coefficients[:, POSE:]
+        kept = min(order, observation.order)
+        to_monomial = legendre_to_monomial(order)[:, :kept]
+        if experiment.release is not None:
+            held = seen[observation.t[seen] <= experiment.release]
+            held = held if held.size else seen[:1]
+            q = to_monomial @ np.median(z[held, :kept], axis=0)
+        else:
+            first = seen[:6]
+            slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
+            q, rates = to_monomial @ offset, to_monomial @ slope
+    moving = rates if experiment.release is None else np.zeros(1)
+    return np.concatenate([q, moving, np.zeros(2)])
+
+
+def _starts(setting: Setting) -> Array:
+    """Starts of the base parameters over the range of silicones, (F, S): stiffness, damping, drag."""
+    specimen = setting.declaration.specimen
+    wet = setting.declaration.fluid.density > 0.0
+    second_moment = float(specimen.section.second_moment(0.0)) / specimen.length
+    tip_moment = float(specimen.section.second_moment(1.0)) / specimen.length
+    columns = []
+    for E in (3e4, 6e4, 1.2e5, 2e5, 3.2e5, 5e5, 9e5, 2e6):
+        for relaxation in (0.003, 0.02):
+            for drag in (0.6, 1.5) if wet else (None,):
+                eta = E * relaxation
+                if specimen.stiffness == "section":
+                    column = [E, eta]
+                else:
+                    # The affine law that has the section's value at the base and a twentieth, or more, at the tip.
+                    tip = max(tip_moment, 0.05 * second_moment) - second_moment
+                    column = [E * second_moment, E * tip, eta * second_moment, eta * tip]
+                columns.append(column if drag is None else [*column, drag])
+    return np.array(columns).T
+
+
+def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Fit, tuple[Experiment, ...]]:
+    """The base effects alone at that order, from many starts (or from a fit at another order), noise recalibrated once."""
+    arm = setting.arm(order)
+    nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
+    problem = Problem(arm, setting.experiments, setting.base_free(), neutral_parameters(), setting.step)
+    if warm is None:
+        first = fit_multistart(problem, nuisances, _starts(setting))
+    else:
+        first = fit(replace(problem, parameters=warm.parameters), nuisances)
+    experiments = tuple(
+        recalibrated(experiment, residuals)
+        for experiment, residuals in zip(setting.experiments, first.residuals, strict=True)
+    )
+    again = replace(problem, experiments=experiments, parameters=first.parameters)
+    return fit(again, first.nuisances), experiments
+
+
+def parameter_of(fit_result: Fit, name: ParameterName) -> float:
+    """A parameter's value in a fit."""
+    return float(fit_result.parameters[parameter_index(*name)])

@@ -1,0 +1,149 @@
+"""From a recording to an experiment: which channel is judged, over which window, with which noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.curvature import Array
+from affine_model.identify.experiment import Experiment
+from affine_model.identify.observation import (
+    POSE,
+    MarkerObservation,
+    ShapeObservation,
+    fit_shapes,
+    from_markers,
+    from_track,
+)
+from discovery.floor import noise_deviation
+from tentacle.base_motion import fit_base_motion
+from tentacle.errors import InputError
+from tentacle.recording import Recording
+from tentacle.waveform import Rest, Waveform
+
+MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
+LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
+FEWEST_FRAMES = 30
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A recording with its experiment, and in words what had to be decided on the way."""
+
+    recording: Recording
+    experiment: Experiment
+    words: tuple[str, ...]
+
+
+def _base(recording: Recording) -> Waveform:
+    if recording.motor is None:
+        return Rest()
+    return fit_base_motion(recording.motor)
+
+
+def _turns_with_base(recording: Recording, theta: Array) -> bool:
+    """Whether the midline is given in a frame that turns with the servo: then its root does not follow theta."""
+    data = recording.midline
+    if data is None or np.ptp(theta) < 0.05:
+        return False
+    near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
+    if not near.size:
+        return False
+    direction = np.nanmean(np.arctan2(-data.xy[:, near, 0], data.xy[:, near, 1]), axis=1)
+    seen = np.isfinite(direction)
+    if seen.sum() < 10:
+        return False
+    slope = np.polyfit(theta[seen] - theta[seen].mean(), np.unwrap(direction[seen]), 1)[0]
+    return bool(slope < 0.35)
+
+
+def _turned(xy: Array, theta: Array) -> Array:
+    """Points (T, P, 2) turned by theta (T,), from the base's own frame to the standing one."""
+    cos, sin = np.cos(theta)[:, None], np.sin(theta)[:, None]
+    return np.stack([cos * xy[..., 0] - sin * xy[..., 1], sin * xy[..., 0] + cos * xy[..., 1]], axis=-1)
+
+
+def _observation(recording: Recording, base: Waveform) -> tuple[ShapeObservation | MarkerObservation, list[str]]:
+    length, words = recording.declaration.specimen.length, []
+    if recording.midline is not None:
+        data = recording.midline
+        theta = base(data.t)[0]
+        if _turns_with_base(recording, theta):
+            words.append("The midline turns with the base: it is taken as given in the base's own turning frame.")
+            data = type(data)(data.t, data.s, _turned(data.xy, theta), data.sigma)
+        points = int(np.median(np.isfinite(data.xy).all(axis=2).sum(axis=1)))
+        order = min(MOST_COORDINATES, points - POSE)
+        if order < 2:
+            raise InputError(f"{points} points a frame", file="midline.csv", expected="at least 6 points a frame")
+        sigma = 1e-4
+        if not np.isfinite(data.sigma).any():
+            free = noise_deviation(data.xy)
+            sigma = float(np.nanmedian(free[np.abs(data.xy).max(axis=0, initial=0.0, where=np.isfinite(data.xy)) > 0]))
+            sigma = max(sigma, 1e-7)
+            words.append(f"The midline states no noise; {1e3 * sigma:.3f} mm was found between frames.")
+        return fit_shapes(data, theta, length, order, sigma), words
+    if recording.shape is not None:
+        return from_track(recording.shape, base(recording.shape.t)[0]), words
+    if recording.markers is not None:
+        data = recording.markers
+        sigma = max(float(np.nanmedian(noise_deviation(data.xy))), 1e-6)
+        words.append(f"Markers: {1e3 * sigma:.3f} mm of noise between frames.")
+        return from_markers(data, base(data.t)[0], length, sigma), words
+    raise InputError(
+        "nothing was seen of the arm's shape", file=recording.name, expected="a midline, markers or a tracked video"
+    )
+
+
+def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
+    """The experiment of a recording; with hold_out its last third is kept for judging.
+
+    Raises InputError where the recording holds too little to judge anything.
+    """
+    base = _base(recording)
+    observation, words = _observation(recording, base)
+    times = observation.t
+    if isinstance(observation, ShapeObservation):
+        seen = observation.root[:, -1, -1] > 0
+        channels = observation.coefficients.shape[1]
+    else:
+        seen = np.isfinite(observation.xy).any(axis=(1, 2))
+        channels = 2 * observation.s.size
+    if seen.sum() < FEWEST_FRAMES:
+        raise InputError(
+            f"{int(seen.sum())} usable frames", file=recording.name, expected=f"at least {FEWEST_FRAMES} frames"
+        )
+    release = recording.declaration.release_t
+    first = times[seen][0]
+    last = min(times[seen][-1], first + LONGEST)
+    within = seen & (times <= last)
+    used = within.copy()
+    if hold_out:
+        begin = first if release is None else release
+        used &= times <= begin + 2.0 / 3.0 * (last - begin)
+    interval = float(np.median(np.diff(times)))
+    experiment = Experiment(
+        name=recording.name,
+        observation=observation,
+        base=base,
+        t0=float(first),
+        duration=float(last - (first if release is None else release)) + 0.2,
+        release=release,
+        used=used,
+        noise_gain=np.ones(channels),
+        release_sigma=2.0 * interval,
+    )
+    return Prepared(recording, experiment, tuple(words))
+
+
+def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
+    """The experiment with its noise as found in the residuals of a fit, where the stated noise is too small (or not stated).
+
+    A channel noisier than stated by more than 10 % gets the larger value; a quieter one keeps what was stated, for a source
+    that smooths its data looks quiet between frames and is not.
+    """
+    from dataclasses import replace
+
+    found = noise_deviation(np.where(residuals == 0.0, np.nan, residuals)) * experiment.noise_gain
+    gain = np.where(np.isfinite(found) & (found > 1.1), found, 1.0)
+    return replace(experiment, noise_gain=gain)

@@ -1,0 +1,128 @@
+"""The score test: how much of the residual each absent effect would explain, to first order, all from one batch.
+
+With r the whitened residual of the fitted model, J its Jacobian and S the sensitivity to an effect's strengths, the
+log-likelihood gained is 1/2 |P_S r|^2, where S is first freed of what refitting J's parameters absorbs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from affine_model.arm import parameter_index
+from affine_model.curvature import Array
+from affine_model.effect import Effect
+from affine_model.effects import absent_effects
+from affine_model.identify.trajectory import Fit, ParameterName, Problem
+
+STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
+VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An absent effect as the score test sees it: gain [nats], linear estimate of its strengths, the shape values at which the
+    gain is largest, its sensitivity freed of the base (N, S), and the plain one."""
+
+    effect: Effect
+    gain: float
+    strengths: Array
+    shapes: tuple[float, ...]
+    sensitivity: Array
+
+    @property
+    def free(self) -> tuple[ParameterName, ...]:
+        """Names of all its parameters."""
+        return tuple((self.effect.name, parameter.name) for parameter in self.effect.parameters)
+
+
+def _variants(effect: Effect) -> list[tuple[float, ...]]:
+    return list(product(*(shape.scan for shape in effect.shapes)))
+
+
+def _trial(problem: Problem, effect: Effect, shapes: tuple[float, ...], strength: int, sign: float) -> Array:
+    parameters = problem.parameters.copy()
+    for shape, value in zip(effect.shapes, shapes, strict=True):
+        parameters[parameter_index(effect.name, shape.name)] = value
+    parameter = effect.strengths[strength]
+    parameters[parameter_index(effect.name, parameter.name)] += sign * STRENGTH_STEP * parameter.nominal
+    return parameters
+
+
+def sensitivities(problem: Problem, fitted: Fit, effects: tuple[Effect, ...]) -> dict[str, list[tuple[tuple[float, ...], Array]]]:
+    """Per effect and shape variant, d residuals / d strengths (N, S), at the fitted state; differences in one batch each."""
+    problem = replace(problem, parameters=fitted.parameters)
+    unknowns = np.concatenate([fitted.values, *fitted.nuisances])
+    plan = []
+    for effect in effects:
+        for shapes in _variants(effect):
+            for strength in range(len(effect.strengths)):
+                low = effect.strengths[strength].bounds[0]
+                for sign in (1.0, -1.0) if low < 0.0 else (1.0, 0.0):
+                    plan.append((effect, shapes, strength, sign))
+    columns = []
+    size = 96
+    for begin in range(0, len(plan), size):
+        part = plan[begin : begin + size]
+        parameters = np.stack([_trial(problem, *entry) for entry in part], axis=1)
+        columns.append(problem.residuals_of(parameters, np.repeat(unknowns[:, None], len(part), axis=1)))
+    values = np.concatenate(columns, axis=1)
+    found: dict[str, list[tuple[tuple[float, ...], Array]]] = {}
+    place = 0
+    for effect in effects:
+        for shapes in _variants(effect):
+            parts = []
+            for parameter in effect.strengths:
+                spread = STRENGTH_STEP * parameter.nominal * (2.0 if parameter.bounds[0] < 0.0 else 1.0)
+                parts.append((values[:, place] - values[:, place + 1]) / spread)
+                place += 2
+            found.setdefault(effect.name, []).append((shapes, np.stack(parts, axis=1)))
+    return found
+
+
+def absorbed_basis(fitted: Fit) -> Array:
+    """Orthonormal basis (N, P) of all that refitting the model's own parameters and initial states can absorb."""
+    scaled = fitted.jacobian / np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
+    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
+    return left[:, singular > 1e-9 * singular[0]]
+
+
+def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Candidate]:
+    """All candidate effects, best first. Effects that cannot be seen in these data are left out."""
+    chosen = tuple(e for e in (effects or absent_effects()) if e.strengths)
+    basis = absorbed_basis(fitted)
+    residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
+    names = {name for name, _ in problem.free}
+    chosen = tuple(effect for effect in chosen if effect.name not in names)
+    table = sensitivities(problem, fitted, chosen)
+    candidates = []
+    for effect in chosen:
+        nominal = np.array([parameter.nominal for parameter in effect.strengths])
+        best: Candidate | None = None
+        for shapes, raw in table[effect.name]:
+            freed = raw - basis @ (basis.T @ raw)
+            visible = np.linalg.norm(freed * nominal, axis=0) > VISIBLE_STRENGTH * np.sqrt(residual.size)
+            if not visible.any():
+                continue
+            strengths = np.zeros(nominal.size)
+            solution, *_ = np.linalg.lstsq(freed[:, visible] * nominal[visible], -residual, rcond=1e-8)
+            strengths[visible] = solution * nominal[visible]
+            explained = freed @ strengths
+            gain = float(-residual @ explained - 0.5 * explained @ explained)
+            if best is None or gain > best.gain:
+                best = Candidate(effect, gain, strengths, shapes, freed)
+        if best is not None:
+            candidates.append(best)
+    return sorted(candidates, key=lambda candidate: -candidate.gain)
+
+
+def twin_cosines(candidates: list[Candidate]) -> Array:
+    """Largest canonical cosine between each two candidates' sensitivities: 1 where these data cannot tell them apart."""
+    bases = [np.linalg.qr(candidate.sensitivity)[0] for candidate in candidates]
+    result = np.eye(len(bases))
+    for a, first in enumerate(bases):
+        for b, second in enumerate(bases[:a]):
+            result[a, b] = result[b, a] = np.linalg.norm(first.T @ second, 2)
+    return result

@@ -1,0 +1,175 @@
+"""Reading TOML field by field: a wrong, missing or unknown field is an InputError that names file, line and field."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from tentacle.errors import InputError
+
+_MISSING = object()
+
+
+def parse_toml(text: str, file: Path | None) -> dict[str, Any]:
+    """The TOML document as nested dicts; InputError with the line where it is not TOML. A leading BOM is dropped."""
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff"))
+    except tomllib.TOMLDecodeError as error:
+        found = re.search(r"\(at line (\d+)", str(error))
+        row = int(found.group(1)) if found else None
+        raise InputError(f"not valid TOML: {error}", file=file, row=row) from None
+
+
+def read_toml(file: Path) -> tuple[str, dict[str, Any]]:
+    """A TOML file's text and content; InputError where it is missing, not UTF-8 or not TOML."""
+    try:
+        text = file.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError("no such file", file=file) from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"not UTF-8 text (byte {error.start})", file=file) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=file) from None
+    return text, parse_toml(text, file)
+
+
+def _line_of(text: str, section: str, key: str | None) -> int | None:
+    """The line, from 1, of a section's key; of the section where it has no such key; None for a whole document."""
+    current, opened = "", None
+    for number, line in enumerate(text.splitlines(), start=1):
+        header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
+        if header:
+            current = header.group(1).replace('"', "").replace("'", "")
+            opened = number if current == section and opened is None else opened
+        elif key is not None and current == section and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*[=.]", line):
+            return number
+    if opened is None and section:  # an inline table: it stands as a key in the table around it
+        parent, _, name = section.rpartition(".")
+        return _line_of(text, parent, name)
+    return opened
+
+
+class Table:
+    """One TOML table that is taken apart field by field; `finish` objects to whatever was not asked for.
+
+    values: the table; name: its dotted path in the file ("" for the document); text: the file, for line numbers.
+    """
+
+    def __init__(self, values: Any, *, file: Path | None, name: str = "", text: str = "") -> None:
+        self.file, self.name, self.text = file, name, text
+        self._asked: set[str] = set()
+        if not isinstance(values, Mapping):
+            raise InputError(f"{values!r} is not a table", file=file, field=name, expected=f"a table [{name}]")
+        self._values = values
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def error(self, problem: str, key: str | None = None, expected: str | None = None) -> InputError:
+        """An InputError about this table or one of its keys, to be raised."""
+        field = ".".join(part for part in (self.name, key) if part) or None
+        row = _line_of(self.text, self.name, key) if self.text else None
+        return InputError(problem, file=self.file, row=row, field=field, expected=expected)
+
+    def raw(self, key: str, expected: str, default: Any = _MISSING) -> Any:
+        """The value as TOML gave it; InputError where it is missing and has no default."""
+        self._asked.add(key)
+        if key in self._values:
+            return self._values[key]
+        if default is _MISSING:
+            close = get_close_matches(key, [k for k in self._values if k not in self._asked], n=1, cutoff=0.7)
+            problem = f"missing (there is {close[0]}: a slip of the pen?)" if close else "missing"
+            raise self.error(problem, key, expected)
+        return default
+
+    def table(self, key: str, *, optional: bool = False) -> Table | None:
+        """A table inside this one; None where it is optional and absent."""
+        name = f"{self.name}.{key}" if self.name else key
+        values = self.raw(key, f"a table [{name}]", None if optional else _MISSING)
+        return None if values is None else Table(values, file=self.file, name=name, text=self.text)
+
+    def required_table(self, key: str) -> Table:
+        """A table inside this one; InputError where it is missing."""
+        table = self.table(key)
+        assert table is not None
+        return table
+
+    def number(
+        self,
+        key: str,
+        default: Any = _MISSING,
+        *,
+        above: float = -math.inf,
+        least: float = -math.inf,
+        most: float = math.inf,
+    ) -> float:
+        """A finite number with above < number, least <= number <= most."""
+        bounds = [f"> {above:g}"] * (above > -math.inf)
+        bounds += [f">= {least:g}"] * (least > -math.inf) + [f"<= {most:g}"] * (most < math.inf)
+        expected = " ".join(["a number", " and ".join(bounds)]).strip()
+        value = self.raw(key, expected, default)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.error(f"{value!r} is no number", key, expected)
+        if not (math.isfinite(value) and value > above and least <= value <= most):
+            raise self.error(f"{value!r} is out of range", key, expected)
+        return float(value)
+
+    def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
+        """A list of finite numbers, of the given length where one is given."""
+        expected = "a list of numbers" if count is None else f"a list of {count} numbers"
+        value = self.raw(key, expected)
+        whole = isinstance(value, list) and all(
+            isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in value
+        )
+        if not whole or (count is not None and len(value) != count):
+            raise self.error(f"{value!r} is not usable", key, expected)
+        return tuple(float(x) for x in value)
+
+    def whole_number(self, key: str, default: Any = _MISSING, *, least: int = 0) -> int:
+        """A whole number >= least."""
+        expected = f"a whole number >= {least}"
+        value = self.raw(key, expected, default)
+        if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            raise self.error(f"{value!r} is not usable", key, expected)
+        return value
+
+    def choice(self, key: str, choices: Iterable[str], default: Any = _MISSING) -> str:
+        """One of the given words."""
+        choices = list(choices)
+        expected = " or ".join(f'"{c}"' for c in choices)
+        value = self.raw(key, expected, default)
+        if value not in choices:
+            close = get_close_matches(str(value), choices, n=1)
+            hint = f" (did you mean {close[0]}?)" if close else ""
+            raise self.error(f"{value!r} is not known{hint}", key, expected)
+        return value
+
+    def boolean(self, key: str, default: Any = _MISSING) -> bool:
+        """True or false."""
+        value = self.raw(key, "true or false", default)
+        if not isinstance(value, bool):
+            raise self.error(f"{value!r} is not usable", key, "true or false")
+        return value
+
+    def string(self, key: str, default: Any = _MISSING) -> str:
+        """A text."""
+        value = self.raw(key, "a text", default)
+        if not isinstance(value, str):
+            raise self.error(f"{value!r} is no text", key, "a text in quotes")
+        return value
+
+    def finish(self) -> None:
+        """InputError at the first key that nothing asked for, with the nearest known name."""
+        for key in self._values:
+            if key not in self._asked:
+                close = get_close_matches(key, sorted(self._asked), n=1)
+                hint = f" (did you mean {close[0]}?)" if close else ""
+                raise self.error(f"unknown key{hint}", key, "one of " + ", ".join(sorted(self._asked)))

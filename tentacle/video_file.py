@@ -1,0 +1,70 @@
+"""Video as a lab hands it over: one file, or a folder of numbered PNG frames. Found, and tried before it is used."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tentacle.errors import InputError
+from tentacle.signals import Video
+
+VIDEO_SUFFIXES = (".mp4", ".mkv", ".avi", ".mov", ".webm")
+_PNG_START = b"\x89PNG\r\n\x1a\n"
+_PNG_END = b"IEND\xaeB`\x82"
+
+
+def find_video(folder: Path) -> Video | None:
+    """The folder's video, tried; None where there is none. InputError where it is unreadable, or there are two."""
+    files = [folder / f"video{suffix}" for suffix in VIDEO_SUFFIXES if (folder / f"video{suffix}").exists()]
+    frames = folder / "frames"
+    if frames.is_dir():
+        files.append(frames)
+    if len(files) > 1:
+        raise InputError(f"both {files[0].name} and {files[1].name}", file=folder, expected="one video")
+    if not files:
+        return None
+    (check_frames if files[0] == frames else check_video)(files[0])
+    return Video(files[0])
+
+
+def frame_files(folder: Path) -> list[Path]:
+    """The frames' files in order: 00000.png and on. InputError where one is missing or there is none."""
+    files = sorted(folder.glob("*.png"))
+    if not files:
+        raise InputError("no frame", file=folder, expected="00000.png, 00001.png, ...")
+    for number, file in enumerate(files):
+        if file.stem != f"{number:05d}":
+            missing = folder / f"{number:05d}.png"
+            raise InputError(
+                f"missing, and there is {file.name}", file=missing, expected="frames numbered without a gap"
+            )
+    return files
+
+
+def check_frames(folder: Path) -> None:
+    """InputError where a frame is no whole PNG file."""
+    for file in frame_files(folder):
+        with file.open("rb") as opened:
+            start = opened.read(len(_PNG_START))
+            opened.seek(0, 2)
+            size = opened.tell()
+            opened.seek(max(0, size - len(_PNG_END)))
+            end = opened.read()
+        if start != _PNG_START:
+            raise InputError("not a PNG image", file=file)
+        if end != _PNG_END:
+            raise InputError("the image is cut off", file=file, expected="a whole PNG file")
+
+
+def check_video(file: Path) -> None:
+    """InputError where a video file cannot be opened or its first frame cannot be decoded."""
+    import av  # it takes 0.1 s to import, and most recordings come without a video
+    from av.error import FFmpegError
+
+    try:
+        with av.open(str(file)) as container:
+            if not container.streams.video:
+                raise InputError("holds no video", file=file)
+            if next(container.decode(video=0), None) is None:
+                raise InputError("not one frame can be decoded", file=file)
+    except (FFmpegError, OSError) as error:
+        raise InputError(f"unreadable video: {error}", file=file, expected="a video that FFmpeg reads") from None
