@@ -100,8 +100,8 @@ def _sharp(
     for e in range(points.shape[0]):
         found[e] = False
         fuzzy = 2.0 * blur + half[e]
-        outer = int(math.ceil(reach + fuzzy))
-        inner = int(math.ceil(min(reach + fuzzy, max(0.5 * depth[e], 1.0))))
+        outer = math.ceil(reach + fuzzy)
+        inner = math.ceil(min(reach + fuzzy, max(0.5 * depth[e], 1.0)))
         thin = depth[e] < 2.0 * fuzzy + 2.0
         count = min(inner + outer + 1, LONGEST)
         inside = True

@@ -16,7 +16,7 @@ from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
 from vision.locate import locate
 
-FIRST_FRAMES = 24  # frames from which the recording's parameters are first estimated
+FIRST_FRAMES = 16  # frames from which the recording's parameters are first estimated
 LEAST_SCORE = 0.45  # of a coarse find
 PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
 BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
@@ -28,9 +28,9 @@ LOOK_AGAIN = 5  # frames between searches for a lost arm
 class Seen:
     """One frame's result. x (K,): base angle offset and q [rad]; covariance (K, K), given the recording's parameters.
 
-    reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g. shared (G,): the
-    g that was used; shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free.
-    midline (S + 1, 2) [px] in the ideal picture is for the overlay.
+    reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g.
+    shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free. sigma [px] and
+    correlation are those of its edges; outline_px (N, 2) is for the overlay.
     """
 
     t: float
@@ -90,7 +90,7 @@ class Follower:
         walk = [range(index, len(frames)), range(index - 1, -1, -1)]
         shapes: dict[int, Array] = {index: begin}
         reaches = (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, *STARTING)
-        for sweep in range(4):
+        for sweep in range(3):
             fits = {}
             for way in walk:
                 for k in way:
@@ -154,9 +154,7 @@ class Follower:
             fit = self._fit(frame, x, rate, reaches)
             if fit is None:
                 continue
-            reason = why_rejected(
-                frame.image, self.geometry, self.theta(frame.t), self.shared, fit, self.sight
-            )
+            reason = why_rejected(frame.image, self.geometry, self.theta(frame.t), self.shared, fit, self.sight)
             if not reason:
                 break
         if fit is None or reason:
@@ -218,7 +216,7 @@ def _eliminate(fit: FrameFit, k: int) -> tuple[Array, Array, Array, Array]:
     """Covariance of x given g (K, K), lean dx/dg (K, G), and what the frame says about g: (G, G) and (G,)."""
     normal = fit.information / fit.sigma**2
     gradient = fit.gradient / fit.sigma**2
-    covariance = np.linalg.inv(normal[:k, :k] + 1e-6 * np.eye(k))
+    covariance = np.asarray(np.linalg.inv(normal[:k, :k] + 1e-6 * np.eye(k)), dtype=float)
     lean = -covariance @ normal[:k, k:]
     return covariance, lean, normal[k:, k:] + normal[k:, :k] @ lean, gradient[k:] + lean.T @ gradient[:k]
 

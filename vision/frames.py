@@ -1,4 +1,4 @@
-"""Reading frames: a video file with each frame's own time stamp (PyAV), or a folder of numbered pictures. Grey, 8 bit."""
+"""Reading frames, grey and 8 bit: a video with each frame's own time stamp (PyAV), or a folder of numbered pictures."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 import av
 import cv2
 import numpy as np
+from av.error import FFmpegError
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
@@ -30,7 +31,7 @@ def read_frames(path: Path, fps: float | None = None) -> Iterator[Frame]:
 
     Colour becomes luma, 16 bit becomes 8, an alpha channel is laid over black, and a rotation that the file declares is
     carried out. A video that breaks off gives what stands before the break. Raises InputError where nothing can be
-    read: no such file, an empty one, no video in it, a codec that is not known, a folder without pictures or without fps.
+    read: no such file, an empty one, no video in it, an unknown codec, a folder without pictures or without fps.
     """
     path = Path(path)
     if path.is_dir():
@@ -51,7 +52,7 @@ def read_frames(path: Path, fps: float | None = None) -> Iterator[Frame]:
 def _read_video(path: Path) -> Iterator[Frame]:
     try:
         container = av.open(str(path))
-    except (av.FFmpegError, ValueError) as error:
+    except (FFmpegError, ValueError) as error:
         raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
     with container:
         if not container.streams.video:
@@ -68,7 +69,7 @@ def _read_video(path: Path) -> Iterator[Frame]:
                 pictures = packet.decode()
             except StopIteration:
                 return
-            except av.FFmpegError:  # a broken packet costs its frames, not the video
+            except FFmpegError:  # a broken packet costs its frames, not the video
                 continue
             for picture in pictures:
                 time = picture.time
@@ -84,9 +85,10 @@ def _luma(picture: av.VideoFrame) -> Grey:
         picture.format.components[0].bits == 8
     ):
         plane = picture.planes[0]
-        grey = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)[: picture.height, : picture.width]
+        rows = np.frombuffer(bytes(plane), np.uint8).reshape(-1, plane.line_size)
+        grey = rows[: picture.height, : picture.width]
     else:
-        grey = picture.to_ndarray(format="gray")
+        grey = np.asarray(picture.to_ndarray(format="gray"), dtype=np.uint8)
     turns = round(picture.rotation / 90) % 4
     return np.ascontiguousarray(np.rot90(grey, turns)) if turns else np.ascontiguousarray(grey)
 
@@ -116,4 +118,4 @@ def read_picture(path: Path) -> Grey:
         picture = np.rint(picture[:, :, :-1] * alpha).astype(np.uint8)
     if picture.ndim == 3:
         picture = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if picture.shape[2] == 3 else picture[:, :, 0]
-    return np.ascontiguousarray(picture)
+    return np.ascontiguousarray(picture, dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""Whether a fitted frame can be trusted: its re-rendered silhouette against the picture, lost edges, coils, the border."""
+"""Whether a fitted frame can be trusted: silhouette re-rendered against the picture, lost edges, coils, the border."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def why_rejected(
         return "part of the arm is hidden"
     if fit.sigma > MOST_SCATTER:
         return "edges scatter"
-    if _disagreement(image, geometry, centre, phi, radius, fit, sight) > MOST_DISAGREEMENT:
+    if _disagreement(image, geometry, centre, phi, radius, sight) > MOST_DISAGREEMENT:
         return "silhouette disagrees"
     return ""
 
@@ -60,7 +60,7 @@ def _touches_itself(centre: Array, radius: Array) -> bool:
 
 
 def _disagreement(
-    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, fit: FrameFit, sight: Sight
+    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: Sight
 ) -> float:
     """Share of probes whose grey lies on the wrong side of the local threshold half way between inside and outside."""
     pick = np.linspace(0, len(centre) - 1, 62).astype(int)[1:-1]
@@ -73,8 +73,11 @@ def _disagreement(
     grey = sight.polarity * grey_at(image, geometry.lens.packed, np.ascontiguousarray(probes)).reshape(distance.shape)
     middle = np.nanmedian(grey[:, : len(SHARES)], axis=1)
     outside = np.nanmedian(grey[:, len(SHARES) :], axis=1)
-    # the light changes slowly along the arm: the threshold is a running median, which a hidden part cannot pull along
-    threshold = np.array([np.nanmedian(0.5 * (middle + outside)[max(i - 15, 0) : i + 16]) for i in range(len(pick))])
+    # the light changes slowly along the arm: a wide median, which a hidden part cannot pull along
+    middles = np.arange(5, len(pick), 10)
+    half_way = 0.5 * (middle + outside)
+    wide = [np.nanmedian(half_way[max(i - 15, 0) : i + 16]) for i in middles]
+    threshold = np.interp(np.arange(len(pick)), middles, wide)
     wrong_inside = grey[:, : len(SHARES)] > threshold[:, None]
     wrong_outside = grey[:, len(SHARES) :] < threshold[:, None]
     wrong_inside &= radius[pick, None] > 2.0  # a thinner tip's grey is mixed

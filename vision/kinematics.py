@@ -1,4 +1,4 @@
-"""The fit's forward model: polynomial curvature (eq. 1-3, any order) to outline points in the picture, with derivatives.
+"""The fit's forward model: polynomial curvature (eq. 1-3, any order) to outline points, with derivatives.
 
 Parameters of a frame: x = [base angle offset, q1 .. qn] [rad], phi(s) = theta + x0 + sum_j q_j s^j / j.
 Parameters of the recording: g = [base u, base v (px), length (relative), radius c0, c1, c2 (px)]: the radius in the

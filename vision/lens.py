@@ -1,4 +1,4 @@
-"""The lens, and the water and glass before it, as one radial term: where a point of the ideal picture is really seen."""
+"""The lens, and the water and glass before it, as one radial term: where an ideal picture's point is really seen."""
 
 from __future__ import annotations
 

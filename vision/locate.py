@@ -23,7 +23,7 @@ ANY_OFFSETS = np.arange(60) * (2.0 * np.pi / 60) - np.pi
 
 @dataclass(frozen=True)
 class Located:
-    """A coarse shape x (3,) = [offset, q1, q2] [rad], polarity (+1 dark arm), score in -1 to 1 (mean local contrast)."""
+    """A coarse shape x (3,) = [offset, q1, q2] [rad], polarity (+1 dark arm), score in -1 to 1: mean local contrast."""
 
     x: Array
     polarity: float
@@ -64,7 +64,10 @@ def _score(
         levels = np.empty(3)
         r = radius[min(i, count - 1)]
         if i == count:  # beyond the tip
-            n_u, n_v = -np.sin(angle) * normal[0] + np.cos(angle) * arm[0], -np.sin(angle) * normal[1] + np.cos(angle) * arm[1]
+            n_u, n_v = (
+                -np.sin(angle) * normal[0] + np.cos(angle) * arm[0],
+                -np.sin(angle) * normal[1] + np.cos(angle) * arm[1],
+            )
         lost = False
         for k in range(3):
             distance = 0.0 if k == 0 else (r + 3.0 * shrink) * (1.0 if k == 1 else -1.0)
@@ -105,9 +108,7 @@ def _search(
 ) -> Array:
     scores = np.empty(shapes.shape[0])
     for k in range(shapes.shape[0]):
-        scores[k] = _score(
-            image, shrink, lens, base, normal, arm, length, radius, theta, shapes[k], scale, polarity
-        )
+        scores[k] = _score(image, shrink, lens, base, normal, arm, length, radius, theta, shapes[k], scale, polarity)
     return scores
 
 
@@ -117,12 +118,10 @@ def locate(
     shared: Array,
     theta: float | None,
     polarities: tuple[float, ...] = (1.0, -1.0),
-    around: Array | None = None,
 ) -> Located:
     """The best coarse shape of an arm whose base is known; theta None: it may point anywhere.
 
-    around (3,): look only near this shape [rad]. The score says how far to trust it: above about 0.5 both sides stand out
-    against the ground along most of the arm.
+    The score says how far to trust it: above about 0.5 both sides stand out against the ground along most of the arm.
     """
     shrink = max(geometry.length / COARSE_LENGTH, 1.0)
     size = (max(int(image.shape[1] / shrink), 1), max(int(image.shape[0] / shrink), 1))
@@ -136,10 +135,8 @@ def locate(
     )  # fmt: skip
     contrast = max(0.1 * float(high - low), 4.0)
     offsets = ANY_OFFSETS if theta is None else KNOWN_OFFSETS
-    if around is not None:
-        offsets = around[0] + 0.25 * KNOWN_OFFSETS
     grid = np.array(np.meshgrid(offsets, END_ANGLES, BENDS, indexing="ij")).reshape(3, -1).T
-    shapes = np.column_stack([grid[:, 0], grid[:, 1] - 0.5 * grid[:, 2], grid[:, 2]])
+    shapes = np.column_stack([grid[:, 0], grid[:, 1] - 0.5 * grid[:, 2], grid[:, 2]]).astype(float)
     best = Located(shapes[0], polarities[0], -1.0)
     for polarity in polarities:
         scores = _search(*place, shapes, contrast, polarity)
@@ -147,7 +144,9 @@ def locate(
         width = np.array([0.05, 0.15, 0.6])
         rng = np.random.default_rng(0)
         for _ in range(5):  # a shrinking cloud around the best few
-            cloud = np.concatenate([start, (start[:, None] + width * rng.standard_normal((len(start), 40, 3))).reshape(-1, 3)])
+            cloud = np.concatenate(
+                [start, (start[:, None] + width * rng.standard_normal((len(start), 40, 3))).reshape(-1, 3)]
+            )
             scores = _search(*place, cloud, contrast, polarity)
             start = cloud[np.argsort(scores)[::-1][:8]]
             width *= 0.6

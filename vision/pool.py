@@ -1,9 +1,9 @@
 """What all frames say together: the recording's parameters, a common base angle offset, the order that the data need.
 
-Each accepted frame gives x = x_f + lean (g - g0) with covariance C_f, and what it says about g. The base angle offset is
-modelled as mean + random deviation of variance tau^2, estimated from the frames (empirical Bayes): a rigid mounting gives
-tau = 0, and then the offset is known from all frames; a base that moves unseen gives a large tau, and each frame keeps
-its own. A coordinate that is dropped is one whose value is held at zero. So both are the same linear update.
+Each accepted frame gives x = x_f + lean (g - g0) with covariance C_f, and what it says about g. The base angle offset
+is modelled as mean + random deviation of variance tau^2, estimated from the frames (empirical Bayes): a rigid mounting
+gives tau = 0, and then the offset is known from all frames; a base that moves unseen gives a large tau, and each frame
+keeps its own. A coordinate that is dropped is one whose value is held at zero. So both are the same linear update.
 """
 
 from __future__ import annotations
@@ -54,7 +54,6 @@ class _Solution:
     covariance: Array
     mean: float
     tau: float
-    chi_square: float
     objective: float
 
 
@@ -122,11 +121,11 @@ def _rows(stack: _Stack, order: int) -> list[int]:
 def _weights(stack: _Stack, rows: list[int], tau: float) -> tuple[Array, Array]:
     spread = stack.covariance[:, rows][:, :, rows].copy()
     spread[:, 0, 0] += tau**2
-    return np.linalg.inv(spread), np.linalg.slogdet(spread)[1]
+    return np.asarray(np.linalg.inv(spread), dtype=float), np.asarray(np.linalg.slogdet(spread)[1])
 
 
 def _solve(stack: _Stack, order: int, start: Array) -> _Solution:
-    """g, the mean offset and tau for one order, by alternating generalised least squares and a likelihood step for tau."""
+    """g, the mean offset and tau for one order: generalised least squares and a likelihood step for tau, in turns."""
     rows = _rows(stack, order)
     tau = float(np.std(stack.x[:, 0])) if len(stack.x) > 1 else 0.5
     design = np.concatenate([stack.lean[:, rows], np.zeros((len(stack.x), len(rows), 1))], axis=2)
@@ -149,7 +148,7 @@ def _solve(stack: _Stack, order: int, start: Array) -> _Solution:
             tau = updated
             break
         tau = updated
-    weight, log_size = _weights(stack, rows, tau)
+    weight, _ = _weights(stack, rows, tau)
     residual = target + design @ solution
     chi_square = float(np.einsum("tr,trs,ts->", residual, weight, residual))
     g = solution[:SHARED]
@@ -157,7 +156,7 @@ def _solve(stack: _Stack, order: int, start: Array) -> _Solution:
     # the likelihood of the offset alone is common to all orders up to tau: compare what is held at zero beyond it
     alone = stack.covariance[:, 0, 0] + tau**2
     objective = chi_square - float(np.sum(residual[:, 0] ** 2 / alone)) + shared_cost
-    return _Solution(g, covariance, float(solution[-1]), tau, chi_square, objective + 0.0 * float(log_size.sum()))
+    return _Solution(g, covariance, float(solution[-1]), tau, objective)
 
 
 def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:

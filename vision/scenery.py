@@ -67,7 +67,7 @@ class Scenery:
     def mirror(self, covered: Array) -> Array:
         """The arm's mirror image in a glass wall, shifted and out of focus; (height, width) in 0 to 1."""
         shift = np.array([[1.0, 0.0, self._shift[0]], [0.0, 1.0, self._shift[1]]])
-        return cv2.warpAffine(cv2.GaussianBlur(covered, (0, 0), 4.0), shift, self.size)
+        return np.asarray(cv2.warpAffine(cv2.GaussianBlur(covered, (0, 0), 4.0), shift, self.size), dtype=float)
 
     def put_in_front(self, scene: Array, outline: Array, time: float) -> None:
         """Draw the bubbles, in place: those that rise, and those that sit on the arm's outline (2 S, 2) [px]."""

@@ -11,6 +11,7 @@ import numpy as np
 from tentacle.errors import InputError
 from tentacle.recording import Declaration
 from tentacle.signals import MotorSignal, ShapeTrack
+from vision.ahead import read_ahead
 from vision.follow import Follower, Seen, follow
 from vision.frames import read_frames
 from vision.kinematics import Geometry
@@ -33,7 +34,7 @@ class Tracking:
 def stream(
     video: Path, declaration: Declaration, motor: MotorSignal | None, order: int | None = None, lens: Lens | None = None
 ) -> tuple[Follower, Iterator[Seen]]:
-    """The follower, and an iterator over each frame's result as it comes; its covariance is given the g known so far."""
+    """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far."""
     if declaration.camera is None:
         raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
     if order is not None and order not in ORDERS:
@@ -42,7 +43,7 @@ def stream(
     geometry = Geometry.declared(declaration.specimen, camera, lens)
     fitted = 4 if order is None else min(order + 1, ORDERS[-1])
     follower = Follower(geometry, camera.exposure, fitted, _angle(motor))
-    return follower, follow(read_frames(Path(video), camera.fps), follower)
+    return follower, follow(read_ahead(read_frames(Path(video), camera.fps)), follower)
 
 
 def track(
@@ -123,6 +124,6 @@ def _remarks(seen: list[Seen], pooled: Pooled) -> tuple[str, ...]:
     left = pooled.evidence.get(pooled.order, 0.0)
     if left > 4.0:
         remarks.append(
-            f"order {pooled.order} leaves curvature that the video shows: chi-square {left:.0f} a frame in what is above"
+            f"order {pooled.order} leaves curvature that the video shows: chi-square {left:.0f} a frame above it"
         )
     return tuple(remarks)
