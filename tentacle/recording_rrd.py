@@ -51,8 +51,10 @@ SECONDS_PER_BLOCK = 1.0  # a cut costs at most this much, and the whole video
 
 
 def write_rrd(recording: Recording, file: Path) -> None:
-    """Write a recording; the file appears whole or not at all."""
+    """Write a recording; the file appears whole or not at all. InputError where its folder is missing."""
     file = Path(file)
+    if not file.parent.is_dir():
+        raise InputError("no such folder", file=file.parent)
     partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
     stream = rr.RecordingStream(APPLICATION, recording_id=recording.name, send_properties=False)
     try:
