@@ -129,7 +129,7 @@ def diagnose(
     ]
     progress("running the reference")
     reduction = reduction_error(setting.declaration, base_problem, base)
-    structure = 0.0 if reduction is None else reduction.structure
+    structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)

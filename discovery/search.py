@@ -31,7 +31,7 @@ class Hypothesis:
     evidence: float
     train: Adequacy
     judged: Adequacy
-    reduction: float = 0.0
+    reduction: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -59,12 +59,14 @@ def nats_per_parameter(problem: Problem) -> float:
     return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
 
 
-def hypothesis(effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: float = 0.0) -> Hypothesis:
-    """A fit judged; reduction: the model's own error in noise sigmas, which is no missing physics."""
+def hypothesis(
+    effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: tuple[float, float] = (0.0, 0.0)
+) -> Hypothesis:
+    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing physics."""
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
-    train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction)
-    judged = adequacy(problem.experiments, fitted, held_out=True, reduction=reduction)
+    train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction[0])
+    judged = adequacy(problem.experiments, fitted, held_out=True, reduction=reduction[1])
     return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction)
 
 
@@ -87,7 +89,7 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     used: Problem | None = None
     for share in (1.0, 0.4):
         problem = _with_candidate(current.problem, current.fitted, candidate, share)
-        fitted = fit(problem, current.fitted.nuisances, tolerance=1e-5, most=25)
+        fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
         if best is None or fitted.misfit < best.misfit:
             best, used = fitted, problem
         if current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
@@ -105,7 +107,7 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
     free = tuple(name for name in current.problem.free if name[0] != effect)
     problem = replace(current.problem, free=free, parameters=parameters)
-    fitted = fit(problem, current.fitted.nuisances, tolerance=1e-5, most=25)
+    fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
     rest = tuple(name for name in current.effects if name != effect)
     return hypothesis(rest, replace(problem, parameters=fitted.parameters), fitted, current.reduction)
 
@@ -139,7 +141,7 @@ def looseness(judged: Hypothesis) -> float:
 
 def material_gain(current: Hypothesis) -> float:
     """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all residuals."""
-    structure = MATERIAL**2 + (ALLOWANCE * current.reduction) ** 2
+    structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2
     return 0.5 * structure * current.fitted.count
 
 
