@@ -15,8 +15,8 @@ BOUNDS = (0.02, 0.98)  # no finite number of trials shows more
 
 @dataclass(frozen=True)
 class Calibration:
-    """tables: verdict -> (stated, right, trials): rising knots of the stated confidence, the hit rate there, and how many trials
-    they rest on. Between knots it is interpolated; a verdict without a table stays as stated."""
+    """tables: verdict -> (stated, right, trials): rising knots of the stated confidence, the hit rate there, and how
+    many trials they rest on. Between knots it is interpolated; a verdict without a table stays as stated."""
 
     tables: dict[str, tuple[tuple[float, ...], tuple[float, ...], int]]
 

@@ -1,4 +1,4 @@
-"""Other methods on the same recordings: the paper's regression (eq. 18-19) and its weak form, asked which column is missing."""
+"""Other methods on the same recordings: the paper's regression (eq. 18-19) and its weak form, asked for a column."""
 
 from __future__ import annotations
 

@@ -139,8 +139,8 @@ def designs(
 ) -> list[Design]:
     """The first `count` trials of a seed; each depends on the seed, its index and the kinds alone, so more may follow.
 
-    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. InputError where a kind
-    is not known or a share is none.
+    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. InputError where a
+    kind is not known or a share is none.
     """
     unknown = sorted(set(kinds) - set(KINDS))
     if unknown or not kinds:
@@ -148,9 +148,10 @@ def designs(
     if not 0.0 <= video_share <= 1.0:
         raise InputError(f"{video_share!r} is not usable", field="video share", expected="0 to 1")
     turns = [kind for kind in ROUND if kind in kinds]
-    found, places = [], dict.fromkeys(KINDS, 0)
+    found: list[Design] = []
+    places = dict.fromkeys(KINDS, 0)
     for index in range(count):
-        kind = turns[index % len(turns)]
+        kind: Kind = turns[index % len(turns)]
         random = np.random.default_rng([seed, index])
         effects = _hidden(kind, places[kind], seed, catalogued, outside, random)
         places[kind] += 1

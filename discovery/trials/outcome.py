@@ -17,10 +17,10 @@ TWINS = 0.9  # |cos| above which a group is an honest answer
 class Outcome:
     """A trial scored.
 
-    kind, hidden: the truth; r: its size [noise sigmas], NaN outside the catalogue; seen: midline or video. verdict, named (third
-    curvature left out), confidence, uncalibrated: the answer. twins: smallest |cos| between the hidden effect and those named beside
-    it (1 where it stands alone). before, after, floor: held-out midline errors [mm], NaN where not measured. baselines: method ->
-    what it named. seconds: what the diagnosis took, of a processor.
+    kind, hidden: the truth; r: its size [noise sigmas], NaN outside the catalogue; seen: midline or video. verdict,
+    named (third curvature left out), confidence, uncalibrated: the answer. twins: smallest |cos| between the hidden
+    effect and those named beside it (1 where it stands alone). before, after, floor: held-out midline errors [mm],
+    NaN where not measured. baselines: method -> what it named. seconds: what the diagnosis took, of a processor.
     """
 
     index: int
@@ -108,7 +108,8 @@ def outcome(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str
     """A trial's truth (as its maker sealed it) and answer_table, side by side; more: baselines, seconds."""
     hidden = tuple(truth["effects"])
     named = tuple(name for name in answer["effects"] if name != SHAPE)
-    # A combination's first effect is found first; only where nothing else was named does the shape alone count as nothing.
+    # A combination's first effect is found first; only where nothing else was named does the shape alone count as
+    # nothing.
     verdict = answer["verdict"] if named or answer["verdict"] == "unknown" else "nothing_missing"
     cosines = answer["cosines"]
     beside = [cosines.get(f"{a}|{b}", cosines.get(f"{b}|{a}", 0.0)) for a in hidden for b in named if a != b]

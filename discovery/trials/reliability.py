@@ -1,4 +1,4 @@
-"""Stated confidence against the hit rate: the reliability curve, and the monotone map that corrects the first to the second."""
+"""Stated confidence against the hit rate: the reliability curve, and the monotone map that corrects it."""
 
 from __future__ import annotations
 
@@ -43,7 +43,12 @@ def reliability(outcomes: Sequence[Outcome]) -> tuple[Bin, ...]:
     right = np.array([o.hit for o in outcomes], dtype=bool)
     place = np.clip(np.searchsorted(BINS, stated, side="right") - 1, 0, len(BINS) - 2)
     return tuple(
-        Bin(BINS[k], BINS[k + 1], float(stated[place == k].mean()), Share(int(right[place == k].sum()), int((place == k).sum())))
+        Bin(
+            BINS[k],
+            BINS[k + 1],
+            float(stated[place == k].mean()),
+            Share(int(right[place == k].sum()), int((place == k).sum())),
+        )
         for k in range(len(BINS) - 1)
         if (place == k).any()
     )
@@ -69,8 +74,8 @@ def pooled(values: Array, weights: Array) -> Array:
 def fit_calibration(outcomes: Sequence[Outcome]) -> Calibration:
     """A map a verdict, from the uncalibrated confidence to the hit rate.
 
-    Isotonic regression on the trials together with DOUBT imaginary ones spread over the stated range, which are right as often as
-    they state: few trials move the map little, many of them make it.
+    Isotonic regression on the trials together with DOUBT imaginary ones spread over the stated range, which are right
+    as often as they state: few trials move the map little, many of them make it.
     """
     tables = {}
     for verdict in sorted({o.verdict for o in outcomes}):
@@ -83,7 +88,7 @@ def fit_calibration(outcomes: Sequence[Outcome]) -> Calibration:
         order = np.argsort(raw, kind="stable")
         knots, place = np.unique(np.round(raw[order], 3), return_inverse=True)
         # Ties pooled first, so that the map is a function of the stated value.
-        total = np.bincount(place, weights[order])
+        total: Array = np.bincount(place, weights[order]).astype(float)
         means = np.bincount(place, weights[order] * right[order]) / total
         tables[verdict] = (tuple(knots.tolist()), tuple(np.round(pooled(means, total), 4).tolist()), len(chosen))
     return Calibration(tables)

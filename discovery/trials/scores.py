@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.stats import beta
@@ -43,9 +44,10 @@ def share(outcomes: Sequence[Outcome], kind: str, right: Callable[[Outcome], boo
 
 @dataclass(frozen=True)
 class Scores:
-    """Shares of the issue's list. top1, exact: of singles with R >= 1; false_alarm: of nulls; unknown_recall; pairs: with R >= 1
-    each; needless_groups: of all trials. after_over_floor: median over trials that named what was hidden, NaN without any;
-    by_r: (low, high, share of singles) over R_EDGES; by_seen: share of all, midline and video; seconds: median of a diagnosis."""
+    """Shares of the issue's list. top1, exact: of singles with R >= 1; false_alarm: of nulls; unknown_recall; pairs:
+    with R >= 1 each; needless_groups: of all trials. after_over_floor: median over trials that named what was hidden,
+    NaN without any; by_r: (low, high, share of singles) over R_EDGES; by_seen: share of all, midline and video;
+    seconds: median of a diagnosis."""
 
     top1: Share
     exact: Share
@@ -63,7 +65,7 @@ def scores(outcomes: Sequence[Outcome]) -> Scores:
     """The shares over a series of trials."""
     ratios = [o.after / o.floor for o in outcomes if o.kind in ("single", "pair") and o.hit and o.floor > 0.0]
     by_r = []
-    for low, high in zip(R_EDGES[:-1], R_EDGES[1:], strict=True):
+    for low, high in pairwise(R_EDGES):
         within = [o.hit for o in outcomes if o.kind == "single" and low <= o.smallest_r < high]
         by_r.append((low, high, Share(sum(within), len(within))))
     by_seen = []
@@ -85,8 +87,8 @@ def scores(outcomes: Sequence[Outcome]) -> Scores:
 
 
 def confusion(outcomes: Sequence[Outcome]) -> tuple[tuple[str, ...], tuple[str, ...], Array]:
-    """Counts (rows, columns) of singles, nulls and unknowns: rows the truth, columns the answer, a group that holds the truth
-    counted as the truth. All unnamed effects share the row "unknown"."""
+    """Counts (rows, columns) of singles, nulls and unknowns: rows the truth, columns the answer, a group that holds
+    the truth counted as the truth. All unnamed effects share the row "unknown"."""
     rows = [(_row(o), o.answer) for o in outcomes if o.kind != "pair"]
     last = ("unknown", "nothing")
     names = sorted({name for row in rows for name in row} - set(last))
@@ -105,7 +107,8 @@ def _row(o: Outcome) -> str:
 
 
 def baseline_hit(o: Outcome, method: str) -> bool:
-    """Whether a method that names at most one effect named (one of) the hidden; none on a null; it cannot say unknown."""
+    """Whether a method that names at most one effect named (one of) the hidden; none on a null; it cannot say
+    unknown."""
     named = o.baselines.get(method, ())
     if o.kind in ("null", "unknown"):
         return not named

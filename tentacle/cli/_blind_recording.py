@@ -71,8 +71,8 @@ def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list
 
 
 def sized(model: Model, design: Design, noise: float) -> tuple[dict[str, Any], list[float]]:
-    """The hidden effects' parameters, and the R that each has [noise sigmas]; NaN for those outside the catalogue, which the
-    maker sizes itself so that the midline moves by 6 to 15 sigmas."""
+    """The hidden effects' parameters, and the R that each has [noise sigmas]; NaN for those outside the catalogue,
+    which the maker sizes itself so that the midline moves by 6 to 15 sigmas."""
     random = np.random.default_rng([design.seed, 1])
     hidden: dict[str, Any] = {}
     reached: list[float] = []

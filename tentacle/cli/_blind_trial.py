@@ -41,9 +41,11 @@ def code_version() -> str:
 
 
 def trial(task: Mapping[str, Any]) -> dict[str, Any]:
-    """The runner's work: make the recording of a design's table, diagnose it without the truth, set both beside each other.
+    """The runner's work: make the recording of a design's table, diagnose it without the truth, set both beside each
+    other.
 
-    Where the arm cannot follow the drawn motion, or what was seen cannot be judged, "refused" holds the line that says so.
+    Where the arm cannot follow the drawn motion, or what was seen cannot be judged, "refused" holds the line that
+    says so.
     """
     design = Design.of(task)
     try:
@@ -61,7 +63,8 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def run_series(found: Sequence[Design], runner: Runner) -> tuple[list[Outcome], list[tuple[int, str]]]:
-    """Outcomes of the trials, and (index, line) of those that were refused; what the runner's folder holds is not done again."""
+    """Outcomes of the trials, and (index, line) of those that were refused; what the runner's folder holds is not
+    done again."""
     results = runner.run(trial, [design.table() for design in found], version=code_version(), words="blind trials")
     outcomes, refused = [], []
     for design, result in zip(found, results, strict=True):
