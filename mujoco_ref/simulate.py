@@ -52,8 +52,8 @@ class Clock:
         count = int(np.floor(duration * fps + 1e-9)) + 1
         step = 1.0 / (fps * substeps)
         first = int(np.ceil(lead_in * fps - 1e-9)) * substeps
-        half_steps = 0.5 * step * (np.arange(2 * (first + count * substeps) + 1) - 2 * first)
-        return Clock(step, substeps, first, step * substeps * np.arange(count), half_steps)
+        half_steps = 0.5 * step * np.arange(-2 * first, 2 * count * substeps + 1, dtype=float)
+        return Clock(step, substeps, first, step * substeps * np.arange(count, dtype=float), half_steps)
 
 
 @dataclass(frozen=True)
