@@ -11,28 +11,10 @@ from tentacle.waveform import Chirp, Rest
 from tests.mujoco_ref.arms import CONE, HORIZONTAL, model_of, swimming_model
 
 CATALOGUE = [
-    "added_mass",
-    "skin_drag",
-    "linear_drag",
-    "current",
-    "sloshing",
-    "wall",
-    "buoyancy",
-    "gravity_tilt",
-    "tip_mass",
-    "cubic_stiffness",
-    "intrinsic_curvature",
-    "viscoelasticity",
-    "dry_friction",
-    "soft_spot",
-    "stiffness_drift",
-    "third_curvature",
-    "servo_lag",
-    "backlash",
-    "time_offset",
-    "camera_roll",
-    "camera_scale",
-]
+    "added_mass", "skin_drag", "linear_drag", "current", "sloshing", "wall", "buoyancy",
+    "gravity_tilt", "tip_mass", "cubic_stiffness", "intrinsic_curvature", "viscoelasticity", "dry_friction",
+    "soft_spot", "stiffness_drift", "third_curvature", "servo_lag", "backlash", "time_offset", "camera_roll", "camera_scale",
+]  # fmt: skip
 QUIET = Noise(0.0, 0.0, 0.0)
 WAVE = Chirp(0.5, 0.3, 2.2, 3.0)
 
