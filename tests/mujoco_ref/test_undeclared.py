@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared import Noise, make, trials
+from mujoco_ref.undeclared import Noise, Plan, make
 from mujoco_ref.undeclared.strength import SCALED
 from tentacle.errors import InputError
 from tentacle.waveform import Chirp, Rest
@@ -13,7 +13,8 @@ from tests.mujoco_ref.arms import CONE, HORIZONTAL, model_of, swimming_model
 CATALOGUE = [
     "added_mass", "skin_drag", "linear_drag", "current", "sloshing", "wall", "buoyancy",
     "gravity_tilt", "tip_mass", "cubic_stiffness", "intrinsic_curvature", "viscoelasticity", "dry_friction",
-    "soft_spot", "stiffness_drift", "third_curvature", "servo_lag", "backlash", "time_offset", "camera_roll", "camera_scale",
+    "soft_spot", "stiffness_drift", "third_curvature", "servo_lag", "backlash", "time_offset", "camera_roll",
+    "camera_scale",
 ]  # fmt: skip
 QUIET = Noise(0.0, 0.0, 0.0)
 WAVE = Chirp(0.5, 0.3, 2.2, 3.0)
@@ -120,8 +121,8 @@ def test_free_decay_with_a_hidden_payload():
 
 
 def test_trials_are_blind_reproducible_and_independent():
-    some = list(trials(swimming_model(), WAVE, 3, 11, 1.0, 30.0))
-    again = list(trials(swimming_model(), WAVE, 2, 11, 1.0, 30.0))
+    plan = Plan(swimming_model(), WAVE, 11, 1.0, 30.0)
+    some, again = [plan.trial(k) for k in range(3)], [plan.trial(k) for k in (1, 0)][::-1]
     assert [t.recording.name for t in some] == ["trial_000", "trial_001", "trial_002"]
     for one, other in zip(some, again, strict=False):
         assert one.truth == other.truth
