@@ -1,4 +1,5 @@
-"""tentacle simulate: the MuJoCo reference makes a recording, on request with effects that its declaration leaves out."""
+"""tentacle simulate: the MuJoCo reference makes a recording, on request with effects that its declaration leaves
+out."""
 
 from __future__ import annotations
 
@@ -199,7 +200,8 @@ def _filmed(recording: Recording, arguments: argparse.Namespace, file: Path, see
 
 
 def _write_trials(plan: Plan, arguments: argparse.Namespace) -> int:
-    """N blind recordings, and a baseline with nothing hidden; what stands already, answer and all, is not made again."""
+    """N blind recordings, and a baseline with nothing hidden; what stands already, answer and all, is not made
+    again."""
     import json
 
     from rich.console import Console
