@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tentacle.cli._twins import Twin, affine_twin, net_weight, reference_twin, shape_error
+from tentacle.cli._twins import Twin, affine_twin, reference_twin, shape_error
 from tentacle.specimen import AIR, Cone, Gravity
 
 if TYPE_CHECKING:
@@ -78,58 +78,21 @@ def theory_frequencies(model: Model) -> tuple[float, float] | None:
     return float(known[0] * rate), float(known[1] * rate)
 
 
-def affine_linear(model: Model, order: int) -> tuple[np.ndarray, np.ndarray]:
-    """Mass and stiffness matrices (order, order) of the straight arm at rest, in Legendre coordinates."""
-    from affine_model.arm import active_effects, arm_of, parameter_vector
-    from affine_model.dynamics import balance
-
-    model = replace(model, order=order)
-    arm, parameters = arm_of(model), parameter_vector(model)
-    effects, rest, change = active_effects(parameters), np.zeros(order + 2), 1e-6
-    mass = balance(arm, effects, parameters, rest, rest).mass_matrix[:order, :order]
-    columns = []
-    for j in range(order):
-        u = rest.copy()
-        u[j] = change
-        sides = [balance(arm, effects, parameters, sign * u, rest).force[:order] for sign in (1.0, -1.0)]
-        columns.append((sides[1] - sides[0]) / (2.0 * change))
-    stiffness = np.stack(columns, axis=1)
-    return mass, 0.5 * (stiffness + stiffness.T)
-
-
 def affine_frequencies(model: Model, order: int) -> np.ndarray:
-    """Natural frequencies (order,) [Hz] of the straight arm."""
-    from scipy.linalg import eigh
+    """Natural frequencies (order,) [Hz] of the arm at rest, by the reduced model."""
+    from affine_model.arm import arm_of, parameter_vector
+    from affine_model.modes import modes
 
-    mass, stiffness = affine_linear(model, order)
-    return np.sqrt(np.maximum(eigh(stiffness, mass, eigvals_only=True), 0.0)) / (2.0 * np.pi)
+    return modes(arm_of(replace(model, order=order)), parameter_vector(model)).frequency
 
 
 def affine_tip(model: Model, order: int) -> np.ndarray:
-    """Where the reduced model's tip hangs at rest (2,) [m], by Newton's method with gravity brought on in steps."""
-    from affine_model.arm import active_effects, arm_of, parameter_vector
+    """Where the reduced model's tip hangs at rest (2,) [m]."""
+    from affine_model.arm import arm_of, parameter_vector
     from affine_model.curvature import midline
-    from affine_model.dynamics import balance
+    from affine_model.statics import equilibrium
 
-    model = replace(model, order=order)
-    parameters = parameter_vector(model)
-    effects, u, change = active_effects(parameters), np.zeros(order + 2), 1e-6
-    for share in (0.25, 0.5, 0.75, 1.0):
-        gravity = replace(model.gravity, magnitude=share * model.gravity.magnitude)
-        arm = arm_of(replace(model, gravity=gravity))
-        for _ in range(30):
-            force = balance(arm, effects, parameters, u, np.zeros_like(u)).force[:order]
-            slope = np.empty((order, order))
-            for j in range(order):
-                moved = u.copy()
-                moved[j] += change
-                after = balance(arm, effects, parameters, moved, np.zeros_like(u)).force[:order]
-                slope[:, j] = (after - force) / change
-            step = np.linalg.solve(slope, -force)
-            u[:order] += step
-            if np.max(np.abs(step)) < 1e-10:
-                break
-    q = arm_of(model).to_monomial @ u[:order]
+    q = equilibrium(arm_of(replace(model, order=order)), parameter_vector(model), 0.0)
     return midline(q, 0.0, model.specimen.length, np.array([1.0]))[0]
 
 
@@ -232,6 +195,3 @@ def _motion_rung(name: str, model: Model, wave, duration: float, start: np.ndarr
         {o: shape_error(affine_twin(model, o, wave, duration, fps, start), best, duration)[0] for o in ORDERS},
         absolute=True,
     )
-
-
-__all__ = ["LINKS", "ORDERS", "Ladder", "Rung", "climb", "net_weight"]

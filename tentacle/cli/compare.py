@@ -116,9 +116,9 @@ def headline(maps: list[Validity]) -> str:
 
 
 def _write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], out: Path) -> None:
-    import hashlib
     import sys
 
+    from tentacle.cli._provenance import input_hashes, versions
     from tentacle.cli._validity import AMPLITUDES, LEVELS, RATIOS
     from tentacle.cli._validity import ORDERS as MAPPED
     from viz.figures.shapes import shapes_figure
@@ -167,18 +167,12 @@ def _write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], 
         )
     origin = Origin(
         "tentacle " + " ".join(sys.argv[1:]),
-        versions=_versions(),
-        inputs={file.name: hashlib.sha256(file.read_bytes()).hexdigest()},
+        versions=versions(),
+        inputs=input_hashes([file]),
     )
     merits = [(f"{rung.name}, order 2", row[-3]) for rung, row in zip(ladder.rungs, rows, strict=True)][:4]
     report = Report("compare", f"Reduced model and reference: {file.stem}", headline(maps), sections, origin, merits)
     write_report(render(report), out / "report.html")
-
-
-def _versions() -> dict[str, str]:
-    from importlib import metadata
-
-    return {name: metadata.version(name) for name in ("mujoco", "numpy", "scipy")}
 
 
 def _scene(name: str, ladder: Ladder) -> Any:

@@ -16,10 +16,6 @@ if TYPE_CHECKING:
 
 HELP = "make a recording with the high-order reference (MuJoCo): import folder or .rrd, midline or video"
 
-# Of the tank in the rendered picture: the arm hangs from a little below the upper edge.
-ARM_SHARE, BASE_SHARE = 0.66, 0.14
-CRF = 16  # of H.264: a seventh of the lossless file
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
@@ -167,36 +163,15 @@ def _write(recording: Recording, arguments: argparse.Namespace, out: Path, seed:
 
     with tempfile.TemporaryDirectory() as folder:
         if arguments.video is not None:
-            recording = _filmed(recording, arguments, Path(folder) / "video.mp4", seed)
+            from tentacle.cli._film import filmed
+
+            recording = filmed(recording, Path(folder) / "video.mp4", arguments.video, tuple(arguments.size), seed)
         if out.suffix == ".rrd":
             from tentacle.recording_rrd import write_rrd
 
             write_rrd(recording, out)
         else:
             write_folder(recording, out)
-
-
-def _filmed(recording: Recording, arguments: argparse.Namespace, file: Path, seed: int) -> Recording:
-    """The recording with a video of its midline in the midline's place, and the camera declared."""
-    from dataclasses import replace
-
-    from tentacle.recording import Camera
-    from tentacle.signals import Video
-    from vision.encode import write_video
-    from vision.looks import look_named
-    from vision.render import frame_times, render
-
-    midline, look = recording.midline, look_named(arguments.video)
-    assert midline is not None
-    width, height = arguments.size
-    specimen = recording.declaration.specimen
-    camera = Camera(
-        arguments.fps, specimen.length / (ARM_SHARE * height), (0.5 * width, BASE_SHARE * height), (0.0, 1.0)
-    )  # fmt: skip
-    frames = render(midline, specimen, camera, (width, height), look, seed)
-    write_video(file, frames, frame_times(midline.t, look, seed), crf=CRF)
-    declaration = replace(recording.declaration, camera=camera)
-    return replace(recording, declaration=declaration, midline=None, video=Video(file))
 
 
 def _write_trials(plan: Plan, arguments: argparse.Namespace) -> int:
