@@ -52,8 +52,8 @@ class Parameter:
     """A parameter of an effect.
 
     nominal is a typical size, used as the scale of the fit and as the strength in tests; the fit keeps the value
-    within bounds. A strength is neutral at 0. A parameter with scan values shapes the effect and means nothing while the
-    strengths are zero: a search tries each of them (default: the first).
+    within bounds. A strength is neutral at 0. A parameter with scan values shapes the effect and means nothing while
+    the strengths are zero: a search tries each of them (default: the first).
     """
 
     name: str

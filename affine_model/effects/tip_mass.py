@@ -1,4 +1,6 @@
-"""Tip mass: an undeclared point mass at the tip, with its inertia and weight (heavy and small: no buoyancy of its own)."""
+"""Tip mass: an undeclared point mass at the tip, with its inertia and weight (heavy and small:
+no buoyancy of its own).
+"""
 
 from affine_model.effect import Effect, Parameter
 

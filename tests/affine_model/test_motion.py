@@ -17,7 +17,7 @@ def energy(arm, p, q, q_rate):
     from affine_model.arm import active_effects
     from affine_model.dynamics import balance
 
-    n, L, rule, section = arm.order, arm.specimen.length, arm.rule, arm.specimen.section
+    L, rule, section = arm.specimen.length, arm.rule, arm.specimen.section
     z, z_rate = q @ arm.from_monomial.T, q_rate @ arm.from_monomial.T
     zeros = np.zeros((len(z), 2))
     u, v = np.concatenate([z, zeros], 1), np.concatenate([z_rate, zeros], 1)
@@ -48,7 +48,8 @@ def test_energy_is_constant_over_ten_seconds(parameters, order):
 
 
 def test_terminal_speed_on_the_rail(parameters):
-    # A rigid straight arm held across the rail (theta = 90 degrees) sinks along y: drag 1/2 rho C_perp A v^2 balances the weight.
+    # A rigid straight arm held across the rail (theta = 90 degrees) sinks along y: drag 1/2 rho C_perp A v^2 balances
+    # the weight.
     arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), WATER, Gravity(0.0), order=1)
     p = parameters(elasticity__E=1e9, damping__eta=1e6, drag__C_perp=1.25)
     h, steps = 0.01, 2000
@@ -61,8 +62,8 @@ def test_terminal_speed_on_the_rail(parameters):
 
 
 def test_quadratic_drag_slows_as_one_over_time(parameters):
-    # m v' = -b v^2: 1/v = 1/v0 + b t / m. Here through a stiff arm across the rail, started by the current: seen from the
-    # water, that moves at U past an arm at rest, the arm's speed is U - v. 2e-3: the arm bends.
+    # m v' = -b v^2: 1/v = 1/v0 + b t / m. Here through a stiff arm across the rail, started by the current: seen from
+    # the water, that moves at U past an arm at rest, the arm's speed is U - v. 2e-3: the arm bends.
     arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), Fluid(998.0), Gravity(0.0, 0.0), order=1)
     U, h, steps = 0.3, 0.005, 2000
     p = parameters(elasticity__E=1e9, damping__eta=1e6, drag__C_perp=1.25, current__U_y=U)
