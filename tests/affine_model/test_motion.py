@@ -39,12 +39,12 @@ def test_energy_is_constant_over_ten_seconds(parameters, order):
     p = parameters(elasticity__E=2e5)
     q0 = np.zeros((order, 1))
     q0[0] = 0.3
-    h = 1 / 16000
-    batch = simulate(arm, p[:, None], np.repeat(STILL, round(10 / h), 1), h, q=q0, stride=1600, iterations=3)
+    h = 1 / 8000
+    batch = simulate(arm, p[:, None], np.repeat(STILL, round(10 / h), 1), h, q=q0, stride=800, iterations=2)
     total, kinetic = energy(arm, p, batch.q[..., 0], batch.q_rate[..., 0])
     exchanged = kinetic.max()
     assert exchanged > 1e-5  # joule: it does move
-    assert np.max(np.abs(total - total[0])) < 1e-6 * np.abs(total[0])
+    assert np.max(np.abs(total - total[0])) < 1e-6 * exchanged  # measured: 2e-7 at this step
 
 
 def test_terminal_speed_on_the_rail(parameters):

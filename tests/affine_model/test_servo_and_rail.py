@@ -12,7 +12,7 @@ from tentacle.waveform import Sine
 
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0), WATER, Gravity(0.2), order=2, nodes=8)
 WAVE = Sine(0.4, 1.3)
-DURATION = 0.5
+DURATION = 0.25
 SERVO = Servo(stiffness=2.0, damping=0.03, torque_limit=0.05, integral=1.5, rotor_inertia=2e-5)
 RAIL = Rail(mass=0.05, viscous=0.2, dry=2e-3, slip_speed=0.02)
 
@@ -44,7 +44,7 @@ def reference(p, servo, rail):
     start = np.zeros(2 * n + 5)
     start[:n] = ARM.from_monomial @ [0.2, -0.1]
     start[n], start[2 * n + 2] = WAVE(0.0)[:2]  # the kernel's base starts on the command, with its rate
-    solution = solve_ivp(rate, (0, DURATION), start, method="DOP853", rtol=1e-9, atol=1e-11, max_step=2e-3)
+    solution = solve_ivp(rate, (0, DURATION), start, method="DOP853", rtol=1e-8, atol=1e-10, max_step=4e-3)
     end = solution.y[:, -1]
     return np.concatenate(
         [ARM.to_monomial @ end[:n], end[n : n + 2], ARM.to_monomial @ end[n + 2 : 2 * n + 2], end[2 * n + 2 : -1]]
