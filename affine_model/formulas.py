@@ -19,6 +19,7 @@ LAWS = {
     "weight": "weight, as mass [kg/m]",
     "water_velocity": "velocity of the water (x, y) [m/s]",
     "tip_mass": "mass at the tip [kg]",
+    "hung_mass": "hung mass [kg], reach beyond the tip [m]",
     "gravity_tilt": "tilt of gravity [rad]",
     "relaxation_time": "relaxation time [s]",
 }

@@ -21,7 +21,8 @@ def test_add_your_own_effect_runs_as_written(tmp_path):
     (tmp_path / "session.py").write_text(session)
     # The kernel as plain Python: 20 steps of it are quicker than its compilation.
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT), "TENTACLE_CACHE": str(tmp_path)}
-    done = subprocess.run([sys.executable, "session.py"], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    command = [sys.executable, "session.py"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout == printed
 
