@@ -58,7 +58,7 @@ def test_two_models_are_held_against_one_another(case, tmp_path):
 
 
 def test_the_best_so_far_never_falls_and_failed_trials_do_not_count(tmp_path):
-    search = Search(np.array([0.1, np.nan, 0.05, 0.3, 0.2]), np.array([0.0, 1.0]), np.array([0.0, 0.1]))
+    search = Search(np.arange(5), np.array([0.1, np.nan, 0.05, 0.3, 0.2]), np.array([0.0, 1.0]), np.array([0.0, 0.1]))
     np.testing.assert_array_equal(search.best_so_far, [0.1, 0.1, 0.1, 0.3, 0.3])
     found = entities(write_optimisation({"CMA-ES": search}, "mean thrust [N]", tmp_path / "optimise.rrd"))
     assert {"/search/CMA-ES/best", "/search/CMA-ES/trials", "/motion"} <= found
