@@ -65,6 +65,7 @@ def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording) -
         scene.name,
         recording.declaration,
         tuple((party.key, party.role.name) for party in scene.models),
+        coordinates=any(party.q is not None for party in scene.parties),
         camera=log_camera(session, path, scene, recording),
         thrust=log_thrust(session, path, scene, recording.load_cell),
         events=log_events(session, path, recording_events(recording) + judged_events(scene)),

@@ -18,6 +18,7 @@ class Shown:
     name: str
     declaration: Declaration
     models: tuple[tuple[str, str], ...]
+    coordinates: bool
     camera: bool
     thrust: bool
     events: bool
@@ -35,18 +36,19 @@ def run_page(shown: Shown) -> rrb.Container:
     seen: list[rrb.View] = [space_view(path, shown.declaration)]
     if shown.camera:
         seen.insert(0, camera_view(path))
-    signals = [lines_view(f"{path}/q1", "q1 [rad]"), lines_view(f"{path}/q2", "q2 [rad]")]
+    signals = [lines_view(f"{path}/theta", "servo angle [rad]")]
+    if shown.coordinates:
+        signals = [lines_view(f"{path}/q1", "q1 [rad]"), lines_view(f"{path}/q2", "q2 [rad]")]
     if shown.models:
         signals.append(lines_view(f"{path}/error", "distance, rms along the arm [mm]"))
     if shown.thrust:
         signals.append(lines_view(f"{path}/thrust", "thrust [N]"))
-    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")]
+    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")] if shown.coordinates else []
     if shown.events:
         last.insert(0, events_view(path))
-    right: list[rrb.View | rrb.Container] = [
-        rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip"),
-        rrb.Tabs(*last),
-    ]
+    right: list[rrb.View | rrb.Container] = [rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip")]
+    if last:
+        right.append(rrb.Tabs(*last))
     if shown.models:
         right.insert(0, rrb.Tabs(*(residual_view(path, key, f"residual, {name}") for key, name in shown.models)))
     return rrb.Horizontal(
