@@ -71,7 +71,7 @@ def film(folder: Path, seconds: float) -> Path:
 
 
 def fresh_environment(folder: Path) -> tuple[Path, float]:
-    """A clone of this checkout installed in a new environment that sees the present libraries; and the seconds it took."""
+    """This checkout's clone, installed in a new environment that sees the present libraries; and how long it took."""
     start = time.perf_counter()
     clone, place = folder / "clone", folder / "environment"
     ask = dict(os.environ)
@@ -103,8 +103,8 @@ def measure(folder: Path, short: bool) -> dict[str, float]:
     }
     took = {name: seconds_of(command, folder, ask) for name, command in steps.items()}
     verdict = json.loads((folder / "answer" / "verdict.json").read_text())
-    print(f"verdict: {verdict['verdict']} {verdict['effects']}, {verdict['error']['before']['midline_mm']:.2f} mm before, "
-          f"{verdict['error']['after']['midline_mm']:.2f} mm after")  # fmt: skip
+    before, after = (verdict["error"][which]["midline_mm"] for which in ("before", "after"))
+    print(f"verdict: {verdict['verdict']} {verdict['effects']}, {before:.2f} mm before, {after:.2f} mm after")
     print(f"set-up {set_up:.1f} s, " + ", ".join(f"{name} {value:.1f} s" for name, value in took.items()))
     session = (folder / "answer" / "session.rrd").stat().st_size / 1e6
     if short:

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from uuid import UUID
 
+import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
@@ -65,6 +66,7 @@ def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording) -
         scene.name,
         recording.declaration,
         tuple((party.key, party.role.name) for party in scene.models),
+        arms=any(bool(np.isfinite(party.xy).any()) for party in scene.parties),
         coordinates=any(party.q is not None for party in scene.parties),
         camera=log_camera(session, path, scene, recording),
         thrust=log_thrust(session, path, scene, recording.load_cell),

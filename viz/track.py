@@ -42,7 +42,7 @@ def track_scene(recording: Recording) -> Scene:
 def recording_scene(recording: Recording) -> Scene:
     """Whatever a recording shows of the arm, as a scene with one party: its track, midline or markers.
 
-    Of a video that was not tracked the scene has the camera's times alone, with nothing seen.
+    Of a video that was not tracked the scene has the servo's times, with nothing seen.
     """
     if recording.shape is not None:
         return track_scene(recording)
@@ -51,7 +51,8 @@ def recording_scene(recording: Recording) -> Scene:
     elif recording.markers is not None:
         t, s, xy, points = recording.markers.t, recording.markers.s, recording.markers.xy, "markers"
     else:
-        t, s, xy, points = np.zeros(1), np.linspace(0.0, 1.0, 2), np.full((1, 2, 2), np.nan), "midline"
+        t = np.zeros(1) if recording.motor is None else recording.motor.t
+        s, xy, points = np.linspace(0.0, 1.0, 2), np.full((len(t), 2, 2), np.nan), "midline"
     everywhere = np.ones(len(t), dtype=bool)
     party = Party("measured", MEASURED, xy)
     return Scene(recording.name, t, s, servo_angle(recording, t), (party,), everywhere, points)

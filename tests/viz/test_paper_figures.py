@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tentacle.errors import InputError
+from tentacle.waveform import Chirp
 from viz.figures.extremes import extremes_figure, mean_square_error
 from viz.figures.period import fundamental_period, period_average, period_figure
 from viz.figures.pipeline import Still, pipeline_figure
@@ -27,6 +28,8 @@ def test_the_period_of_the_papers_sine_is_found():
     assert fundamental_period(t, 0.6 * np.sin(2 * np.pi * t * 0.633)) == pytest.approx(1 / 0.633, rel=1e-3)
     with pytest.raises(InputError, match="no period"):
         fundamental_period(t, np.zeros_like(t))
+    with pytest.raises(InputError, match="does not repeat"):
+        fundamental_period(t, Chirp(0.5, 0.3, 2.0, 39.0)(t)[0])
 
 
 def test_folding_gives_the_mean_and_the_deviation_over_cycles():

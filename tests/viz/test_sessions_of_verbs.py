@@ -11,13 +11,14 @@ from rerun.chunk import RrdReader
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
+from tentacle.recording_rrd import write_rrd
 from tentacle.signals import LoadCellSignal, MotorSignal
 from viz.compare import Motion, model_markdown, motions_scene, write_comparison
 from viz.live import LiveSession
 from viz.optimise import Search, write_optimisation
 from viz.topics.events import Event
-from viz.track import track_scene, write_track
-from viz.viewer import require_recordings, screenshot
+from viz.track import track_scene, write_recording_view, write_track
+from viz.viewer import holds_recording, require_recordings, screenshot
 
 
 def entities(path: Path) -> set[str]:
@@ -44,6 +45,22 @@ def test_what_was_not_tracked_cannot_be_shown_as_tracked(case, tmp_path):
     with pytest.raises(InputError, match="not been tracked"):
         write_track(replace(case.recordings[0], shape=None), tmp_path / "track.rrd")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_recording_is_shown_with_whatever_it_has(case, tmp_path):
+    whole = replace(case.recordings[0], shape=None)
+    film = replace(whole, midline=None)
+    found = entities(write_recording_view(whole, tmp_path / "midline.rrd"))
+    assert "/runs/chirp\\ 1/camera/measured" in found
+    found = entities(write_recording_view(film, tmp_path / "film.rrd"))
+    assert {"/runs/chirp\\ 1/camera", "/runs/chirp\\ 1/theta", "/runs/chirp\\ 1/thrust/measured"} <= found
+
+
+def test_a_session_is_told_from_a_recording(case, tmp_path):
+    session = write_track(replace(case.recordings[0], video=None), tmp_path / "session.rrd")
+    assert not holds_recording(session)
+    write_rrd(replace(case.recordings[0], video=None), tmp_path / "recording.rrd")
+    assert holds_recording(tmp_path / "recording.rrd")
 
 
 def test_two_models_are_held_against_one_another(case, tmp_path):
