@@ -13,6 +13,7 @@ from tentacle.model import Model
 from tentacle.signals import Array
 
 STEP = 1.0 / 250.0  # s
+BATCH = 128
 APART = 0.25  # of the space's width: closer points are the same proposal
 
 
@@ -20,20 +21,18 @@ def predicted_propulsion(model: Model, space: GaitSpace, points: Sequence[Mappin
     """Mean propulsion (B,) [N] of each point: minus the mean of eq. 17 along +y over the counted periods; NaN if unstable."""
     arm, row = arm_of(model), parameter_vector(model)
     result = np.full(len(points), np.nan)
-    # Gaits of one frequency last equally long; the kernel wants one length a batch, so time is counted in periods.
-    longest = max(plan.duration(p["frequency_hz"]) for p in points)
-    steps = int(np.ceil(longest / STEP))
-    t = STEP * (np.arange(steps) + 0.5)
-    for low in range(0, len(points), 256):
-        part = points[low : low + 256]
-        base = np.stack([space.gait(p)(t) for p in part], axis=-1)
+    by_length = sorted(range(len(points)), key=lambda k: points[k]["frequency_hz"])  # a batch is as long as its longest
+    for low in range(0, len(points), BATCH):
+        part = by_length[low : low + BATCH]
+        steps = int(np.ceil(plan.duration(points[part[0]]["frequency_hz"]) / STEP))
+        t = STEP * (np.arange(steps) + 0.5)
+        base = np.stack([space.gait(points[k])(t) for k in part], axis=-1)
         parameters = np.repeat(row[:, None], len(part), axis=1)
-        batch = simulate(arm, parameters, base, STEP, stride=1)
-        force = batch.fluid_force[:, 1]
-        for k, point in enumerate(part):
-            begin, end = (round(x / STEP) for x in plan.window(point["frequency_hz"]))
-            if np.isnan(batch.diverged[k]):
-                result[low + k] = -float(force[begin:end, k].mean())
+        batch = simulate(arm, parameters, base, STEP)
+        for place, k in enumerate(part):
+            begin, end = (round(x / STEP) for x in plan.window(points[k]["frequency_hz"]))
+            if np.isnan(batch.diverged[place]):
+                result[k] = -float(batch.fluid_force[begin:end, 1, place].mean())
     return result
 
 
