@@ -25,6 +25,7 @@ from rig.run_file import read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
 from tentacle.toml_table import Table, read_toml
+from tentacle.waveform import Waveform
 from tentacle.waveform_file import parse_waveform, waveform_table
 
 
@@ -71,14 +72,19 @@ def _parse_run(table: Table, setup: RigSetup) -> list[CampaignRun]:
     repeat = table.whole_number("repeat", 1, least=1)
     waveform = parse_waveform(table.required_table("waveform"))
     table.finish()
-    description: dict[str, Any] = {"kind": type(waveform).__name__}
-    with suppress(TypeError):  # a spline through samples has no table
-        description = waveform_table(waveform)
     try:
-        motion = motion_of(waveform, duration, setup, description)
+        motion = motion_of(waveform, duration, setup, described(waveform))
     except InputError as error:
         raise table.error(error.problem, "waveform", error.expected) from None
     return [CampaignRun(name if k == 1 else f"{name}-{k}", motion) for k in range(1, repeat + 1)]
+
+
+def described(waveform: Waveform) -> dict[str, Any]:
+    """A waveform as plain data, for the start record."""
+    try:
+        return waveform_table(waveform)
+    except TypeError:  # a spline through samples has no table; the set points are in the recording
+        return {"kind": "samples"}
 
 
 def run_campaign(

@@ -133,6 +133,25 @@ def record(
     return RunResult(path, end.outcome, end.words, run.mean_thrust(end), run.count, board.counters.samples_lost)
 
 
+def trial_runner(
+    setup: RigSetup,
+    board: Board,
+    camera: Camera | None,
+    interrupts: Interrupts | None = None,
+    progress: Callable[[str, float], None] = lambda _phase, _share: None,
+) -> Callable[[Waveform, float, Path, dict[str, Any]], None]:
+    """A function that tries a gait on the rig, as rig.optimise wants it; a board that was lost is connected again."""
+
+    def run_trial(gait: Waveform, duration: float, path: Path, description: dict[str, Any]) -> None:
+        if not board.link.is_open:
+            board.connect()
+            arm(board, setup.limits, setup.servo)
+        motion = motion_of(gait, duration, setup, description)
+        record(setup, board, camera, motion, path, name=path.stem, interrupts=interrupts, progress=progress)
+
+    return run_trial
+
+
 class _Run:
     """The state of one run while it lasts."""
 
