@@ -72,7 +72,9 @@ class ArmPlant:
             self.force = float(-self._stepper.reading[3] - self._tare[1])
 
     def answer(self) -> bytes:
-        """angle [rad], force on the load cell along +y less its reading at rest [N], current [mA], midline points [m]."""
+        """angle [rad], force on the load cell along +y less its reading at rest [N], current [mA], midline points
+        [m].
+        """
         angles = np.cumsum(self._state.q[2:])
         points = midline_points(angles[None], self._state.q[None, :2], self._length, np.linspace(0, 1, POINTS))[0]
         current = 30.0 + 20.0 * abs(self._servo.state[2]) / 10.0

@@ -60,7 +60,9 @@ def read_campaign(file: Path, setup: RigSetup) -> Campaign:
     names = [run.name for run in runs]
     for run in names:
         if names.count(run) > 1:
-            raise InputError(f"{run!r} is the name of two runs", file=file, field="run.name", expected="names that differ")
+            raise InputError(
+                f"{run!r} is the name of two runs", file=file, field="run.name", expected="names that differ"
+            )
     return Campaign(name, tuple(runs))
 
 
@@ -98,7 +100,8 @@ def run_campaign(
     progress: Callable[[str, float], None] = lambda _phase, _share: None,
     viewer: str | None = None,
 ) -> Iterator[RunResult]:
-    """Makes the runs that are not complete in `folder` yet, yielding each; a run that ended otherwise is set aside first.
+    """Makes the runs that are not complete in `folder` yet, yielding each; a run that ended otherwise is set aside
+    first.
 
     Fault where a run does not complete: the next start goes on from there.
     """

@@ -28,7 +28,9 @@ class CheckItem:
 
 
 def check(setup: RigSetup, board: Board, camera: Camera | None, seconds: float = 3.0) -> list[CheckItem]:
-    """Looks at round trips, clock, limits, load cell, servo feedback and camera of an armed board for some seconds each."""
+    """Looks at round trips, clock, limits, load cell, servo feedback and camera of an armed board for some seconds
+    each.
+    """
     return [
         *_line(board),
         *_limits(setup, board),
@@ -45,8 +47,12 @@ def _line(board: Board) -> list[CheckItem]:
     bad = board.counters.host_bad_frames + board.counters.board_bad_frames
     return [
         CheckItem("round trip, median", float(np.median(trips)), "ms", True),
-        CheckItem("round trip, 95 %", slow, "ms", slow < 50, "over 50 ms the watchdog comes near: another cable or port?"),
-        CheckItem("clock, 1 sigma", 1e3 * fit.sigma, "ms", fit.sigma < 1e-3, "over 1 ms: the line's delays vary too much"),
+        CheckItem(
+            "round trip, 95 %", slow, "ms", slow < 50, "over 50 ms the watchdog comes near: another cable or port?"
+        ),
+        CheckItem(
+            "clock, 1 sigma", 1e3 * fit.sigma, "ms", fit.sigma < 1e-3, "over 1 ms: the line's delays vary too much"
+        ),
         CheckItem("clock, skew", 1e6 * fit.skew, "ppm", abs(fit.skew) < 3e-4, "over 300 ppm: a resonator, no crystal?"),
         CheckItem("damaged frames", bad, "", bad == 0, "the line is disturbed: shield it, shorten it"),
     ]
@@ -64,7 +70,9 @@ def _limits(setup: RigSetup, board: Board) -> list[CheckItem]:
     board.command(Type.CLEAR)
     within = setup.limits.neutral_time
     return [
-        CheckItem("limits obeyed by the board", float(refused), "", refused, "it took a point beyond them: do not run it"),
+        CheckItem(
+            "limits obeyed by the board", float(refused), "", refused, "it took a point beyond them: do not run it"
+        ),
         CheckItem("neutral after silence, at worst", within, "s", within <= 0.5),
     ]
 
@@ -74,8 +82,12 @@ def _cell(setup: RigSetup, board: Board, seconds: float) -> list[CheckItem]:
     noise = reading.deviation / abs(setup.load_cell.slope)
     threshold = setup.settle.threshold
     return [
-        CheckItem("load cell, rate", reading.rate, "Hz", reading.rate > 80, "10 Hz: tie the HX711's RATE pin to supply"),
-        CheckItem("load cell, noise", 1e3 * noise, "mN", noise < threshold, f"over the settling threshold of {threshold:g} N"),
+        CheckItem(
+            "load cell, rate", reading.rate, "Hz", reading.rate > 80, "10 Hz: tie the HX711's RATE pin to supply"
+        ),
+        CheckItem(
+            "load cell, noise", 1e3 * noise, "mN", noise < threshold, f"over the settling threshold of {threshold:g} N"
+        ),
         CheckItem("load cell, at rest", float(setup.load_cell.to_newtons(reading.mean)), "N", True),
     ]
 
@@ -115,5 +127,7 @@ def _camera(board: Board, camera: Camera, seconds: float) -> list[CheckItem]:
     return [
         CheckItem("camera, frames", 1.0 / period, "1/s", True),
         CheckItem("camera, jitter", 1e3 * float(np.std(spacing[spacing < 1.6 * period])), "ms", True),
-        CheckItem("camera, dropped frames", dropped, "", dropped == 0, "more light, a smaller picture, or a faster port"),
+        CheckItem(
+            "camera, dropped frames", dropped, "", dropped == 0, "more light, a smaller picture, or a faster port"
+        ),
     ]

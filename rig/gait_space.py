@@ -20,8 +20,8 @@ class GaitSpace:
     """Gaits theta(t) = A w(2 pi f t), w a sine with odd harmonics (they keep the stroke symmetric).
 
     frequency (low, high) [Hz]; harmonics: how many odd harmonics beyond the first (0: plain sines). A point is a dict:
-    frequency_hz, effort (the share of the largest amplitude that the limits permit at that frequency and shape, least_effort..1),
-    and share_n (-0.6..0.6, relative to the fundamental) and phase_n (0..2 pi) for n = 3, 5, ...
+    frequency_hz, effort (the share of the largest amplitude that the limits permit at that frequency and shape,
+    least_effort..1), and share_n (-0.6..0.6, relative to the fundamental) and phase_n (0..2 pi) for n = 3, 5, ...
     """
 
     limits: SafetyLimits
@@ -32,7 +32,9 @@ class GaitSpace:
     def __post_init__(self) -> None:
         low, high = self.frequency
         if not 0 < low < high <= 10:
-            raise InputError(f"{low:g} to {high:g} Hz", field="frequency_hz", expected="0 < low < high <= 10 (50 Hz servo)")
+            raise InputError(
+                f"{low:g} to {high:g} Hz", field="frequency_hz", expected="0 < low < high <= 10 (50 Hz servo)"
+            )
         if not 0 <= self.harmonics <= 3:
             raise InputError(f"{self.harmonics!r} is not usable", field="harmonics", expected="0 to 3")
 
@@ -63,9 +65,7 @@ class GaitSpace:
         reach = min(self.limits.max_angle, -self.limits.min_angle) / np.abs(angle).max()
         pace = self.limits.max_speed / (2.0 * np.pi * frequency * np.abs(speed).max())
         amplitude = MARGIN * point["effort"] * float(min(reach, pace))
-        return Multisine(
-            tuple(amplitude * share for share in shares), tuple(frequency * n for n in orders), phases
-        )
+        return Multisine(tuple(amplitude * share for share in shares), tuple(frequency * n for n in orders), phases)
 
     def sample(self, count: int, seed: int) -> list[dict[str, float]]:
         """Points spread evenly over the space (a scrambled Sobol sequence)."""

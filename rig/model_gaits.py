@@ -17,8 +17,12 @@ BATCH = 128
 APART = 0.25  # of the space's width: closer points are the same proposal
 
 
-def predicted_propulsion(model: Model, space: GaitSpace, points: Sequence[Mapping[str, float]], plan: TrialPlan) -> Array:
-    """Mean propulsion (B,) [N] of each point: minus the mean of eq. 17 along +y over the counted periods; NaN if unstable."""
+def predicted_propulsion(
+    model: Model, space: GaitSpace, points: Sequence[Mapping[str, float]], plan: TrialPlan
+) -> Array:
+    """Mean propulsion (B,) [N] of each point: minus the mean of eq. 17 along +y over the counted periods; NaN if
+    unstable.
+    """
     arm, row = arm_of(model), parameter_vector(model)
     result = np.full(len(points), np.nan)
     by_length = sorted(range(len(points)), key=lambda k: points[k]["frequency_hz"])  # a batch is as long as its longest
@@ -37,7 +41,9 @@ def predicted_propulsion(model: Model, space: GaitSpace, points: Sequence[Mappin
 
 
 def best_gaits(model: Model, space: GaitSpace, plan: TrialPlan, count: int, seed: int) -> list[dict[str, float]]:
-    """The model's best points, best first, no two close together: a spread of samples, then a local search from the best."""
+    """The model's best points, best first, no two close together: a spread of samples, then a local search from the
+    best.
+    """
     points = space.sample(512, seed)
     scores = predicted_propulsion(model, space, points, plan)
     points, scores = _refined(model, space, plan, points, scores, seed)
@@ -62,7 +68,9 @@ def _refined(
         best = np.argsort(-np.nan_to_num(scores, nan=-np.inf))[:10]
         fresh = []
         for k in best:
-            near = np.array(list(points[k].values())) + width * np.ptp(bounds, axis=1) * random.normal(size=(24, len(names)))
+            near = np.array(list(points[k].values())) + width * np.ptp(bounds, axis=1) * random.normal(
+                size=(24, len(names))
+            )
             fresh += [dict(zip(names, row, strict=True)) for row in np.clip(near, bounds[:, 0], bounds[:, 1]).tolist()]
         points = points + fresh
         scores = np.concatenate([scores, predicted_propulsion(model, space, fresh, plan)])

@@ -1,7 +1,9 @@
-"""Optimising gaits on the rig: a Gaussian process over noisy trials, started from a model's best, resumable at any moment.
+"""Optimising gaits on the rig: a Gaussian process over noisy trials, started from a model's best, resumable at any
+moment.
 
-A study is a folder: study.journal (every step, fsynced), trial-0000.rrd and so on (each trial's recording, and the source of
-its value). Killed at any point, the next start cuts a torn last line, fails what was running and tries it again.
+A study is a folder: study.journal (every step, fsynced), trial-0000.rrd and so on (each trial's recording, and the
+source of its value). Killed at any point, the next start cuts a torn last line, fails what was running and tries it
+again.
 """
 
 from __future__ import annotations
@@ -10,9 +12,9 @@ import fcntl
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import optuna
@@ -32,12 +34,9 @@ FAULTS_IN_A_ROW = 3  # then someone has to look at the rig
 JOURNAL = "study.journal"
 
 
-class TrialRunner(Protocol):
-    """Runs a gait for so many seconds and records it; raises nothing for a fault of the rig: its outcome is in the file."""
-
-    def __call__(self, gait: Waveform, duration: float, path: Path, description: dict[str, Any]) -> None: ...
-
-
+# Tries a gait for so many seconds and records it at the path, with the description in the start record. It raises nothing
+# for a fault of the rig: the recording says how the run ended.
+TrialRunner = Callable[[Waveform, float, Path, dict[str, Any]], None]
 Proposer = Callable[[Sequence[Path]], Sequence[Mapping[str, float]]]
 
 
@@ -58,7 +57,7 @@ class StudyPlan:
 
     space: GaitSpace
     trials: int
-    plan: TrialPlan = TrialPlan()
+    plan: TrialPlan = field(default_factory=TrialPlan)
     reidentify_every: int = 0
     seed: int = 0
 
@@ -78,9 +77,9 @@ def optimise(
 ) -> Iterator[Trial]:
     """Runs trials until `study.trials` are finished, yielding each; those of an earlier start are yielded first.
 
-    first: points to try first (a model's best). propose: given the recordings so far, points of a model identified anew,
-    every study.reidentify_every trials. Fault after FAULTS_IN_A_ROW trials that did not complete; InputError where the
-    folder is in use or holds another study.
+    first: points to try first (a model's best). propose: given the recordings so far, points of a model identified
+    anew, every study.reidentify_every trials. Fault after FAULTS_IN_A_ROW trials that did not complete; InputError
+    where the folder is in use or holds another study.
     """
     with _owned(folder):
         opened = _open(folder, study)
@@ -119,7 +118,8 @@ def best(trials: Sequence[Trial]) -> Trial:
 def propulsion(run: Run, begin: float, end: float) -> float:
     """Minus the mean thrust along +y [N] over [begin, end) [s] of the waveform's time, less the reading at rest.
 
-    Means over time (trapezoids between samples): conversions are not spaced evenly. InputError where the run is not whole.
+    Means over time (trapezoids between samples): conversions are not spaced evenly. InputError where the run is not
+    whole.
     """
     if run.outcome != "complete" or run.stop is None:
         raise InputError(f"ended as {run.outcome!r}", file=run.path, expected="a complete run")
@@ -138,7 +138,9 @@ def cut_torn_line(journal: Path) -> int:
         return 0
     data = journal.read_bytes()
     whole = data.rfind(b"\n") + 1
-    while whole and not _is_json(data[data.rfind(b"\n", 0, whole - 1) + 1 : whole]):  # blocks of zeros after a power cut
+    while whole and not _is_json(
+        data[data.rfind(b"\n", 0, whole - 1) + 1 : whole]
+    ):  # blocks of zeros after a power cut
         whole = data.rfind(b"\n", 0, whole - 1) + 1
     if whole < len(data):
         with journal.open("rb+") as file:
@@ -162,7 +164,9 @@ def _owned(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise InputError("is in use by another process", file=folder, expected="one optimisation a folder") from None
+            raise InputError(
+                "is in use by another process", file=folder, expected="one optimisation a folder"
+            ) from None
         for left in folder.glob(f"{JOURNAL}*.lock*"):  # Optuna's own lock outlives a killed process
             left.unlink()
         yield
@@ -240,7 +244,13 @@ def _enqueue_proposals(opened: optuna.Study, propose: Proposer, recordings: Sequ
 def _finished(opened: optuna.Study, folder: Path) -> list[Trial]:
     found = opened.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
     return [
-        Trial(t.number, dict(t.params), float(t.values[0]), str(t.user_attrs.get("source", "search")), _recording(folder, t.number))
+        Trial(
+            t.number,
+            dict(t.params),
+            float(t.values[0]),
+            str(t.user_attrs.get("source", "search")),
+            _recording(folder, t.number),
+        )
         for t in found
     ]
 

@@ -1,11 +1,13 @@
-"""One run from start to stop: settle, flash for the camera's clock, play the waveform, and record all of it as it happens."""
+"""One run from start to stop: settle, flash for the camera's clock, play the waveform, and record all of it as it
+happens.
+"""
 
 from __future__ import annotations
 
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -55,8 +57,8 @@ class Motion:
 
 @dataclass(frozen=True)
 class RunResult:
-    """outcome: "complete", "interrupted" or a fault's kind; mean_thrust [N] between set point zero_index and the end, less
-    the reading at rest before the run; samples and lost: counts; words: one line on what went wrong.
+    """outcome: "complete", "interrupted" or a fault's kind; mean_thrust [N] between set point zero_index and the end,
+    less the reading at rest before the run; samples and lost: counts; words: one line on what went wrong.
     """
 
     path: Path
@@ -113,8 +115,8 @@ def record(
 ) -> RunResult:
     """Settles, runs and records into `path`. A fault of the rig ends the run safely and is the result's outcome.
 
-    progress is told a phase and the share of it that is done. InputError (before anything moves) where the path is taken or
-    the motion is beyond the limits.
+    progress is told a phase and the share of it that is done. InputError (before anything moves) where the path is
+    taken or the motion is beyond the limits.
     """
     if path.exists():
         raise InputError("is there already", file=path, expected="a path that is free")
@@ -339,10 +341,8 @@ def _film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
 
 
 def _neutral(board: Board) -> None:
-    try:
+    with suppress(Fault):  # a board that cannot be reached goes to neutral by its watchdog
         board.command(Type.NEUTRAL)
-    except Fault:
-        pass  # the board's watchdog does it
 
 
 def _source(setup: RigSetup, host_time: HostTime) -> FrameSource:

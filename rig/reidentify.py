@@ -37,7 +37,9 @@ def proposer(
     seed: int = 0,
     told: Callable[[Diagnosis], None] = lambda _: None,
 ) -> Callable[[Sequence[Path]], list[dict[str, float]]]:
-    """A function that diagnoses the latest recordings and gives the augmented model's best gaits; told hears the verdict."""
+    """A function that diagnoses the latest recordings and gives the augmented model's best gaits; told hears the
+    verdict.
+    """
 
     def propose(recordings: Sequence[Path]) -> list[dict[str, float]]:
         diagnosis = diagnose([tracked(path) for path in recordings[-MOST_RECORDINGS:]], seed=seed)

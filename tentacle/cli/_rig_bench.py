@@ -60,7 +60,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _calibrate_load_cell(arguments, setup):  # noqa: ANN001, ANN202
+def _calibrate_load_cell(arguments, setup):
     import numpy as np
 
     from rig.calibrate import fit_line, load_cell_calibration, read_cell
@@ -75,15 +75,19 @@ def _calibrate_load_cell(arguments, setup):  # noqa: ANN001, ANN202
             _ask(f"hang {1e3 * mass:g} g on the load cell, let it come to rest", board)
             reading = read_cell(board, arguments.seconds)
             means.append(reading.mean)
-            print(f"{1e3 * mass:8.1f} g  {reading.mean:12.1f} +- {reading.deviation:.1f} counts, {reading.count} readings")
+            print(
+                f"{1e3 * mass:8.1f} g  {reading.mean:12.1f} +- {reading.deviation:.1f} counts, {reading.count} readings"
+            )
     fit = fit_line(np.array(forces), np.array(means))
     for mass, residual in zip(arguments.masses, fit.residuals, strict=True):
         print(f"{1e3 * mass:8.1f} g  residual {1e3 * residual:+.3f} mN")
-    print(f"{fit.slope:.1f} +- {fit.slope_sigma:.1f} counts/N, offset {fit.offset:.1f} +- {fit.offset_sigma:.1f} counts")
+    print(
+        f"{fit.slope:.1f} +- {fit.slope_sigma:.1f} counts/N, offset {fit.offset:.1f} +- {fit.offset_sigma:.1f} counts"
+    )
     return replace(setup, load_cell=load_cell_calibration(fit))
 
 
-def _calibrate_servo(arguments, setup):  # noqa: ANN001, ANN202
+def _calibrate_servo(arguments, setup):
     import numpy as np
 
     from rig.calibrate import servo_calibration
@@ -103,7 +107,7 @@ def _calibrate_servo(arguments, setup):  # noqa: ANN001, ANN202
     return replace(setup, servo=servo)
 
 
-def _calibrate_scale(arguments, setup):  # noqa: ANN001, ANN202
+def _calibrate_scale(arguments, setup):
     from rig.calibrate import camera_scale
 
     camera = setup.recording.declaration.camera
@@ -115,7 +119,7 @@ def _calibrate_scale(arguments, setup):  # noqa: ANN001, ANN202
     return replace(setup, recording=replace(setup.recording, declaration=declaration))
 
 
-def _calibrate_offset(arguments, setup):  # noqa: ANN001, ANN202
+def _calibrate_offset(arguments, setup):
     from rig.calibrate import camera_offset
     from rig.record import connected, opened_camera
 
@@ -123,11 +127,13 @@ def _calibrate_offset(arguments, setup):  # noqa: ANN001, ANN202
         if camera is None:
             raise InputError("no camera is named", file=arguments.rig, field="camera.source")
         found = camera_offset(board, camera, arguments.flashes)
-    print(f"frames arrive {1e3 * found.offset:.2f} +- {1e3 * found.sigma:.2f} ms after their exposure ({found.edges} edges)")
+    print(
+        f"frames arrive {1e3 * found.offset:.2f} +- {1e3 * found.sigma:.2f} ms after exposure ({found.edges} edges)"
+    )
     return replace(setup, camera=replace(setup.camera, offset=found.offset, sigma=found.sigma))
 
 
-def _ask(question: str, board) -> str:  # noqa: ANN001
+def _ask(question: str, board) -> str:
     """Asks on the terminal while the board goes on hearing from us."""
     import threading
 
@@ -144,7 +150,7 @@ def _ask(question: str, board) -> str:  # noqa: ANN001
 
 def emulate(arguments: argparse.Namespace) -> int:
     """Runs until Ctrl-C."""
-    from rig.emulator import Emulator, EmulatorSettings
+    from rig.emulator import Emulator
     from rig.setup_file import write_setup
 
     if arguments.hidden is not None and arguments.model is None:
@@ -154,7 +160,9 @@ def emulate(arguments: argparse.Namespace) -> int:
         if arguments.line is not None:
             running.say("line", *arguments.line)
         write_setup(setup, arguments.folder / "rig.toml")
-        print(f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}", flush=True)
+        print(
+            f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}", flush=True
+        )
         try:
             while running.exit_status() is None:
                 time.sleep(0.2)
@@ -164,7 +172,7 @@ def emulate(arguments: argparse.Namespace) -> int:
     raise InputError("the emulated board has ended", file=arguments.folder)
 
 
-def _emulated(arguments):  # noqa: ANN001, ANN202
+def _emulated(arguments):
     from rig.emulator import EmulatorSettings
     from rig.safety import SafetyLimits
     from rig.settle import SettleRule
@@ -215,7 +223,7 @@ def convert(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _bench_recording(arguments):  # noqa: ANN001, ANN202
+def _bench_recording(arguments):
     from rig.bench_log import LogColumns, calibration_of, load_cell_signal, read_bench_log
     from rig.calibrate import load_cell_calibration
     from rig.setup_file import LoadCellCalibration
@@ -235,9 +243,14 @@ def _bench_recording(arguments):  # noqa: ANN001, ANN202
     else:
         fit = calibration_of(log)
         calibration = load_cell_calibration(fit)
-        words += f"; {fit.slope:.1f} +- {fit.slope_sigma:.2g} counts/N, offset {fit.offset:.1f}, rms {1e3 * fit.rms:.3g} mN"
+        words += (
+            f"; {fit.slope:.1f} +- {fit.slope_sigma:.2g} counts/N, offset {fit.offset:.1f}, rms {1e3 * fit.rms:.3g} mN"
+        )
     notes = {**declared.notes, "source": arguments.log.name}
     recording = Recording(
-        declared.name or arguments.log.stem, declared.declaration, load_cell=load_cell_signal(log, calibration), notes=notes
+        declared.name or arguments.log.stem,
+        declared.declaration,
+        load_cell=load_cell_signal(log, calibration),
+        notes=notes,
     )
     return recording, words

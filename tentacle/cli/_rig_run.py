@@ -63,7 +63,9 @@ def campaign(arguments: argparse.Namespace) -> int:
         for result in run_campaign(setup, board, camera, runs, arguments.out, interrupts=interrupts, progress=progress):
             print(f"{result.path.name}: {result.outcome}, {result.samples} samples, {result.lost} lost")
         paused = interrupts.pause
-    print(f"paused; the same command goes on: {arguments.out}" if paused else f"{len(runs.runs)} runs in {arguments.out}")
+    print(
+        f"paused; the same command goes on: {arguments.out}" if paused else f"{len(runs.runs)} runs in {arguments.out}"
+    )
     return 130 if paused else 0
 
 

@@ -1,4 +1,6 @@
-"""Optimising: the gait space keeps the limits, the journal survives a kill, trials are recordings, the search climbs."""
+"""Optimising: the gait space keeps the limits, the journal survives a kill, trials are recordings, the search
+climbs.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,7 @@ class Bench:
     def propulsion(self, frequency: float, effort: float) -> float:
         return 0.05 * effort**2 * np.exp(-(((frequency - TOP) / 0.8) ** 2))
 
-    def __call__(self, gait, duration: float, path: Path, description: dict) -> None:
+    def __call__(self, _gait, duration: float, path: Path, description: dict) -> None:
         self.runs += 1
         value = self.propulsion(description["frequency_hz"], description["effort"])
         value += self.noise * self.random.normal()
@@ -64,8 +66,8 @@ def test_every_point_is_within_the_limits(limits: SafetyLimits) -> None:
     for point in space.sample(64, seed=5):
         gait = space.gait(point)
         points = set_points(gait, 3.0 / point["frequency_hz"], limits)
-        # The lead from neutral is half a second long: with at most 0.8 rad it is slower than pi/2 0.8 / 0.5 = 2.5 rad/s,
-        # but it ends at rest and the gait does not: where they meet the difference is still a chord of the gait.
+        # The lead from neutral is half a second long: with at most 0.8 rad it is slower than pi/2 0.8 / 0.5 = 2.5
+        # rad/s, but it ends at rest and the gait does not: where they meet the difference is still a chord of the gait.
         check_set_points(points, 0.02, limits)
 
 
