@@ -6,18 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import dct
 
 from tentacle.signals import Array
-from vision.edges import Edges, find_edges
+from vision.edges import Edges, Surroundings, find_edges
 from vision.kinematics import SHARED, Geometry, Outline, outline
-from vision.robust import disturbed, normal_matrix, robust_step, smooth_slope
+from vision.robust import disturbed, neighbours_mean, normal_matrix, robust_step
 
 BIWEIGHT = 1.17  # what the biweight takes from the variance of normal residuals, and adds to the estimate's own
 LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
 ENDS = 14.0  # px along the arm within which its ends are looked for
-LAGS = 24  # stations over which neighbouring edges' errors are watched for correlation
+SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
 
 
 @dataclass(frozen=True)
@@ -34,15 +35,15 @@ class FrameFit:
     """A frame's fit about its working point, before the frames are pooled.
 
     x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
-    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. correlation (LAGS,): of neighbouring
-    residuals, by lag. edges, expected and weight (E,) stay for the judge.
+    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. slow: how much more of the residuals' power
+    is in slow waves than independent edges would have. edges, expected and weight (E,) stay for the judge.
     """
 
     x: Array
     information: Array
     gradient: Array
     sigma: float
-    correlation: Array
+    slow: float
     edges: Edges
     expected: Outline
     weight: Array
@@ -67,19 +68,21 @@ def refine(
     x = np.array(x, dtype=float)
     order = len(x)
     steps = [(reach, False) for reach in reaches] + [(NARROW, True), (FINAL, True)]
-    ground: Array | float = 0.0
+    around: Surroundings | None = None
+    sound = np.zeros(0, dtype=np.bool_)
     for index, (reach, sharp) in enumerate(steps):
         final = index == len(steps) - 1
         expected = outline(geometry, theta, x, shared, stride=1 if sharp else 4)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
         smear = np.abs(jacobian @ rate) * exposure
         edges = find_edges(
-            image, expected, geometry.lens, reach, sight.polarity, sharp, blur=sight.blur, smear=smear, ground=ground
+            image, expected, geometry.lens, reach, sight.polarity, sharp, blur=sight.blur, smear=smear, around=around
         )
         usable = edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast)
         usable &= expected.kind < 2  # the ends move with the recording's parameters, hardly with x
         if sharp:
             usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, 0.5 * _ordinary(edges, usable))
+            usable &= sound if final else True
         if np.count_nonzero(usable) < 4 * order:
             return None
         base = _trust(edges, usable) if sharp else usable.astype(float)
@@ -87,7 +90,7 @@ def refine(
         if final:
             return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step)
         if sharp:
-            ground = smooth_slope(expected.kind, edges.slope, weight)
+            around, sound = _surroundings(expected, edges, weight)
         x = x + step
     return None
 
@@ -95,6 +98,14 @@ def refine(
 def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
     """The usual rms of a profile's residual [grey]."""
     return max(float(np.median(edges.misfit[usable])), 0.3) if usable.any() else 0.3
+
+
+def _surroundings(expected: Outline, edges: Edges, weight: Array) -> tuple[Surroundings, NDArray[np.bool_]]:
+    """The greys beside the edges, averaged along each side, and where (E,) enough sound edges stand behind them."""
+    level, support = neighbours_mean(expected.kind, edges.level, weight)
+    contrast, _ = neighbours_mean(expected.kind, edges.contrast, weight)
+    slope, _ = neighbours_mean(expected.kind, edges.slope, weight)
+    return Surroundings(level, contrast, slope), (support > 3.0) & (weight > 0)
 
 
 def _trust(edges: Edges, usable: NDArray[np.bool_]) -> Array:
@@ -130,7 +141,7 @@ def _summary(
         information=information,
         gradient=gradient,
         sigma=max(float(np.sqrt(variance)), 1e-3),
-        correlation=_correlation(sway),
+        slow=_slow(sway),
         edges=edges,
         expected=expected,
         weight=weight,
@@ -170,7 +181,10 @@ def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
     return np.where(both, (whitened[left] - whitened[right]) / np.sqrt(2.0), 0.0)
 
 
-def _correlation(sway: Array) -> Array:
-    """Autocorrelation (LAGS,) of the weighted residuals along the arm; a lost edge counts as zero."""
-    power = max(float(sway @ sway), 1e-12)
-    return np.array([float(sway[lag:] @ sway[:-lag]) / power for lag in range(1, LAGS + 1)])
+def _slow(sway: Array) -> float:
+    """Power of the sway's slow waves (cosine orders 8 to 24) over its mean power: 1 for edges that err independently.
+
+    Slower waves are the fit's own. What smooth light, or bubbles, add to the noise in q shows in the next ones.
+    """
+    waves = np.square(np.asarray(dct(sway, norm="ortho"), dtype=float))
+    return float(waves[SLOW].mean() / max(waves.mean(), 1e-12))

@@ -30,7 +30,7 @@ class Seen:
 
     reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g.
     shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free. sigma [px] and
-    correlation are those of its edges; outline_px (N, 2) is for the overlay.
+    slow are those of its edges; outline_px (N, 2) is for the overlay.
     """
 
     t: float
@@ -42,7 +42,7 @@ class Seen:
     shared_information: Array
     shared_gradient: Array
     sigma: float
-    correlation: Array
+    slow: float
     outline_px: Array
 
     @property
@@ -175,7 +175,7 @@ class Follower:
             shared_information=shared_information,
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
-            correlation=fit.correlation,
+            slow=fit.slow,
             outline_px=_drawing(fit),
         )
 
@@ -208,7 +208,7 @@ class Follower:
         return Seen(
             t=frame.t, theta=self.theta(frame.t), x=nothing, covariance=np.full((k, k), np.nan), reason=reason,
             lean=np.zeros((k, SHARED)), shared_information=np.zeros((SHARED, SHARED)),
-            shared_gradient=np.zeros(SHARED), sigma=np.nan, correlation=np.zeros(0), outline_px=np.zeros((0, 2)),
+            shared_gradient=np.zeros(SHARED), sigma=np.nan, slow=np.nan, outline_px=np.zeros((0, 2)),
         )  # fmt: skip
 
 

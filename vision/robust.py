@@ -1,4 +1,4 @@
-"""Robust least squares on edges, compiled: Tukey's biweight, edges that a bubble disturbs, the ground's slope."""
+"""Robust least squares on edges, compiled: Tukey's biweight, edges that a bubble disturbs, means along the arm."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LEAP = 0.3  # of the contrast around: something else
 NEIGHBOURS = 4  # stations beside a disturbed edge that go with it
 AROUND = 30  # stations to either side that make up the usual
 STRIDE = 15  # stations between two looks at the usual
-SLOPE_REACH = 15  # stations to either side over which the ground's slope is averaged
+MEAN_REACH = 15  # stations to either side over which the greys beside the edges are averaged
 
 
 @njit(cache=True, nogil=True)
@@ -81,24 +81,25 @@ def disturbed(
 
 
 @njit(cache=True, nogil=True)
-def smooth_slope(kind: Array, slope: Array, weight: Array) -> Array:
-    """The ground's slope (E,) [grey/px], a running mean over each side's sound edges: single profiles are too noisy."""
-    smooth = np.zeros(len(kind))
+def neighbours_mean(kind: Array, values: Array, weight: Array) -> tuple[Array, Array]:
+    """Running weighted mean (E,) of values along each side, and the weight behind it."""
+    smooth, support = np.zeros(len(kind)), np.zeros(len(kind))
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
         count = len(index)
         total, share = 0.0, 0.0
-        for k in range(-SLOPE_REACH, count):
-            enters, leaves = k + SLOPE_REACH, k - SLOPE_REACH - 1
+        for k in range(-MEAN_REACH, count):
+            enters, leaves = k + MEAN_REACH, k - MEAN_REACH - 1
             if enters < count:
-                total += weight[index[enters]] * slope[index[enters]]
+                total += weight[index[enters]] * values[index[enters]]
                 share += weight[index[enters]]
             if leaves >= 0:
-                total -= weight[index[leaves]] * slope[index[leaves]]
+                total -= weight[index[leaves]] * values[index[leaves]]
                 share -= weight[index[leaves]]
             if k >= 0:
-                smooth[index[k]] = total / max(share, 1.0)
-    return smooth
+                smooth[index[k]] = total / max(share, 1e-6)
+                support[index[k]] = share
+    return smooth, support
 
 
 @njit(cache=True, nogil=True)
