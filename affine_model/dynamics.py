@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,15 +22,33 @@ class Balance:
     """mass_matrix (..., D, D) and force (..., D) with M u'' = force + external, D = n + 2 (curvatures, theta, rail).
 
     fluid_force (..., 2) [N] is what the water does to the arm without the reaction to acceleration (eq. 17 where only
-    drag acts). Of a sum of effects, so every part is a sum.
+    drag acts); with it, fluid_force - fluid_mass @ u'', fluid_mass (..., 2, D). Of a sum of effects, so every part is a sum.
     """
 
     mass_matrix: Any
     force: Any
     fluid_force: Any
+    fluid_mass: Any
 
 
-def _parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
+@lru_cache(maxsize=32)
+def _torch_constants(arm: Arm, dtype: Any, device: Any) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """The arm's arrays on the device, moved there once."""
+    torch = sys.modules["torch"]
+    arrays, node = _numpy_constants(arm)
+    return (
+        tuple(torch.as_tensor(array, dtype=dtype, device=device) for array in arrays),
+        {name: torch.as_tensor(value, dtype=dtype, device=device) for name, value in node.items()},
+    )
+
+
+def _numpy_constants(arm: Arm) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """L W, L w, the angle and the curvature basis at the nodes, and the section quantities there."""
+    L, rule = arm.specimen.length, arm.rule
+    return (L * rule.integration, L * rule.weights, arm.angle_basis, arm.curvature_basis), arm.node_quantities
+
+
+def parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
     """The effect's own parameters out of the row (R, ...), each with a trailing axis for the nodes."""
     rows = [row for row in parameter_rows() if row.effect == effect.name]
     return SimpleNamespace(**{row.parameter.name: parameters[row.index][..., None] for row in rows})
@@ -50,11 +69,9 @@ def balance(
     Maxwell branch. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n, with the couple m_a u_n u_t).
     """
     xp = sys.modules[type(u).__module__.split(".")[0]]
-    constant = (lambda a: a) if xp.__name__ == "numpy" else (lambda a: xp.as_tensor(a, dtype=u.dtype, device=u.device))
     n, L = arm.order, arm.specimen.length
-    W, w = constant(L * arm.rule.integration), constant(L * arm.rule.weights)
-    A, C = constant(arm.angle_basis), constant(arm.curvature_basis)
-    node = {name: constant(value) for name, value in arm.node_quantities.items()}
+    known = _numpy_constants(arm) if xp.__name__ == "numpy" else _torch_constants(arm, u.dtype, u.device)
+    (W, w, A, C), node = known
 
     z, theta, z_rate, theta_rate = u[..., :n], u[..., n : n + 1], u_rate[..., :n], u_rate[..., n : n + 1]
     phi, phi_rate = theta + z @ A.T, theta_rate + z_rate @ A.T
@@ -78,7 +95,7 @@ def balance(
         **node, **arm.arm_quantities, t=t, memory=memory, phi=phi, phi_rate=phi_rate,
         c=z @ C.T, c_rate=z_rate @ C.T, x=position[..., 0], y=position[..., 1], stiffness=0.0,
     )  # fmt: skip
-    own = [(effect, _parameters_of(effect, parameters)) for effect in effects]
+    own = [(effect, parameters_of(effect, parameters)) for effect in effects]
 
     def total(kind: str) -> Any:
         return sum((getattr(effect, kind)(x, p) for effect, p in own if getattr(effect, kind) is not None), 0.0)
@@ -135,4 +152,17 @@ def balance(
     M = M + tip_mass[..., None, None] * xp.einsum("...xj,...xl->...jl", tip_jacobian, tip_jacobian)
     tip_force = tip_mass[..., None] * (gravity[..., -1, :] - tip_acceleration)
     force = force + xp.einsum("...xj,...x->...j", tip_jacobian, tip_force)
-    return Balance(M, force, xp.einsum("i,...ix->...x", w, fluid))
+    fluid_mass = xp.einsum("i,...i,...ix,...ij->...xj", w, normal_inertia, normal, projected)
+    return Balance(M, force, xp.einsum("i,...ix->...x", w, fluid), fluid_mass)
+
+
+def relaxation_time(arm: Arm, effects: tuple[Effect, ...], parameters: Any) -> Any:
+    """Relaxation time (..., 1) [s] of the effects' Maxwell branch; None where no effect relaxes, ValueError where two do."""
+    relaxing = [effect for effect in effects if effect.relaxation_time is not None]
+    if len(relaxing) > 1:
+        raise ValueError(f"one Maxwell branch at a time, not {', '.join(effect.name for effect in relaxing)}")
+    for effect in relaxing:
+        x = SimpleNamespace(**arm.node_quantities, **arm.arm_quantities)
+        assert effect.relaxation_time is not None
+        return effect.relaxation_time(x, parameters_of(effect, parameters))
+    return None

@@ -17,7 +17,8 @@ from tentacle.model import Model
 from tentacle.recording import Declaration
 
 STEP = 1.0 / 300.0  # s: second order, 1e-3 of phase error at 5 Hz (checked by halving in the tests)
-VISIBLE = 1.25  # a curvature coordinate counts as seen where its rms is this many times its noise
+VISIBLE = 0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
+SMALL_STEP = 0.15
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,10 @@ class Setting:
         d = self.declaration
         return arm_of(Model(d.specimen, d.fluid, d.gravity, order or self.order))
 
+    def sees_shapes(self) -> bool:
+        """Whether any recording shows whole shapes; single markers do not show how many coordinates there are."""
+        return any(isinstance(experiment.observation, ShapeObservation) for experiment in self.experiments)
+
     def base_free(self) -> tuple[ParameterName, ...]:
         """The base parameters that these surroundings let one see."""
         free: list[ParameterName]
@@ -46,30 +51,39 @@ class Setting:
         return tuple(free)
 
 
-def needed_order(experiments: tuple[Experiment, ...]) -> int:
-    """How many curvature coordinates the measured shapes show, from the top down, without any dynamics.
+def needed_order(setting: Setting) -> int:
+    """How many curvature coordinates the data need: seen in the shapes themselves, or, of markers, by fits of each order."""
+    if not setting.sees_shapes():
+        return _order_by_fits(setting)
+    return max(_visible_order(e.observation) for e in setting.experiments if isinstance(e.observation, ShapeObservation))
+
+
+def _visible_order(observation: ShapeObservation) -> int:
+    """The highest coordinate that is seen, from the top down, without any dynamics.
 
     The last row of the whitening root belongs to the highest coordinate alone: where that coordinate is zero, its whitened
     value is pure noise, whose size is known from the frame-to-frame differences.
     """
-    needed = 2
-    for experiment in experiments:
-        observation = experiment.observation
-        if not isinstance(observation, ShapeObservation):
-            needed = max(needed, 3)
-            continue
-        seen = observation.root[:, -1, -1] > 0
-        for order in range(observation.order, needed, -1):
-            row = POSE + order - 1
-            # Where the higher coordinates are zero, this row of the whitened data is R_kk z_k plus unit noise.
-            value = np.einsum("tl,tl->t", observation.root[seen, POSE + order - 1], observation.coefficients[seen])
-            noise = max(float(noise_deviation(value)), 0.5)
-            rms = float(np.sqrt(np.mean(value**2)))
-            surplus = rms**2 / noise**2 - 1.0
-            if rms > VISIBLE * noise or surplus > 6.0 * np.sqrt(2.0 / seen.sum()) + 0.02:
-                needed = order
-                break
-    return needed
+    seen = observation.root[:, -1, -1] > 0
+    for order in range(observation.order, 2, -1):
+        # Where the higher coordinates are zero, this row of the whitened data is R_kk z_k plus unit noise.
+        value = np.einsum("tl,tl->t", observation.root[seen, POSE + order - 1], observation.coefficients[seen])
+        noise = max(float(noise_deviation(value)), 0.5)
+        surplus = float(np.mean(value**2)) / noise**2 - 1.0
+        if surplus > VISIBLE + 6.0 * np.sqrt(2.0 / seen.sum()):
+            return order
+    return 2
+
+
+def _order_by_fits(setting: Setting) -> int:
+    """The smallest order after which one more coordinate takes less than SMALL_STEP off the misfit."""
+    last, _ = fit_base(setting, 2)
+    for order in (3, 4):
+        better, _ = fit_base(setting, order, warm=last)
+        if better.misfit > (1.0 - SMALL_STEP) * last.misfit:
+            return order - 1
+        last = better
+    return 4
 
 
 def initial_nuisances(experiment: Experiment, order: int) -> Array:

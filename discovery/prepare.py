@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,10 +29,13 @@ FEWEST_FRAMES = 30
 
 @dataclass(frozen=True)
 class Prepared:
-    """A recording with its experiment, and in words what had to be decided on the way."""
+    """A recording with its experiment; points (T, P, 2) [m] of its midline in the standing frame (None without a midline);
+    sigma [m] of a coordinate where the midline states none; and in words what had to be decided on the way."""
 
     recording: Recording
     experiment: Experiment
+    points: Array | None
+    sigma: float
     words: tuple[str, ...]
 
 
@@ -64,7 +67,9 @@ def _turned(xy: Array, theta: Array) -> Array:
     return np.stack([cos * xy[..., 0] - sin * xy[..., 1], sin * xy[..., 0] + cos * xy[..., 1]], axis=-1)
 
 
-def _observation(recording: Recording, base: Waveform) -> tuple[ShapeObservation | MarkerObservation, list[str]]:
+def _observation(
+    recording: Recording, base: Waveform
+) -> tuple[ShapeObservation | MarkerObservation, Array | None, float, list[str]]:
     length, words = recording.declaration.specimen.length, []
     if recording.midline is not None:
         data = recording.midline
@@ -82,14 +87,14 @@ def _observation(recording: Recording, base: Waveform) -> tuple[ShapeObservation
             sigma = float(np.nanmedian(free[np.abs(data.xy).max(axis=0, initial=0.0, where=np.isfinite(data.xy)) > 0]))
             sigma = max(sigma, 1e-7)
             words.append(f"The midline states no noise; {1e3 * sigma:.3f} mm was found between frames.")
-        return fit_shapes(data, theta, length, order, sigma), words
+        return fit_shapes(data, theta, length, order, sigma), data.xy, sigma, words
     if recording.shape is not None:
-        return from_track(recording.shape, base(recording.shape.t)[0]), words
+        return from_track(recording.shape, base(recording.shape.t)[0], length), None, 0.0, words
     if recording.markers is not None:
         data = recording.markers
         sigma = max(float(np.nanmedian(noise_deviation(data.xy))), 1e-6)
         words.append(f"Markers: {1e3 * sigma:.3f} mm of noise between frames.")
-        return from_markers(data, base(data.t)[0], length, sigma), words
+        return from_markers(data, base(data.t)[0], length, sigma), None, sigma, words
     raise InputError(
         "nothing was seen of the arm's shape", file=recording.name, expected="a midline, markers or a tracked video"
     )
@@ -101,7 +106,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     Raises InputError where the recording holds too little to judge anything.
     """
     base = _base(recording)
-    observation, words = _observation(recording, base)
+    observation, points, sigma, words = _observation(recording, base)
     times = observation.t
     if isinstance(observation, ShapeObservation):
         seen = observation.root[:, -1, -1] > 0
@@ -133,7 +138,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         noise_gain=np.ones(channels),
         release_sigma=2.0 * interval,
     )
-    return Prepared(recording, experiment, tuple(words))
+    return Prepared(recording, experiment, points, sigma, tuple(words))
 
 
 def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
@@ -142,8 +147,6 @@ def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
     A channel noisier than stated by more than 10 % gets the larger value; a quieter one keeps what was stated, for a source
     that smooths its data looks quiet between frames and is not.
     """
-    from dataclasses import replace
-
     found = noise_deviation(np.where(residuals == 0.0, np.nan, residuals)) * experiment.noise_gain
     gain = np.where(np.isfinite(found) & (found > 1.1), found, 1.0)
     return replace(experiment, noise_gain=gain)

@@ -18,6 +18,8 @@ from affine_model.effects import absent_effects
 from affine_model.identify.trajectory import Fit, ParameterName, Problem
 
 STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
+SURVEYED = (0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+BATCH = 96  # individuals at once: what memory holds for a long recording
 VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
 
 
@@ -63,9 +65,8 @@ def sensitivities(problem: Problem, fitted: Fit, effects: tuple[Effect, ...]) ->
                 for sign in (1.0, -1.0) if low < 0.0 else (1.0, 0.0):
                     plan.append((effect, shapes, strength, sign))
     columns = []
-    size = 96
-    for begin in range(0, len(plan), size):
-        part = plan[begin : begin + size]
+    for begin in range(0, len(plan), BATCH):
+        part = plan[begin : begin + BATCH]
         parameters = np.stack([_trial(problem, *entry) for entry in part], axis=1)
         columns.append(problem.residuals_of(parameters, np.repeat(unknowns[:, None], len(part), axis=1)))
     values = np.concatenate(columns, axis=1)
@@ -79,6 +80,41 @@ def sensitivities(problem: Problem, fitted: Fit, effects: tuple[Effect, ...]) ->
                 parts.append((values[:, place] - values[:, place + 1]) / spread)
                 place += 2
             found.setdefault(effect.name, []).append((shapes, np.stack(parts, axis=1)))
+    return found
+
+
+def survey(problem: Problem, fitted: Fit, candidates: list[Candidate]) -> dict[str, tuple[float, Array]]:
+    """Where the residual is large a linear estimate misleads: the best of a coarse grid of strengths, per candidate.
+
+    Every strength is tried alone at nominal sizes times SURVEYED (both signs where bounds allow), with the shape values that the
+    score test prefers; base and initial states stay. Gives effect -> (gain in nats, strengths); one batch for all.
+    """
+    problem = replace(problem, parameters=fitted.parameters)
+    unknowns = np.concatenate([fitted.values, *fitted.nuisances])
+    plan: list[tuple[str, Array]] = []
+    columns = []
+    for candidate in candidates:
+        for place, strength in enumerate(candidate.effect.strengths):
+            for size in (*SURVEYED, *(-value for value in SURVEYED)):
+                value = size * strength.nominal
+                if not strength.bounds[0] <= value <= strength.bounds[1]:
+                    continue
+                parameters = fitted.parameters.copy()
+                for shape, best in zip(candidate.effect.shapes, candidate.shapes, strict=True):
+                    parameters[parameter_index(candidate.effect.name, shape.name)] = best
+                parameters[parameter_index(candidate.effect.name, strength.name)] = value
+                strengths = np.zeros(len(candidate.effect.strengths))
+                strengths[place] = value
+                plan.append((candidate.effect.name, strengths))
+                columns.append(parameters)
+    found: dict[str, tuple[float, Array]] = {}
+    for begin in range(0, len(plan), BATCH):
+        part = np.stack(columns[begin : begin + BATCH], axis=1)
+        values = problem.residuals_of(part, np.repeat(unknowns[:, None], part.shape[1], axis=1))
+        gains = fitted.misfit - 0.5 * np.einsum("nb,nb->b", values, values)
+        for (name, strengths), gain in zip(plan[begin : begin + BATCH], gains, strict=True):
+            if gain > found.get(name, (0.0, strengths))[0]:
+                found[name] = (float(gain), strengths)
     return found
 
 

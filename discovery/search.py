@@ -11,10 +11,11 @@ from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.adequacy import MATERIAL, Adequacy, adequacy
-from discovery.score import Candidate, score
+from discovery.score import Candidate, score, survey
 
 NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
+LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
 TIE = 5.0  # nats: effects closer than this to the best are not told apart
 MOST_EFFECTS = 3
 
@@ -52,10 +53,15 @@ def held_out_misfit(problem: Problem, fitted: Fit) -> float:
     return total
 
 
+def nats_per_parameter(problem: Problem) -> float:
+    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for less."""
+    return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
+
+
 def hypothesis(effects: tuple[str, ...], problem: Problem, fitted: Fit) -> Hypothesis:
     """A fit judged."""
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
-    evidence = -fitted.misfit - held_out_misfit(problem, fitted) - NATS_PER_PARAMETER * parameters
+    evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
     train = adequacy(problem.experiments, fitted, held_out=False)
     judged = adequacy(problem.experiments, fitted, held_out=True)
     return Hypothesis(effects, problem, fitted, evidence, train, judged)
@@ -134,6 +140,22 @@ def material_gain(problem: Problem, fitted: Fit) -> float:
     return 0.5 * MATERIAL**2 * fitted.count
 
 
+def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candidate]:
+    """The candidates worth a refit: the best of the score test and, where the residual is large, the best of the survey too."""
+    price = nats_per_parameter(current.problem)
+    best = [c for c in candidates if c.gain > price * len(c.effect.parameters)][:REFITTED]
+    if current.train.structure < LINEAR:
+        return best
+    surveyed = survey(current.problem, current.fitted, candidates)
+    by_name = {candidate.effect.name: candidate for candidate in candidates}
+    chosen = {candidate.effect.name: candidate for candidate in best[: REFITTED - 2]}
+    for name, (gain, strengths) in sorted(surveyed.items(), key=lambda item: -item[1][0])[: REFITTED - 2]:
+        if gain > price * len(by_name[name].effect.parameters):
+            # Start where the survey found the gain; the linear estimate is far off in this regime.
+            chosen[name] = replace(by_name[name], strengths=strengths, gain=gain)
+    return list(chosen.values())
+
+
 def search(base: Hypothesis, report: object = None) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is gained."""
     current, alternatives = base, []
@@ -144,7 +166,7 @@ def search(base: Hypothesis, report: object = None) -> Search:
             break
         candidates = score(current.problem, current.fitted)
         first = first or candidates
-        promising = [c for c in candidates if c.gain > NATS_PER_PARAMETER * len(c.effect.parameters)][:REFITTED]
+        promising = _promising(current, candidates)
         if not promising:
             break
         tried = sorted((refit(current, candidate) for candidate in promising), key=lambda h: -h.evidence)

@@ -1,4 +1,4 @@
-"""Base motions theta(t) with their first two derivatives: rest, sine, chirp, multisine, the nine-parameter gait (eq. 20)."""
+"""Base motions theta(t) with their first two derivatives: rest, sine, chirp, multisine, the gait of eq. 20, a ramp."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ from numpy.typing import ArrayLike
 
 from tentacle.signals import Array
 
+GAIT_TERMS = 5
+
 
 class Waveform(Protocol):
     """A base motion: called with times (...) [s] it gives theta, its rate and its acceleration, (3, ...) in rad, s."""
 
-    def __call__(self, t: ArrayLike) -> Array: ...
+    def __call__(self, t: ArrayLike) -> Array:
+        """Theta [rad], its rate [rad/s] and acceleration [rad/s^2] at times t (...) [s], stacked as (3, ...)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,7 @@ class Rest:
     angle: float = 0.0
 
     def __call__(self, t: ArrayLike) -> Array:
+        """See Waveform."""
         t = np.asarray(t, dtype=float)
         return np.stack([np.full_like(t, self.angle), np.zeros_like(t), np.zeros_like(t)])
 
@@ -37,10 +42,8 @@ class Sine:
     phase: float = 0.0
 
     def __call__(self, t: ArrayLike) -> Array:
-        omega = 2.0 * np.pi * self.frequency
-        angle = omega * np.asarray(t, dtype=float) + self.phase
-        wave = np.stack([np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)])
-        return self.amplitude * wave
+        """See Waveform."""
+        return _sine(self.amplitude, 2.0 * np.pi * self.frequency, self.phase, np.asarray(t, dtype=float))
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,7 @@ class Chirp:
     duration: float
 
     def __call__(self, t: ArrayLike) -> Array:
+        """See Waveform. Beyond the duration the frequency goes on rising."""
         t = np.asarray(t, dtype=float)
         rate = 2.0 * np.pi * (self.stop - self.start) / self.duration
         omega = 2.0 * np.pi * self.start + rate * t
@@ -71,5 +75,63 @@ class Multisine:
     phases: tuple[float, ...]
 
     def __call__(self, t: ArrayLike) -> Array:
+        """See Waveform. ValueError where the three tuples differ in length."""
         parts = zip(self.amplitudes, self.frequencies, self.phases, strict=True)
         return np.sum([Sine(amplitude, frequency, phase)(t) for amplitude, frequency, phase in parts], axis=0)
+
+
+@dataclass(frozen=True)
+class Gait:
+    """The nine-parameter gait of eq. 20: a sine, a square wave and a saw-tooth, each with amplitude, rate and phase.
+
+    alpha: (alpha_1 .. alpha_9); 1-3 amplitudes [rad], 4-6 angular rates [rad/s], 7-9 phases [rad], in that order of
+    waves. The print sums infinitely many terms, whose acceleration has no limit (the n-th term's grows like n): here
+    the first `terms` of each are taken. As printed, a phase is added to every harmonic alike, so that alpha_8 and
+    alpha_9 bend the square and the saw-tooth rather than shift them.
+    """
+
+    alpha: tuple[float, float, float, float, float, float, float, float, float]
+    terms: int = GAIT_TERMS
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """See Waveform."""
+        t = np.asarray(t, dtype=float)
+        a1, a2, a3, a4, a5, a6, a7, a8, a9 = self.alpha
+        motion = _sine(a1, a4, a7, t)
+        for n in range(1, self.terms + 1):
+            motion += _sine(a2 / (2 * n - 1), a5 * (2 * n - 1), a8, t)  # square wave term
+            motion += _sine(a3 / n, a6 * n, a9, t)  # saw-tooth wave term
+        return motion
+
+
+@dataclass(frozen=True)
+class Ramped:
+    """A waveform that starts from rest at theta = 0: multiplied by 10 x^3 - 15 x^4 + 6 x^5, x = t / duration [s].
+
+    The factor has two continuous derivatives, 0 before t = 0 and 1 after the duration; so theta, its rate and its
+    acceleration start at 0 and the arm is not kicked.
+    """
+
+    waveform: Waveform
+    duration: float
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """See Waveform."""
+        t = np.asarray(t, dtype=float)
+        theta, rate, acceleration = self.waveform(t)
+        x = np.clip(t / self.duration, 0.0, 1.0)
+        ramp = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+        first = 30.0 * x**2 * (1.0 - x) ** 2 / self.duration
+        second = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / self.duration**2
+        return np.stack(
+            [
+                ramp * theta,
+                ramp * rate + first * theta,
+                ramp * acceleration + 2.0 * first * rate + second * theta,
+            ]
+        )
+
+
+def _sine(amplitude: float, omega: float, phase: float, t: Array) -> Array:
+    angle = omega * t + phase
+    return amplitude * np.stack([np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)])

@@ -16,6 +16,7 @@ from tentacle.waveform import Waveform
 Observation = ShapeObservation | MarkerObservation
 
 SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
+SHIFT_LIMIT = 0.01  # arm lengths
 RATE_PRIOR = 30.0  # rad/s: initial rates of curvature are unknown, but not without bound
 HIGHER_PRIOR = 0.3  # rad: initial curvature beyond what the observation can see
 
@@ -26,7 +27,8 @@ class Experiment:
 
     base: the recorded base motion; t0, duration [s]: the simulated window; release [s]: the arm is held still
     until then (None: it moves from the start); used (T,) bool: frames that the fit may use (the others are for judging).
-    noise_gain: factor on the observation's stated standard deviation, found from the data.
+    noise_gain: factor on the observation's stated standard deviation, found from the data. correlation [frames]: over how many
+    frames that noise hangs together; above 1 where it stands for what a baseline leaves unexplained, which is not white.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Experiment:
     used: np.ndarray
     noise_gain: Array
     release_sigma: float = 0.01
+    correlation: float = 1.0
 
     def nuisance_names(self, order: int) -> list[str]:
         """Unknowns of this run alone: initial shape and rates (or, released, the instant), shift of the clamp."""
@@ -49,6 +52,12 @@ class Experiment:
         """Typical sizes of the nuisances, the scale of the fit's steps."""
         moving = [1.0] * order if self.release is None else [0.01]
         return np.array([0.1] * order + moving + [SHIFT_PRIOR * length] * 2)
+
+    def nuisance_limits(self, order: int, length: float) -> Array:
+        """Bounds (M,) on the size of each nuisance; a marker system's own frame is where it says."""
+        reach = SHIFT_LIMIT * length if isinstance(self.observation, ShapeObservation) else 1e-6 * length
+        moving = [np.inf] * order if self.release is None else [5.0 * self.release_sigma]
+        return np.array([np.inf] * order + moving + [reach] * 2)
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
         """What is known beforehand of the nuisances (M, B), as whitened residuals."""

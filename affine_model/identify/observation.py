@@ -24,12 +24,13 @@ class ShapeObservation:
     """Shape coefficients of T frames in the order [offset, shift x, shift y, log scale, z_1 .. z_m] (Legendre z).
 
     t (T,) [s]; theta (T,) [rad] the recorded base angle that the offset is counted from; coefficients (T, K);
-    root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): what the coefficients leave
+    length [m] of the arm; root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): what the coefficients leave
     of the frame's points, in units of the stated variance (0, 0 where unknown).
     """
 
     t: Array
     theta: Array
+    length: float
     coefficients: Array
     root: Array
     residual_chi2: Array
@@ -115,7 +116,7 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: fl
     root = np.swapaxes(np.linalg.cholesky(normal), 1, 2) * usable[:, None, None]
     chi2 = np.where(usable, np.einsum("tpx,tpx->t", error, error), 0.0)
     left = np.where(usable, 2 * seen.sum(axis=1) - count, 0)
-    return ShapeObservation(data.t, theta, coefficients, root, chi2, left.astype(float))
+    return ShapeObservation(data.t, theta, length, coefficients, root, chi2, left.astype(float))
 
 
 def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: int, nodes: int) -> Array:
@@ -131,7 +132,7 @@ def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: i
     return np.stack(columns, axis=-1)
 
 
-def from_track(track: ShapeTrack, theta: Array) -> ShapeObservation:
+def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservation:
     """A video's shape track as an observation; scale and shift are known once for the recording, with their own sigma.
 
     theta (T,) is the recorded base angle at the frames. Rejected frames weigh nothing.
@@ -158,7 +159,7 @@ def from_track(track: ShapeTrack, theta: Array) -> ShapeObservation:
     if good.size and np.isfinite(track.scale_sigma) and track.scale_sigma > 0:
         root[good, 3, 3] = 1.0 / (track.scale_sigma * np.sqrt(good.size))
     nothing = np.zeros(frames)
-    return ShapeObservation(track.t, theta, coefficients, root, nothing, nothing)
+    return ShapeObservation(track.t, theta, length, coefficients, root, nothing, nothing)
 
 
 def from_markers(markers: Markers, theta: Array, length: float, sigma: float) -> MarkerObservation:

@@ -17,6 +17,7 @@ from affine_model.identify.experiment import Experiment, predict, whitened_resid
 
 ParameterName = tuple[str, str]  # effect, parameter
 DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
+PRIOR_REACH = 3.0
 DEAD = 1e-6  # a parameter whose whole column is shorter than this cannot be seen
 
 
@@ -48,7 +49,9 @@ class Fit:
 class Problem:
     """What is to be fitted: an arm, recordings, the names of the free parameters, the fixed rest of the vector.
 
-    prior: mean (F,) and information matrix (F, F) of leading free parameters, from a baseline fit (None: no prior).
+    prior: mean (F,) and root (F, F) of the information of the parameters prior_free, from a baseline fit (None: no
+    prior). They stay within PRIOR_REACH standard deviations, however strongly the data pull: else a heavy tip would be
+    taken for a soft arm.
     """
 
     arm: Arm
@@ -77,10 +80,17 @@ class Problem:
         return np.concatenate([own, *(e.nuisance_scales(self.arm.order, length) for e in self.experiments)])
 
     def bounds(self) -> tuple[Array, Array]:
-        """Bounds of all unknowns; nuisances have none."""
+        """Bounds of all unknowns."""
         limits = {(row.effect, row.parameter.name): row.parameter.bounds for row in parameter_rows()}
-        low, high = np.array([limits[name] for name in self.free]).reshape(-1, 2).T
-        rest = np.full(sum(self.sizes()), np.inf)
+        low, high = np.array([limits[name] for name in self.free]).reshape(-1, 2).T.copy()
+        if self.prior_mean is not None and self.prior_root is not None:
+            places = [self.free.index(name) for name in self.prior_free]
+            inverse = np.linalg.inv(self.prior_root)
+            reach = PRIOR_REACH * np.linalg.norm(inverse, axis=1)
+            low[places] = np.maximum(low[places], self.prior_mean - reach)
+            high[places] = np.minimum(high[places], self.prior_mean + reach)
+        length = self.arm.specimen.length
+        rest = np.concatenate([e.nuisance_limits(self.arm.order, length) for e in self.experiments])
         return np.concatenate([low, -rest]), np.concatenate([high, rest])
 
     def residuals(self, unknowns: Array) -> tuple[Array, list[Array]]:

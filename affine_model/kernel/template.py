@@ -5,7 +5,7 @@ TEMPLATE = '''
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 NODES = @NODES@
 BLOCK = @BLOCK@
@@ -31,10 +31,10 @@ def sincos(angle):
     return sine_sign * (cosine if big else sine), cosine_sign * (sine if big else cosine)
 
 
-@njit(fastmath=FAST, cache=True, boundscheck=False, error_model="numpy")
-def _advance(block, n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, C,
-             base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride, average_from,
-             t0, out_u, out_rate, out_force, summary):
+@njit(fastmath=FAST, cache=True, nogil=True, boundscheck=False, error_model="numpy")
+def advance(block, n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, C,
+            base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride, average_from,
+            t0, out_u, out_rate, out_force, summary):
     length, density, fluid_density, payload, gravity, gravity_angle = constants
     count = parameters.shape[1]
     first = block * BLOCK
@@ -396,13 +396,4 @@ def _advance(block, n, parameters, active, constants, s, area, second_moment, wi
                 summary[5 + j, first + b] = u[j, b]
                 summary[5 + columns + j, first + b] = v[j, b]
 
-
-@njit(parallel=True, cache=True, fastmath=FAST)
-def simulate(n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, C, base, servo,
-             rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride, average_from, t0, out_u,
-             out_rate, out_force, summary):
-    for block in prange((parameters.shape[1] + BLOCK - 1) // BLOCK):
-        _advance(block, n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, C,
-                 base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride,
-                 average_from, t0, out_u, out_rate, out_force, summary)
 '''

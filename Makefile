@@ -1,0 +1,27 @@
+# make setup | test | demo | lint | clean. Needs python 3.11 or newer and pip; everything else goes into .venv.
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/set-up-from-pyproject-and-constraints
+
+.PHONY: setup test demo lint clean
+
+setup: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt .ci/set_up
+	@.ci/set_up $(VENV)
+	@touch $@
+
+test: setup
+	$(BIN)/python -m pytest
+
+demo: setup
+	$(BIN)/tentacle demo
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright --pythonpath $(BIN)/python
+	$(BIN)/lint-imports
+
+clean:
+	rm -rf $(VENV)

@@ -1,0 +1,45 @@
+"""Optimal swimming: the gait of eq. 20 within a servo's limits, searched over the batched model (eq. 21) and beyond."""
+
+from affine_model.swim.limits import Box, ServoLimits, search_box
+from affine_model.swim.methods import METHODS
+from affine_model.swim.objectives import OBJECTIVES, Objective, cost_of_transport
+from affine_model.swim.optimise import Promise, Swimming, optimise, promise
+from affine_model.swim.pareto import Front, pareto_front
+from affine_model.swim.robust import parameter_samples, robust_trial
+from affine_model.swim.search import Generation, search
+from affine_model.swim.silicones import SILICONES, assumed_model, paper_cone
+from affine_model.swim.thrust_map import SineMap, best_sine, sine_gaits, sine_map
+from affine_model.swim.trial import PAPER_RAIL, Outcome, Trial, run, trial_of, within_limits
+
+__all__ = [
+    "METHODS",
+    "OBJECTIVES",
+    "PAPER_RAIL",
+    "SILICONES",
+    "Box",
+    "Front",
+    "Generation",
+    "Objective",
+    "Outcome",
+    "Promise",
+    "ServoLimits",
+    "SineMap",
+    "Swimming",
+    "Trial",
+    "assumed_model",
+    "best_sine",
+    "cost_of_transport",
+    "optimise",
+    "paper_cone",
+    "parameter_samples",
+    "pareto_front",
+    "promise",
+    "robust_trial",
+    "run",
+    "search",
+    "search_box",
+    "sine_gaits",
+    "sine_map",
+    "trial_of",
+    "within_limits",
+]

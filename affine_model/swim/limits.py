@@ -1,0 +1,86 @@
+"""What the servo can do, as limits that every gait obeys, and the box of eq. 21 in which gaits are searched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from affine_model.curvature import Array
+from tentacle.errors import InputError
+
+
+@dataclass(frozen=True)
+class ServoLimits:
+    """angle [rad], speed [rad/s], acceleration [rad/s^2], torque [N m] at the horn; bandwidth [Hz] of what it follows.
+
+    lowest_frequency [Hz]: slower fundamentals are not searched (their mean would need a longer run). The defaults are
+    those of a waterproof hobby servo of the paper's class (0.16 s for 60 degrees, about 1 N m in continuous use), with
+    a margin.
+    """
+
+    angle: float = np.pi / 3.0
+    speed: float = 6.0
+    acceleration: float = 120.0
+    torque: float = 1.0
+    bandwidth: float = 5.0
+    highest_frequency: float = 2.5
+    lowest_frequency: float = 0.25
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise InputError(f"{value!r} is infeasible", field=f"limits.{field.name}", expected="a positive number")
+        if not self.lowest_frequency < self.highest_frequency <= self.bandwidth:
+            raise InputError(
+                f"bounds cross: lowest {self.lowest_frequency:g}, highest {self.highest_frequency:g}, bandwidth "
+                f"{self.bandwidth:g} Hz",
+                field="limits",
+                expected="lowest_frequency < highest_frequency <= bandwidth",
+            )
+
+    @property
+    def kinematic(self) -> Array:
+        """Largest |theta|, |theta'|, |theta''| (3,)."""
+        return np.array([self.angle, self.speed, self.acceleration])
+
+    def scale(self, peaks: Array) -> Array:
+        """The factor (B,) <= 1 on the amplitudes that brings peaks (3, B) within the limits (gaits are linear)."""
+        with np.errstate(divide="ignore"):
+            return np.minimum(1.0, np.min(self.kinematic[:, None] / peaks, axis=0))
+
+
+@dataclass(frozen=True)
+class Box:
+    """l_bound and u_bound of eq. 21: lower (9,), upper (9,) of alpha. Raises InputError where they cross."""
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for index, (low, high) in enumerate(zip(self.lower, self.upper, strict=True)):
+            if not (np.isfinite(low) and np.isfinite(high) and low < high):
+                raise InputError(
+                    f"bounds {low:g} and {high:g} cross", field=f"alpha_{index + 1}", expected="lower < upper"
+                )
+
+    def alpha(self, unit: Array) -> Array:
+        """Gaits (9, B) of points (9, B) of the unit cube; the phases go around, so theirs may lie outside [0, 1]."""
+        low, high = np.array(self.lower)[:, None], np.array(self.upper)[:, None]
+        return low + (high - low) * np.concatenate([np.clip(unit[:6], 0.0, 1.0), unit[6:] % 1.0])
+
+    def unit(self, alpha: Array) -> Array:
+        """The inverse of alpha()."""
+        low, high = np.array(self.lower)[:, None], np.array(self.upper)[:, None]
+        return (alpha - low) / (high - low)
+
+
+def search_box(limits: ServoLimits) -> Box:
+    """Amplitudes of either sign up to the servo's angle, its frequencies, all phases.
+
+    A square wave's fundamental is 4/pi of its level, a saw-tooth's 2/pi: the same amplitude bound serves all three
+    terms. Amplitudes need no negative sign: a phase of pi does the same.
+    """
+    low, high = 2.0 * np.pi * limits.lowest_frequency, 2.0 * np.pi * limits.highest_frequency
+    return Box((0.0,) * 3 + (low,) * 3 + (0.0,) * 3, (limits.angle,) * 3 + (high,) * 3 + (2.0 * np.pi,) * 3)

@@ -1,0 +1,80 @@
+"""The loop of a search: ask, try, tell; resumable by replaying the scores that an earlier run noted down."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.curvature import Array
+from affine_model.swim.limits import Box
+from affine_model.swim.methods import METHODS
+from affine_model.swim.objectives import Objective, scores
+from affine_model.swim.trial import Trial, run
+from tentacle.errors import InputError
+
+
+@dataclass(frozen=True)
+class Generation:
+    """One batch of a search.
+
+    number counts from 0, evaluations up to and with this batch; unit (9, B) the points, scores (B,) theirs; best_unit
+    (9,) and best_score of all so far; speed and power (B,) at the estimates (NaN where replayed).
+    """
+
+    number: int
+    evaluations: int
+    unit: Array
+    scores: Array
+    best_unit: Array
+    best_score: float
+    speed: Array
+    power: Array
+
+
+def search(
+    trial: Trial,
+    objective: Objective,
+    box: Box,
+    method: str,
+    *,
+    evaluations: int,
+    seed: int,
+    noted: Iterable[Array] = (),
+    start: Array | None = None,
+) -> Iterator[Generation]:
+    """Yield generation after generation until `evaluations` gaits have been tried.
+
+    noted: scores of the first generations from an interrupted run of the same search; they are told, not tried again,
+    and the search goes on exactly as it would have. start (9, B): points tried first and kept as the best to beat (not
+    told). Raises InputError where the method is unknown or every gait of a generation diverges.
+    """
+    if method not in METHODS:
+        raise InputError(f"{method!r} is not known", field="method", expected=f"one of {', '.join(METHODS)}")
+    searcher, remaining = METHODS[method](seed), iter(noted)
+    best_unit, best_score, tried, number = np.full(9, 0.5), -np.inf, 0, 0
+    if start is not None:
+        first = scores(objective, trial, run(trial, box.alpha(start)))
+        best_unit, best_score = start[:, int(np.argmax(first))], float(np.max(first))
+    while tried < evaluations:
+        unit = searcher.ask()
+        values = next(remaining, None)
+        speed = power = np.full(unit.shape[1], np.nan)
+        if values is None:
+            outcome = run(trial, box.alpha(unit))
+            if np.all(outcome.diverged):
+                raise InputError(
+                    "every gait diverges", field="specimen", expected="an arm that the model can integrate"
+                )
+            values = scores(objective, trial, outcome)
+            speed, power = outcome.speed.mean(axis=1), outcome.power.mean(axis=1)
+        elif len(values) != unit.shape[1]:
+            raise InputError("the noted run was another search", field="resume", expected="the same method and seed")
+        searcher.tell(unit, values)
+        tried += unit.shape[1]
+        leader = int(np.argmax(values))
+        if values[leader] > best_score:
+            best_unit, best_score = unit[:, leader], float(values[leader])
+        yield Generation(number, tried, unit, values, best_unit, best_score, speed, power)
+        number += 1

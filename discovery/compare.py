@@ -1,0 +1,189 @@
+"""A fitted model beside the measurement, point by point, and the errors that verdict.json states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.arm import parameter_index
+from affine_model.curvature import (
+    Array,
+    angle_basis,
+    legendre_to_monomial,
+    midline,
+    points_beside,
+)
+from affine_model.identify.experiment import Experiment, predict
+from affine_model.identify.observation import POSE, ShapeObservation
+from affine_model.identify.trajectory import Fit, Problem
+from discovery.prepare import Prepared
+from tentacle.diagnosis import ErrorMeasure, RunComparison
+
+SHOWN = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One model at one recording's frames: points (T, P, 2) [m], z (T, 3) first Legendre coordinates, angle (T, P), load."""
+
+    points: Array
+    q: Array
+    angle: Array
+    load: Array | None
+
+
+def paper_projection(order: int) -> Array:
+    """Matrix (2, order) from Legendre coordinates to the (q1, q2) whose midline lies closest (small bending).
+
+    So q3 aliases into (q1, q2) as (+.46, -1.50) q3 (closing_the_loop.md): model and measurement are projected alike.
+    """
+    s = np.linspace(0.0, 1.0, 401)
+    deflection = np.cumsum(angle_basis(order, s), axis=0) / 400.0
+    two, *_ = np.linalg.lstsq(deflection[:, :2], deflection, rcond=None)
+    return legendre_to_monomial(2) @ two
+
+
+def measured_points(prepared: Prepared) -> tuple[Array, Array]:
+    """s (P,) and measured points (T, P, 2) [m]; NaN where a frame or point was not seen."""
+    observation, recording = prepared.experiment.observation, prepared.recording
+    if not isinstance(observation, ShapeObservation):
+        return observation.s, observation.xy
+    if recording.midline is not None:
+        return recording.midline.s, prepared.points
+    shape = _shape_points(observation, observation.coefficients[:, POSE:], SHOWN)
+    shape[observation.root[:, -1, -1] <= 0] = np.nan
+    return SHOWN, shape
+
+
+def _shape_points(observation: ShapeObservation, z: Array, s: Array) -> Array:
+    q = z @ legendre_to_monomial(z.shape[1]).T
+    pose = observation.coefficients[:, :POSE]
+    size = np.exp(pose[:, 3])[:, None, None]
+    return size * midline(q, observation.theta + pose[:, 0], observation.length, s) + pose[:, None, 1:3]
+
+
+def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -> Seen:
+    """What a fitted model shows of recording number `place`."""
+    experiment = problem.experiments[place]
+    nuisances = fitted.nuisances[place][:, None]
+    prediction = predict(problem.arm, experiment, fitted.parameters[:, None], nuisances, problem.step)
+    roll = fitted.parameters[parameter_index("camera_roll", "roll")]
+    scale = 1.0 + fitted.parameters[parameter_index("camera_scale", "excess")]
+    q, theta = prediction.q[:, :, 0], prediction.theta[:, 0] + roll
+    length = problem.arm.specimen.length
+    shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)
+    points = scale * shape + prediction.shift[:, 0]
+    z = q @ problem.arm.from_monomial.T
+    angle = theta[:, None] + z @ angle_basis(problem.arm.order, s).T
+    batch = prediction.batch
+    load = np.interp(experiment.observation.t, batch.force_t, batch.load[:, 0])
+    return Seen(points, z @ paper_projection(problem.arm.order).T, angle, load)
+
+
+def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
+    """Frames on which errors are stated: those that were not fitted (or, without any, all that were)."""
+    times = experiment.observation.t
+    within = times <= times[experiment.used].max() if experiment.used.any() else np.zeros_like(experiment.used)
+    end = experiment.t0 + experiment.duration if experiment.release is None else experiment.release + experiment.duration
+    return (times <= end) & ~within if held_out else experiment.used
+
+
+def run_comparison(
+    prepared: Prepared, place: int, base: tuple[Problem, Fit], final: tuple[Problem, Fit], held_out: bool
+) -> tuple[RunComparison, Seen, Seen]:
+    """One recording beside both models."""
+    experiment = prepared.experiment
+    observation = experiment.observation
+    s, points = measured_points(prepared)
+    d = None if isinstance(observation, ShapeObservation) else observation.d
+    first, last = seen(*base, place, s, d), seen(*final, place, s, d)
+    q = np.full((observation.t.size, 2), np.nan)
+    if isinstance(observation, ShapeObservation):
+        q = observation.coefficients[:, POSE:] @ paper_projection(observation.order).T
+        q[observation.root[:, -1, -1] <= 0] = np.nan
+    run = RunComparison(
+        name=experiment.name,
+        t=observation.t,
+        s=s,
+        measured=points,
+        base=first.points,
+        augmented=last.points,
+        q_measured=q,
+        q_base=first.q,
+        q_augmented=last.q,
+        judged=judged_frames(experiment, held_out),
+        theta=observation.theta,
+        points="midline" if d is None else "markers",
+    )
+    return run, first, last
+
+
+def _rms(parts: list[Array]) -> float | None:
+    values = np.concatenate([part[np.isfinite(part)].ravel() for part in parts]) if parts else np.zeros(0)
+    return float(np.sqrt(np.mean(values**2))) if values.size else None
+
+
+def errors(
+    runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], *, augmented: bool
+) -> ErrorMeasure:
+    """The rms errors over the judged frames of all recordings."""
+    distance, angle, first, second, thrust = [], [], [], [], []
+    for (run, base, final), source in zip(runs, prepared, strict=True):
+        model, points = (final, run.augmented) if augmented else (base, run.base)
+        chosen = run.judged
+        distance.append(1e3 * np.linalg.norm(run.measured - points, axis=2)[chosen])
+        observation = source.experiment.observation
+        if isinstance(observation, ShapeObservation):
+            z = observation.coefficients[:, POSE:]
+            seen_angle = (observation.theta + observation.coefficients[:, 0])[:, None] + z @ angle_basis(
+                observation.order, run.s
+            ).T
+            valid = chosen & (observation.root[:, -1, -1] > 0)
+            angle.append((seen_angle - model.angle)[valid])
+            first.append((run.q_measured - model.q)[valid, 0])
+            second.append((run.q_measured - model.q)[valid, 1])
+        cell = source.recording.load_cell
+        if cell is not None and model.load is not None:
+            begin, end = run.t[chosen].min(initial=np.inf), run.t[chosen].max(initial=-np.inf)
+            inside = (cell.t >= begin) & (cell.t <= end)
+            if inside.sum() > 10:
+                error = cell.thrust[inside] - np.interp(cell.t[inside], run.t, model.load)
+                thrust.append(error - error.mean())  # the cell is tared: only changes count
+    return ErrorMeasure(_rms(distance), _rms(angle), _rms(first), _rms(second), _rms(thrust))
+
+
+def floor_errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], reduction_mm: float) -> ErrorMeasure:
+    """What noise alone (as found), and the reduction, would leave in the same measures."""
+    distance, angle, first, second = [], [], [], []
+    for (run, _, _), source in zip(runs, prepared, strict=True):
+        experiment = source.experiment
+        observation = experiment.observation
+        gain = float(np.sqrt(np.mean(experiment.noise_gain**2)))
+        if not isinstance(observation, ShapeObservation):
+            distance.append(np.full(10, 1e3 * np.sqrt(2.0) * observation.sigma * gain))
+            continue
+        frames = np.flatnonzero(run.judged & (observation.root[:, -1, -1] > 0))
+        frames = frames[:: max(1, frames.size // 50)]
+        data = source.recording.midline
+        for frame in frames:
+            root = observation.root[frame]
+            live = np.diag(root) > 0
+            deviation = np.zeros((live.size, live.size))
+            inverse = np.linalg.inv(root[np.ix_(live, live)]) * experiment.noise_gain[live]
+            deviation[np.ix_(live, live)] = inverse
+            own = angle_basis(observation.order, run.s)
+            angle.append(np.linalg.norm(deviation[:1] + own @ deviation[POSE:], axis=1))
+            projected = paper_projection(observation.order) @ deviation[POSE:]
+            first.append(np.linalg.norm(projected[:1], axis=1))
+            second.append(np.linalg.norm(projected[1:], axis=1))
+            if data is not None:
+                stated = data.sigma[frame]
+                sigma = np.where(np.isfinite(stated), stated, source.sigma) * gain
+                distance.append(1e3 * np.sqrt(2.0) * sigma)
+            else:
+                lever = observation.length * np.cumsum(own, axis=0) / run.s.size
+                distance.append(1e3 * np.linalg.norm(lever @ deviation[POSE:] + run.s[:, None] * observation.length * deviation[:1], axis=1))
+    noise = _rms(distance)
+    total = None if noise is None else float(np.hypot(noise, reduction_mm))
+    return ErrorMeasure(total, _rms(angle), _rms(first), _rms(second), None)

@@ -1,0 +1,257 @@
+"""Closing the loop, from recordings to a diagnosis (the protocol of docs/loop.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.arm import parameter_rows
+from affine_model.curvature import Array
+from affine_model.effects import catalogue
+from affine_model.identify.experiment import Experiment
+from affine_model.identify.trajectory import Fit, Problem, fit
+from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order
+from discovery.compare import errors, floor_errors, run_comparison
+from discovery.next_experiment import ServoLimits, propose
+from discovery.prepare import Prepared, prepare
+from discovery.score import twin_cosines
+from discovery.search import Hypothesis, Search, hypothesis, looseness, parameter_interval, search
+from discovery.verdict import Decision, decide, probabilities
+from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
+from tentacle.errors import InputError
+from tentacle.model import Estimate, Model
+from tentacle.recording import Recording
+
+Progress = Callable[[str], None]
+ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
+SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
+
+
+def _held_out(prepared: Prepared) -> Prepared:
+    """A recording kept for judging: only its first moments may be used, to find its initial state."""
+    experiment = prepared.experiment
+    times = experiment.observation.t
+    begin = experiment.t0 if experiment.release is None else experiment.release
+    head = times <= begin + (SETTLING if experiment.release is None else 0.05)
+    return replace(prepared, experiment=replace(experiment, used=experiment.used & head))
+
+
+def _same_arm(recordings: Sequence[Recording]) -> None:
+    first = recordings[0].declaration
+    for other in recordings[1:]:
+        declared = other.declaration
+        if (declared.specimen, declared.fluid, declared.gravity) != (first.specimen, first.fluid, first.gravity):
+            raise InputError(
+                "declares another arm, fluid or gravity than the first recording",
+                file=f"{other.name}/recording.toml",
+                expected="recordings of one arm",
+            )
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """What recordings with a complete declaration taught: the base fit, what it leaves a channel, and over how many frames."""
+
+    fitted: Fit
+    left: Array
+    correlation: float
+
+
+def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple[Baseline, int]:
+    """Fit the baseline; what it cannot follow counts as noise from then on, correlated as it is."""
+    prepared = [prepare(recording, hold_out=False) for recording in recordings]
+    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
+    order = order or needed_order(setting)
+    fitted, experiments = fit_base(setting, order)
+    judged = hypothesis((), _problem(replace(setting, order=order), experiments, fitted), fitted)
+    rows = [r[e.used] * e.noise_gain for e, r in zip(experiments, fitted.residuals, strict=True)]
+    left = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0))
+    gain = np.max([e.noise_gain for e in experiments], axis=0)
+    ratio = float(np.mean(left**2) / np.mean(gain**2))
+    if ratio < ALMOST_NOISE:
+        return Baseline(fitted, gain, 1.0), order
+    correlation = max(looseness(judged) / ratio, 1.0)
+    again = tuple(replace(e, noise_gain=np.maximum(e.noise_gain, left)) for e in experiments)
+    problem = replace(_problem(replace(setting, order=order), again, fitted), parameters=fitted.parameters)
+    return Baseline(fit(problem, fitted.nuisances), np.maximum(left, gain), correlation), order
+
+
+def _with_baseline(setting: Setting, baseline: Baseline) -> Setting:
+    """The experiments with what the baseline leaves unexplained counted as noise: that is not what is sought here."""
+    experiments = []
+    for experiment in setting.experiments:
+        if baseline.left.size == experiment.noise_gain.size:
+            gain = np.maximum(experiment.noise_gain, baseline.left)
+            experiment = replace(experiment, noise_gain=gain, correlation=baseline.correlation)
+        experiments.append(experiment)
+    return replace(setting, experiments=tuple(experiments))
+
+
+def diagnose(
+    recordings: Sequence[Recording],
+    baseline: Sequence[Recording] = (),
+    held_out: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    progress: Progress = lambda _: None,
+) -> Diagnosis:
+    """Find the residual of the declared model, the effect behind it, and the error before and after.
+
+    baseline: recordings whose declaration is complete; the base parameters come from there, with their covariance. held_out:
+    recordings that only judge; without any, the last third of each recording does. Raises InputError on unusable input.
+    """
+    if not recordings:
+        raise InputError("no recording", expected="at least one")
+    _same_arm([*recordings, *held_out])
+    progress("reading shapes")
+    prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
+    prepared += [_held_out(prepare(recording, hold_out=False)) for recording in held_out]
+    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
+    words = [sentence for p in prepared for sentence in p.words]
+    known: Baseline | None = None
+    order = needed_order(setting)
+    if baseline:
+        progress("fitting the baseline")
+        known, order = _learn_baseline(baseline, order if setting.sees_shapes() else None)
+        setting = _with_baseline(setting, known)
+    setting = replace(setting, order=order)
+
+    progress("fitting the declared model")
+    paper, paper_problem = _base_hypothesis(setting, 2, known)
+    base, base_problem = paper, paper_problem
+    if order > 2:
+        base, base_problem = _base_hypothesis(setting, order, known)
+    prepared = [
+        replace(p, experiment=experiment) for p, experiment in zip(prepared, base_problem.experiments, strict=True)
+    ]
+    progress("searching the catalogue")
+    found = search(hypothesis((), base_problem, base))
+    decision = decide(found)
+    progress("comparing")
+    return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed)
+
+
+def _problem(setting: Setting, experiments: tuple[Experiment, ...], fitted: Fit) -> Problem:
+    return Problem(setting.arm(), experiments, setting.base_free(), fitted.parameters, setting.step)
+
+
+def _base_hypothesis(setting: Setting, order: int, known: Baseline | None) -> tuple[Fit, Problem]:
+    setting = replace(setting, order=order)
+    if known is None:
+        fitted, experiments = fit_base(setting, order)
+        return fitted, _problem(setting, experiments, fitted)
+    problem = replace(
+        _problem(setting, setting.experiments, known.fitted),
+        prior_free=known.fitted.free,
+        prior_mean=known.fitted.values,
+        prior_root=np.linalg.cholesky(np.linalg.inv(known.fitted.covariance)).T,
+    )
+    nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
+    fitted = fit(problem, nuisances)
+    return fitted, replace(problem, parameters=fitted.parameters)
+
+
+def _estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
+    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
+    table: dict[str, dict[str, Estimate]] = {}
+    for index, (effect, name) in enumerate(judged.problem.free):
+        low, high = parameter_interval(judged, index, loose)
+        value = float(judged.fitted.values[index])
+        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
+    return table
+
+
+def _assembled(
+    found: Search,
+    decision: Decision,
+    paper: tuple[Problem, Fit],
+    prepared: list[Prepared],
+    order: int,
+    words: tuple[str, ...],
+    seed: int,
+) -> Diagnosis:
+    chosen = found.chosen
+    is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
+    final = (chosen.problem, chosen.fitted)
+    runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
+    before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
+    floor = floor_errors(runs, prepared, 0.0)
+    parameters = _estimates(chosen, found.looseness)
+    effects, verdict = decision.effects, decision.verdict
+    if order > 2:
+        words = (*words, f"The measured shapes show {order} curvature coordinates; the paper's model has two.")
+        improved = before.midline_mm is not None and after.midline_mm is not None and before.midline_mm > 1.1 * after.midline_mm
+        if verdict == "nothing_missing" and improved:
+            effects, verdict = ("third_curvature",), "effect"
+        elif verdict in ("effect", "group"):
+            effects = (*effects, "third_curvature")
+    named = {name: parameters.get(name, {}) for name in effects}
+    d = prepared[0].recording.declaration
+    base_model = Model(d.specimen, d.fluid, d.gravity, 2, _estimates(hypothesis((), *paper), found.looseness))
+    augmented = Model(d.specimen, d.fluid, d.gravity, order, parameters)
+    limits = ServoLimits()
+    proposal = propose(chosen, found.rivals, limits, seed) if verdict in ("group", "unknown") else None
+    candidates = list(found.candidates[:12])
+    return Diagnosis(
+        verdict=verdict,
+        effects=effects,
+        confidence=decision.confidence,
+        parameters=named,
+        before=before,
+        after=after,
+        floor=floor,
+        held_out=is_held_out,
+        ranking=_ranking(found, prepared, paper, is_held_out),
+        next_experiment=None if proposal is None else proposal.table,
+        budget=_budget(before, after, floor, runs),
+        base_model=base_model,
+        augmented_model=augmented,
+        gates=(*chosen.train.gates, *chosen.judged.gates),
+        twin_names=tuple(c.effect.name for c in candidates),
+        twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
+        runs=tuple(run for run, _, _ in runs),
+        words=(*words, *decision.words),
+        seed=seed,
+    )
+
+
+def _ranking(
+    found: Search, prepared: list[Prepared], paper: tuple[Problem, Fit], is_held_out: bool
+) -> tuple[RankedEffect, ...]:
+    weight = probabilities(found)
+    refitted = {h.effects[0]: h for h in found.single}
+    rows = []
+    for candidate in found.candidates:
+        name = candidate.effect.name
+        error = None
+        if name in refitted:
+            h = refitted[name]
+            runs = [
+                run_comparison(p, place, paper, (h.problem, h.fitted), is_held_out) for place, p in enumerate(prepared)
+            ]
+            error = errors(runs, prepared, augmented=True).midline_mm
+        gain = found.base.fitted.misfit - refitted[name].fitted.misfit if name in refitted else candidate.gain
+        rows.append(RankedEffect(name, float(gain), error, weight.get(name, 0.0)))
+    return tuple(sorted(rows, key=lambda row: -row.score))
+
+
+def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, runs: list) -> ErrorBudget:
+    def apart(large: float | None, small: float | None) -> float:
+        if large is None or small is None:
+            return 0.0
+        return float(np.sqrt(max(large**2 - small**2, 0.0)))
+
+    noise = floor.midline_mm or 0.0
+    return ErrorBudget(
+        noise_mm=noise,
+        reduction_mm=0.0,
+        missing_mm=apart(before.midline_mm, after.midline_mm),
+        rest_mm=apart(after.midline_mm, floor.midline_mm),
+    )
+
+
+def known_effects() -> tuple[str, ...]:
+    """Names of all effects that a diagnosis can give."""
+    return tuple(name for name, effect in catalogue().items() if effect.family != "base")

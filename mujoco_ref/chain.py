@@ -1,0 +1,191 @@
+"""The arm as a chain of rigid links and hinges in MuJoCo: n hinges at the middles of n equal segments.
+
+Link 0 is the half segment that is rigid with the clamp, link n the half segment at the tip; link k is centred on
+s = k/n, so its direction is the tangent angle there, and the scheme is of second order in 1/n. The clamp is a mount
+body that slides along x and y and turns about z: coordinates (x, y, theta, hinge 1 .. hinge n), planar, z out of the
+plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tentacle.errors import InputError
+from tentacle.signals import Array
+from tentacle.specimen import Fluid, Gravity, Specimen
+
+# MuJoCo refuses inertias below 1e-15 kg m^2; the last half link of a pointed cone can be smaller than that.
+SMALLEST_INERTIA = 4e-15
+SMALLEST_MASS = 1e-12
+
+
+@dataclass(frozen=True)
+class Mount:
+    """What holds the clamp: mass [kg] that moves with it on the rail, hub inertia [kg m^2] that turns with it."""
+
+    mass: float = 1e-3
+    hub_inertia: float = 1e-6
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A compiled chain of `links` hinges and the geometry that the water needs.
+
+    model: MuJoCo's, complete in itself (stiffness, damping, weight, buoyancy as gravcomp). Per link (n + 1,): start and
+    length [m] along the arm, mass [kg]. payload [kg] at the tip. hinge_s (n,), stiffness (n,) [N m/rad of hinge
+    angle], damping (n,) [N m s/rad].
+    """
+
+    model: mujoco.MjModel
+    specimen: Specimen
+    links: int
+    start: Array
+    length: Array
+    mass: Array
+    payload: float
+    hinge_s: Array
+    stiffness: Array
+    damping: Array
+
+    @property
+    def link_s(self) -> Array:
+        """Where each link's direction is the tangent of the arm, (n + 1,): s = k/n."""
+        return np.arange(self.links + 1) / self.links
+
+    def nodes(self, points: int = 2) -> tuple[Array, Array]:
+        """Gauss points of every link: distance from its start (n + 1, points) [m], weight [m]."""
+        x, w = np.polynomial.legendre.leggauss(points)
+        return 0.5 * self.length[:, None] * (x + 1.0), 0.5 * self.length[:, None] * w
+
+
+def link_bounds(links: int) -> tuple[Array, Array]:
+    """Where links begin and end along s: (n + 1,) each."""
+    cuts = np.concatenate([[0.0], (np.arange(links) + 0.5) / links, [1.0]])
+    return cuts[:-1], cuts[1:]
+
+
+def flexural(specimen: Specimen, s: ArrayLike, modulus: float, at_base: float, slope: float) -> Array:
+    """k(s) or d(s) [N m/rad (s)], per unit curvature c: modulus I(s)/L + at_base + slope s (eq. 13-14 and the
+    section's law)."""
+    s = np.asarray(s, dtype=float)
+    return modulus * specimen.section.second_moment(s) / specimen.length + at_base + slope * s
+
+
+def refuse_bad_stiffness(s: Array, k: Array) -> None:
+    """InputError where k is not positive, naming the s."""
+    bad = np.flatnonzero(~(k > 0.0))
+    if bad.size:
+        where = f"k = {k[bad[0]]:.3g} N m/rad at s = {s[bad[0]]:.3f}"
+        raise InputError(where, field="elasticity", expected="k(s) > 0 on [0, 1]")
+
+
+def _inertia_of_links(specimen: Specimen, starts: Array, ends: Array) -> tuple[Array, Array, Array, Array]:
+    """Mass, centre from the link's start, inertia about the centre across and along the link; exact for a cone."""
+    x, w = np.polynomial.legendre.leggauss(3)  # exact to degree 5: A x^2 and I_a of a cone are of degree 4
+    length = specimen.length * (ends - starts)
+    s = starts[:, None] + 0.5 * (ends - starts)[:, None] * (x + 1.0)
+    along, weight = 0.5 * length[:, None] * (x + 1.0), 0.5 * length[:, None] * w
+    line = specimen.density * specimen.section.area(s) * weight
+    mass = line.sum(axis=1)
+    centre = (line * along).sum(axis=1) / mass
+    rotary = (specimen.density * specimen.section.second_moment(s) * weight).sum(axis=1)
+    across = (line * (along - centre[:, None]) ** 2).sum(axis=1) + rotary
+    return mass, centre, across, 2.0 * rotary
+
+
+def build_spec(
+    specimen: Specimen,
+    links: int,
+    stiffness: Array,
+    damping: Array,
+    fluid: Fluid,
+    gravity: Gravity,
+    tip_mass: float,
+    mount: Mount,
+) -> mujoco.MjSpec:
+    """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for the eye: they carry no mass."""
+    spec = mujoco.MjSpec()
+    spec.modelname = "tentacle"
+    spec.option.gravity = [gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle), 0.0]
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
+    spec.option.timestep = 1e-3
+    starts, ends = link_bounds(links)
+    lengths = specimen.length * (ends - starts)
+    mass, centre, across, along = _inertia_of_links(specimen, starts, ends)
+    body = spec.worldbody.add_body(name="mount")
+    for name, axis in (("mount_x", [1, 0, 0]), ("mount_y", [0, 1, 0])):
+        body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
+    body.mass, body.inertia, body.explicitinertial = mount.mass, [mount.hub_inertia] * 3, True
+    body.ipos = [0.0, 0.0, 0.0]
+    body.gravcomp = 1.0  # the rail or stand carries the mount
+    for k in range(links + 1):
+        offset = 0.0 if k == 0 else lengths[k - 1]
+        body = body.add_body(name=f"link_{k}", pos=[0.0, offset, 0.0])
+        hinge = body.add_joint(name="theta" if k == 0 else f"hinge_{k}", axis=[0, 0, 1])
+        hinge.type = mujoco.mjtJoint.mjJNT_HINGE
+        if k > 0:
+            hinge.stiffness = [stiffness[k - 1], 0.0, 0.0]
+            hinge.damping = [damping[k - 1], 0.0, 0.0]
+        turning = max(across[k], SMALLEST_INERTIA)
+        spin = min(max(along[k], SMALLEST_INERTIA), 2.0 * turning)
+        hub = mount.hub_inertia if k == 0 else 0.0
+        body.mass, body.ipos = max(mass[k], SMALLEST_MASS), [0.0, centre[k], 0.0]
+        body.inertia, body.explicitinertial = [turning + hub, spin + hub, turning + hub], True
+        body.gravcomp = fluid.density / specimen.density
+        middle = 0.5 * (starts[k] + ends[k])
+        size = [float(specimen.section.half_thickness(middle)), 0.5 * lengths[k], 0.0]
+        geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, pos=[0.0, 0.5 * lengths[k], 0.0])
+        geom.quat, geom.mass, geom.contype, geom.conaffinity = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], 0.0, 0, 0
+    if tip_mass > 0.0:
+        payload = body.add_body(name="payload", pos=[0.0, lengths[-1], 0.0])
+        point = max(1e-4 * tip_mass * lengths[-1] ** 2, SMALLEST_INERTIA)  # a point mass, as nearly as MuJoCo takes it
+        payload.mass, payload.inertia, payload.explicitinertial = tip_mass, [point] * 3, True
+        payload.ipos = [0.0, 0.0, 0.0]  # left out, MuJoCo 4.0 puts it at `pos` once more
+    return spec
+
+
+def build_chain(
+    specimen: Specimen,
+    links: int,
+    stiffness: Array,
+    damping: Array,
+    fluid: Fluid,
+    gravity: Gravity,
+    tip_mass: float | None = None,
+    mount: Mount | None = None,
+) -> Chain:
+    """Compile the chain; stiffness k and damping d (n,) at the hinges in the paper's units (per unit curvature c).
+
+    A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. tip_mass [kg] replaces the
+    specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
+    """
+    if links < 2:
+        raise InputError(f"{links} is too few", field="links", expected="an integer >= 2")
+    starts, ends = link_bounds(links)
+    refuse_bad_stiffness(hinge_positions(links), stiffness)
+    payload = specimen.tip_mass if tip_mass is None else tip_mass
+    spec = build_spec(
+        specimen, links, links * stiffness, links * damping, fluid, gravity, payload, mount or Mount()
+    )  # fmt: skip
+    mass, _, _, _ = _inertia_of_links(specimen, starts, ends)
+    return Chain(
+        model=spec.compile(),
+        specimen=specimen,
+        links=links,
+        start=specimen.length * starts,
+        length=specimen.length * (ends - starts),
+        mass=mass,
+        payload=payload,
+        hinge_s=hinge_positions(links),
+        stiffness=links * stiffness,
+        damping=links * damping,
+    )
+
+
+def hinge_positions(links: int) -> Array:
+    """s of the hinges (n,): the middles of n equal segments."""
+    return (np.arange(links) + 0.5) / links

@@ -1,0 +1,106 @@
+"""Moments of the material at the hinges: elastic, viscous, a Maxwell branch, and dry friction (compiled).
+
+Each law gives its moment at the middle of a step and its slope there, so that the step can be implicit in it. Dry
+friction is a spring that yields (an elastoplastic bristle): rate-independent, with hysteresis, and without a smoothed
+sign.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from mujoco_ref.chain import Chain
+from mujoco_ref.influence import HINGE, Fields, Parameters, Record, value
+from tentacle.signals import Array
+
+# Columns of a hinge's memory: the bristle's stretch, the Maxwell branch's dashpot [rad].
+BRISTLE, DASHPOT = range(2)
+SOFT_SPOT_WIDTH = 0.08  # standard deviation along s of the dip (catalogue)
+PRESLIDING = 0.25  # the bristle yields at this share of c_f: it must be stiff against the arm, yet resolved
+
+
+def soft_spot(parameters: Parameters, s: Array) -> Array:
+    """Factor on k(s): 1 less a Gaussian dip around s0."""
+    depth, place = value(parameters, "soft_spot", "depth"), value(parameters, "soft_spot", "s0", 0.3)
+    return 1.0 - depth * np.exp(-0.5 * ((s - place) / SOFT_SPOT_WIDTH) ** 2)
+
+
+def hinge_records(chain: Chain, parameters: Parameters) -> Record:
+    """The hinges' laws (n,); the chain's stiffness already has its soft spot.
+
+    Friction and the Maxwell branch scale with the local stiffness k: friction moment k c_f, branch g k (catalogue).
+    """
+    made = np.zeros(chain.links, HINGE)
+    made["stiffness"], made["damping"] = chain.stiffness, chain.damping
+    made["rest"] = value(parameters, "intrinsic_curvature", "c0") / chain.links
+    made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.links**2
+    c_f = value(parameters, "dry_friction", "c_f")
+    made["yield_moment"] = chain.stiffness / chain.links * c_f
+    made["yield_angle"] = max(PRESLIDING * c_f, 1e-9) / chain.links
+    made["maxwell"] = value(parameters, "viscoelasticity", "g") * chain.stiffness
+    made["relaxation"] = value(parameters, "viscoelasticity", "tau", 0.3)
+    return made
+
+
+@njit(cache=True)
+def bristle(stretch: float, limit: float) -> tuple[float, float]:
+    """A spring's stretch cut at its limit, and 1 where it sticks, 0 where it slides."""
+    if stretch > limit:
+        return limit, 0.0
+    if stretch < -limit:
+        return -limit, 0.0
+    return stretch, 1.0
+
+
+@njit(cache=True)
+def hinge_moments(
+    start: Array,
+    middle: Array,
+    rate: Array,
+    hinges: Fields,
+    memory: Array,
+    softening: float,
+    step: float,
+    force: Array,
+    matrix: Array,
+) -> None:
+    """Add the moments at the middle of a step to force (n + 3,) and half_step damping + step^2/4 slope to matrix.
+
+    start, middle (n + 3,): positions at the step's start and middle; rate: at its middle. memory (n, 2) at its start.
+    softening: factor on the elastic stiffness at this time.
+    """
+    half = 0.5 * step
+    for j in range(hinges.shape[0]):
+        hinge = hinges[j]
+        i = j + 3
+        angle = middle[i]
+        stiffness = softening * hinge.stiffness
+        moment = stiffness * (angle - hinge.rest) + stiffness * hinge.cubic * angle**3
+        slope = stiffness * (1.0 + 3.0 * hinge.cubic * angle**2)
+        if hinge.maxwell != 0.0:
+            share = half / hinge.relaxation
+            dashpot = (memory[j, DASHPOT] + share * angle) / (1.0 + share)
+            moment += hinge.maxwell * (angle - dashpot)
+            slope += hinge.maxwell / (1.0 + share)
+        if hinge.yield_moment != 0.0:
+            stretch, sticks = bristle(memory[j, BRISTLE] + angle - start[i], hinge.yield_angle)
+            moment += hinge.yield_moment * stretch / hinge.yield_angle
+            slope += sticks * hinge.yield_moment / hinge.yield_angle
+        force[i] -= moment + hinge.damping * rate[i]
+        matrix[i, i] += half * hinge.damping + half * half * slope
+
+
+@njit(cache=True)
+def remember(start: Array, end: Array, hinges: Fields, memory: Array, step: float) -> None:
+    """Carry the hinges' memory (n, 2) over a step from start to end (n + 3,)."""
+    half = 0.5 * step
+    for j in range(hinges.shape[0]):
+        hinge = hinges[j]
+        if hinge.maxwell != 0.0:
+            share = half / hinge.relaxation
+            middle = (memory[j, DASHPOT] + share * 0.5 * (start[j + 3] + end[j + 3])) / (1.0 + share)
+            memory[j, DASHPOT] = 2.0 * middle - memory[j, DASHPOT]
+        if hinge.yield_moment != 0.0:
+            stretch, _ = bristle(memory[j, BRISTLE] + end[j + 3] - start[j + 3], hinge.yield_angle)
+            memory[j, BRISTLE] = stretch

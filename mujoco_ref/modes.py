@@ -1,0 +1,55 @@
+"""Small motions about a shape at rest: natural frequencies of the chain, in air and in water."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from scipy.linalg import eigh
+
+from mujoco_ref.statics import equilibrium
+from mujoco_ref.step import State, Stepper
+from mujoco_ref.water import link_motion, water_forces
+from tentacle.signals import Array
+
+_PERTURBATION = 1e-6  # [rad]
+
+
+def mass_matrix(stepper: Stepper, state: State) -> Array:
+    """MuJoCo's mass matrix plus the added mass (n + 3, n + 3) in this state."""
+    model, data, size = stepper.chain.model, stepper.data, stepper.chain.links + 3
+    data.qpos[:] = state.q
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_makeM(model, data)
+    matrix, zeros = np.zeros((size, size)), np.zeros(size)
+    lower = np.tril_indices(size)
+    matrix[lower] = data.M
+    matrix = matrix + np.tril(matrix, -1).T
+    motion = np.zeros((stepper.chain.links + 2, 9))
+    link_motion(state.q, zeros, zeros, stepper.links, motion)
+    force, sums = np.zeros(size), np.zeros(4)
+    water_forces(
+        motion, stepper.links, stepper.nodes, stepper.water[0], stepper.tip[0], 0.0, 0.0, force, matrix, sums
+    )  # fmt: skip
+    return matrix
+
+
+def stiffness_matrix(stepper: Stepper, state: State) -> Array:
+    """Change of the static moments at the hinges with the hinge angles (n, n) [N m/rad], weight included."""
+    links = stepper.chain.links
+    matrix = np.empty((links, links))
+    for j in range(links):
+        sides = []
+        for sign in (1.0, -1.0):
+            moved = State(state.q.copy(), state.v, state.a, state.hinge_memory, state.base_memory, state.t)
+            moved.q[3 + j] += sign * _PERTURBATION
+            sides.append(stepper.residual(moved)[3:])
+        matrix[:, j] = -(sides[0] - sides[1]) / (2.0 * _PERTURBATION)
+    return 0.5 * (matrix + matrix.T)
+
+
+def natural_frequencies(stepper: Stepper, theta: float = 0.0, count: int = 3) -> Array:
+    """The lowest undamped natural frequencies (count,) [Hz] of the clamped chain about its shape at rest."""
+    state = equilibrium(stepper, theta)
+    squares = eigh(stiffness_matrix(stepper, state), mass_matrix(stepper, state)[3:, 3:], eigvals_only=True)
+    return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * np.pi)

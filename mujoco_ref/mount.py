@@ -1,0 +1,159 @@
+"""Forces at the base: the servo or the coupling that turns theta, a springy stand, a rail with friction (compiled)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numba import njit
+
+from mujoco_ref.chain import Mount
+from mujoco_ref.hinges import bristle
+from mujoco_ref.influence import BASE, Fields, Parameters, Record, record, value
+from tentacle.errors import InputError
+from tentacle.signals import Array
+
+# The base's memory: stretch of the slipping coupling, of the hub's friction, integral of the servo's error, rail.
+COUPLING, HUB, INTEGRAL, RAIL = range(4)
+HUB_STRETCH = 2e-4  # [rad] at which the hub's friction yields
+RAIL_STRETCH = 1e-5  # [m] at which the rail's friction yields
+
+
+@dataclass(frozen=True)
+class Servo:
+    """PID servo: stiffness [N m/rad], damping [N m s/rad], torque_limit [N m], integral [N m/(rad s)]; rotor [kg m^2]
+    at the horn."""
+
+    stiffness: float
+    damping: float
+    torque_limit: float
+    integral: float = 0.0
+    rotor_inertia: float = 1e-5
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "torque_limit", "rotor_inertia"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"{getattr(self, name)!r} is not usable", field=name, expected="a positive number")
+
+
+@dataclass(frozen=True)
+class Rail:
+    """A carriage that slides along y: its mass [kg], viscous friction [N s/m], dry friction [N]."""
+
+    mass: float
+    viscous: float = 0.0
+    dry: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.mass > 0.0:
+            raise InputError(f"{self.mass!r} is not usable", field="rail mass", expected="a positive number")
+
+
+def base_record(
+    parameters: Parameters, servo: Servo | None, rail: Rail | None, arm_mass: float
+) -> tuple[Record, Mount]:
+    """How the base is held, and the mass and inertia that move with it. Without servo, rail or an influence it is
+    rigid."""
+    fields: dict[str, float] = {}
+    mass, inertia = 1e-3, 1e-6
+    if servo is not None:
+        fields |= {"free_theta": 1.0, "servo": 1.0, "servo_p": servo.stiffness, "servo_i": servo.integral}
+        fields |= {"servo_d": servo.damping, "servo_limit": servo.torque_limit}
+        inertia = servo.rotor_inertia
+    if rail is not None:
+        fields |= {"free_y": 1.0, "rail_friction": rail.dry, "rail_damping": rail.viscous}
+        mass = rail.mass
+    play, slip = value(parameters, "backlash", "play"), value(parameters, "clamp_slip", "moment")
+    if (play > 0.0 or slip > 0.0) and servo is None:
+        # A horn that is stiff against the arm (1 mrad per 20 mN m); the seal's friction holds the hub inside the play.
+        fields |= {"free_theta": 1.0, "coupling": 20.0, "coupling_damping": 0.02, "play": play, "slip_moment": slip}
+        fields |= {"hub_friction": 4e-3 if play > 0.0 else 0.0}
+        inertia = 2e-5
+    elif play > 0.0 or slip > 0.0:
+        raise InputError("cannot act with a torque servo", field="backlash/clamp_slip", expected="a prescribed base")
+    if "mount_resonance" in parameters:
+        mass = value(parameters, "mount_resonance", "mass", 0.3)
+        omega = 6.283185307179586 * value(parameters, "mount_resonance", "f", 3.0)
+        moving = mass + arm_mass
+        ratio = value(parameters, "mount_resonance", "damping_ratio", 0.05)
+        fields |= {"free_x": 1.0, "spring_x": moving * omega**2, "damper_x": 2.0 * ratio * omega * moving}
+    return record(BASE, **fields), Mount(mass=mass, hub_inertia=inertia)
+
+
+@njit(cache=True)
+def base_forces(
+    start: Array,
+    middle: Array,
+    rate: Array,
+    motor_start: float,
+    motor: Array,
+    base: Fields,
+    memory: Array,
+    step: float,
+    force: Array,
+    matrix: Array,
+) -> float:
+    """Add the forces on the free coordinates of the mount at the middle of a step; returns the motor's torque [N m].
+
+    motor (3,): the motor's angle, rate, acceleration at the middle; motor_start its angle at the step's start.
+    """
+    half = 0.5 * step
+    torque = 0.0
+    if base.free_x != 0.0:
+        force[0] -= base.spring_x * middle[0] + base.damper_x * rate[0]
+        matrix[0, 0] += half * base.damper_x + half * half * base.spring_x
+    if base.free_y != 0.0:
+        force[1] -= base.rail_damping * rate[1]
+        matrix[1, 1] += half * base.rail_damping
+        if base.rail_friction > 0.0:
+            stretch, sticks = bristle(memory[RAIL] + middle[1] - start[1], RAIL_STRETCH)
+            force[1] -= base.rail_friction * stretch / RAIL_STRETCH
+            matrix[1, 1] += half * half * sticks * base.rail_friction / RAIL_STRETCH
+    if base.free_theta == 0.0:
+        return 0.0
+    twist, twist_rate = motor[0] - middle[2], motor[1] - rate[2]
+    slope, damping = 0.0, 0.0
+    if base.servo != 0.0:
+        torque = base.servo_p * twist + base.servo_d * twist_rate + base.servo_i * (memory[INTEGRAL] + half * twist)
+        slope, damping = base.servo_p, base.servo_d
+        if abs(torque) > base.servo_limit:
+            torque = base.servo_limit if torque > 0.0 else -base.servo_limit
+            slope, damping = 0.0, 0.0
+    elif base.slip_moment > 0.0:
+        stretched = memory[COUPLING] + twist - (motor_start - start[2])
+        stretch, sticks = bristle(stretched, base.slip_moment / base.coupling)
+        slope, damping = sticks * base.coupling, sticks * base.coupling_damping
+        torque = base.coupling * stretch + damping * twist_rate
+    else:
+        inside, within = bristle(twist, 0.5 * base.play)
+        slope, damping = (1.0 - within) * base.coupling, (1.0 - within) * base.coupling_damping
+        torque = base.coupling * (twist - inside) + damping * twist_rate
+    force[2] += torque
+    matrix[2, 2] += half * damping + half * half * slope
+    if base.hub_friction > 0.0:
+        stretch, sticks = bristle(memory[HUB] + middle[2] - start[2], HUB_STRETCH)
+        force[2] -= base.hub_friction * stretch / HUB_STRETCH
+        matrix[2, 2] += half * half * sticks * base.hub_friction / HUB_STRETCH
+    return torque
+
+
+@njit(cache=True)
+def base_remember(
+    start: Array,
+    end: Array,
+    motor_start: float,
+    motor_end: float,
+    torque: float,
+    base: Fields,
+    memory: Array,
+    step: float,
+) -> None:
+    """Carry the base's memory (4,) over a step."""
+    if base.rail_friction > 0.0:
+        memory[RAIL], _ = bristle(memory[RAIL] + end[1] - start[1], RAIL_STRETCH)
+    if base.hub_friction > 0.0:
+        memory[HUB], _ = bristle(memory[HUB] + end[2] - start[2], HUB_STRETCH)
+    if base.slip_moment > 0.0:
+        change = (motor_end - end[2]) - (motor_start - start[2])
+        memory[COUPLING], _ = bristle(memory[COUPLING] + change, base.slip_moment / base.coupling)
+    if base.servo != 0.0 and abs(torque) < base.servo_limit:  # no wind-up while the torque is cut
+        memory[INTEGRAL] += 0.5 * step * ((motor_start - start[2]) + (motor_end - end[2]))

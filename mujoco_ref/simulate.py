@@ -1,0 +1,275 @@
+"""Simulate the reference: a model's arm, moved at its base, in its fluid.
+
+Signs: `thrust` is the y component of the water's force on the arm (eq. 17), so a positive thrust pulls the arm
+away from the clamp, along +y of the base frame; an arm that swims forward, base first, has a negative one. `load_cell`
+is the force of the arm on its mount along the same +y (thrust, weight and inertia together), less its reading at rest.
+On average over a period of steady motion the two agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from mujoco_ref.chain import build_chain, flexural, hinge_positions
+from mujoco_ref.hinges import hinge_records, soft_spot
+from mujoco_ref.influence import Parameters, refuse_unknown, tip_record, value, water_record
+from mujoco_ref.midline import midline_points
+from mujoco_ref.mount import Rail, Servo, base_record
+from mujoco_ref.statics import equilibrium
+from mujoco_ref.step import State, Stepper
+from tentacle.errors import InputError
+from tentacle.model import Model
+from tentacle.signals import Array, Midline
+from tentacle.specimen import Gravity, Specimen
+from tentacle.waveform import Waveform
+
+DEFAULT_LINKS = 20
+LONGEST_STEP = 4e-3  # [s]; halving it moves the tip of a usual arm by 1 micrometre (tests/mujoco_ref/test_step.py)
+MOST_HALVINGS = 3  # of the step, where an arm is too lively for it
+LARGEST_HINGE_ANGLE = np.pi  # [rad]; hinges of real arms bend by a fraction of a turn
+# Silicones reach from 10 kPa to some MPa; beyond these bounds the unit is wrong (Pa, not MPa).
+SOFTEST, STIFFEST = 1e3, 1e9
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Steps and frames: step [s], substeps a frame, first step that is a frame, frames (F,) and half steps (2 S + 1,)
+    [s]."""
+
+    step: float
+    substeps: int
+    first: int
+    frames: Array
+    half_steps: Array
+
+    @staticmethod
+    def of(duration: float, fps: float, lead_in: float, longest_step: float) -> Clock:
+        """Frames from 0 to duration, steps no longer than longest_step, the lead-in before them."""
+        substeps = int(np.ceil(1.0 / (fps * longest_step) - 1e-9))
+        count = int(np.floor(duration * fps + 1e-9)) + 1
+        step = 1.0 / (fps * substeps)
+        first = int(np.ceil(lead_in * fps - 1e-9)) * substeps
+        half_steps = 0.5 * step * (np.arange(2 * (first + count * substeps) + 1) - 2 * first)
+        return Clock(step, substeps, first, step * substeps * np.arange(count), half_steps)
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What the reference did, at the frames.
+
+    t (F,) [s]; command, theta (F,) [rad] the motor's angle and the clamp's; angles (F, n + 1) tangent angle at s = k/n
+    [rad];
+    mount (F, 2) [m] where the clamp is; midline in the base frame (sigma zero); thrust, load_cell (F,) [N], see above;
+    force_x (F,) [N] the arm's force on the mount along x; torque (F,) [N m] the motor's on the arm.
+    """
+
+    t: Array
+    command: Array
+    theta: Array
+    angles: Array
+    mount: Array
+    midline: Midline
+    thrust: Array
+    load_cell: Array
+    force_x: Array
+    torque: Array
+
+
+def plain_parameters(model: Model) -> dict[str, dict[str, float]]:
+    """A model's parameters as plain numbers."""
+    return {effect: {name: e.value for name, e in values.items()} for effect, values in model.parameters.items()}
+
+
+def merged(parameters: Parameters, extra: Parameters) -> dict[str, dict[str, float]]:
+    """Two sets of parameters; where both have one, extra's counts."""
+    effects = [*parameters, *(effect for effect in extra if effect not in parameters)]
+    return {effect: {**parameters.get(effect, {}), **extra.get(effect, {})} for effect in effects}
+
+
+def _refuse_wrong_units(parameters: Parameters) -> None:
+    modulus = value(parameters, "elasticity", "E")
+    if modulus != 0.0 and not SOFTEST <= modulus <= STIFFEST:
+        expected = f"Pa, between {SOFTEST:g} and {STIFFEST:g} (0.2 MPa is 2e5)"
+        raise InputError(f"{modulus:g} is no silicone's", field="elasticity.E", expected=expected)
+
+
+def make_stepper(
+    model: Model,
+    hidden: Parameters | None = None,
+    *,
+    links: int = DEFAULT_LINKS,
+    servo: Servo | None = None,
+    rail: Rail | None = None,
+) -> Stepper:
+    """The chain of a model, with hidden effects acting beside the model's own, ready to be stepped.
+
+    InputError where an effect or parameter is unknown, k(s) <= 0 somewhere, links < 2, or a unit is plainly wrong.
+    """
+    parameters = merged(plain_parameters(model), hidden or {})
+    refuse_unknown(parameters)
+    _refuse_wrong_units(parameters)
+    declared = model.specimen
+    density = declared.density + value(parameters, "buoyancy", "density_error")
+    specimen = Specimen(declared.section, declared.length, density, declared.tip_mass, declared.stiffness)
+    angle = model.gravity.angle + value(parameters, "gravity_tilt", "tilt")
+    gravity = Gravity(angle, model.gravity.magnitude)
+    s = hinge_positions(links)
+    k0, k1 = value(parameters, "elasticity", "k0"), value(parameters, "elasticity", "k1")
+    stiffness = flexural(specimen, s, value(parameters, "elasticity", "E"), k0, k1) * soft_spot(parameters, s)
+    d0, d1 = value(parameters, "damping", "d0"), value(parameters, "damping", "d1")
+    damping = flexural(specimen, s, value(parameters, "damping", "eta"), d0, d1)
+    payload = specimen.tip_mass + value(parameters, "tip_mass", "mass")
+    base, mount = base_record(parameters, servo, rail, specimen.mass + payload)
+    chain = build_chain(specimen, links, stiffness, damping, model.fluid, gravity, payload, mount)
+    pull = (gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle))
+    water = water_record(parameters, model.fluid.density, specimen.length, pull)
+    tip = tip_record(parameters, specimen.length)
+    drift = value(parameters, "stiffness_drift", "rate")
+    return Stepper(chain, hinge_records(chain, parameters), water, tip, base, drift)
+
+
+def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0) -> State:
+    """At rest in the shape c(s) = q1 + q2 s + ... (eq. 1), q (K,) [rad]."""
+    state = State.at_rest(stepper.chain.links, theta)
+    curvature = np.polynomial.polynomial.polyval(stepper.chain.hinge_s, np.asarray(q, dtype=float))
+    state.q[3:] = curvature / stepper.chain.links
+    state.hinge_memory[:, 1] = state.q[3:]
+    return state
+
+
+def motor_signal(waveform: Waveform, times: Array, lag: float, lead_in: float) -> Array:
+    """Angle, rate and acceleration (3, N) at times (N,), evenly spaced, after a first-order lag [s] where there is one.
+
+    Through lead_in [s], before t = 0, the motion swells from nothing, with two continuous derivatives.
+    """
+    wave = np.asarray(waveform(times), dtype=float)
+    if lead_in > 0.0:
+        u = np.clip(times / lead_in + 1.0, 0.0, 1.0)
+        swell = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+        first = 30.0 * u**2 * (1.0 - u) ** 2 / lead_in
+        second = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / lead_in**2
+        wave = np.stack(
+            [
+                swell * wave[0],
+                swell * wave[1] + first * wave[0],
+                swell * wave[2] + 2.0 * first * wave[1] + second * wave[0],
+            ]
+        )
+    if lag <= 0.0:
+        return wave
+    # tau theta' + theta = u, exact where u is a cubic between samples (half steps apart), from its values and rates
+    # there.
+    step = times[1] - times[0]
+    u, u_rate = wave[0], step * wave[1]
+    quadratic = 3.0 * (u[1:] - u[:-1]) - 2.0 * u_rate[:-1] - u_rate[1:]
+    cubic = 2.0 * (u[:-1] - u[1:]) + u_rate[:-1] + u_rate[1:]
+    ratio, decay = lag / step, np.exp(-step / lag)
+    follows = u[:-1] - ratio * u_rate[:-1] + ratio**2 * 2.0 * quadratic - ratio**3 * 6.0 * cubic
+    arrives = u[1:] - ratio * u_rate[1:] + ratio**2 * (2.0 * quadratic + 6.0 * cubic) - ratio**3 * 6.0 * cubic
+    angle = u.copy()
+    for i in range(angle.size - 1):
+        angle[i + 1] = arrives[i] + (angle[i] - follows[i]) * decay
+    rate = (wave[0] - angle) / lag
+    return np.stack([angle, rate, (wave[1] - rate) / lag])
+
+
+def simulate(
+    model: Model,
+    waveform: Waveform,
+    duration: float,
+    fps: float,
+    *,
+    hidden: Mapping[str, Mapping[str, float]] | None = None,
+    links: int = DEFAULT_LINKS,
+    servo: Servo | None = None,
+    rail: Rail | None = None,
+    s: Array | None = None,
+    initial_q: Array | None = None,
+    release_t: float | None = None,
+    lead_in: float = 0.0,
+    longest_step: float = LONGEST_STEP,
+) -> Simulation:
+    """Simulate `duration` [s] of a model's arm whose motor follows the waveform, and look at it `fps` times a second.
+
+    The arm starts at rest in its equilibrium, or in the shape initial_q (K,) of eq. 1, held until release_t [s]. With
+    lead_in [s] it moves for that long before the first frame, the motion swelling from nothing. Base: prescribed, or
+    turned by a servo; fixed, or on a rail along y. Deterministic: nothing here is random. s (P,): where the midline is
+    sampled (default 41 points). hidden: effects (name -> parameter -> value) that act beside the model's own.
+    InputError for an unusable duration, fps or model.
+    """
+    for name, number in (("duration", duration), ("fps", fps), ("longest_step", longest_step)):
+        if not (np.isfinite(number) and number > 0.0):
+            raise InputError(f"{number!r} is not usable", field=name, expected="a positive number")
+    stepper = make_stepper(model, hidden, links=links, servo=servo, rail=rail)
+    s = np.linspace(0.0, 1.0, 41) if s is None else np.asarray(s, dtype=float)
+    lag = value(merged(plain_parameters(model), hidden or {}), "servo_lag", "tau")
+    for halvings in range(MOST_HALVINGS + 1):
+        clock = Clock.of(duration, fps, lead_in, longest_step / 2**halvings)
+        motor = motor_signal(waveform, clock.half_steps, lag, lead_in).T  # (2 steps + 1, 3)
+        if initial_q is None:
+            state = equilibrium(stepper, motor[0, 0])
+            tare = rest_reading(stepper, equilibrium(stepper, float(waveform(0.0)[0])))
+        else:
+            state = state_of_shape(stepper, initial_q, motor[0, 0])
+            tare = rest_reading(stepper, state)
+        state.t = float(clock.half_steps[0])
+        if stepper.held[2]:
+            state.v[2] = motor[0, 1]
+        q, readings = _march(stepper, state, motor, clock, release_t)
+        if np.max(np.abs(q[:, 3:])) < LARGEST_HINGE_ANGLE:
+            break
+    else:
+        raise InputError(
+            "the simulation went out of bounds", field="model", expected="a motion that the arm can follow"
+        )
+    angles = np.cumsum(q[:, 2:], axis=1)
+    points = midline_points(angles, q[:, :2], stepper.chain.specimen.length, s)
+    command = motor_signal(waveform, clock.half_steps, 0.0, lead_in)[0]
+    return Simulation(
+        t=clock.frames,
+        command=command[2 * clock.first :: 2 * clock.substeps][: clock.frames.size].copy(),
+        theta=q[:, 2].copy(),
+        angles=angles,
+        mount=q[:, :2].copy(),
+        midline=Midline(clock.frames, s, points, np.zeros(points.shape[:2])),
+        thrust=readings[:, 1].copy(),
+        load_cell=-readings[:, 3] - tare[1],
+        force_x=-readings[:, 2] - tare[0],
+        torque=readings[:, 4].copy(),
+    )
+
+
+def rest_reading(stepper: Stepper, state: State) -> Array:
+    """What the load cell carries where the chain stands still: the arm's force on the mount (2,) [N]."""
+    return stepper.residual(state)[:2].copy()
+
+
+def _march(stepper: Stepper, state: State, motor: Array, clock: Clock, release_t: float | None) -> tuple[Array, Array]:
+    """Step through: positions (F, n + 3) at the frames, and readings (F, 5), the mean of the two steps beside each.
+
+    Stops early, leaving infinite positions, where the chain leaves all bounds.
+    """
+    count = clock.frames.size
+    q, readings = np.full((count, stepper.chain.links + 3), np.inf), np.zeros((count, 5))
+    before = np.zeros(5)
+    corrections = 4  # the first step has no acceleration to start from
+    for i in range(clock.first + (count - 1) * clock.substeps + 1):
+        frame, between = divmod(i - clock.first, clock.substeps)
+        at_frame = frame >= 0 and between == 0
+        if at_frame:
+            if not np.max(np.abs(state.q[3:])) < LARGEST_HINGE_ANGLE:  # NaN too
+                break
+            q[frame] = state.q
+        moving = release_t is None or state.t >= release_t - 0.5 * clock.step
+        if moving:
+            stepper.step(state, motor[2 * i : 2 * i + 3], clock.step, corrections)
+            corrections = stepper.corrections
+        else:
+            state.t += clock.step
+        if at_frame and moving:
+            readings[frame] = stepper.reading if corrections == 4 or i == 0 else 0.5 * (before + stepper.reading)
+        before = stepper.reading.copy()
+    return q, readings

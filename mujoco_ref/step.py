@@ -1,0 +1,293 @@
+"""One step of time: the implicit midpoint rule on MuJoCo's mass matrix and bias forces.
+
+MuJoCo's own integrators are of first order here (`discrete`: 2.3 % of tip amplitude at 10 ms, physics.md) and cannot
+carry the anisotropic added mass. So MuJoCo gives kinematics, M(q) and M a + C v + g at the middle of the step, and one
+Newton correction from the previous step's acceleration solves for the new one; elasticity, damping and drag are in its
+matrix, so the step is set by accuracy: second order, stable at 10 ms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numba import njit
+
+from mujoco_ref.chain import Chain
+from mujoco_ref.hinges import hinge_moments, remember
+from mujoco_ref.influence import Fields, Record
+from mujoco_ref.mount import base_forces, base_remember
+from mujoco_ref.water import LENGTH, MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
+from tentacle.signals import Array
+
+
+@dataclass
+class State:
+    """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges and base.
+    Mutable."""
+
+    q: Array
+    v: Array
+    a: Array
+    hinge_memory: Array
+    base_memory: Array
+    t: float = 0.0
+
+    @staticmethod
+    def at_rest(links: int, theta: float = 0.0) -> State:
+        """Straight, at rest, turned by theta [rad]."""
+        zeros = np.zeros(links + 3)
+        q = zeros.copy()
+        q[2] = theta
+        return State(q, zeros.copy(), zeros.copy(), np.zeros((links, 2)), np.zeros(4))
+
+
+@njit(cache=True)
+def _predict(q: Array, v: Array, a: Array, held: Array, motor: Array, step: float, middle: Array, rate: Array) -> None:
+    """Positions and rates at the middle of a step, from the acceleration a; held coordinates are where they are put."""
+    half = 0.5 * step
+    for i in range(q.shape[0]):
+        middle[i] = q[i] + half * v[i] + half * half * a[i]
+        rate[i] = v[i] + half * a[i]
+    for i in range(2):
+        if held[i]:
+            middle[i], rate[i], a[i] = q[i], 0.0, 0.0
+    if held[2]:
+        middle[2], rate[2], a[2] = motor[0], motor[1], motor[2]
+
+
+@njit(cache=True)
+def _add_tension(
+    motion: Array, links: Array, payload: float, water: Fields, gravity: Array, scale: float, matrix: Array
+) -> None:
+    """Add scale times the stiffness that weight and inertial forces give the joints: a heavy tip tightens the chain.
+
+    A change of joint j turns all beyond it, and so the lever of their forces about the joints from the base to j.
+    Explicit, it would limit the step: a payload of a tenth of the arm's mass needs 40 links and 4 ms.
+    """
+    count = links.shape[0]
+    end = motion[count]
+    fx, fy = payload * (gravity[0] - end[4]), payload * (gravity[1] - end[5])
+    work = fx * end[0] + fy * end[1]
+    for k in range(count - 1, -1, -1):
+        x0, y0, _, _, ax0, ay0, phi, rate, acceleration = motion[k]
+        c, s, reach = np.cos(phi), np.sin(phi), links[k, VOLUME_CENTRE]
+        ax = ax0 + reach * (rate**2 * s - acceleration * c)
+        ay = ay0 - reach * (rate**2 * c + acceleration * s)
+        net = links[k, MASS] - water.density * links[k, VOLUME]
+        gx, gy = net * gravity[0] - links[k, MASS] * ax, net * gravity[1] - links[k, MASS] * ay
+        fx, fy, work = fx + gx, fy + gy, work + gx * (x0 - reach * s) + gy * (y0 + reach * c)
+        stiffness = scale * (work - fx * x0 - fy * y0)
+        for j in range(k + 1):
+            matrix[2 + k, 2 + j] += stiffness
+            if j != k:
+                matrix[2 + j, 2 + k] += stiffness
+
+
+@njit(cache=True)
+def _solve(matrix: Array, residual: Array, held: Array, change: Array) -> None:
+    """matrix change = residual on the coordinates that are free; by Cholesky from the tip's row down, in place."""
+    size = residual.shape[0]
+    index = np.empty(size, np.int64)
+    count = 0
+    for i in range(size):
+        change[i] = 0.0
+        if i > 2 or not held[i]:
+            index[count] = i
+            count += 1
+    lower = np.empty((count, count))
+    x = np.empty(count)
+    for i in range(count):
+        for j in range(i + 1):
+            total = matrix[index[i], index[j]]
+            for k in range(j):
+                total -= lower[i, k] * lower[j, k]
+            lower[i, j] = np.sqrt(total) if i == j else total / lower[j, j]
+        total = residual[index[i]]
+        for k in range(i):
+            total -= lower[i, k] * x[k]
+        x[i] = total / lower[i, i]
+    for i in range(count - 1, -1, -1):
+        total = x[i]
+        for k in range(i + 1, count):
+            total -= lower[k, i] * x[k]
+        x[i] = total / lower[i, i]
+        change[index[i]] = x[i]
+
+
+@njit(cache=True)
+def _correct(
+    q: Array,
+    a: Array,
+    middle: Array,
+    rate: Array,
+    mass: Array,
+    inverse: Array,
+    motion: Array,
+    links: Array,
+    nodes: Array,
+    hinges: Fields,
+    water: Fields,
+    tip: Fields,
+    base: Fields,
+    hinge_memory: Array,
+    base_memory: Array,
+    held: Array,
+    motor_start: float,
+    motor: Array,
+    t: float,
+    softening: float,
+    step: float,
+    payload: float,
+    mount_mass: float,
+    gravity: Array,
+    out: Array,
+) -> None:
+    """Correct the accelerations a (n + 3,) by one Newton iteration; out (7,): see Reading.
+
+    mass: MuJoCo's M, lower triangle by rows; inverse: its M a + C v + weight at this prediction.
+    """
+    size = q.shape[0]
+    force = np.empty(size)
+    matrix = np.empty((size, size))
+    at = 0
+    for i in range(size):
+        force[i] = -inverse[i]
+        for j in range(i + 1):
+            matrix[i, j] = mass[at]
+            matrix[j, i] = mass[at]
+            at += 1
+    for i in range(2):
+        force[i] -= mount_mass * gravity[i]
+    link_motion(middle, rate, a, links, motion)
+    sums = np.empty(4)
+    water_forces(motion, links, nodes, water[0], tip[0], t, 0.5 * step, force, matrix, sums)
+    _add_tension(motion, links, payload, water[0], gravity, 0.25 * step * step, matrix)
+    hinge_moments(q, middle, rate, hinges, hinge_memory, softening, step, force, matrix)
+    torque = base_forces(q, middle, rate, motor_start, motor, base[0], base_memory, step, force, matrix)
+    change = np.empty(size)
+    _solve(matrix, force, held, change)
+    # What holds the mount: the balance of its rows that the held coordinates leave.
+    for i in range(3):
+        reaction = -force[i]
+        for j in range(size):
+            reaction += matrix[i, j] * change[j]
+        out[2 + i] = reaction if held[i] else 0.0
+    if not held[2]:
+        out[4] = torque
+    if not held[0]:
+        out[2] = -(base[0].spring_x * middle[0] + base[0].damper_x * rate[0])
+    out[0], out[1] = sums[0], sums[1]
+    for i in range(size):
+        a[i] += change[i]
+
+
+@njit(cache=True)
+def _finish(
+    q: Array,
+    v: Array,
+    a: Array,
+    held: Array,
+    motor_start: float,
+    motor_end: Array,
+    hinges: Fields,
+    base: Fields,
+    hinge_memory: Array,
+    base_memory: Array,
+    torque: float,
+    step: float,
+) -> None:
+    """Move q and v over the step with the mean acceleration a, and carry the memories."""
+    start = q.copy()
+    for i in range(q.shape[0]):
+        q[i] += step * v[i] + 0.5 * step * step * a[i]
+        v[i] += step * a[i]
+    for i in range(2):
+        if held[i]:
+            q[i], v[i] = start[i], 0.0
+    if held[2]:
+        q[2], v[2] = motor_end[0], motor_end[1]
+    remember(start, q, hinges, hinge_memory, step)
+    base_remember(start, q, motor_start, motor_end[0], torque, base[0], base_memory, step)
+
+
+class Stepper:
+    """Steps one chain in time. All arrays are its own: one Stepper per thread.
+
+    A step's reading, in `reading` (5,): fluid force x, y [N] (eq. 17); what holds the mount, force x, y [N] and torque
+    about z [N m], all at the middle of the step.
+    """
+
+    def __init__(
+        self, chain: Chain, hinges: Record, water: Record, tip: Record, base: Record, drift: float = 0.0
+    ) -> None:
+        """drift [1/s]: relative change of the elastic stiffness per second."""
+        self.chain = chain
+        self.data = mujoco.MjData(chain.model)
+        self.hinges, self.water, self.tip, self.base, self.drift = hinges, water, tip, base, drift
+        self.links, self.nodes = link_table(chain), node_table(chain)
+        self.held = np.array([not base[0][name] for name in ("free_x", "free_y", "free_theta")])
+        self.reading = np.zeros(5)
+        # Laws with a corner or a steep curve need Newton's method to converge; the smooth ones are right after one
+        # step.
+        steep = np.any(hinges["yield_moment"] > 0.0) or np.any(hinges["cubic"] != 0.0)
+        loose = any(base[0][name] > 0.0 for name in ("play", "slip_moment", "hub_friction", "rail_friction"))
+        self.corrections = 4 if steep or loose else 1
+        # The rail or stand carries the mount's own weight.
+        self._mount_mass = float(chain.model.body_mass[1])
+        self._gravity = np.array(chain.model.opt.gravity[:2])
+        size = chain.links + 3
+        self._inverse, self._motion = np.zeros(size), np.zeros((chain.links + 2, 9))
+        # Views into MuJoCo's own memory: writing them is what sets its state.
+        self._q, self._v, self._a, self._mass = self.data.qpos, self.data.qvel, self.data.qacc, self.data.M
+
+    def step(self, state: State, motor: Array, step: float, corrections: int = 1) -> None:
+        """Move state on by `step` [s]. motor (3, 3): angle, rate, acceleration at the start, middle and end of it."""
+        model, data = self.chain.model, self.data
+        middle_time = state.t + 0.5 * step
+        softening = 1.0 + self.drift * middle_time
+        for _ in range(corrections):
+            _predict(state.q, state.v, state.a, self.held, motor[1], step, self._q, self._v)
+            self._a[:] = state.a
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_makeM(model, data)
+            mujoco.mj_comVel(model, data)
+            mujoco.mj_rne(model, data, 1, self._inverse)
+            _correct(
+                state.q, state.a, self._q, self._v, self._mass, self._inverse, self._motion, self.links, self.nodes,
+                self.hinges, self.water, self.tip, self.base, state.hinge_memory, state.base_memory, self.held,
+                motor[0, 0], motor[1], middle_time, softening, step, self.chain.payload, self._mount_mass,
+                self._gravity, self.reading,
+            )  # fmt: skip
+        _finish(
+            state.q, state.v, state.a, self.held, motor[0, 0], motor[2], self.hinges, self.base,
+            state.hinge_memory, state.base_memory, self.reading[4], step,
+        )  # fmt: skip
+        state.t += step
+
+    def residual(self, state: State) -> Array:
+        """Generalised force (n + 3,) that is not balanced where the chain stands still in this state, at its time."""
+        size = self.chain.links + 3
+        zeros = np.zeros(size)
+        self._q[:], self._v[:], self._a[:] = state.q, 0.0, 0.0
+        mujoco.mj_kinematics(self.chain.model, self.data)
+        mujoco.mj_comPos(self.chain.model, self.data)
+        mujoco.mj_comVel(self.chain.model, self.data)
+        mujoco.mj_rne(self.chain.model, self.data, 0, self._inverse)
+        force, matrix = -self._inverse, np.zeros((size, size))
+        force[:2] -= self._mount_mass * self._gravity
+        link_motion(state.q, zeros, zeros, self.links, self._motion)
+        water_forces(
+            self._motion, self.links, self.nodes, self.water[0], self.tip[0], state.t, 0.0, force, matrix, np.zeros(4)
+        )  # fmt: skip
+        softening = 1.0 + self.drift * state.t
+        # Bristles and dashpots are slack at rest: friction holds nothing, a Maxwell branch has relaxed.
+        relaxed = np.stack([np.zeros(self.chain.links), state.q[3:]], axis=1)
+        hinge_moments(state.q, state.q, zeros, self.hinges, relaxed, softening, 1e-9, force, matrix)
+        return force
+
+    def midline_lengths(self) -> Array:
+        """Lengths of the links (n + 1,) [m]."""
+        return self.links[:, LENGTH]

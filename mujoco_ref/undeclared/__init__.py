@@ -1,0 +1,9 @@
+"""Test recordings with effects that their declaration leaves out, made by the reference simulation.
+
+The loop that looks for them (discovery) may not import this: the import rules see to it.
+"""
+
+from mujoco_ref.undeclared.make import Noise, make
+from mujoco_ref.undeclared.trials import Trial, trials
+
+__all__ = ["Noise", "Trial", "make", "trials"]

@@ -1,0 +1,68 @@
+"""The command line: one verb a file in this folder, each a thin call into one room.
+
+A verb's file has HELP (one line), configure(parser) and run(arguments) -> exit code; it imports heavy libraries inside
+run only, so that --help is quick. Bad input ends with one line on stderr and exit code 2; Ctrl-C with 130.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module, metadata
+from pathlib import Path
+
+from tentacle.errors import InputError
+
+DESCRIPTION = """\
+Two models of a soft arm in a tank, side by side with measured data, and the loop that finds what a model lacks.
+A RECORDING is an import folder (recording.toml with a video, a midline or markers) or an .rrd file."""
+EPILOG = "`tentacle VERB --help` says more. Exit codes: 0 done, 2 bad input (one line says what), 130 stopped (Ctrl-C)."
+
+
+def verb_names() -> list[str]:
+    """The verbs, found by listing this folder."""
+    return sorted(file.stem for file in Path(__file__).parent.glob("*.py") if not file.stem.startswith("_"))
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser of all verbs."""
+    parser = argparse.ArgumentParser(
+        prog="tentacle",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"tentacle-twin {_version()}")
+    verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
+    for name in verb_names():
+        module = import_module(f"{__name__}.{name}")
+        verb = verbs.add_parser(name, help=module.HELP, description=module.HELP, allow_abbrev=False)
+        module.configure(verb)
+        verb.set_defaults(run=module.run)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one verb; the exit code."""
+    parsed = build_parser().parse_args(arguments)
+    try:
+        return parsed.run(parsed)
+    except InputError as error:
+        print(f"tentacle: {error.line()}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("tentacle: stopped", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of a pipe has gone: nothing more to say, and nothing to complain of
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _version() -> str:
+    try:
+        return metadata.version("tentacle-twin")
+    except metadata.PackageNotFoundError:  # run from a checkout that is not installed
+        return "(not installed)"

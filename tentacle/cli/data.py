@@ -1,0 +1,64 @@
+"""tentacle data: others' measured data that tests and examples use."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "list others' measured data sets: what, where from, licence, whether they are here; convert them"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments: nothing (list), or `convert SET OUT`."""
+    parser.add_argument("--json", action="store_true", help="print the list as JSON")
+    actions = parser.add_subparsers(metavar="convert")
+    convert = actions.add_parser("convert", help="write a set's runs as import folders", allow_abbrev=False)
+    convert.add_argument("set", choices=["silicone_beam"], help="the set")
+    convert.add_argument("out", type=Path, metavar="OUT", help="where the folders are to stand, one a run")
+    convert.set_defaults(convert=True)
+    parser.set_defaults(convert=False)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """List, or convert."""
+    return _convert(arguments.out) if arguments.convert else _list(as_json=arguments.json)
+
+
+def _list(*, as_json: bool) -> int:
+    import json
+    from dataclasses import asdict
+
+    from tentacle.external_data import DATA_SETS, check, data_folder
+
+    folder = data_folder()
+    found = [(data_set, *check(data_set, folder)) for data_set in DATA_SETS]
+    if as_json:
+        rows = [{**asdict(data_set), "state": state, "paths": paths} for data_set, state, paths in found]
+        print(json.dumps({"folder": str(folder), "sets": rows}, indent=1))
+        return 0
+    print(f"looked for in {folder} (TENTACLE_DATA)")
+    for data_set, state, paths in found:
+        print(f"\n{data_set.name}: {state}{': ' + ', '.join(paths) if paths else ''}")
+        print(f"  {data_set.what}")
+        print(f"  from    {data_set.url}, commit {data_set.commit}, {data_set.path}")
+        print(f"  licence {data_set.licence}")
+    print("\nchecksums (SHA-256): tentacle data --json")
+    return 0
+
+
+def _convert(out: Path) -> int:
+    from tentacle.errors import InputError
+    from tentacle.external_data import data_folder
+    from tentacle.silicone_beam import FILES, read_beam
+    from tentacle.write_folder import write_folder
+
+    folder = data_folder() / "silicone_beam"
+    if not folder.is_dir():
+        raise InputError("no such data set", file=folder, expected="the folder that `tentacle data` tells of")
+    recordings = [read_beam(folder / f"{name}.csv") for name in FILES]
+    for recording in recordings:
+        if (out / recording.name).exists():
+            raise InputError("is there already", file=out / recording.name, expected="a folder without it")
+    for recording in recordings:
+        print(f"wrote {write_folder(recording, out / recording.name)}")
+    return 0

@@ -1,0 +1,38 @@
+"""tentacle import: a lab's folder becomes one .rrd file that holds everything."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "check a lab's folder (video, midline or markers, with logs) and store it as one .rrd file"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("recording", type=Path, metavar="RECORDING", help="import folder, or an .rrd to check again")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE.rrd", help="where to store it")
+    parser.add_argument("--json", action="store_true", help="print what was found as JSON")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Read, check, write; then say what is in it."""
+    import json
+
+    from tentacle.errors import InputError
+    from tentacle.reading import read_recording
+    from tentacle.recording_rrd import write_rrd
+    from tentacle.recording_summary import summarise
+
+    if arguments.out.suffix != ".rrd":
+        raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
+    recording = read_recording(arguments.recording)
+    write_rrd(recording, arguments.out)
+    summary = summarise(recording)
+    if arguments.json:
+        print(json.dumps({"file": str(arguments.out), "name": recording.name, "signals": summary}, indent=1))
+    else:
+        for line in summary.values():
+            print(line)
+        print(f"wrote {arguments.out}")
+    return 0

@@ -1,0 +1,52 @@
+"""What a recording holds, a line a signal: for people who have just imported one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tentacle.recording import Recording
+from tentacle.signals import Array
+
+
+def summarise(recording: Recording) -> dict[str, str]:
+    """Signal name -> one line: how many samples, over what time, at what rate, how many missing."""
+    lines = {"recording": f"{recording.name}: {_declared(recording)}"}
+    if recording.video is not None:
+        lines["video"] = f"video: {recording.video.path.name}"
+    if recording.motor is not None:
+        lines["motor"] = f"motor: {_sampling(recording.motor.t)}"
+    if recording.load_cell is not None:
+        lines["load_cell"] = f"load cell: {_sampling(recording.load_cell.t)}"
+    if recording.midline is not None:
+        line = f"midline: {len(recording.midline.s)} points, {_sampling(recording.midline.t)}"
+        lines["midline"] = line + _missing(recording.midline.xy)
+    if recording.markers is not None:
+        line = f"markers: {', '.join(recording.markers.names)}, {_sampling(recording.markers.t)}"
+        lines["markers"] = line + _missing(recording.markers.xy)
+    if recording.shape is not None:
+        shape = recording.shape
+        accepted = f"{int(shape.accepted.sum())} of {len(shape.t)} frames accepted"
+        lines["shape"] = f"shape: {accepted}, {_sampling(shape.t)}"
+    for key, note in recording.notes.items():
+        lines[f"note {key}"] = f"note: {key}: {note}"
+    return lines
+
+
+def _declared(recording: Recording) -> str:
+    declaration = recording.declaration
+    density = declaration.fluid.density
+    fluid = f"in a fluid of {density:g} kg/m3" if density else "in air"
+    released = "" if declaration.release_t is None else f", released at {declaration.release_t:g} s"
+    specimen = declaration.specimen
+    return f"{1000 * specimen.length:g} mm arm of {1000 * specimen.mass:.3g} g {fluid}{released}"
+
+
+def _sampling(t: Array) -> str:
+    if len(t) < 2:
+        return f"{len(t)} samples"
+    return f"{len(t)} samples, {t[0]:g} to {t[-1]:g} s, {1 / np.median(np.diff(t)):.4g} Hz"
+
+
+def _missing(xy: Array) -> str:
+    missing = float(np.isnan(xy[..., 0]).mean())
+    return f", {100 * missing:.2g} % not seen" if missing else ""

@@ -1,0 +1,165 @@
+"""Swimming trials against physics: symmetry, momentum on the rail, energy, and what the optimiser promises."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from affine_model.simulate import Rail
+from affine_model.swim import (
+    OBJECTIVES,
+    PAPER_RAIL,
+    ServoLimits,
+    assumed_model,
+    best_sine,
+    cost_of_transport,
+    optimise,
+    paper_cone,
+    parameter_samples,
+    robust_trial,
+    run,
+    search_box,
+    sine_gaits,
+    sine_map,
+    trial_of,
+)
+from affine_model.swim.objectives import scores, worst_quarter_mean
+from affine_model.swim.polish import polish, value_and_gradient
+from tentacle.errors import InputError
+from tentacle.model import Estimate
+from tentacle.specimen import AIR
+
+MODEL = assumed_model(paper_cone(0.21), "dragon-skin-10")
+TRIAL = trial_of(MODEL)
+BOX = search_box(TRIAL.limits)
+THRUST = OBJECTIVES["thrust"]
+
+
+def test_left_and_right_thrust_alike():
+    # Gravity points along the arm, so theta -> -theta mirrors the motion: thrust is the same, to rounding.
+    alpha = BOX.alpha(np.random.default_rng(1).random((9, 12)))
+    mirrored = alpha.copy()
+    mirrored[6:] += np.pi
+    one, other = run(TRIAL, alpha), run(TRIAL, mirrored)
+    assert np.allclose(one.thrust, other.thrust, rtol=1e-6, atol=1e-9)
+
+
+def test_a_beating_tail_swims_base_first():
+    outcome = run(TRIAL.on_rail(PAPER_RAIL), sine_gaits(np.array([0.5]), np.array([1.0])))
+    assert outcome.thrust[0, 0] > 0.0
+    assert outcome.speed[0, 0] > 0.0
+
+
+def test_momentum_on_the_rail():
+    # Steady swimming on a level rail: mean fluid force = mean friction = viscous x speed. The mean is over whole
+    # periods (1 Hz, 8 s); what is left is the step's error and the decaying start (rate viscous/mass = 1.6/s over 8 s:
+    # 3e-6).
+    rail = Rail(mass=0.25, viscous=0.4)
+    trial = replace(trial_of(MODEL, nodes=8), settle=8.0, window=8.0, step=1 / 400).on_rail(rail)
+    outcome = run(trial, sine_gaits(np.array([0.5, 0.3]), np.array([1.0, 2.0])))
+    assert np.allclose(outcome.thrust, rail.viscous * outcome.speed, rtol=2e-3)
+
+
+def test_the_servo_pays_for_what_the_water_takes():
+    # A passive arm in still water only dissipates: the mean power over whole periods is positive.
+    outcome = run(TRIAL, sine_gaits(np.array([0.2, 0.4, 0.6]), np.array([0.5, 1.0, 1.5])))
+    assert np.all(outcome.power > 0.0)
+
+
+def test_coarse_trial_agrees_with_the_fine_one():
+    alpha = BOX.alpha(np.random.default_rng(2).random((9, 32)))
+    coarse = run(TRIAL, alpha)
+    fine = run(replace(trial_of(MODEL, nodes=8), step=1 / 480), alpha)
+    scale = np.max(np.abs(fine.thrust))
+    error = np.abs(coarse.thrust - fine.thrust) / scale
+    # Second order in the step of 1/120 s; measured 0.1 % in the median and 2 % at worst, with room for other gaits.
+    assert np.median(error) < 5e-3
+    assert np.max(error) < 4e-2
+
+
+def test_best_sine_is_the_best_of_a_fine_grid():
+    alpha, value = best_sine(TRIAL, THRUST)
+    grid = sine_map(TRIAL, THRUST, np.linspace(0.1, 1.04, 24), np.linspace(0.25, 2.5, 24))
+    assert value >= np.nanmax(grid.values)
+    assert alpha[1] == alpha[2] == 0.0
+    # Beyond the servo's speed there is no such sine: the map says so.
+    assert np.isnan(grid.values[-1, -1])
+
+
+def test_gradient_by_batch_equals_richardson():
+    unit = np.array([0.3, 0.4, 0.2, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
+    gentle = replace(
+        TRIAL, limits=ServoLimits(angle=3.0, speed=60.0, acceleration=5000.0)
+    )  # scaling has kinks, the model none
+    _, coarse = value_and_gradient(gentle, THRUST, BOX, unit, 4e-4)
+    _, fine = value_and_gradient(gentle, THRUST, BOX, unit, 2e-4)
+    truth = (4.0 * fine - coarse) / 3.0
+    _, used = value_and_gradient(gentle, THRUST, BOX, unit)
+    # An offset of 1e-4 shifts the highest harmonic by up to 0.01 rad over the trial: its square is the truncation.
+    assert np.allclose(used, truth, rtol=1e-3, atol=2e-4 * np.max(np.abs(truth)))
+
+
+def test_polish_never_loses():
+    unit = np.array([0.3, 0.4, 0.2, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
+    before = scores(THRUST, TRIAL, run(TRIAL, BOX.alpha(unit[:, None])))[0]
+    _, after = polish(TRIAL, THRUST, BOX, unit, iterations=5)
+    assert after > before
+
+
+def test_the_optimised_gait_obeys_the_servo_and_beats_the_sine():
+    result = optimise(TRIAL, THRUST, evaluations=960, seed=4)
+    t = np.arange(0.0, 120.0, 1e-3)
+    peaks = np.max(np.abs(result.gait(t)), axis=1)
+    assert np.all(
+        peaks <= TRIAL.limits.kinematic * 1.001
+    )  # sampled at 2 ms: a peak in between is (2 pi 5 Hz x 1 ms)^2/2 higher
+    assert result.promise.torque <= TRIAL.limits.torque
+    assert result.gain >= 1.0
+    assert result.promise.thrust >= result.sine_promise.thrust
+    assert np.all(np.diff(result.best) >= 0.0)
+
+
+def test_a_weak_servo_is_obeyed_too():
+    weak = replace(TRIAL, limits=ServoLimits(torque=0.005))
+    free = run(TRIAL, best_sine(TRIAL, THRUST)[0][:, None])
+    assert free.torque[0, 0] > 0.005  # the limit matters
+    alpha, _ = best_sine(weak, THRUST)
+    assert run(weak, alpha[:, None]).torque[0, 0] <= 0.005
+
+
+def test_samples_follow_the_intervals():
+    samples = parameter_samples(MODEL, 4001, seed=1)
+    again = parameter_samples(MODEL, 4001, seed=1)
+    assert np.array_equal(samples, again)
+    varied = np.flatnonzero(np.ptp(samples, axis=1) > 0.0)
+    assert len(varied) == 4
+    estimate = MODEL.parameters["drag"]["C_perp"]
+    row = next(index for index in varied if samples[index, 0] == estimate.value)
+    # 4000 draws: the standard deviation is known to 1/sqrt(8000) = 1.1 %, three times that is allowed.
+    assert np.std(samples[row, 1:]) == pytest.approx((estimate.high - estimate.low) / 3.92, rel=0.035)
+
+
+def test_robust_trial_scores_the_worst_quarter():
+    trial = robust_trial(TRIAL, MODEL, 8, seed=2)
+    outcome = run(trial, sine_gaits(np.array([0.5, 0.5]), np.array([0.8, 1.0])))
+    assert outcome.thrust.shape == (2, 8)
+    single = run(TRIAL, sine_gaits(np.array([0.5]), np.array([0.8])))
+    assert outcome.thrust[0, 0] == pytest.approx(single.thrust[0, 0], rel=1e-9)
+    lowest_two = np.sort(outcome.thrust, axis=1)[:, :2].mean(axis=1)
+    assert np.allclose(scores(THRUST, trial, outcome), lowest_two)
+    assert np.allclose(worst_quarter_mean(outcome.thrust[:, :1]), outcome.thrust[:, 0])
+
+
+def test_cost_of_transport_counts_the_board():
+    outcome = run(TRIAL.on_rail(PAPER_RAIL), sine_gaits(np.array([0.5]), np.array([1.0])))
+    expected = (outcome.power[0, 0] + 0.1) / outcome.speed[0, 0]
+    assert cost_of_transport(outcome)[0, 0] == pytest.approx(expected)
+
+
+def test_what_cannot_swim_is_one_line():
+    with pytest.raises(InputError, match="no water"):
+        trial_of(replace(MODEL, fluid=AIR))
+    with pytest.raises(InputError, match="interval"):
+        parameter_samples(replace(MODEL, parameters={"elasticity": {"E": Estimate.exact(2e5)}}), 4, 0)
+    with pytest.raises(InputError, match="not known"):
+        assumed_model(paper_cone(0.14), "rubber")
