@@ -1,4 +1,4 @@
-"""Midlines of a free, slender body through a recording, from silhouettes: coils are flagged, a bad affine fit is said."""
+"""Midlines of a free, slender body through a recording, from silhouettes: coils are flagged, a bad fit is said."""
 
 from __future__ import annotations
 

@@ -176,7 +176,7 @@ class Follower:
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
             slow=fit.slow,
-            outline_px=_drawing(fit),
+            outline_px=self.geometry.lens.bend(_drawing(fit)),
         )
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, Array, tuple[float, ...]]]:

@@ -73,7 +73,10 @@ def paper_track(video: Path, declaration: Declaration, motor: MotorSignal | None
             rows.append([np.nan] * 3)
             continue
         turned = np.stack(  # by -theta, so that the base frame turns with the servo
-            [axis[:, 0] * np.cos(theta) + axis[:, 1] * np.sin(theta), axis[:, 1] * np.cos(theta) - axis[:, 0] * np.sin(theta)],
+            [
+                axis[:, 0] * np.cos(theta) + axis[:, 1] * np.sin(theta),
+                axis[:, 1] * np.cos(theta) - axis[:, 0] * np.sin(theta),
+            ],
             axis=1,
         )
         rows.append([0.0, *search.best(turned / length)])

@@ -18,7 +18,7 @@ SIDE_POINTS = 200
 
 @dataclass(frozen=True)
 class Silhouette:
-    """Outer contour (C, 2) [px] of the largest body, its area [px^2], the area of the holes in it, polarity (+1 dark)."""
+    """Outer contour (C, 2) [px] of the largest body, its area and that of its holes [px^2], polarity (+1 dark)."""
 
     contour: Array
     area: float
@@ -71,9 +71,7 @@ def find_ends(contour: Array) -> tuple[int, int]:
     even = _even_closed(contour, 400)
     window = max(int(END_WINDOW * len(even)), 2)
     ahead, behind = np.roll(even, -window, axis=0) - even, even - np.roll(even, window, axis=0)
-    turn = np.arctan2(
-        behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0], np.sum(behind * ahead, axis=1)
-    )
+    turn = np.arctan2(behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0], np.sum(behind * ahead, axis=1))
     area = np.sum(even[:, 0] * np.roll(even[:, 1], -1) - even[:, 1] * np.roll(even[:, 0], -1))
     turn = turn * np.sign(area)
     turn = np.convolve(np.concatenate([turn[-3:], turn, turn[:3]]), np.ones(7) / 7.0, mode="valid")
@@ -85,7 +83,7 @@ def find_ends(contour: Array) -> tuple[int, int]:
 
 
 def mean_axis(contour: Array, first: int, second: int, points: int = 100) -> Axis:
-    """The perimeter's two sides, from one end to the other, averaged: equal arcs first, then along the axis' normals."""
+    """The perimeter's two sides, from one end to the other, averaged: by equal arcs, then along the axis' normals."""
     count = len(contour)
     forward = contour[np.arange(first, first + (second - first) % count + 1) % count]
     backward = contour[np.arange(first, first - (first - second) % count - 1, -1) % count]
