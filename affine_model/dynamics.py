@@ -14,6 +14,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from affine_model.arm import Arm, parameter_rows
+from affine_model.curvature import angle_basis
 from affine_model.effect import Effect
 
 
@@ -43,9 +44,10 @@ def _torch_constants(arm: Arm, dtype: Any, device: Any) -> tuple[tuple[Any, ...]
 
 
 def _numpy_constants(arm: Arm) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """L W, L w, the angle and the curvature basis at the nodes, and the section quantities there."""
+    """L W, L w, the angle and the curvature basis at the nodes, the angle basis at s = 1, and the sections' quantities."""
     L, rule = arm.specimen.length, arm.rule
-    return (L * rule.integration, L * rule.weights, arm.angle_basis, arm.curvature_basis), arm.node_quantities
+    end = angle_basis(arm.order, [1.0])[0]
+    return (L * rule.integration, L * rule.weights, arm.angle_basis, arm.curvature_basis, end), arm.node_quantities
 
 
 def parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
@@ -71,7 +73,7 @@ def balance(
     xp = sys.modules[type(u).__module__.split(".")[0]]
     n, L = arm.order, arm.specimen.length
     known = _numpy_constants(arm) if xp.__name__ == "numpy" else _torch_constants(arm, u.dtype, u.device)
-    (W, w, A, C), node = known
+    (W, w, A, C, end), node = known
 
     z, theta, z_rate, theta_rate = u[..., :n], u[..., n : n + 1], u_rate[..., :n], u_rate[..., n : n + 1]
     phi, phi_rate = theta + z @ A.T, theta_rate + z_rate @ A.T
@@ -144,14 +146,22 @@ def balance(
     moment = total("bending_moment") + x.stiffness * x.c
     force = force - xp.einsum("i,...ij,...i->...j", w / L, curvature_columns, moment)
 
-    tip_mass = (total("tip_mass") + 0 * phi)[..., -1]
-    tip_jacobian = xp.concatenate(
-        [xp.einsum("k,...kx,...kj->...xj", w, -normal, angle_columns[..., : n + 1]), rail_column[..., -1, :, :]], -1
-    )
-    tip_acceleration = xp.einsum("k,...kx->...x", w, -tangent * (phi_rate**2)[..., None])
-    M = M + tip_mass[..., None, None] * xp.einsum("...xj,...xl->...jl", tip_jacobian, tip_jacobian)
-    tip_force = tip_mass[..., None] * (gravity[..., -1, :] - tip_acceleration)
-    force = force + xp.einsum("...xj,...x->...j", tip_jacobian, tip_force)
+    hung, reach = total_pair("hung_mass")
+    end_columns = xp.concatenate([end + 0 * z, xp.ones_like(theta)], -1)
+    end_phi, end_rate = theta[..., 0] + z @ end, theta_rate[..., 0] + z_rate @ end
+    end_normal = xp.stack([xp.cos(end_phi), xp.sin(end_phi)], -1)
+    end_tangent = xp.stack([-xp.sin(end_phi), xp.cos(end_phi)], -1)
+    tip_turning = xp.einsum("k,...kx,...kj->...xj", w, -normal, angle_columns[..., : n + 1])
+    tip_centripetal = xp.einsum("k,...kx->...x", w, -tangent * (phi_rate**2)[..., None])
+    # Point masses: the payload at s = 1, and what hangs from the tip at a reach along its tangent.
+    for mass, ahead in ((total("tip_mass"), 0.0), (hung, reach)):
+        point, ahead = (mass + 0 * phi)[..., -1], (ahead + 0 * phi)[..., -1]
+        lever = tip_turning - ahead[..., None, None] * xp.einsum("...x,...j->...xj", end_normal, end_columns)
+        columns = xp.concatenate([lever, rail_column[..., -1, :, :]], -1)
+        acceleration = tip_centripetal - (ahead * end_rate**2)[..., None] * end_tangent
+        M = M + point[..., None, None] * xp.einsum("...xj,...xl->...jl", columns, columns)
+        pull = point[..., None] * (gravity[..., -1, :] - acceleration)
+        force = force + xp.einsum("...xj,...x->...j", columns, pull)
     fluid_mass = xp.einsum("i,...i,...ix,...ij->...xj", w, normal_inertia, normal, projected)
     return Balance(M, force, xp.einsum("i,...ix->...x", w, fluid), fluid_mass)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.arm import Arm, active_effects
-from affine_model.curvature import Array
+from affine_model.curvature import Array, angle_basis
 from affine_model.effects import catalogue
 from affine_model.kernel import advance_blocks
 
@@ -102,7 +102,8 @@ def simulate(
     acting = {effect.name for effect in active_effects(parameters)}
     active = np.array([name in acting for name in catalogue()])
     columns = np.zeros((arm.nodes, n + 2))
-    angle, curvature = columns.copy(), columns
+    angle, curvature, end = columns.copy(), columns, np.zeros(n + 2)
+    end[:n], end[n] = angle_basis(n, [1.0])[0], 1.0
     angle[:, :n], angle[:, n], curvature[:, :n] = arm.angle_basis, 1.0, arm.curvature_basis
     length, rule = arm.specimen.length, arm.rule
     servo_row = np.zeros(5)
@@ -111,7 +112,7 @@ def simulate(
     rail_row = np.array([0.0, 0.0, 0.0, 1.0] if rail is None else [rail.mass, rail.viscous, rail.dry, rail.slip_speed])
     advance_blocks(
         arm.nodes, count, n, parameters, active, constants, node["s"], node["area"], node["second_moment"], node["width"],
-        node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, curvature, base,
+        node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, end, curvature, base,
         servo_row, rail_row, servo is not None, rail is not None, step, steps, start, start_rate, iterations, stride,
         round(average_from / step), t0, out_u, out_rate, out_force, summary,
     )  # fmt: skip
