@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from tentacle.signals import Array
 
 TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)
-MISFIT = 2.5  # times the usual profile residual: no plain step
-LEAP = 0.3  # of the contrast around: something else
-NEIGHBOURS = 4  # stations beside a disturbed edge that go with it
+MISFIT = 2.0  # times the usual profile residual: no plain step
+LEAP = 0.2  # of the contrast around: something else
+NEIGHBOURS = 8  # stations beside a disturbed edge that go with it
 AROUND = 30  # stations to either side that make up the usual
 STRIDE = 15  # stations between two looks at the usual
 MEAN_REACH = 15  # stations to either side over which the greys beside the edges are averaged
