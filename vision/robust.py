@@ -73,7 +73,8 @@ def disturbed(
                 usual_contrast = np.median(np.abs(contrast[around]))
                 usual_misfit = max(np.median(misfit[around]), floor)
             e = index[k]
-            leaps = abs(abs(contrast[e]) - usual_contrast) > LEAP * usual_contrast
+            # a profile's contrast scatters by about its residual: what noise does is no leap
+            leaps = abs(abs(contrast[e]) - usual_contrast) > max(LEAP * usual_contrast, 4.0 * usual_misfit)
             if leaps or misfit[e] > MISFIT * usual_misfit:
                 for neighbour in range(max(e - NEIGHBOURS, 0), min(e + NEIGHBOURS + 1, len(kind))):
                     odd[neighbour] = odd[neighbour] or kind[neighbour] == side
