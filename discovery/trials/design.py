@@ -147,11 +147,11 @@ def designs(
         raise InputError(f"{', '.join(unknown) or 'none'}", field="kinds", expected=f"some of {', '.join(KINDS)}")
     if not 0.0 <= video_share <= 1.0:
         raise InputError(f"{video_share!r} is not usable", field="video share", expected="0 to 1")
-    turns = [kind for kind in ROUND if kind in kinds]
+    turns: list[Kind] = [kind for kind in ROUND if kind in kinds]
     found: list[Design] = []
     places = dict.fromkeys(KINDS, 0)
     for index in range(count):
-        kind: Kind = turns[index % len(turns)]
+        kind = turns[index % len(turns)]
         random = np.random.default_rng([seed, index])
         effects = _hidden(kind, places[kind], seed, catalogued, outside, random)
         places[kind] += 1
