@@ -101,7 +101,8 @@ def _observation(
         if _turns_with_base(recording, theta):
             words.append("The midline turns with the base: it is taken as given in the base's own turning frame.")
             data = type(data)(data.t, data.s, _turned(data.xy, theta), data.sigma)
-        points = int(np.median(np.isfinite(data.xy).all(axis=2).sum(axis=1)))
+        counts = np.isfinite(data.xy).all(axis=2).sum(axis=1)
+        points = int(np.median(counts[counts > 0])) if counts.any() else 0
         order = min(MOST_COORDINATES, points - POSE)
         if order < 2:
             raise CannotTellError(f"The midline of {recording.name} has {points} points a frame; 6 are the least.")
