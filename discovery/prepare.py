@@ -146,6 +146,8 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     release = recording.declaration.release_t
     first = times[seen][0]
     last = min(times[seen][-1], first + LONGEST)
+    if times[seen][-1] > last:
+        words.append(f"Of {recording.name} the first {LONGEST:.0f} s are judged.")
     within = seen & (times <= last)
     used = within.copy()
     if hold_out:
