@@ -27,6 +27,7 @@ class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=16, width=min(shutil.get_terminal_size().columns, 120))
+        self._action_max_length = 14  # argparse of Python 3.11 forgets that verbs are indented
 
 
 def verb_names() -> list[str]:
