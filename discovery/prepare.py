@@ -135,7 +135,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         seen = observation.root[:, -1, -1] > 0
         channels = observation.coefficients.shape[1]
     else:
-        seen = np.isfinite(observation.xy).any(axis=(1, 2))
+        seen = np.asarray(np.isfinite(observation.xy).any(axis=(1, 2)))
         channels = 2 * observation.s.size
     if seen.sum() < FEWEST_FRAMES:
         raise CannotTellError(f"{recording.name} has {int(seen.sum())} usable frames; {FEWEST_FRAMES} are the least.")
