@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from tentacle.signals import Array
 
@@ -80,27 +80,44 @@ class Multisine:
         return np.sum([Sine(amplitude, frequency, phase)(t) for amplitude, frequency, phase in parts], axis=0)
 
 
+def gait_harmonics(terms: int) -> tuple[NDArray[np.int_], Array, NDArray[np.int_]]:
+    """The harmonics (H,) of eq. 20: multiple of fundamental, coefficient, wave (0 sine, 1 square, 2 saw-tooth)."""
+    square, saw = 2 * np.arange(1, terms + 1) - 1, np.arange(1, terms + 1)
+    multiple = np.concatenate([[1], square, saw])
+    wave = np.repeat([0, 1, 2], [1, terms, terms])
+    return multiple, 1.0 / multiple, wave
+
+
+def band_weight(multiple: ArrayLike, omega: ArrayLike, bandwidth: float) -> Array:
+    """What of harmonic n (...) of a fundamental omega (...) [rad/s] stays: for n >= 2 cos^2(pi/2 n f / bandwidth)."""
+    multiple = np.asarray(multiple)
+    share = multiple * np.abs(omega) / (2.0 * np.pi * bandwidth)
+    return np.where(multiple == 1, 1.0, np.cos(0.5 * np.pi * np.minimum(share, 1.0)) ** 2)
+
+
 @dataclass(frozen=True)
 class Gait:
     """The nine-parameter gait of eq. 20: a sine, a square wave and a saw-tooth, each with amplitude, rate and phase.
 
     alpha: (alpha_1 .. alpha_9); 1-3 amplitudes [rad], 4-6 angular rates [rad/s], 7-9 phases [rad], in that order of
     waves. The print sums infinitely many terms, whose acceleration has no limit (the n-th term's grows like n): here
-    the first `terms` of each are taken. As printed, a phase is added to every harmonic alike, so that alpha_8 and
-    alpha_9 bend the square and the saw-tooth rather than shift them.
+    the first `terms` of each are taken, and they fade out towards the servo's bandwidth [Hz] where one is given
+    (band_weight). As printed, a phase is added to every harmonic alike, so that alpha_8 and alpha_9 bend the square
+    and the saw-tooth rather than shift them.
     """
 
     alpha: tuple[float, float, float, float, float, float, float, float, float]
     terms: int = GAIT_TERMS
+    bandwidth: float = np.inf
 
     def __call__(self, t: ArrayLike) -> Array:
         """See Waveform."""
         t = np.asarray(t, dtype=float)
-        a1, a2, a3, a4, a5, a6, a7, a8, a9 = self.alpha
-        motion = _sine(a1, a4, a7, t)
-        for n in range(1, self.terms + 1):
-            motion += _sine(a2 / (2 * n - 1), a5 * (2 * n - 1), a8, t)  # square wave term
-            motion += _sine(a3 / n, a6 * n, a9, t)  # saw-tooth wave term
+        amplitude, omega, phase = np.array(self.alpha).reshape(3, 3)
+        motion = np.zeros((3, *t.shape))
+        for multiple, coefficient, wave in zip(*gait_harmonics(self.terms), strict=True):
+            strength = amplitude[wave] * coefficient * band_weight(multiple, omega[wave], self.bandwidth)
+            motion += _sine(float(strength), float(multiple * omega[wave]), float(phase[wave]), t)
         return motion
 
 

@@ -6,7 +6,7 @@
 | sine | amplitude_rad, frequency_hz, phase_rad = 0 |
 | chirp | amplitude_rad, start_hz, stop_hz, duration_s |
 | multisine | amplitudes_rad, frequencies_hz, phases_rad: lists of one length |
-| gait | alpha: the nine numbers of eq. 20; terms = 5 |
+| gait | alpha: the nine numbers of eq. 20; terms = 5; bandwidth_hz (absent: none) |
 | samples | t_s, angle_rad: lists of one length, times rising; between them a spline (tentacle.base_motion) |
 
 Every kind takes ramp_s: it then starts from rest at theta = 0 over that time (tentacle.waveform.Ramped).
@@ -69,8 +69,9 @@ def waveform_table(waveform: Waveform) -> dict[str, Any]:
         case Multisine(amplitudes, frequencies, phases):
             head = {"kind": "multisine", "amplitudes_rad": list(amplitudes)}
             return {**head, "frequencies_hz": list(frequencies), "phases_rad": list(phases)}
-        case Gait(alpha, terms):
-            return {"kind": "gait", "alpha": list(alpha), "terms": terms}
+        case Gait(alpha, terms, bandwidth):
+            band = {"bandwidth_hz": bandwidth} if np.isfinite(bandwidth) else {}
+            return {"kind": "gait", "alpha": list(alpha), "terms": terms, **band}
         case Ramped(inner, duration) if not isinstance(inner, Ramped):
             return {**waveform_table(inner), "ramp_s": duration}
     raise TypeError(f"{type(waveform).__name__} has no table; sample it and write kind = samples")
@@ -102,7 +103,8 @@ def _multisine(table: Table) -> Waveform:
 
 def _gait(table: Table) -> Waveform:
     alpha = cast(tuple[float, float, float, float, float, float, float, float, float], table.numbers("alpha", 9))
-    return Gait(alpha, table.whole_number("terms", GAIT_TERMS, least=1))
+    terms = table.whole_number("terms", GAIT_TERMS, least=1)
+    return Gait(alpha, terms, table.number("bandwidth_hz", above=0) if "bandwidth_hz" in table else np.inf)
 
 
 def _samples(table: Table) -> Waveform:

@@ -1,10 +1,10 @@
 """The paper's Table II: three arms, a slow and a fast sine, and the optimised gait, as speeds on the rail.
 
-What the paper leaves open, and what is taken here: the silicone (Dragon Skin 10), the rail's friction (PAPER_RAIL), and the sines of
-its thrust map. Fig. 9 is read as amplitudes up to pi/6 (the paper's excitation, II-B) and frequencies about its 3 rad/s: the slow sine
-is the best of 0.25 to 0.5 Hz, the fast one the best of 0.5 to 0.75 Hz. The optimised gait has the servo's limits instead of that map's
-edge. So the paper's ratio (over the better of its sines) mixes two gains: leaving the map, and leaving the sine. The
-best sine within the same limits as the gait separates them.
+What the paper leaves open, and what is taken here: the silicone (Dragon Skin 10), the rail's friction (PAPER_RAIL), and
+the sines of its thrust map. Fig. 9 is read as amplitudes up to pi/6 (the paper's excitation, II-B) and frequencies
+about its 3 rad/s: the slow sine is the best of 0.25 to 0.5 Hz, the fast one the best of 0.5 to 0.75 Hz. The optimised
+gait has the servo's limits instead of that map's edge. So the paper's ratio (over the better of its sines) mixes two
+gains: leaving the map, and leaving the sine. The best sine within the same limits as the gait separates them.
 """
 
 from __future__ import annotations
@@ -15,14 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.swim.limits import ServoLimits
+from affine_model.swim.gaits import gait_of
+from affine_model.swim.limits import GaitLimits
 from affine_model.swim.objectives import OBJECTIVES
 from affine_model.swim.optimise import Swimming, for_objective, optimise, promise
 from affine_model.swim.silicones import assumed_model, paper_cone
-from affine_model.swim.thrust_map import sine_map
+from affine_model.swim.thrust_map import sine_gaits, sine_map
 from affine_model.swim.trial import PAPER_RAIL, trial_of
-from tentacle.gait import Gait
 from tentacle.model import Model
+from tentacle.waveform import Gait
 
 SILICONE = "dragon-skin-10"
 MAP_AMPLITUDE = np.pi / 6.0
@@ -66,7 +67,9 @@ class Row:
 
     @staticmethod
     def ratios(speeds: tuple[float, ...]) -> tuple[float, float]:
-        """The optimised gait over the better of the map's sines (the paper's ratio), and over the best sine that the servo can do."""
+        """The optimised gait over the better of the map's sines (the paper), and over the best sine that the
+        servo can do.
+        """
         return speeds[3] / max(speeds[:2]), speeds[3] / speeds[2]
 
 
@@ -75,12 +78,14 @@ def table2(
     objective: str = "speed",
     evaluations: int = 5000,
     seed: int = 0,
-    limits: ServoLimits | None = None,
+    limits: GaitLimits | None = None,
     reference: Callable[[Model, Gait], float] | None = None,
     lengths: tuple[float, ...] = tuple(PRINTED),
 ) -> list[Row]:
-    """Compute Table II on the affine model; reference(model, gait) gives an independent simulation's speed [m/s] on PAPER_RAIL."""
-    limits = limits or ServoLimits()
+    """Compute Table II on the affine model; reference(model, gait) gives an independent simulation's speed [m/s] on
+    PAPER_RAIL.
+    """
+    limits = limits or GaitLimits()
     return [_row(length, objective, evaluations, seed, limits, reference) for length in lengths]
 
 
@@ -89,7 +94,7 @@ def _row(
     objective: str,
     evaluations: int,
     seed: int,
-    limits: ServoLimits,
+    limits: GaitLimits,
     reference: Callable[[Model, Gait], float] | None,
 ) -> Row:
     model = assumed_model(paper_cone(length), SILICONE)
@@ -102,7 +107,7 @@ def _row(
     return Row(length, model, gaits, affine, measured, found)
 
 
-def _map_sine(model: Model, limits: ServoLimits, band: tuple[float, float]) -> Gait:
+def _map_sine(model: Model, limits: GaitLimits, band: tuple[float, float]) -> Gait:
     """The best of the map's sines in a band of frequencies, by speed on the rail."""
     speed = OBJECTIVES["speed"]
     trial = for_objective(trial_of(model, limits), speed, PAPER_RAIL)
@@ -113,8 +118,7 @@ def _map_sine(model: Model, limits: ServoLimits, band: tuple[float, float]) -> G
 
 
 def _sine(amplitude: float, frequency: float, bandwidth: float) -> Gait:
-    omega = 2.0 * np.pi * frequency
-    return Gait((amplitude, 0.0, 0.0, omega, omega, omega, 0.0, 0.0, 0.0), bandwidth)
+    return gait_of(sine_gaits(np.array([amplitude]), np.array([frequency]))[:, 0], bandwidth)
 
 
 def cells(rows: list[Row]) -> list[list[str]]:

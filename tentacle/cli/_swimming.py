@@ -1,4 +1,6 @@
-"""What `optimise` and `reproduce table2` share: gaits on the reference's rail, results as plain data, notes of a running search."""
+"""What `optimise` and `reproduce table2` share: gaits on the reference's rail, results as plain data, notes of a
+running search.
+"""
 
 from __future__ import annotations
 
@@ -14,10 +16,10 @@ if TYPE_CHECKING:
 
     from affine_model.simulate import Rail
     from affine_model.swim import Generation, Promise, Swimming
-    from tentacle.gait import Gait
     from tentacle.model import Model
+    from tentacle.waveform import Gait
 
-SETTLE_S, WINDOW_S, FPS = 4.0, 16.0, 50.0
+LEAD_IN_S, SETTLE_S, WINDOW_S, FPS = 1.0, 4.0, 16.0, 50.0
 
 
 def reference_speed(model: Model, gait: Gait, rail: Rail | None = None) -> float:
@@ -31,7 +33,7 @@ def reference_speed(model: Model, gait: Gait, rail: Rail | None = None) -> float
     rail = rail or PAPER_RAIL
     level = replace(model, gravity=replace(model.gravity, magnitude=0.0))
     carriage = ReferenceRail(rail.mass, rail.viscous, rail.dry)
-    run = simulate(level, gait, SETTLE_S + WINDOW_S, FPS, rail=carriage)
+    run = simulate(level, gait, SETTLE_S + WINDOW_S, FPS, rail=carriage, lead_in=LEAD_IN_S)
     start = round(SETTLE_S * FPS)
     # Forward is -y (affine_model.swim.trial).
     return -float((run.mount[-1, 1] - run.mount[start, 1]) / (run.t[-1] - run.t[start]))
@@ -43,7 +45,7 @@ def reference_thrust(model: Model, gait: Gait) -> float:
 
     from mujoco_ref.simulate import simulate
 
-    run = simulate(model, gait, SETTLE_S + WINDOW_S, FPS)
+    run = simulate(model, gait, SETTLE_S + WINDOW_S, FPS, lead_in=LEAD_IN_S)
     return -float(np.mean(run.thrust[round(SETTLE_S * FPS) :]))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from affine_model.swim import Front, ServoLimits, Swimming
+    from affine_model.swim import Front, GaitLimits, Swimming
     from tentacle.model import Model
 
 HELP = "find the base motion that swims best, within the servo's limits"
@@ -16,15 +16,8 @@ HELP = "find the base motion that swims best, within the servo's limits"
 OBJECTIVES = ("thrust", "speed", "transport")
 METHODS = ("cmaes", "ga", "random")
 SILICONES = ("dragon-skin-10", "dragon-skin-20", "ecoflex-00-30")
-LIMITS = {
-    "angle_rad": "angle",
-    "speed_rad_s": "speed",
-    "acceleration_rad_s2": "acceleration",
-    "torque_n_m": "torque",
-    "bandwidth_hz": "bandwidth",
-    "lowest_frequency_hz": "lowest_frequency",
-    "highest_frequency_hz": "highest_frequency",
-}
+SERVO = ("angle_rad", "speed_rad_s", "acceleration_rad_s2")
+DRIVE = ("torque_n_m", "bandwidth_hz", "lowest_frequency_hz", "highest_frequency_hz")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -37,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=METHODS, default="cmaes", help="ga is the paper's; default: cmaes")
     parser.add_argument("--evaluations", type=int, default=5000, help="gaits tried; default: the paper's 50 x 100")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--limits", type=Path, help=f"TOML with a [limits] table of {', '.join(LIMITS)}")
+    parser.add_argument("--limits", type=Path, help=f"TOML with a [limits] table of {', '.join(SERVO + DRIVE)}")
     parser.add_argument("--silicone", choices=SILICONES, default=SILICONES[0], help="of an arm without a fitted model")
     parser.add_argument("--robust", type=int, default=0, metavar="N", help="over N samples of the model's intervals")
     parser.add_argument("--front", action="store_true", help="also trace the front of speed against power")
@@ -47,6 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Search, check, write; an interrupted search goes on where it stopped when called again."""
     import json
+    from dataclasses import asdict
 
     import tomli_w
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -67,11 +61,13 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.robust:
         trial = robust_trial(trial, model, arguments.robust, arguments.seed)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    names = ("objective", "method", "evaluations", "seed", "robust")
-    inputs = {"model": model_tables(model), "limits": vars(limits), **{name: getattr(arguments, name) for name in names}}
+    settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
+    inputs = {"model": model_tables(model), "limits": asdict(limits), **settings}
     notes = SearchNotes(arguments.out / "search.jsonl", inputs)
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"), TimeRemainingColumn())
-    with Progress(*columns, transient=True) as progress:
+    done = TextColumn("{task.completed:.0f} gaits")
+    with Progress(
+        TextColumn("{task.description}"), BarColumn(), done, TimeRemainingColumn(), transient=True
+    ) as progress:
         task = progress.add_task(f"{arguments.method}, {arguments.objective}", total=arguments.evaluations)
 
         def watch(generation: Any) -> None:
@@ -118,20 +114,30 @@ def read_arm(path: Path, silicone: str) -> Model:
     return assumed_model(declaration.specimen, silicone, fluid, declaration.gravity)
 
 
-def read_limits(path: Path | None) -> ServoLimits:
+def read_limits(path: Path | None) -> GaitLimits:
     """The servo's limits in a TOML file, defaults where it says nothing; InputError names what is wrong."""
-    from affine_model.swim import ServoLimits
+    from dataclasses import replace
+
+    from affine_model.swim import HOBBY_SERVO, GaitLimits
     from tentacle.toml_table import Table, read_toml
 
     if path is None:
-        return ServoLimits()
+        return GaitLimits()
     text, values = read_toml(path)
     document = Table(values, file=path, text=text)
     table = document.required_table("limits")
-    given = {field: table.number(name, above=0) for name, field in LIMITS.items() if name in table}
+    servo = {name: table.number(name, above=0) for name in SERVO if name in table}
+    drive = {name: table.number(name, above=0) for name in DRIVE if name in table}
     table.finish()
     document.finish()
-    return ServoLimits(**given)
+
+    def field(name: str) -> str:  # bandwidth_hz -> bandwidth
+        return next(
+            name.removesuffix(unit) for unit in ("_rad_s2", "_rad_s", "_rad", "_n_m", "_hz") if name.endswith(unit)
+        )
+
+    limited = replace(HOBBY_SERVO, **{field(name): value for name, value in servo.items()})
+    return GaitLimits(limited, **{field(name): value for name, value in drive.items()})
 
 
 def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
@@ -150,7 +156,7 @@ def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
     }
 
 
-def trace_front(model: Model, limits: ServoLimits, seed: int) -> Front:
+def trace_front(model: Model, limits: GaitLimits, seed: int) -> Front:
     """The front of speed against power at the model's estimates."""
     from affine_model.swim import PAPER_RAIL, pareto_front, search_box, trial_of
 

@@ -9,7 +9,7 @@ from affine_model.simulate import Rail
 from affine_model.swim import (
     OBJECTIVES,
     PAPER_RAIL,
-    ServoLimits,
+    GaitLimits,
     assumed_model,
     best_sine,
     cost_of_transport,
@@ -27,6 +27,7 @@ from affine_model.swim.objectives import scores, worst_quarter_mean
 from affine_model.swim.polish import polish, value_and_gradient
 from tentacle.errors import InputError
 from tentacle.model import Estimate
+from tentacle.servo_limits import ServoLimits
 from tentacle.specimen import AIR
 
 MODEL = assumed_model(paper_cone(0.21), "dragon-skin-10")
@@ -88,9 +89,7 @@ def test_best_sine_is_the_best_of_a_fine_grid():
 
 def test_gradient_by_batch_equals_richardson():
     unit = np.array([0.3, 0.4, 0.2, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
-    gentle = replace(
-        TRIAL, limits=ServoLimits(angle=3.0, speed=60.0, acceleration=5000.0)
-    )  # scaling has kinks, the model none
+    gentle = replace(TRIAL, limits=GaitLimits(ServoLimits(3.0, 60.0, 5000.0)))  # scaling has kinks, the model none
     _, coarse = value_and_gradient(gentle, THRUST, BOX, unit, 4e-4)
     _, fine = value_and_gradient(gentle, THRUST, BOX, unit, 2e-4)
     truth = (4.0 * fine - coarse) / 3.0
@@ -120,7 +119,7 @@ def test_the_optimised_gait_obeys_the_servo_and_beats_the_sine():
 
 
 def test_a_weak_servo_is_obeyed_too():
-    weak = replace(TRIAL, limits=ServoLimits(torque=0.005))
+    weak = replace(TRIAL, limits=GaitLimits(torque=0.005))
     free = run(TRIAL, best_sine(TRIAL, THRUST)[0][:, None])
     assert free.torque[0, 0] > 0.005  # the limit matters
     alpha, _ = best_sine(weak, THRUST)
