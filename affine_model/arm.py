@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -24,12 +24,14 @@ class ParameterRow:
     index: int
 
 
+@cache
 def parameter_rows() -> tuple[ParameterRow, ...]:
     """Every parameter of the catalogue, in the order of the parameter vector that all simulations take."""
     pairs = [(effect.name, parameter) for effect in catalogue().values() for parameter in effect.parameters]
     return tuple(ParameterRow(effect, parameter, index) for index, (effect, parameter) in enumerate(pairs))
 
 
+@cache
 def parameter_index(effect: str, parameter: str) -> int:
     """Position of a parameter in the vector; KeyError where the catalogue has none of that name."""
     for row in parameter_rows():

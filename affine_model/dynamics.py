@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
 from affine_model.arm import Arm, parameter_rows
+from affine_model.curvature import angle_basis
 from affine_model.effect import Effect
 
 
@@ -21,15 +23,34 @@ class Balance:
     """mass_matrix (..., D, D) and force (..., D) with M u'' = force + external, D = n + 2 (curvatures, theta, rail).
 
     fluid_force (..., 2) [N] is what the water does to the arm without the reaction to acceleration (eq. 17 where only
-    drag acts). Of a sum of effects, so every part is a sum.
+    drag acts); with it, fluid_force - fluid_mass @ u'', fluid_mass (..., 2, D). Of a sum of effects, so every part is a sum.
     """
 
     mass_matrix: Any
     force: Any
     fluid_force: Any
+    fluid_mass: Any
 
 
-def _parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
+@lru_cache(maxsize=32)
+def _torch_constants(arm: Arm, dtype: Any, device: Any) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """The arm's arrays on the device, moved there once."""
+    torch = sys.modules["torch"]
+    arrays, node = _numpy_constants(arm)
+    return (
+        tuple(torch.as_tensor(array, dtype=dtype, device=device) for array in arrays),
+        {name: torch.as_tensor(value, dtype=dtype, device=device) for name, value in node.items()},
+    )
+
+
+def _numpy_constants(arm: Arm) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """L W, L w, the angle and the curvature basis at the nodes, the angle basis at s = 1, and the sections' quantities."""
+    L, rule = arm.specimen.length, arm.rule
+    end = angle_basis(arm.order, [1.0])[0]
+    return (L * rule.integration, L * rule.weights, arm.angle_basis, arm.curvature_basis, end), arm.node_quantities
+
+
+def parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
     """The effect's own parameters out of the row (R, ...), each with a trailing axis for the nodes."""
     rows = [row for row in parameter_rows() if row.effect == effect.name]
     return SimpleNamespace(**{row.parameter.name: parameters[row.index][..., None] for row in rows})
@@ -50,11 +71,9 @@ def balance(
     Maxwell branch. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n, with the couple m_a u_n u_t).
     """
     xp = sys.modules[type(u).__module__.split(".")[0]]
-    constant = (lambda a: a) if xp.__name__ == "numpy" else (lambda a: xp.as_tensor(a, dtype=u.dtype, device=u.device))
     n, L = arm.order, arm.specimen.length
-    W, w = constant(L * arm.rule.integration), constant(L * arm.rule.weights)
-    A, C = constant(arm.angle_basis), constant(arm.curvature_basis)
-    node = {name: constant(value) for name, value in arm.node_quantities.items()}
+    known = _numpy_constants(arm) if xp.__name__ == "numpy" else _torch_constants(arm, u.dtype, u.device)
+    (W, w, A, C, end), node = known
 
     z, theta, z_rate, theta_rate = u[..., :n], u[..., n : n + 1], u_rate[..., :n], u_rate[..., n : n + 1]
     phi, phi_rate = theta + z @ A.T, theta_rate + z_rate @ A.T
@@ -78,7 +97,7 @@ def balance(
         **node, **arm.arm_quantities, t=t, memory=memory, phi=phi, phi_rate=phi_rate,
         c=z @ C.T, c_rate=z_rate @ C.T, x=position[..., 0], y=position[..., 1], stiffness=0.0,
     )  # fmt: skip
-    own = [(effect, _parameters_of(effect, parameters)) for effect in effects]
+    own = [(effect, parameters_of(effect, parameters)) for effect in effects]
 
     def total(kind: str) -> Any:
         return sum((getattr(effect, kind)(x, p) for effect, p in own if getattr(effect, kind) is not None), 0.0)
@@ -127,12 +146,33 @@ def balance(
     moment = total("bending_moment") + x.stiffness * x.c
     force = force - xp.einsum("i,...ij,...i->...j", w / L, curvature_columns, moment)
 
-    tip_mass = (total("tip_mass") + 0 * phi)[..., -1]
-    tip_jacobian = xp.concatenate(
-        [xp.einsum("k,...kx,...kj->...xj", w, -normal, angle_columns[..., : n + 1]), rail_column[..., -1, :, :]], -1
-    )
-    tip_acceleration = xp.einsum("k,...kx->...x", w, -tangent * (phi_rate**2)[..., None])
-    M = M + tip_mass[..., None, None] * xp.einsum("...xj,...xl->...jl", tip_jacobian, tip_jacobian)
-    tip_force = tip_mass[..., None] * (gravity[..., -1, :] - tip_acceleration)
-    force = force + xp.einsum("...xj,...x->...j", tip_jacobian, tip_force)
-    return Balance(M, force, xp.einsum("i,...ix->...x", w, fluid))
+    hung, reach = total_pair("hung_mass")
+    end_columns = xp.concatenate([end + 0 * z, xp.ones_like(theta)], -1)
+    end_phi, end_rate = theta[..., 0] + z @ end, theta_rate[..., 0] + z_rate @ end
+    end_normal = xp.stack([xp.cos(end_phi), xp.sin(end_phi)], -1)
+    end_tangent = xp.stack([-xp.sin(end_phi), xp.cos(end_phi)], -1)
+    tip_turning = xp.einsum("k,...kx,...kj->...xj", w, -normal, angle_columns[..., : n + 1])
+    tip_centripetal = xp.einsum("k,...kx->...x", w, -tangent * (phi_rate**2)[..., None])
+    # Point masses: the payload at s = 1, and what hangs from the tip at a reach along its tangent.
+    for mass, ahead in ((total("tip_mass"), 0.0), (hung, reach)):
+        point, ahead = (mass + 0 * phi)[..., -1], (ahead + 0 * phi)[..., -1]
+        lever = tip_turning - ahead[..., None, None] * xp.einsum("...x,...j->...xj", end_normal, end_columns)
+        columns = xp.concatenate([lever, rail_column[..., -1, :, :]], -1)
+        acceleration = tip_centripetal - (ahead * end_rate**2)[..., None] * end_tangent
+        M = M + point[..., None, None] * xp.einsum("...xj,...xl->...jl", columns, columns)
+        pull = point[..., None] * (gravity[..., -1, :] - acceleration)
+        force = force + xp.einsum("...xj,...x->...j", columns, pull)
+    fluid_mass = xp.einsum("i,...i,...ix,...ij->...xj", w, normal_inertia, normal, projected)
+    return Balance(M, force, xp.einsum("i,...ix->...x", w, fluid), fluid_mass)
+
+
+def relaxation_time(arm: Arm, effects: tuple[Effect, ...], parameters: Any) -> Any:
+    """Relaxation time (..., 1) [s] of the effects' Maxwell branch; None where no effect relaxes, ValueError where two do."""
+    relaxing = [effect for effect in effects if effect.relaxation_time is not None]
+    if len(relaxing) > 1:
+        raise ValueError(f"one Maxwell branch at a time, not {', '.join(effect.name for effect in relaxing)}")
+    for effect in relaxing:
+        x = SimpleNamespace(**arm.node_quantities, **arm.arm_quantities)
+        assert effect.relaxation_time is not None
+        return effect.relaxation_time(x, parameters_of(effect, parameters))
+    return None

@@ -85,7 +85,7 @@ class Effect:
     line_inertia [kg/m] (as carried mass), normal_inertia [kg/m] (carried along the normal only),
     rotary_inertia [kg m], weight [kg/m] (mass per length on which gravity acts, buoyancy already taken off),
     water_velocity (x, y) [m/s] in the base frame.
-    At the tip: tip_mass [kg]. For all: gravity_tilt [rad]. relaxation_time [s]: gives the law x.memory.
+    At the tip: tip_mass [kg]; hung_mass (mass [kg], reach [m] beyond s = 1 along the tangent; one effect only). For all: gravity_tilt [rad]. relaxation_time [s]: gives the law x.memory.
     Outside the equations of motion: base ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll",
     "scale"), extra_order (curvature coordinates added).
     """
@@ -106,6 +106,7 @@ class Effect:
     weight: Law | None = None
     water_velocity: PairLaw | None = None
     tip_mass: Law | None = None
+    hung_mass: PairLaw | None = None
     gravity_tilt: Law | None = None
     relaxation_time: Law | None = None
     base: Literal["lag", "backlash"] | None = None

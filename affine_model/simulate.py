@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.arm import Arm, active_effects
-from affine_model.curvature import Array
+from affine_model.curvature import Array, angle_basis
 from affine_model.effects import catalogue
-from affine_model.kernel import load_kernel
+from affine_model.kernel import advance_blocks
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Batch:
     force_t (T-1,) [s], the middles of the output intervals, and over each the means of: fluid_force (T-1, 2, B) [N], load (T-1, B) [N]
     (what a load cell at the base feels along y, inertia and weight included), torque (T-1, B) [N m] of the servo.
     mean_thrust (B,) [N] is the y component of eq. 17 averaged from average_from on; mean_power (B,) [W] = torque times base rate;
-    diverged (B,) [s]: when an individual left all bounds, NaN where it did not. The trajectory arrays are empty (T = 0)
+    diverged (B,) [s]: when an individual left all bounds, NaN where it did not; its means are NaN. The trajectory arrays are empty (T = 0)
     where none were asked for.
     """
 
@@ -88,7 +88,6 @@ def simulate(
     n, count, steps = arm.order, parameters.shape[1], base.shape[1]
     if base.shape[0] != 3 or base.shape[2] not in (1, count):
         raise ValueError(f"base has shape {base.shape}; expected (3, steps, 1 or {count})")
-    kernel = load_kernel(arm.nodes)
     start, start_rate = np.zeros((n + 2, count)), np.zeros((n + 2, count))
     start[:n] = 0.0 if q is None else arm.from_monomial @ q
     start_rate[:n] = 0.0 if q_rate is None else arm.from_monomial @ q_rate
@@ -103,16 +102,17 @@ def simulate(
     acting = {effect.name for effect in active_effects(parameters)}
     active = np.array([name in acting for name in catalogue()])
     columns = np.zeros((arm.nodes, n + 2))
-    angle, curvature = columns.copy(), columns
+    angle, curvature, end = columns.copy(), columns, np.zeros(n + 2)
+    end[:n], end[n] = angle_basis(n, [1.0])[0], 1.0
     angle[:, :n], angle[:, n], curvature[:, :n] = arm.angle_basis, 1.0, arm.curvature_basis
     length, rule = arm.specimen.length, arm.rule
     servo_row = np.zeros(5)
     if servo is not None:
         servo_row[:] = servo.stiffness, servo.integral, servo.damping, servo.torque_limit, servo.rotor_inertia
     rail_row = np.array([0.0, 0.0, 0.0, 1.0] if rail is None else [rail.mass, rail.viscous, rail.dry, rail.slip_speed])
-    kernel.simulate(
-        n, parameters, active, constants, node["s"], node["area"], node["second_moment"], node["width"],
-        node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, curvature, base,
+    advance_blocks(
+        arm.nodes, count, n, parameters, active, constants, node["s"], node["area"], node["second_moment"], node["width"],
+        node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, end, curvature, base,
         servo_row, rail_row, servo is not None, rail is not None, step, steps, start, start_rate, iterations, stride,
         round(average_from / step), t0, out_u, out_rate, out_force, summary,
     )  # fmt: skip
@@ -131,7 +131,7 @@ def simulate(
         fluid_force=out_force[: len(times) - 1, :2] if stride else out_force[:, :2],
         load=out_force[:, 2],
         torque=out_force[:, 3],
-        mean_thrust=summary[1],
-        mean_power=summary[2],
+        mean_thrust=np.where(summary[4] < 0.0, summary[1], np.nan),
+        mean_power=np.where(summary[4] < 0.0, summary[2], np.nan),
         diverged=np.where(summary[4] < 0.0, np.nan, summary[4]),
     )

@@ -16,7 +16,9 @@ def require_version(version: str) -> None:
     have = tuple(int("".join(c for c in part if c.isdigit()) or 0) for part in version.split(".")[:2])
     if have < REQUIRED_MUJOCO:
         needed = ".".join(map(str, REQUIRED_MUJOCO))
-        raise ImportError(f"mujoco {version} is too old; tentacle-twin needs mujoco >= {needed} (pip install -U mujoco)")
+        raise ImportError(
+            f"mujoco {version} is too old; tentacle-twin needs mujoco >= {needed} (pip install -U mujoco)"
+        )
 
 
 require_version(mujoco.__version__)

@@ -1,8 +1,9 @@
 """The arm as a chain of rigid links and hinges in MuJoCo: n hinges at the middles of n equal segments.
 
 Link 0 is the half segment that is rigid with the clamp, link n the half segment at the tip; link k is centred on
-s = k/n, so its direction is the tangent angle there, and the scheme is of second order in 1/n. The clamp is a mount body
-that slides along x and y and turns about z: coordinates (x, y, theta, hinge 1 .. hinge n), planar, z out of the plane.
+s = k/n, so its direction is the tangent angle there, and the scheme is of second order in 1/n. The clamp is a mount
+body that slides along x and y and turns about z: coordinates (x, y, theta, hinge 1 .. hinge n), planar, z out of the
+plane.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ class Chain:
     """A compiled chain of `links` hinges and the geometry that the water needs.
 
     model: MuJoCo's, complete in itself (stiffness, damping, weight, buoyancy as gravcomp). Per link (n + 1,): start and
-    length [m] along the arm, mass [kg]. hinge_s (n,), stiffness (n,) [N m/rad of hinge angle], damping (n,) [N m s/rad].
+    length [m] along the arm, mass [kg]. payload [kg] at the tip. hinge_s (n,), stiffness (n,) [N m/rad of hinge
+    angle], damping (n,) [N m s/rad].
     """
 
     model: mujoco.MjModel
@@ -44,6 +46,7 @@ class Chain:
     start: Array
     length: Array
     mass: Array
+    payload: float
     hinge_s: Array
     stiffness: Array
     damping: Array
@@ -66,7 +69,8 @@ def link_bounds(links: int) -> tuple[Array, Array]:
 
 
 def flexural(specimen: Specimen, s: ArrayLike, modulus: float, at_base: float, slope: float) -> Array:
-    """k(s) or d(s) [N m/rad (s)], per unit curvature c: modulus I(s)/L + at_base + slope s (eq. 13-14 and the section's law)."""
+    """k(s) or d(s) [N m/rad (s)], per unit curvature c: modulus I(s)/L + at_base + slope s (eq. 13-14 and the
+    section's law)."""
     s = np.asarray(s, dtype=float)
     return modulus * specimen.section.second_moment(s) / specimen.length + at_base + slope * s
 
@@ -175,6 +179,7 @@ def build_chain(
         start=specimen.length * starts,
         length=specimen.length * (ends - starts),
         mass=mass,
+        payload=payload,
         hinge_s=hinge_positions(links),
         stiffness=links * stiffness,
         damping=links * damping,

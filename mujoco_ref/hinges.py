@@ -1,7 +1,8 @@
 """Moments of the material at the hinges: elastic, viscous, a Maxwell branch, and dry friction (compiled).
 
 Each law gives its moment at the middle of a step and its slope there, so that the step can be implicit in it. Dry
-friction is a spring that yields (an elastoplastic bristle): rate-independent, with hysteresis, and without a smoothed sign.
+friction is a spring that yields (an elastoplastic bristle): rate-independent, with hysteresis, and without a smoothed
+sign.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from mujoco_ref.chain import Chain
-from mujoco_ref.influence import HINGE, Parameters, Record, value
+from mujoco_ref.influence import HINGE, Fields, Parameters, Record, value
 from tentacle.signals import Array
 
 # Columns of a hinge's memory: the bristle's stretch, the Maxwell branch's dashpot [rad].
@@ -57,7 +58,7 @@ def hinge_moments(
     start: Array,
     middle: Array,
     rate: Array,
-    hinges: Record,
+    hinges: Fields,
     memory: Array,
     softening: float,
     step: float,
@@ -91,7 +92,7 @@ def hinge_moments(
 
 
 @njit(cache=True)
-def remember(start: Array, end: Array, hinges: Record, memory: Array, step: float) -> None:
+def remember(start: Array, end: Array, hinges: Fields, memory: Array, step: float) -> None:
     """Carry the hinges' memory (n, 2) over a step from start to end (n + 3,)."""
     half = 0.5 * step
     for j in range(hinges.shape[0]):

@@ -7,6 +7,7 @@ quantities of this room's own physics. Influences outside the catalogue have fie
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from tentacle.errors import InputError
 
 Record = NDArray[np.void]
+Fields = Any  # one record, or a row of them, inside compiled code: its fields are attributes there
 Parameters = Mapping[str, Mapping[str, float]]
 
 _F = np.float64

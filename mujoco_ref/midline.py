@@ -14,7 +14,8 @@ _FINE = 8  # Simpson intervals between two nodes: the quadrature error is far be
 def midline_points(angles: Array, mount: Array, length: float, s: Array) -> Array:
     """Points (F, P, 2) [m] of the midline in the base frame.
 
-    angles (F, n + 1): tangent angle at s = k/n [rad]; mount (F, 2) [m]; s (P,) in [0, 1]. r(s) = L int (-sin phi, cos phi).
+    angles (F, n + 1): tangent angle at s = k/n [rad]; mount (F, 2) [m]; s (P,) in [0, 1]. r(s) = L int (-sin phi, cos
+    phi).
     """
     if np.any(s < 0.0) or np.any(s > 1.0):
         raise InputError("outside of the arm", field="s", expected="values in [0, 1]")

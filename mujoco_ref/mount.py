@@ -8,7 +8,7 @@ from numba import njit
 
 from mujoco_ref.chain import Mount
 from mujoco_ref.hinges import bristle
-from mujoco_ref.influence import BASE, Parameters, Record, record, value
+from mujoco_ref.influence import BASE, Fields, Parameters, Record, record, value
 from tentacle.errors import InputError
 from tentacle.signals import Array
 
@@ -20,39 +20,47 @@ RAIL_STRETCH = 1e-5  # [m] at which the rail's friction yields
 
 @dataclass(frozen=True)
 class Servo:
-    """PID servo with torque limit [N m]; gains [N m/rad], [N m/(rad s)], [N m s/rad]; rotor inertia [kg m^2] at the horn."""
+    """PID servo: stiffness [N m/rad], damping [N m s/rad], torque_limit [N m], integral [N m/(rad s)]; rotor [kg m^2]
+    at the horn."""
 
-    proportional: float = 2.0
+    stiffness: float
+    damping: float
+    torque_limit: float
     integral: float = 0.0
-    derivative: float = 0.02
-    torque_limit: float = 1.0
-    inertia: float = 2e-5
+    rotor_inertia: float = 1e-5
 
     def __post_init__(self) -> None:
-        for name in ("proportional", "torque_limit", "inertia"):
+        for name in ("stiffness", "torque_limit", "rotor_inertia"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"{getattr(self, name)!r} is not usable", field=name, expected="a positive number")
 
 
 @dataclass(frozen=True)
 class Rail:
-    """A carriage that slides along y: its mass [kg], dry friction [N], viscous friction [N s/m]."""
+    """A carriage that slides along y: its mass [kg], viscous friction [N s/m], dry friction [N]."""
 
-    mass: float = 0.1
-    friction: float = 0.0
-    damping: float = 0.0
+    mass: float
+    viscous: float = 0.0
+    dry: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.mass > 0.0:
+            raise InputError(f"{self.mass!r} is not usable", field="rail mass", expected="a positive number")
 
 
-def base_record(parameters: Parameters, servo: Servo | None, rail: Rail | None, arm_mass: float) -> tuple[Record, Mount]:
-    """How the base is held, and the mass and inertia that move with it. Without servo, rail or an influence it is rigid."""
+def base_record(
+    parameters: Parameters, servo: Servo | None, rail: Rail | None, arm_mass: float
+) -> tuple[Record, Mount]:
+    """How the base is held, and the mass and inertia that move with it. Without servo, rail or an influence it is
+    rigid."""
     fields: dict[str, float] = {}
     mass, inertia = 1e-3, 1e-6
     if servo is not None:
-        fields |= {"free_theta": 1.0, "servo": 1.0, "servo_p": servo.proportional, "servo_i": servo.integral}
-        fields |= {"servo_d": servo.derivative, "servo_limit": servo.torque_limit}
-        inertia = servo.inertia
+        fields |= {"free_theta": 1.0, "servo": 1.0, "servo_p": servo.stiffness, "servo_i": servo.integral}
+        fields |= {"servo_d": servo.damping, "servo_limit": servo.torque_limit}
+        inertia = servo.rotor_inertia
     if rail is not None:
-        fields |= {"free_y": 1.0, "rail_friction": rail.friction, "rail_damping": rail.damping}
+        fields |= {"free_y": 1.0, "rail_friction": rail.dry, "rail_damping": rail.viscous}
         mass = rail.mass
     play, slip = value(parameters, "backlash", "play"), value(parameters, "clamp_slip", "moment")
     if (play > 0.0 or slip > 0.0) and servo is None:
@@ -78,7 +86,7 @@ def base_forces(
     rate: Array,
     motor_start: float,
     motor: Array,
-    base: Record,
+    base: Fields,
     memory: Array,
     step: float,
     force: Array,
@@ -130,7 +138,14 @@ def base_forces(
 
 @njit(cache=True)
 def base_remember(
-    start: Array, end: Array, motor_start: float, motor_end: float, torque: float, base: Record, memory: Array, step: float
+    start: Array,
+    end: Array,
+    motor_start: float,
+    motor_end: float,
+    torque: float,
+    base: Fields,
+    memory: Array,
+    step: float,
 ) -> None:
     """Carry the base's memory (4,) over a step."""
     if base.rail_friction > 0.0:

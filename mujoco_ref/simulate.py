@@ -1,9 +1,9 @@
 """Simulate the reference: a model's arm, moved at its base, in its fluid.
 
 Signs: `thrust` is the y component of the water's force on the arm (eq. 17), so a positive thrust pulls the arm
-away from the clamp, along +y of the base frame; an arm that swims forward, base first, has a negative one. `load_cell` is
-the force of the arm on its mount along the same +y (thrust, weight and inertia together), less its reading at rest. On average
-over a period of steady motion the two agree.
+away from the clamp, along +y of the base frame; an arm that swims forward, base first, has a negative one. `load_cell`
+is the force of the arm on its mount along the same +y (thrust, weight and inertia together), less its reading at rest.
+On average over a period of steady motion the two agree.
 """
 
 from __future__ import annotations
@@ -28,15 +28,40 @@ from tentacle.waveform import Waveform
 
 DEFAULT_LINKS = 20
 LONGEST_STEP = 4e-3  # [s]; halving it moves the tip of a usual arm by 1 micrometre (tests/mujoco_ref/test_step.py)
+MOST_HALVINGS = 3  # of the step, where an arm is too lively for it
+LARGEST_HINGE_ANGLE = np.pi  # [rad]; hinges of real arms bend by a fraction of a turn
 # Silicones reach from 10 kPa to some MPa; beyond these bounds the unit is wrong (Pa, not MPa).
 SOFTEST, STIFFEST = 1e3, 1e9
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Steps and frames: step [s], substeps a frame, first step that is a frame, frames (F,) and half steps (2 S + 1,)
+    [s]."""
+
+    step: float
+    substeps: int
+    first: int
+    frames: Array
+    half_steps: Array
+
+    @staticmethod
+    def of(duration: float, fps: float, lead_in: float, longest_step: float) -> Clock:
+        """Frames from 0 to duration, steps no longer than longest_step, the lead-in before them."""
+        substeps = int(np.ceil(1.0 / (fps * longest_step) - 1e-9))
+        count = int(np.floor(duration * fps + 1e-9)) + 1
+        step = 1.0 / (fps * substeps)
+        first = int(np.ceil(lead_in * fps - 1e-9)) * substeps
+        half_steps = 0.5 * step * (np.arange(2 * (first + count * substeps) + 1) - 2 * first)
+        return Clock(step, substeps, first, step * substeps * np.arange(count), half_steps)
 
 
 @dataclass(frozen=True)
 class Simulation:
     """What the reference did, at the frames.
 
-    t (F,) [s]; command, theta (F,) [rad] the motor's angle and the clamp's; angles (F, n + 1) tangent angle at s = k/n [rad];
+    t (F,) [s]; command, theta (F,) [rad] the motor's angle and the clamp's; angles (F, n + 1) tangent angle at s = k/n
+    [rad];
     mount (F, 2) [m] where the clamp is; midline in the base frame (sigma zero); thrust, load_cell (F,) [N], see above;
     force_x (F,) [N] the arm's force on the mount along x; torque (F,) [N m] the motor's on the arm.
     """
@@ -135,7 +160,8 @@ def motor_signal(waveform: Waveform, times: Array, lag: float, lead_in: float) -
         )
     if lag <= 0.0:
         return wave
-    # tau theta' + theta = u, exact where u is a cubic between samples (half steps apart), from its values and rates there.
+    # tau theta' + theta = u, exact where u is a cubic between samples (half steps apart), from its values and rates
+    # there.
     step = times[1] - times[0]
     u, u_rate = wave[0], step * wave[1]
     quadratic = 3.0 * (u[1:] - u[:-1]) - 2.0 * u_rate[:-1] - u_rate[1:]
@@ -168,10 +194,10 @@ def simulate(
 ) -> Simulation:
     """Simulate `duration` [s] of a model's arm whose motor follows the waveform, and look at it `fps` times a second.
 
-    The arm starts at rest in its equilibrium, or in the shape initial_q (K,) of eq. 1, held until release_t [s]. With lead_in
-    [s] it moves for that long before the first frame, the motion swelling from nothing. Base: prescribed, or turned by a
-    servo; fixed, or on a rail along y. Deterministic: nothing here is random. s (P,): where the midline is sampled
-    (default 41 points). hidden: effects (name -> parameter -> value) that act beside the model's own.
+    The arm starts at rest in its equilibrium, or in the shape initial_q (K,) of eq. 1, held until release_t [s]. With
+    lead_in [s] it moves for that long before the first frame, the motion swelling from nothing. Base: prescribed, or
+    turned by a servo; fixed, or on a rail along y. Deterministic: nothing here is random. s (P,): where the midline is
+    sampled (default 41 points). hidden: effects (name -> parameter -> value) that act beside the model's own.
     InputError for an unusable duration, fps or model.
     """
     for name, number in (("duration", duration), ("fps", fps), ("longest_step", longest_step)):
@@ -179,21 +205,41 @@ def simulate(
             raise InputError(f"{number!r} is not usable", field=name, expected="a positive number")
     stepper = make_stepper(model, hidden, links=links, servo=servo, rail=rail)
     s = np.linspace(0.0, 1.0, 41) if s is None else np.asarray(s, dtype=float)
-    frames = int(np.floor(duration * fps + 1e-9)) + 1
-    substeps = int(np.ceil(1.0 / (fps * longest_step) - 1e-9))
-    step = 1.0 / (fps * substeps)
-    lead_frames = int(np.ceil(lead_in * fps - 1e-9))
     lag = value(merged(plain_parameters(model), hidden or {}), "servo_lag", "tau")
-    steps = (lead_frames + frames) * substeps
-    times = step * (np.arange(2 * steps + 1) / 2.0 - lead_frames * substeps)
-    motor = motor_signal(waveform, times, lag, lead_in).T  # (2 steps + 1, 3)
-    command = motor_signal(waveform, times, 0.0, lead_in)[0]
-    state = equilibrium(stepper, motor[0, 0]) if initial_q is None else state_of_shape(stepper, initial_q, motor[0, 0])
-    state.t = float(times[0])
-    tare = rest_reading(stepper, equilibrium(stepper, float(waveform(0.0)[0])) if initial_q is None else state)
-    if stepper.held[2]:
-        state.v[2] = motor[0, 1]
-    return _record(stepper, state, motor, command, frames, substeps, lead_frames, step, s, tare, release_t)
+    for halvings in range(MOST_HALVINGS + 1):
+        clock = Clock.of(duration, fps, lead_in, longest_step / 2**halvings)
+        motor = motor_signal(waveform, clock.half_steps, lag, lead_in).T  # (2 steps + 1, 3)
+        if initial_q is None:
+            state = equilibrium(stepper, motor[0, 0])
+            tare = rest_reading(stepper, equilibrium(stepper, float(waveform(0.0)[0])))
+        else:
+            state = state_of_shape(stepper, initial_q, motor[0, 0])
+            tare = rest_reading(stepper, state)
+        state.t = float(clock.half_steps[0])
+        if stepper.held[2]:
+            state.v[2] = motor[0, 1]
+        q, readings = _march(stepper, state, motor, clock, release_t)
+        if np.max(np.abs(q[:, 3:])) < LARGEST_HINGE_ANGLE:
+            break
+    else:
+        raise InputError(
+            "the simulation went out of bounds", field="model", expected="a motion that the arm can follow"
+        )
+    angles = np.cumsum(q[:, 2:], axis=1)
+    points = midline_points(angles, q[:, :2], stepper.chain.specimen.length, s)
+    command = motor_signal(waveform, clock.half_steps, 0.0, lead_in)[0]
+    return Simulation(
+        t=clock.frames,
+        command=command[2 * clock.first :: 2 * clock.substeps][: clock.frames.size].copy(),
+        theta=q[:, 2].copy(),
+        angles=angles,
+        mount=q[:, :2].copy(),
+        midline=Midline(clock.frames, s, points, np.zeros(points.shape[:2])),
+        thrust=readings[:, 1].copy(),
+        load_cell=-readings[:, 3] - tare[1],
+        force_x=-readings[:, 2] - tare[0],
+        torque=readings[:, 4].copy(),
+    )
 
 
 def rest_reading(stepper: Stepper, state: State) -> Array:
@@ -201,55 +247,29 @@ def rest_reading(stepper: Stepper, state: State) -> Array:
     return stepper.residual(state)[:2].copy()
 
 
-def _record(
-    stepper: Stepper,
-    state: State,
-    motor: Array,
-    command: Array,
-    frames: int,
-    substeps: int,
-    lead_frames: int,
-    step: float,
-    s: Array,
-    tare: Array,
-    release_t: float | None,
-) -> Simulation:
-    """Step through, keeping positions at the frames and the mean of the two readings beside each."""
-    size = stepper.chain.links + 3
-    q, readings = np.empty((frames, size)), np.empty((frames, 5))
-    first = lead_frames * substeps
+def _march(stepper: Stepper, state: State, motor: Array, clock: Clock, release_t: float | None) -> tuple[Array, Array]:
+    """Step through: positions (F, n + 3) at the frames, and readings (F, 5), the mean of the two steps beside each.
+
+    Stops early, leaving infinite positions, where the chain leaves all bounds.
+    """
+    count = clock.frames.size
+    q, readings = np.full((count, stepper.chain.links + 3), np.inf), np.zeros((count, 5))
     before = np.zeros(5)
     corrections = 4  # the first step has no acceleration to start from
-    for i in range(first + (frames - 1) * substeps + 1):
-        at_frame = i >= first and (i - first) % substeps == 0
+    for i in range(clock.first + (count - 1) * clock.substeps + 1):
+        frame, between = divmod(i - clock.first, clock.substeps)
+        at_frame = frame >= 0 and between == 0
         if at_frame:
-            q[(i - first) // substeps] = state.q
-        held_still = release_t is not None and state.t < release_t - 0.5 * step
-        if held_still:
-            stepper.reading[:] = 0.0
-            state.t += step
-        else:
-            stepper.step(state, motor[2 * i : 2 * i + 3], step, corrections)
+            if not np.max(np.abs(state.q[3:])) < LARGEST_HINGE_ANGLE:  # NaN too
+                break
+            q[frame] = state.q
+        moving = release_t is None or state.t >= release_t - 0.5 * clock.step
+        if moving:
+            stepper.step(state, motor[2 * i : 2 * i + 3], clock.step, corrections)
             corrections = stepper.corrections
-        if at_frame:
-            after = stepper.reading
-            readings[(i - first) // substeps] = after if i == 0 or held_still else 0.5 * (before + after)
+        else:
+            state.t += clock.step
+        if at_frame and moving:
+            readings[frame] = stepper.reading if corrections == 4 or i == 0 else 0.5 * (before + stepper.reading)
         before = stepper.reading.copy()
-    # A hinge of a real arm bends by a fraction of a turn; this also catches NaN.
-    if not np.max(np.abs(q[:, 3:])) < np.pi:
-        raise InputError("the simulation went out of bounds", field="model", expected="a motion that the arm can follow")
-    t = step * substeps * np.arange(frames)
-    angles = np.cumsum(q[:, 2:], axis=1)
-    points = midline_points(angles, q[:, :2], stepper.chain.specimen.length, s)
-    return Simulation(
-        t=t,
-        command=command[2 * first :: 2 * substeps][:frames].copy(),
-        theta=q[:, 2].copy(),
-        angles=angles,
-        mount=q[:, :2].copy(),
-        midline=Midline(t, s, points, np.zeros(points.shape[:2])),
-        thrust=readings[:, 1].copy(),
-        load_cell=-readings[:, 3] - tare[1],
-        force_x=-readings[:, 2] - tare[0],
-        torque=readings[:, 4].copy(),
-    )
+    return q, readings

@@ -32,4 +32,6 @@ def equilibrium(stepper: Stepper, theta: float, tolerance: float = 1e-10, iterat
             state.q[3 + j] -= _PERTURBATION
         change = np.linalg.solve(slope, -residual)
         state.q[3:] += change * min(1.0, _BIGGEST_CHANGE / max(float(np.sum(np.abs(change))), 1e-300))
-    raise InputError("the arm finds no shape at rest", field="elasticity", expected="a stiffness that can carry the arm")
+    raise InputError(
+        "the arm finds no shape at rest", field="elasticity", expected="a stiffness that can carry the arm"
+    )

@@ -1,8 +1,8 @@
 """One step of time: the implicit midpoint rule on MuJoCo's mass matrix and bias forces.
 
-MuJoCo's own integrators are of first order here (`discrete`: 2.3 % of tip amplitude at 10 ms, physics.md) and cannot carry
-the anisotropic added mass. So MuJoCo gives kinematics, M(q) and M a + C v + g at the middle of the step, and one Newton
-correction from the previous step's acceleration solves for the new one; elasticity, damping and drag are in its
+MuJoCo's own integrators are of first order here (`discrete`: 2.3 % of tip amplitude at 10 ms, physics.md) and cannot
+carry the anisotropic added mass. So MuJoCo gives kinematics, M(q) and M a + C v + g at the middle of the step, and one
+Newton correction from the previous step's acceleration solves for the new one; elasticity, damping and drag are in its
 matrix, so the step is set by accuracy: second order, stable at 10 ms.
 """
 
@@ -16,15 +16,16 @@ from numba import njit
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.hinges import hinge_moments, remember
-from mujoco_ref.influence import Record
+from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember
-from mujoco_ref.water import LENGTH, link_motion, link_table, node_table, water_forces
+from mujoco_ref.water import LENGTH, MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
 from tentacle.signals import Array
 
 
 @dataclass
 class State:
-    """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges and base. Mutable."""
+    """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges and base.
+    Mutable."""
 
     q: Array
     v: Array
@@ -54,6 +55,34 @@ def _predict(q: Array, v: Array, a: Array, held: Array, motor: Array, step: floa
             middle[i], rate[i], a[i] = q[i], 0.0, 0.0
     if held[2]:
         middle[2], rate[2], a[2] = motor[0], motor[1], motor[2]
+
+
+@njit(cache=True)
+def _add_tension(
+    motion: Array, links: Array, payload: float, water: Fields, gravity: Array, scale: float, matrix: Array
+) -> None:
+    """Add scale times the stiffness that weight and inertial forces give the joints: a heavy tip tightens the chain.
+
+    A change of joint j turns all beyond it, and so the lever of their forces about the joints from the base to j.
+    Explicit, it would limit the step: a payload of a tenth of the arm's mass needs 40 links and 4 ms.
+    """
+    count = links.shape[0]
+    end = motion[count]
+    fx, fy = payload * (gravity[0] - end[4]), payload * (gravity[1] - end[5])
+    work = fx * end[0] + fy * end[1]
+    for k in range(count - 1, -1, -1):
+        x0, y0, _, _, ax0, ay0, phi, rate, acceleration = motion[k]
+        c, s, reach = np.cos(phi), np.sin(phi), links[k, VOLUME_CENTRE]
+        ax = ax0 + reach * (rate**2 * s - acceleration * c)
+        ay = ay0 - reach * (rate**2 * c + acceleration * s)
+        net = links[k, MASS] - water.density * links[k, VOLUME]
+        gx, gy = net * gravity[0] - links[k, MASS] * ax, net * gravity[1] - links[k, MASS] * ay
+        fx, fy, work = fx + gx, fy + gy, work + gx * (x0 - reach * s) + gy * (y0 + reach * c)
+        stiffness = scale * (work - fx * x0 - fy * y0)
+        for j in range(k + 1):
+            matrix[2 + k, 2 + j] += stiffness
+            if j != k:
+                matrix[2 + j, 2 + k] += stiffness
 
 
 @njit(cache=True)
@@ -98,10 +127,10 @@ def _correct(
     motion: Array,
     links: Array,
     nodes: Array,
-    hinges: Record,
-    water: Record,
-    tip: Record,
-    base: Record,
+    hinges: Fields,
+    water: Fields,
+    tip: Fields,
+    base: Fields,
     hinge_memory: Array,
     base_memory: Array,
     held: Array,
@@ -110,6 +139,9 @@ def _correct(
     t: float,
     softening: float,
     step: float,
+    payload: float,
+    mount_mass: float,
+    gravity: Array,
     out: Array,
 ) -> None:
     """Correct the accelerations a (n + 3,) by one Newton iteration; out (7,): see Reading.
@@ -126,9 +158,12 @@ def _correct(
             matrix[i, j] = mass[at]
             matrix[j, i] = mass[at]
             at += 1
+    for i in range(2):
+        force[i] -= mount_mass * gravity[i]
     link_motion(middle, rate, a, links, motion)
     sums = np.empty(4)
     water_forces(motion, links, nodes, water[0], tip[0], t, 0.5 * step, force, matrix, sums)
+    _add_tension(motion, links, payload, water[0], gravity, 0.25 * step * step, matrix)
     hinge_moments(q, middle, rate, hinges, hinge_memory, softening, step, force, matrix)
     torque = base_forces(q, middle, rate, motor_start, motor, base[0], base_memory, step, force, matrix)
     change = np.empty(size)
@@ -156,8 +191,8 @@ def _finish(
     held: Array,
     motor_start: float,
     motor_end: Array,
-    hinges: Record,
-    base: Record,
+    hinges: Fields,
+    base: Fields,
     hinge_memory: Array,
     base_memory: Array,
     torque: float,
@@ -184,7 +219,9 @@ class Stepper:
     about z [N m], all at the middle of the step.
     """
 
-    def __init__(self, chain: Chain, hinges: Record, water: Record, tip: Record, base: Record, drift: float = 0.0) -> None:
+    def __init__(
+        self, chain: Chain, hinges: Record, water: Record, tip: Record, base: Record, drift: float = 0.0
+    ) -> None:
         """drift [1/s]: relative change of the elastic stiffness per second."""
         self.chain = chain
         self.data = mujoco.MjData(chain.model)
@@ -192,10 +229,14 @@ class Stepper:
         self.links, self.nodes = link_table(chain), node_table(chain)
         self.held = np.array([not base[0][name] for name in ("free_x", "free_y", "free_theta")])
         self.reading = np.zeros(5)
-        # Laws with a corner or a steep curve need Newton's method to converge; the smooth ones are right after one step.
+        # Laws with a corner or a steep curve need Newton's method to converge; the smooth ones are right after one
+        # step.
         steep = np.any(hinges["yield_moment"] > 0.0) or np.any(hinges["cubic"] != 0.0)
         loose = any(base[0][name] > 0.0 for name in ("play", "slip_moment", "hub_friction", "rail_friction"))
         self.corrections = 4 if steep or loose else 1
+        # The rail or stand carries the mount's own weight.
+        self._mount_mass = float(chain.model.body_mass[1])
+        self._gravity = np.array(chain.model.opt.gravity[:2])
         size = chain.links + 3
         self._inverse, self._motion = np.zeros(size), np.zeros((chain.links + 2, 9))
         # Views into MuJoCo's own memory: writing them is what sets its state.
@@ -217,7 +258,8 @@ class Stepper:
             _correct(
                 state.q, state.a, self._q, self._v, self._mass, self._inverse, self._motion, self.links, self.nodes,
                 self.hinges, self.water, self.tip, self.base, state.hinge_memory, state.base_memory, self.held,
-                motor[0, 0], motor[1], middle_time, softening, step, self.reading,
+                motor[0, 0], motor[1], middle_time, softening, step, self.chain.payload, self._mount_mass,
+                self._gravity, self.reading,
             )  # fmt: skip
         _finish(
             state.q, state.v, state.a, self.held, motor[0, 0], motor[2], self.hinges, self.base,
@@ -235,6 +277,7 @@ class Stepper:
         mujoco.mj_comVel(self.chain.model, self.data)
         mujoco.mj_rne(self.chain.model, self.data, 0, self._inverse)
         force, matrix = -self._inverse, np.zeros((size, size))
+        force[:2] -= self._mount_mass * self._gravity
         link_motion(state.q, zeros, zeros, self.links, self._motion)
         water_forces(
             self._motion, self.links, self.nodes, self.water[0], self.tip[0], state.t, 0.0, force, matrix, np.zeros(4)

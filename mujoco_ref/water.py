@@ -1,7 +1,7 @@
 """Forces of the water on the links, and forces at the tip, projected on the joints (compiled).
 
-Section forces stand at Gauss points of the links, so they converge with the number of links; MuJoCo's own fluid models do
-not, and know no added mass. Added mass is Kirchhoff's for a body that carries fluid along its normal only: momentum
+Section forces stand at Gauss points of the links, so they converge with the number of links; MuJoCo's own fluid models
+do not, and know no added mass. Added mass is Kirchhoff's for a body that carries fluid along its normal only: momentum
 P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body).
 """
 
@@ -11,17 +11,18 @@ import numpy as np
 from numba import njit
 
 from mujoco_ref.chain import Chain
-from mujoco_ref.influence import Record
+from mujoco_ref.influence import Fields
 from tentacle.signals import Array
 
 # Columns of the link table.
-LENGTH, VOLUME, VOLUME_CENTRE, CARRIED, CARRIED_CENTRE, CARRIED_TURNING = range(6)
+LENGTH, VOLUME, VOLUME_CENTRE, CARRIED, CARRIED_CENTRE, CARRIED_TURNING, MASS = range(7)
 # Columns of the node table.
 ALONG, WEIGHT, WIDTH, PERIMETER, AREA = range(5)
 
 
 def link_table(chain: Chain) -> Array:
-    """Per link (n + 1, 6): length, volume and its centre, and of pi/4 width^2: integral, centre, second moment about it."""
+    """Per link (n + 1, 7): length, volume and its centre (its mass's too), and of pi/4 width^2: integral, centre,
+    second moment about it; mass."""
     along, weight = chain.nodes(points=3)
     s = (chain.start[:, None] + along) / chain.specimen.length
     area = chain.specimen.section.area(s) * weight
@@ -29,7 +30,7 @@ def link_table(chain: Chain) -> Array:
     centre = (circle * along).sum(1) / circle.sum(1)
     turning = (circle * (along - centre[:, None]) ** 2).sum(1)
     volume_centre = (area * along).sum(1) / area.sum(1)
-    return np.stack([chain.length, area.sum(1), volume_centre, circle.sum(1), centre, turning], axis=1)
+    return np.stack([chain.length, area.sum(1), volume_centre, circle.sum(1), centre, turning, chain.mass], axis=1)
 
 
 def node_table(chain: Chain) -> Array:
@@ -62,8 +63,9 @@ def link_motion(q: Array, v: Array, a: Array, links: Array, out: Array) -> None:
 
 
 @njit(cache=True)
-def water_motion(x: float, y: float, t: float, water: Record) -> tuple[float, float, float, float]:
-    """Velocity and acceleration of the undisturbed water at (x, y): current, swaying, and the draw of a suction port."""
+def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, float, float, float]:
+    """Velocity and acceleration of the undisturbed water at (x, y): current, swaying, and the draw of a suction
+    port."""
     omega = 2.0 * np.pi * water.slosh_f
     cos, sin = np.cos(omega * t), np.sin(omega * t)
     ux = water.U_x + water.U_cos * cos + water.U_sin * sin
@@ -77,7 +79,7 @@ def water_motion(x: float, y: float, t: float, water: Record) -> tuple[float, fl
 
 
 @njit(cache=True)
-def _wall_factor(x: float, half_width: float, water: Record) -> float:
+def _wall_factor(x: float, half_width: float, water: Fields) -> float:
     """Growth of the resistance beside a wall, (r/gap)^2 to leading order, bounded where the arm touches."""
     gap = water.wall_x - x
     return water.wall_B * half_width**2 / (gap**2 + half_width**2)
@@ -106,8 +108,8 @@ def water_forces(
     motion: Array,
     links: Array,
     nodes: Array,
-    water: Record,
-    tip: Record,
+    water: Fields,
+    tip: Fields,
     t: float,
     half_step: float,
     force: Array,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.model import Estimate, Model
+from tentacle.notebook import html_paragraph, html_table
 from tentacle.signals import Array
 
 Verdict = Literal["nothing_missing", "effect", "group", "unknown"]
@@ -52,6 +54,8 @@ class RunComparison:
     t (T,) [s]; s (P,); measured, base, augmented (T, P, 2) [m] midline (or marker) positions, NaN where not measured;
     q_measured, q_base, q_augmented (T, 2) [rad] the paper's coordinates (NaN where not measured); judged (T,) True on
     the samples on which the errors are stated. theta (T,) [rad]. points: what the P columns are.
+    thrust_base, thrust_augmented (T,) [N] along +y as a load cell at the base would read it, and drag (T, P, 2) [N/m],
+    the augmented model's fluid force per length at the P points; None where the model was not asked for them.
     """
 
     name: str
@@ -66,6 +70,9 @@ class RunComparison:
     judged: NDArray[np.bool_]
     theta: Array
     points: Literal["midline", "markers"] = "midline"
+    thrust_base: Array | None = None
+    thrust_augmented: Array | None = None
+    drag: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -156,3 +163,23 @@ class Diagnosis:
             ],
             "next_experiment": self.next_experiment,
         }
+
+    def _repr_html_(self) -> str:
+        """The headline, the errors and what was found, for notebooks."""
+
+        def row(name: str, unit: str, values: Iterable[float | None]) -> tuple[str, ...]:
+            return (name, unit, *("-" if value is None else f"{value:.3g}" for value in values))
+
+        measures = (("midline", "mm", "midline_mm"), ("angle", "rad", "angle_rad"), ("q1", "rad", "q1"),
+                    ("q2", "rad", "q2"), ("thrust", "N", "thrust_n"))  # fmt: skip
+        errors = (self.before, self.after, self.floor)
+        rows = [row(name, unit, (getattr(error, field) for error in errors)) for name, unit, field in measures]
+        found = [
+            (effect, name, f"{e.value:.4g}", f"{e.low:.4g} to {e.high:.4g}", e.unit)
+            for effect, values in self.parameters.items()
+            for name, e in values.items()
+        ]
+        html = html_paragraph(self.headline) + html_table(("rms error", "unit", "before", "after", "floor"), rows)
+        if found:
+            html += html_table(("effect", "parameter", "value", "95 % interval", "unit"), found)
+        return html

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from tentacle.notebook import html_paragraph, html_table
 from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
 
@@ -48,3 +49,13 @@ class Model:
         """This model with an effect added or its parameters replaced."""
         merged = {**self.parameters, effect: {**self.parameters.get(effect, {}), **values}}
         return replace(self, parameters=merged)
+
+    def _repr_html_(self) -> str:
+        """The parameters as a table, for notebooks."""
+        rows = [
+            (effect, name, f"{e.value:.4g}", f"{e.low:.4g} to {e.high:.4g}" if e.low < e.high else "given", e.unit)
+            for effect, values in self.parameters.items()
+            for name, e in values.items()
+        ]
+        title = html_paragraph(f"Model with {self.order} curvature coordinates")
+        return title + html_table(("effect", "parameter", "value", "95 % interval", "unit"), rows)

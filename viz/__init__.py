@@ -1,1 +1,1 @@
-"""See docs/layout.md."""
+"""What people see: Rerun sessions and their views, figures, and the HTML report. Imports the shared words only."""

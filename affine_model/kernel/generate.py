@@ -148,6 +148,7 @@ def kernel_source(nodes: int) -> str:
         "@TILT@": _section("gravity_tilt", ("tilt[b]",)),
         "@COUPLE@": _section("couple", ("couple[i, b]",)),
         "@TIP_MASS@": _section("tip_mass", ("tip_mass[b]",)),
+        "@HUNG_MASS@": _section("hung_mass", ("hung_mass[b]", "hung_reach[b]")),
         "@WATER@": _water(),
         "@FORCES@": _forces(),
         "@MOMENTS@": _moments(),

@@ -7,13 +7,15 @@ import importlib.util
 import os
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from affine_model.kernel.generate import BLOCK, kernel_source
 
-__all__ = ["BLOCK", "load_kernel"]
+__all__ = ["BLOCK", "advance_blocks", "load_kernel"]
 
 
 def _cache_folder() -> Path:
@@ -46,3 +48,21 @@ def load_kernel(nodes: int) -> ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def advance_blocks(nodes: int, count: int, *arguments: Any) -> None:
+    """Run the kernel over `count` individuals, block by block, on every core this process may use.
+
+    Threads of Python, which the kernel frees while it computes: numba's own parallel loop costs as much to compile again
+    as the kernel itself. A block writes to its own individuals' columns alone.
+    """
+    kernel = load_kernel(nodes)
+    blocks = -(-count // BLOCK)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if blocks == 1 or cores == 1:
+        for block in range(blocks):
+            kernel.advance(block, *arguments)
+        return
+    with ThreadPoolExecutor(min(blocks, cores)) as pool:
+        for _ in pool.map(lambda block: kernel.advance(block, *arguments), range(blocks)):
+            pass

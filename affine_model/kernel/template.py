@@ -5,7 +5,7 @@ TEMPLATE = '''
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 NODES = @NODES@
 BLOCK = @BLOCK@
@@ -31,10 +31,10 @@ def sincos(angle):
     return sine_sign * (cosine if big else sine), cosine_sign * (sine if big else cosine)
 
 
-@njit(fastmath=FAST, cache=True, boundscheck=False, error_model="numpy")
-def _advance(block, n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, C,
-             base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride, average_from,
-             t0, out_u, out_rate, out_force, summary):
+@njit(fastmath=FAST, cache=True, nogil=True, boundscheck=False, error_model="numpy")
+def advance(block, n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, A_end, C,
+            base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride, average_from,
+            t0, out_u, out_rate, out_force, summary):
     length, density, fluid_density, payload, gravity, gravity_angle = constants
     count = parameters.shape[1]
     first = block * BLOCK
@@ -81,6 +81,8 @@ def _advance(block, n, parameters, active, constants, s, area, second_moment, wi
     force_n = np.zeros(BLOCK); force_t = np.zeros(BLOCK); slope_n = np.zeros(BLOCK); slope_t = np.zeros(BLOCK)
     carried = np.zeros(BLOCK); added = np.zeros(BLOCK); heavy = np.zeros(BLOCK); tilt = np.zeros(BLOCK)
     gravity_x = np.zeros(BLOCK); gravity_y = np.zeros(BLOCK)
+    point = np.zeros(BLOCK); ahead = np.zeros(BLOCK); tip_phi = np.zeros(BLOCK); tip_rate = np.zeros(BLOCK)
+    tip_sine = np.zeros(BLOCK); tip_cosine = np.zeros(BLOCK); hung_mass = np.zeros(BLOCK); hung_reach = np.zeros(BLOCK)
     tip_mass = np.zeros(BLOCK); tip_x = np.zeros((columns, BLOCK)); tip_y = np.zeros((columns, BLOCK))
     fluid_x = np.zeros(BLOCK); fluid_y = np.zeros(BLOCK)
     integral = np.zeros(BLOCK); torque = np.zeros(BLOCK); sums = np.zeros((4, BLOCK)); window = np.zeros((4, BLOCK))
@@ -162,12 +164,15 @@ def _advance(block, n, parameters, active, constants, s, area, second_moment, wi
             for b in range(BLOCK):
                 tilt[b] = gravity_angle
                 tip_mass[b] = 0.0
+                hung_mass[b] = 0.0
+                hung_reach[b] = 0.0
                 fluid_x[b] = 0.0
                 fluid_y[b] = 0.0
             for i in range(NODES - 1, NODES):
                 pass
 @TILT@
 @TIP_MASS@
+@HUNG_MASS@
             for b in range(BLOCK):
                 sine, cosine = sincos(tilt[b])
                 gravity_x[b] = gravity * sine
@@ -260,31 +265,49 @@ def _advance(block, n, parameters, active, constants, s, area, second_moment, wi
                     for b in range(BLOCK):
                         matrix[d, e, b] = (@SUM_MASS@)
                         matrix[d, e, b] += @SUM_BEND@
-            heaviest = 0.0
-            for b in range(BLOCK):
-                heaviest = max(heaviest, abs(tip_mass[b]))
-            if heaviest > 0.0:
+            # Point masses: the payload at s = 1, and what hangs from the tip at a reach along its tangent.
+            for body in range(2):
+                heaviest = 0.0
+                for b in range(BLOCK):
+                    point[b] = tip_mass[b] if body == 0 else hung_mass[b]
+                    ahead[b] = 0.0 if body == 0 else hung_reach[b]
+                    heaviest = max(heaviest, abs(point[b]))
+                if heaviest == 0.0:
+                    continue
+                for b in range(BLOCK):
+                    tip_phi[b] = mid[n, b]
+                    tip_rate[b] = mid_rate[n, b]
+                for j in range(n):
+                    for b in range(BLOCK):
+                        tip_phi[b] += A_end[j] * mid[j, b]
+                        tip_rate[b] += A_end[j] * mid_rate[j, b]
+                for b in range(BLOCK):
+                    tip_sine[b], tip_cosine[b] = sincos(tip_phi[b])
                 for j in range(n + 1):
                     for b in range(BLOCK):
                         tip_x[j, b] = @SUM_TIP_X@
                         tip_y[j, b] = @SUM_TIP_Y@
+                        tip_x[j, b] -= ahead[b] * A_end[j] * tip_cosine[b]
+                        tip_y[j, b] -= ahead[b] * A_end[j] * tip_sine[b]
                 for b in range(BLOCK):
                     acceleration_x[b] = @SUM_TIP_CENTRIPETAL_X@
                     acceleration_y[b] = @SUM_TIP_CENTRIPETAL_Y@
+                    acceleration_x[b] += ahead[b] * tip_sine[b] * tip_rate[b] * tip_rate[b]
+                    acceleration_y[b] -= ahead[b] * tip_cosine[b] * tip_rate[b] * tip_rate[b]
                 for j in range(columns):
                     for b in range(BLOCK):
                         acceleration_x[b] += tip_x[j, b] * acc[j, b]
                         acceleration_y[b] += tip_y[j, b] * acc[j, b]
                 for j in range(columns):
                     for b in range(BLOCK):
-                        residual[j, b] += tip_mass[b] * (tip_x[j, b] * (gravity_x[b] - acceleration_x[b])
-                                                         + tip_y[j, b] * (gravity_y[b] - acceleration_y[b]))
+                        residual[j, b] += point[b] * (tip_x[j, b] * (gravity_x[b] - acceleration_x[b])
+                                                      + tip_y[j, b] * (gravity_y[b] - acceleration_y[b]))
                 for d in range(D):
                     j = dynamic[d]
                     for e in range(d + 1):
                         l = dynamic[e]
                         for b in range(BLOCK):
-                            matrix[d, e, b] += tip_mass[b] * (tip_x[j, b] * tip_x[l, b] + tip_y[j, b] * tip_y[l, b])
+                            matrix[d, e, b] += point[b] * (tip_x[j, b] * tip_x[l, b] + tip_y[j, b] * tip_y[l, b])
             for b in range(BLOCK):
                 torque[b] = -residual[n, b]  # what the servo must give so that the base moves as prescribed
             if free_theta:
@@ -396,13 +419,4 @@ def _advance(block, n, parameters, active, constants, s, area, second_moment, wi
                 summary[5 + j, first + b] = u[j, b]
                 summary[5 + columns + j, first + b] = v[j, b]
 
-
-@njit(parallel=True, cache=True, fastmath=FAST)
-def simulate(n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, C, base, servo,
-             rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride, average_from, t0, out_u,
-             out_rate, out_force, summary):
-    for block in prange((parameters.shape[1] + BLOCK - 1) // BLOCK):
-        _advance(block, n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, C,
-                 base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride,
-                 average_from, t0, out_u, out_rate, out_force, summary)
 '''

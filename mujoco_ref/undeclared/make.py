@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mujoco_ref.influence import refuse_unknown, value
 from mujoco_ref.simulate import DEFAULT_LINKS, Simulation, simulate
@@ -30,6 +31,9 @@ class Noise:
     load_cell: float = 5e-4
 
 
+USUAL_NOISE = Noise()
+
+
 @dataclass(frozen=True)
 class Shifted:
     """A waveform seen `offset` [s] later than its time."""
@@ -37,7 +41,8 @@ class Shifted:
     waveform: Waveform
     offset: float
 
-    def __call__(self, t: Any) -> Array:
+    def __call__(self, t: ArrayLike) -> Array:
+        """The waveform at t + offset."""
         return self.waveform(np.asarray(t, dtype=float) + self.offset)
 
 
@@ -55,7 +60,9 @@ class Scene:
     release_t: float | None
 
 
-def _run(scene: Scene, hidden: Mapping[str, Mapping[str, float]], offset: float = 0.0, duration: float = 0.0) -> Simulation:
+def _run(
+    scene: Scene, hidden: Mapping[str, Mapping[str, float]], offset: float = 0.0, duration: float = 0.0
+) -> Simulation:
     decay = scene.initial_q is not None
     return simulate(
         scene.model,
@@ -151,7 +158,7 @@ def make(
     seed: int,
     duration: float,
     fps: float,
-    noise: Noise = Noise(),
+    noise: Noise = USUAL_NOISE,
     *,
     name: str = "trial",
     s: Array | None = None,
@@ -182,9 +189,7 @@ def make(
     load = run.load_cell + noise.load_cell * random.standard_normal(run.t.size)
     recording = Recording(
         name=name,
-        declaration=Declaration(
-            model.specimen, model.fluid, model.gravity, release_t=release_t
-        ),
+        declaration=Declaration(model.specimen, model.fluid, model.gravity, release_t=release_t),
         motor=motor,
         load_cell=LoadCellSignal(run.t, load),
         midline=Midline(run.t, sampled, observed, np.full(points.shape[:2], noise.midline)),

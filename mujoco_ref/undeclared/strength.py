@@ -92,7 +92,8 @@ def _direction(random: Generator, size: float) -> dict[str, float]:
 
 
 def typical(effect: str, model: Model, random: Generator) -> dict[str, float]:
-    """Parameters of a typical size, drawn at random: sign, direction, place, frequency. InputError for an unknown effect."""
+    """Parameters of a typical size, drawn at random: sign, direction, place, frequency. InputError for an unknown
+    effect."""
     length = model.specimen.length
     phase = random.uniform(0.0, 2.0 * np.pi)
     draws: dict[str, Callable[[], dict[str, float]]] = {

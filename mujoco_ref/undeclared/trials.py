@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared.make import Noise, Strength, make
+from mujoco_ref.undeclared.make import USUAL_NOISE, Noise, Strength, make
 from mujoco_ref.undeclared.strength import SCALED
 from tentacle.model import Model
 from tentacle.recording import Recording
@@ -25,7 +25,8 @@ class Trial:
 
 
 def draw_effects(random: np.random.Generator, uncatalogued: float, nothing: float, most: int) -> dict[str, Strength]:
-    """Effects for one trial: none with probability `nothing`, one that no catalogue has with `uncatalogued`, else 1 to `most`."""
+    """Effects for one trial: none with probability `nothing`, one that no catalogue has with `uncatalogued`, else 1 to
+    `most`."""
     catalogued = [name for name in KNOWN if name in SCALED and SCALED[name] and name not in UNCATALOGUED]
     kind = random.uniform()
     if kind < nothing:
@@ -44,7 +45,7 @@ def trials(
     seed: int,
     duration: float,
     fps: float,
-    noise: Noise = Noise(),
+    noise: Noise = USUAL_NOISE,
     *,
     uncatalogued: float = 0.15,
     nothing: float = 0.15,

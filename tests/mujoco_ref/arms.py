@@ -13,7 +13,9 @@ HANGING = Gravity()
 HORIZONTAL = Gravity(np.pi / 2)
 
 
-def model_of(specimen: Specimen, fluid: Fluid = AIR, gravity: Gravity = WEIGHTLESS, **effects: dict[str, float]) -> Model:
+def model_of(
+    specimen: Specimen, fluid: Fluid = AIR, gravity: Gravity = WEIGHTLESS, **effects: dict[str, float]
+) -> Model:
     """A model with E = 2e5 Pa unless given otherwise; effects by name, as plain numbers."""
     chosen = {"elasticity": {"E": 2e5}, **effects}
     exact = {effect: {name: Estimate.exact(v) for name, v in values.items()} for effect, values in chosen.items()}

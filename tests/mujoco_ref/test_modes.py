@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
-from tests.mujoco_ref.arms import CONE, HANGING, STRIP, model_of
 
 from mujoco_ref.modes import mass_matrix, natural_frequencies
 from mujoco_ref.simulate import make_stepper
 from mujoco_ref.step import State
 from tentacle.specimen import Cone, Fluid, Specimen
+from tests.mujoco_ref.arms import CONE, HANGING, STRIP, model_of
 
 MODULUS = 2e5
 

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
-from tests.mujoco_ref.arms import CONE, HORIZONTAL, STRIP, model_of, swimming_model
 
 from mujoco_ref.midline import midline_points
 from mujoco_ref.simulate import make_stepper
 from mujoco_ref.statics import equilibrium
 from tentacle.errors import InputError
 from tentacle.specimen import AIR, Gravity, Specimen
+from tests.mujoco_ref.arms import CONE, HORIZONTAL, STRIP, model_of, swimming_model
 
 MODULUS = 2e5
 
@@ -28,8 +28,13 @@ def test_own_weight_of_the_horizontal_cone():
 
 @pytest.mark.parametrize(
     ("load", "drop", "shortening", "angle"),
-    [(1, 0.30172, 0.05643, 0.46135), (2, 0.49346, 0.16064, 0.78175), (5, 0.71379, 0.38763, 1.21537), (10, 0.81061, 0.55500, 1.43029)],
-)  # fmt: skip
+    [
+        (1, 0.30172, 0.05643, 0.46135),
+        (2, 0.49346, 0.16064, 0.78175),
+        (5, 0.71379, 0.38763, 1.21537),
+        (10, 0.81061, 0.55500, 1.43029),
+    ],
+)
 def test_elastica_with_a_tip_load(load, drop, shortening, angle):
     length = 0.2
     stiffness = MODULUS * float(STRIP.second_moment(0.0))

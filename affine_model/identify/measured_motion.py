@@ -1,0 +1,77 @@
+"""A measured motion made ready for regression: smoothed curvatures with their derivatives, base motion, relaxing memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+
+from affine_model.arm import Arm, active_effects
+from affine_model.curvature import Array
+from affine_model.dynamics import relaxation_time
+from tentacle.errors import InputError
+
+
+@dataclass(frozen=True)
+class MeasuredMotion:
+    """t (T,) [s]; u, u_rate, u_acceleration (T, n + 2): Legendre curvatures, base angle, rail (zero), and derivatives."""
+
+    t: Array
+    u: Array
+    u_rate: Array
+    u_acceleration: Array
+
+
+def local_polynomials(t: Array, values: Array, window: int, degree: int = 4) -> tuple[Array, Array, Array]:
+    """Value and first two derivatives (T, K) of values (T, K) at t (T,): a polynomial through the nearest samples.
+
+    At every instant a polynomial of `degree` is fitted, by least squares, to the `window` samples around it (at the ends: the first or
+    last window). On evenly spaced samples this is Savitzky and Golay's filter (1964); the samples here need not be even.
+    InputError where times do not rise, or are fewer than the window, or the window has fewer samples than the polynomial coefficients.
+    """
+    if window <= degree:
+        raise InputError(f"{window} is too few", field="window", expected=f"at least {degree + 1} samples")
+    if t.size < window or np.any(np.diff(t) <= 0.0) or not np.all(np.isfinite(values)):
+        raise InputError("samples cannot be differentiated", field="t", expected=f"{window} rising times, finite values")
+    first = np.clip(np.arange(t.size) - window // 2, 0, t.size - window)
+    index = first[:, None] + np.arange(window)
+    span = (t[index[:, -1]] - t[index[:, 0]])[:, None]
+    away = (t[index] - t[:, None]) / span
+    powers = away[..., None] ** np.arange(degree + 1)
+    coefficients = np.linalg.pinv(powers) @ values[index]
+    derivatives = [factorial(k) * coefficients[:, k] / span**k for k in range(3)]
+    return derivatives[0], derivatives[1], derivatives[2]
+
+
+def measured_motion(arm: Arm, t: Array, q: Array, base: Array, *, q_rate: Array | None = None, window: int = 7
+) -> MeasuredMotion:
+    """The motion behind measured curvatures q (T, n) at t (T,) [s], the base turning as base (3, T): theta and derivatives.
+
+    Derivatives come from quartics over `window` samples (local_polynomials); q_rate (T, n), where it was measured, stands instead of
+    the first, and is differentiated in place of q for the second.
+    """
+    smooth, rate, acceleration = local_polynomials(t, q, window)
+    if q_rate is not None:
+        rate, acceleration, _ = local_polynomials(t, q_rate, window)
+    rows = [
+        np.concatenate([values @ arm.from_monomial.T, angle[:, None], np.zeros((t.size, 1))], axis=1)
+        for values, angle in zip((smooth, rate, acceleration), base, strict=True)
+    ]
+    return MeasuredMotion(t, *rows)
+
+
+def relaxing_memory(arm: Arm, parameters: Array, motion: MeasuredMotion) -> Array:
+    """Memory (T, N) of the Maxwell branch along the motion: memory' = c' - memory / tau, zero at the start.
+
+    Exact for a rate of curvature that is constant between two samples. Zero where no acting effect relaxes.
+    """
+    tau = relaxation_time(arm, active_effects(parameters), parameters)
+    if tau is None:
+        return np.zeros((motion.t.size, arm.nodes))
+    c_rate = motion.u_rate[:, : arm.order] @ arm.curvature_basis.T
+    memory = np.zeros_like(c_rate)
+    decay = np.exp(-np.diff(motion.t)[:, None] / tau)
+    for k, factor in enumerate(decay):
+        memory[k + 1] = factor * memory[k] + tau * (1.0 - factor) * 0.5 * (c_rate[k] + c_rate[k + 1])
+    return memory

@@ -1,0 +1,244 @@
+"""The board as the host sees it: commands with bounded retry, samples in order, the clock, and coming back after a loss.
+
+One thread does all of it: while `service` is called the board hears from the host; a host that hangs is a silent host,
+and the board's watchdog then takes the arm to neutral. That is meant.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+from rig import protocol
+from rig.clock import ClockEstimator, ClockFit
+from rig.fault import Fault
+from rig.host_time import HostTime
+from rig.link import BAUD, Link
+from rig.protocol import Answer, Boot, Event, Frame, Gone, LoadSample, Pong, Reason, Sample, ServoSample, State, Type
+from rig.sequence import SampleSequence
+
+SLOWEST_BOARD = 0.01  # s to answer a command, beside the line's own time
+MAX_TRIES = 40
+PING_EVERY = 0.05  # s; five within the board's watchdog
+BOOT_WITHIN = 6.0  # s; a Due that is opened resets and starts within 2 s
+
+
+@dataclass(frozen=True)
+class LineCounters:
+    """What the line has cost so far; written into every recording."""
+
+    commands: int = 0
+    retries: int = 0
+    host_bad_frames: int = 0
+    board_bad_frames: int = 0
+    samples_doubled: int = 0
+    samples_asked_again: int = 0
+    samples_lost: int = 0
+    reconnects: int = 0
+
+
+class Board:
+    """A connected board. `service` receives; `take` hands over the samples that have come in order."""
+
+    def __init__(self, link: Link, host_time: HostTime | None = None) -> None:
+        self.link = link
+        self.time = host_time or HostTime()
+        self.clock = ClockEstimator()
+        self.boot: Boot | None = None
+        self.pong: Pong | None = None
+        self.limits = b""  # the body of LIMITS with which it was armed last
+        self._counters = LineCounters()
+        self._sequence = SampleSequence()
+        self._inbox: list[Sample] = []
+        self._answer: Answer | None = None
+        self._command_number = 0
+        self._ping_token = 0
+        self._pings: dict[int, float] = {}
+        self._pinged_at = -1e9
+        self._reset = False
+
+    # ---- connecting ----
+
+    def connect(self) -> Boot:
+        """Opens the link and greets the board; Fault("no_answer") or Fault("wrong_version")."""
+        self.link.open()
+        self.boot, self._reset = None, False
+        self.clock = ClockEstimator()
+        until = time.monotonic() + BOOT_WITHIN
+        while self.boot is None and time.monotonic() < until:
+            self._command_number = (self._command_number + 1) & 0xFF
+            self._answer = None
+            self.link.send(Frame(Type.HELLO, self._command_number, protocol.hello()))
+            self._listen_until(lambda: self.boot is not None or self._answer is not None, 0.3)
+            if self._answer is not None and self._answer.reason == Reason.BAD_VERSION:
+                raise Fault("wrong_version", f"the board does not speak version {protocol.VERSION}: flash rig/firmware")
+        if self.boot is None:
+            raise Fault("no_answer", f"{self.link.url}: no board answered within {BOOT_WITHIN:g} s")
+        if self.boot.version != protocol.VERSION:
+            raise Fault("wrong_version", f"the board speaks version {self.boot.version}, not {protocol.VERSION}")
+        self._sequence = SampleSequence(self.boot.next_sample)
+        self._inbox.clear()
+        return self.boot
+
+    def reconnect(self, within: float) -> None:
+        """After a lost link: opens it again and asks for what was missed.
+
+        Fault("link_lost") when it stays away for `within` real seconds; Fault("board_reset") when another boot answers.
+        """
+        until = time.monotonic() + within
+        while True:
+            try:
+                self.link.open()
+                self._reset = False
+                self._pings.clear()
+                before = self.pong
+                self._pinged_at = -1e9
+                self._listen_until(lambda: self.pong is not before, 0.5)
+                if self.pong is not before:
+                    break
+            except Fault as fault:
+                if fault.kind != "link_lost":
+                    raise
+                time.sleep(0.05)
+            if time.monotonic() > until:
+                raise Fault("link_lost", f"{self.link.url} did not come back within {within:g} s")
+        self._counters = replace(self._counters, reconnects=self._counters.reconnects + 1)
+
+    def close(self) -> None:
+        """Sends the arm to neutral if the link still stands, and closes it."""
+        if self.link.is_open:
+            try:
+                self.command(Type.NEUTRAL)
+                self.command(Type.STREAM, protocol.stream(False))
+            except Fault:
+                pass  # the board's watchdog does it
+            self.link.close()
+
+    # ---- talking ----
+
+    def command(self, kind: Type, body: bytes = b"") -> None:
+        """Sends a command until it is answered; Fault("refused") with the reason, or Fault("no_answer")."""
+        self._command_number = (self._command_number + 1) & 0xFF
+        number = self._command_number
+        self._counters = replace(self._counters, commands=self._counters.commands + 1)
+        within = SLOWEST_BOARD + 2 * (len(body) + 20) * 10 / BAUD + 4 * self.clock.quickest
+        for attempt in range(MAX_TRIES):
+            if attempt:
+                self._counters = replace(self._counters, retries=self._counters.retries + 1)
+            self._answer = None
+            self.link.send(Frame(kind, number, body))
+            self._listen_until(lambda: self._answered(number, kind), within)
+            if self._answered(number, kind):
+                assert self._answer is not None
+                if self._answer.reason:
+                    raise Fault("refused", f"the board refused {kind.name}: {Reason(self._answer.reason).name}")
+                return
+        raise Fault("no_answer", f"the board did not answer {kind.name} in {MAX_TRIES} tries")
+
+    def service(self, wait: float = 0.005) -> None:
+        """Receives for at most `wait` real seconds, pings when due, asks for missing samples.
+
+        Fault("board_reset") once after the board has started anew; Fault("link_lost") when the port is gone.
+        """
+        now = self.time.now()
+        if now - self._pinged_at >= PING_EVERY:
+            self._ping(now)
+        for frame in self.link.receive(wait):
+            self._dispatch(frame)
+        if self._reset:
+            self._reset = False
+            raise Fault("board_reset", "the board started anew (power or reset button?)")
+        now = self.time.now()
+        for request in self._sequence.requests(now):
+            self.link.send(Frame(Type.RESEND, 0, protocol.resend(*request)))
+        self._inbox += self._sequence.give_up()
+
+    def take(self) -> list[Sample]:
+        """The samples that have come since the last call, in order, each once."""
+        samples, self._inbox = self._inbox, []
+        return samples
+
+    def synchronise(self, trips: int = 10) -> ClockFit:
+        """The clock after at least so many round trips; Fault("no_answer") where they do not come."""
+        until = time.monotonic() + 5.0
+        while len(self.clock) < trips and time.monotonic() < until:
+            if self.time.now() - self._pinged_at >= 0.01 * self.time.rate:
+                self._ping(self.time.now())
+            self.service(0.005)
+        if len(self.clock) < trips:
+            raise Fault("no_answer", f"only {len(self.clock)} of {trips} pings were answered")
+        return self.clock.fit()
+
+    def catch_up(self, within: float = 1.0) -> None:
+        """Waits until every sample that the board has made is here, or given up; at most `within` real seconds."""
+        until = time.monotonic() + within
+        before = self.pong
+        self._pinged_at = -1e9
+        while time.monotonic() < until and (self.pong is before or self._sequence.missing):
+            self.service(0.005)
+
+    @property
+    def state(self) -> State:
+        """The board's state at the last pong."""
+        return State(self.pong.state) if self.pong is not None else State.UNARMED
+
+    @property
+    def counters(self) -> LineCounters:
+        """The line's cost so far."""
+        sequence = self._sequence
+        return replace(
+            self._counters,
+            host_bad_frames=self.link.bad_frames,
+            board_bad_frames=self.pong.bad_frames if self.pong else 0,
+            samples_doubled=sequence.doubled,
+            samples_asked_again=sequence.asked,
+            samples_lost=sequence.lost,
+        )
+
+    # ---- inside ----
+
+    def _answered(self, number: int, kind: Type) -> bool:
+        return self._answer is not None and (self._answer.sequence, self._answer.type) == (number, kind)
+
+    def _listen_until(self, done, seconds: float) -> None:
+        until = time.monotonic() + seconds
+        while not done() and time.monotonic() < until:
+            self.service(0.002)
+
+    def _ping(self, now: float) -> None:
+        self._ping_token = (self._ping_token + 1) & 0xFFFFFFFF
+        self._pinged_at = now
+        self._pings[self._ping_token] = now
+        while len(self._pings) > 100:
+            del self._pings[min(self._pings)]
+        self.link.send(Frame(Type.PING, 0, protocol.ping(self._ping_token)))
+
+    def _dispatch(self, frame: Frame) -> None:
+        message = protocol.decode(frame)
+        match message:
+            case Answer():
+                self._answer = message
+            case Pong():
+                self._heard_pong(message)
+            case LoadSample() | ServoSample() | Event():
+                if self.boot is not None:
+                    self._inbox += self._sequence.add(message, self.time.now())
+            case Boot():
+                if self.boot is not None and message.boot_id != self.boot.boot_id:
+                    self._reset = True
+                self.boot = message
+            case Gone():
+                self._inbox += self._sequence.give_up((message.first, message.count))
+            case None:
+                pass
+
+    def _heard_pong(self, pong: Pong) -> None:
+        sent = self._pings.pop(pong.token, None)
+        if sent is None or self.boot is None:
+            return
+        if pong.boot_id != self.boot.boot_id:
+            self._reset = True
+            return
+        self.clock.add(sent, self.time.now(), 1e-6 * pong.board_us)
+        self.pong = pong
+        self._sequence.expect(pong.next_sample, self.time.now())

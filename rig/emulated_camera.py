@@ -1,0 +1,97 @@
+"""A camera in front of the emulated tank: exposure, latency, jitter and the flash, all with a truth to compare with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from rig.camera import Image
+from rig.emulator import Truth, read_truth
+from rig.host_time import HostTime
+from tentacle.recording import Camera as CameraDeclaration
+from tentacle.signals import Array
+
+
+@dataclass(frozen=True)
+class EmulatedOptics:
+    """fps [1/s], exposure [s], latency [s] from the end of exposure to arrival, jitter [s] of it (standard deviation),
+    size (width, height) [px], radius (base, tip) [m] of the arm that is drawn. stall: (from, to) [s] without frames.
+    """
+
+    declaration: CameraDeclaration
+    latency: float = 0.045
+    jitter: float = 0.0015
+    size: tuple[int, int] = (320, 240)
+    radius: tuple[float, float] = (0.0125, 0.001)
+    stall: tuple[float, float] = (np.inf, np.inf)
+    seed: int = 1
+
+    @property
+    def offset(self) -> float:
+        """What a perfect calibration would find: arrival after the middle of exposure [s]."""
+        return self.latency + 0.5 * self.declaration.exposure
+
+
+class EmulatedSource:
+    """Films the emulator's truth file."""
+
+    def __init__(self, trace: Path, optics: EmulatedOptics, host_time: HostTime) -> None:
+        self._trace, self._optics, self._time = trace, optics, host_time
+        self._random = np.random.default_rng(optics.seed)
+        self._start, self._count = host_time.now(), 0
+        self._previous: tuple[float, float] | None = None
+
+    def read(self) -> tuple[Image, float]:
+        """The next frame: drawn when its exposure has ended, stamped with its latency."""
+        optics = self._optics
+        while True:
+            opened = self._start + self._count / optics.declaration.fps
+            closed = opened + optics.declaration.exposure
+            self._count += 1
+            self._time.wait(
+                closed + 0.004 * self._time.rate - self._time.now()
+            )  # the truth is written every millisecond
+            if not optics.stall[0] <= opened - self._start < optics.stall[1]:
+                break
+        truth = read_truth(self._trace)
+        image = draw(truth.points, self._lit(truth, opened, closed), optics)
+        return image, closed + optics.latency + float(self._random.normal(0.0, optics.jitter))
+
+    def close(self) -> None:
+        """Nothing to let go."""
+
+    def _lit(self, truth: Truth, opened: float, closed: float) -> float:
+        """The share of the exposure during which the LED was on."""
+        begin, end = (1e6 * truth.board_time(t / self._time.rate) for t in (opened, closed))
+        on, off = truth.led_on_us, truth.led_off_us
+        if on < 0:
+            return 0.0
+        lit_until = off if off >= on else end
+        return float(np.clip(min(end, lit_until) - max(begin, on), 0.0, None) / max(end - begin, 1.0))
+
+
+def draw(points: Array, lit: float, optics: EmulatedOptics) -> Image:
+    """A grey picture (height, width): dark arm on light ground, an LED in the corner. points (P, 2) [m] in the base frame."""
+    width, height = optics.size
+    image = np.full((height, width), 200, dtype=np.uint8)
+    pixels = optics.declaration.to_pixels(points)
+    radii = np.linspace(*optics.radius, len(points)) / optics.declaration.metres_per_px
+    shift = 4  # fractional bits
+    for k in range(len(pixels) - 1):
+        tangent = pixels[k + 1] - pixels[k]
+        normal = np.array([-tangent[1], tangent[0]]) / max(float(np.linalg.norm(tangent)), 1e-9)
+        corners = [
+            pixels[k] + radii[k] * normal,
+            pixels[k + 1] + radii[k + 1] * normal,
+            pixels[k + 1] - radii[k + 1] * normal,
+            pixels[k] - radii[k] * normal,
+        ]
+        polygon = np.round(np.array(corners) * 2**shift).astype(np.int32)
+        cv2.fillPoly(image, [polygon], 40, lineType=cv2.LINE_AA, shift=shift)
+        centre = np.round(pixels[k + 1] * 2**shift).astype(int)
+        cv2.circle(image, (int(centre[0]), int(centre[1])), int(radii[k + 1] * 2**shift), 40, -1, cv2.LINE_AA, shift)
+    cv2.circle(image, (width - 16, 16), 9, int(60 + 195 * lit), -1)
+    return image

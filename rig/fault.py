@@ -1,0 +1,18 @@
+"""What goes wrong on a rig while it runs. Bad input is tentacle.errors.InputError; this is the world's doing."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+Kind = Literal[
+    "link_lost", "no_answer", "refused", "board_reset", "watchdog", "underrun", "overcurrent", "load_cell",
+    "not_settled", "camera", "disk", "wrong_version",
+]  # fmt: skip
+
+
+class Fault(RuntimeError):
+    """A fault of the rig, by kind; the message is one line that says what to look at."""
+
+    def __init__(self, kind: Kind, message: str) -> None:
+        self.kind: Kind = kind
+        super().__init__(message)

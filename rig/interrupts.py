@@ -1,0 +1,42 @@
+"""Ctrl-C: once pauses at the next safe point, twice stops the motor now. The motor always ends at neutral."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from types import FrameType
+
+
+class Interrupts:
+    """Counts SIGINT (SIGTERM counts as two) while used as a context manager; say is told what each one does."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._count = 0
+        self._before: dict[int, object] = {}
+
+    @property
+    def pause(self) -> bool:
+        """Whether to stop at the next safe point: between runs."""
+        return self._count >= 1
+
+    @property
+    def stop_now(self) -> bool:
+        """Whether the motor is to stop now."""
+        return self._count >= 2
+
+    def __enter__(self) -> Interrupts:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._before[number] = signal.signal(number, self._heard)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+
+    def _heard(self, number: int, _frame: FrameType | None) -> None:
+        self._count += 2 if number == signal.SIGTERM else 1
+        if self._count == 1:
+            self._say("pausing after this run; Ctrl-C again stops the motor now")
+        else:
+            self._say("stopping the motor")

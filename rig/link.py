@@ -1,0 +1,113 @@
+"""One class for every way to a board: a serial port, a pty, loop://, socket://HOST:PORT, rfc2217://HOST:PORT."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from dataclasses import dataclass
+
+import serial
+from serial.tools import list_ports
+
+from rig.fault import Fault
+from rig.protocol import Frame, Parser, encode
+
+BAUD = 115200
+
+
+@dataclass(frozen=True)
+class PortFound:
+    """A serial port of this computer: device, what it says it is, and whether it looks like an Arduino Due."""
+
+    device: str
+    description: str
+    due: bool
+
+
+def ports() -> list[PortFound]:
+    """The serial ports present. The Due's programming port (2341:003d) is the one to use, not its native port."""
+    found = []
+    for port in list_ports.comports():
+        due = port.vid == 0x2341 and port.pid == 0x003D
+        found.append(PortFound(port.device, port.description or "", due))
+    return found
+
+
+class Link:
+    """Frames over a port. Opened exclusively; reading and writing raise Fault("link_lost") when the port is gone."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+        self.bytes_read = self.bytes_written = 0
+        self._parser = Parser()
+        self._bad_before = 0
+        self._port: serial.SerialBase | None = None
+
+    def open(self) -> None:
+        """Opens the port; Fault("link_lost") where it cannot be opened."""
+        self.close()
+        exclusive = {} if "://" in self.url else {"exclusive": True}
+        target = self.url if "://" in self.url else os.path.realpath(self.url)  # a link's pty may change under its name
+        try:
+            port = serial.serial_for_url(target, baudrate=BAUD, timeout=0.0, write_timeout=0.5, **exclusive)
+        except (OSError, ValueError) as error:  # SerialException is an OSError
+            raise Fault("link_lost", f"{self.url} cannot be opened: {_reason(error)}") from None
+        with contextlib.suppress(
+            OSError
+        ):  # a pty has no modem lines and says ENOTTY; it may have no input queue either
+            port.reset_input_buffer()
+        self._bad_before, self._parser = self.bad_frames, Parser()
+        self._port = port
+
+    @property
+    def bad_frames(self) -> int:
+        """How many frames came damaged, over all openings."""
+        return self._bad_before + self._parser.bad
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the port was opened and has not failed since."""
+        return self._port is not None
+
+    def close(self) -> None:
+        """Closes the port; a port that has gone makes no fuss."""
+        if self._port is not None:
+            with contextlib.suppress(OSError):
+                self._port.close()
+            self._port = None
+
+    def send(self, frame: Frame) -> None:
+        """Writes one frame."""
+        data = encode(frame)
+        port = self._require()
+        try:
+            port.write(data)
+        except OSError as error:
+            self._lost(error)
+        self.bytes_written += len(data)
+
+    def receive(self, wait: float) -> list[Frame]:
+        """The frames that have come, after at most `wait` real seconds."""
+        port = self._require()
+        try:
+            port.timeout = wait
+            data = port.read(max(1, port.in_waiting))
+            if data and port.in_waiting:
+                data += port.read(port.in_waiting)
+        except (OSError, TypeError) as error:  # pyserial reads a closed descriptor as TypeError
+            self._lost(error)
+        self.bytes_read += len(data)
+        return self._parser.feed(data) if data else []
+
+    def _require(self) -> serial.SerialBase:
+        if self._port is None:
+            raise Fault("link_lost", f"{self.url} is not open")
+        return self._port
+
+    def _lost(self, error: Exception) -> None:
+        self.close()
+        raise Fault("link_lost", f"{self.url} has gone: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or str(error)

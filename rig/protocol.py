@@ -1,0 +1,292 @@
+"""The wire between computer and board, version 1: messages, CRC-32, COBS frames (docs/protocol.md).
+
+A frame is COBS(type, sequence, body, CRC-32 of these) and a zero. What is not exactly a known message is not accepted.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+VERSION = 1
+MAX_BODY = 112
+MAX_POINTS = 26  # set points in one POINTS message
+MAX_ENCODED = MAX_BODY + 7  # COBS bytes between two zeros
+NO_ANGLE = -(2**31)  # a servo without position feedback
+
+
+class Type(IntEnum):
+    """Message types; from 0x81 on they go from the board to the host."""
+
+    HELLO = 0x01
+    PING = 0x02
+    LIMITS = 0x03
+    STREAM = 0x04
+    POINTS = 0x05
+    START = 0x06
+    NEUTRAL = 0x07
+    FLASH = 0x08
+    RESEND = 0x09
+    CLEAR = 0x0A
+    BOOT = 0x81
+    ACK = 0x82
+    NAK = 0x83
+    PONG = 0x84
+    LOAD = 0x85
+    SERVO = 0x86
+    EVENT = 0x87
+    GONE = 0x88
+
+
+class Reason(IntEnum):
+    """Why the board refused a command."""
+
+    UNKNOWN_TYPE = 1
+    BAD_LENGTH = 2
+    BAD_VERSION = 3
+    NO_LIMITS = 4
+    BAD_LIMITS = 5
+    OUTSIDE_LIMITS = 6
+    BAD_INDEX = 7
+    QUEUE_FULL = 8
+    TOO_FEW_POINTS = 9
+    BAD_START = 10
+    BUSY = 11
+
+
+class State(IntEnum):
+    """What the board is doing; it is RETURNING to neutral after every run, whatever ended it."""
+
+    UNARMED = 0
+    READY = 1
+    WAITING = 2
+    PLAYING = 3
+    RETURNING = 4
+
+
+class EventCode(IntEnum):
+    """What happened on the board; WATCHDOG carries the silence in ms, CELL_ERROR the error's number."""
+
+    STARTED = 1
+    COMPLETE = 2
+    UNDERRUN = 3
+    WATCHDOG = 4
+    CLIPPED = 5
+    OVERCURRENT = 6
+    FLASH_ON = 7
+    FLASH_OFF = 8
+    CELL_ERROR = 9
+    CELL_GOOD = 10
+    STOPPED = 11
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One checked frame, not yet taken apart."""
+
+    type: int
+    sequence: int
+    body: bytes = b""
+
+
+@dataclass(frozen=True)
+class Boot:
+    """The board has started, or was greeted: its limits of build (pulses [us], angle [urad], speed [urad/s]), clock [us]."""
+
+    version: int
+    boot_id: int
+    board_us: int
+    pulse_min_us: int
+    pulse_max_us: int
+    angle_urad: int
+    speed_urad_s: int
+    watchdog_us: int
+    next_sample: int
+
+
+@dataclass(frozen=True)
+class Pong:
+    """Answer to a ping: the board's clock at its arrival, state, room for set points, points played, next sample."""
+
+    token: int
+    board_us: int
+    boot_id: int
+    state: int
+    room: int
+    played: int
+    next_sample: int
+    bad_frames: int
+
+
+@dataclass(frozen=True)
+class Answer:
+    """ACK (reason 0) or NAK of the command with this sequence and type."""
+
+    sequence: int
+    type: int
+    reason: int = 0
+
+
+@dataclass(frozen=True)
+class LoadSample:
+    """One load-cell conversion: its number in the board's one sequence of samples, board time [us], raw counts."""
+
+    number: int
+    board_us: int
+    counts: int
+
+
+@dataclass(frozen=True)
+class ServoSample:
+    """One servo frame: angle at the pin and measured angle [urad] (NO_ANGLE without feedback), pulse [us], current [mA]."""
+
+    number: int
+    board_us: int
+    command_urad: int
+    angle_urad: int
+    pulse_us: int
+    current_ma: int
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something happened on the board at board_us [us]; value's meaning goes with the code."""
+
+    number: int
+    board_us: int
+    code: int
+    value: int
+
+
+@dataclass(frozen=True)
+class Gone:
+    """Of the samples asked for again, `count` from `first` on are no longer held."""
+
+    first: int
+    count: int
+
+
+Sample = LoadSample | ServoSample | Event
+Message = Boot | Pong | Answer | LoadSample | ServoSample | Event | Gone
+
+_LAYOUTS = {
+    Type.BOOT: ("<BIQHHiIII", Boot),
+    Type.PONG: ("<IQIBHIII", Pong),
+    Type.LOAD: ("<IQi", LoadSample),
+    Type.SERVO: ("<IQiiHH", ServoSample),
+    Type.EVENT: ("<IQBi", Event),
+    Type.GONE: ("<IB", Gone),
+}
+
+
+def encode(frame: Frame) -> bytes:
+    """The frame's bytes, delimiter included. ValueError where the body is longer than MAX_BODY."""
+    if len(frame.body) > MAX_BODY:
+        raise ValueError(f"a body of {len(frame.body)} bytes; at most {MAX_BODY} go into a frame")
+    payload = bytes((frame.type, frame.sequence)) + frame.body
+    payload += struct.pack("<I", zlib.crc32(payload))
+    return b"".join(bytes((len(run) + 1,)) + run for run in payload.split(b"\0")) + b"\0"
+
+
+def decode_frame(encoded: bytes) -> Frame | None:
+    """The frame in the COBS bytes between two zeros; None where stuffing, length or CRC is wrong."""
+    payload = bytearray()
+    at, size = 0, len(encoded)
+    if size > MAX_ENCODED:
+        return None
+    while at < size:
+        code = encoded[at]
+        if code == 0 or at + code > size:
+            return None
+        payload += encoded[at + 1 : at + code]
+        at += code
+        if at < size:
+            payload.append(0)
+    if len(payload) < 6 or struct.unpack("<I", payload[-4:])[0] != zlib.crc32(payload[:-4]):
+        return None
+    return Frame(payload[0], payload[1], bytes(payload[2:-4]))
+
+
+class Parser:
+    """Bytes in, checked frames out. `bad` counts what lay between zeros and was no frame."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+        self._skipping = False
+        self.bad = 0
+
+    def feed(self, data: bytes) -> list[Frame]:
+        """The frames that these bytes complete, in order."""
+        *whole, rest = (self._rest + data).split(b"\0")
+        frames = []
+        for encoded in whole:
+            if not encoded and not self._skipping:
+                continue  # idle line
+            frame = None if self._skipping else decode_frame(encoded)
+            self._skipping = False
+            if frame is None:
+                self.bad += 1
+            else:
+                frames.append(frame)
+        if len(rest) > MAX_ENCODED:
+            rest, self._skipping = b"", True
+        self._rest = rest
+        return frames
+
+
+def decode(frame: Frame) -> Message | None:
+    """What the board said; None where type or length is not of version 1, or a sample contradicts its own sequence."""
+    if frame.type == Type.ACK and len(frame.body) == 1:
+        return Answer(frame.sequence, frame.body[0])
+    if frame.type == Type.NAK and len(frame.body) == 2:
+        return Answer(frame.sequence, frame.body[0], frame.body[1])
+    layout = _LAYOUTS.get(frame.type)  # type: ignore[call-overload]
+    if layout is None or struct.calcsize(layout[0]) != len(frame.body):
+        return None
+    message = layout[1](*struct.unpack(layout[0], frame.body))
+    if isinstance(message, LoadSample | ServoSample | Event) and message.number & 0xFF != frame.sequence:
+        return None
+    return message
+
+
+def hello() -> bytes:
+    """Body of HELLO: the host's version."""
+    return struct.pack("<B", VERSION)
+
+
+def ping(token: int) -> bytes:
+    """Body of PING."""
+    return struct.pack("<I", token)
+
+
+def limits(min_urad: int, max_urad: int, speed_urad_s: int, current_ma: int, centre_us: int, us_per_rad: int) -> bytes:
+    """Body of LIMITS: angles [urad], speed [urad/s], current [mA]; the pulse at angle 0 [us] and its slope [us/rad]."""
+    return struct.pack("<iiIHHh", min_urad, max_urad, speed_urad_s, current_ma, centre_us, us_per_rad)
+
+
+def stream(on: bool) -> bytes:
+    """Body of STREAM: samples on or off."""
+    return struct.pack("<B", on)
+
+
+def points(index: int, urad: Sequence[int]) -> bytes:
+    """Body of POINTS: set points [urad] from `index` on."""
+    return struct.pack(f"<IB{len(urad)}i", index, len(urad), *urad)
+
+
+def start(at_us: int, period_us: int, total: int) -> bytes:
+    """Body of START: `total` set points, one every period_us from board time at_us on."""
+    return struct.pack("<QII", at_us, period_us, total)
+
+
+def flash(milliseconds: int) -> bytes:
+    """Body of FLASH: light the LED for so long."""
+    return struct.pack("<H", milliseconds)
+
+
+def resend(first: int, count: int) -> bytes:
+    """Body of RESEND: samples to be sent again."""
+    return struct.pack("<IB", first, count)

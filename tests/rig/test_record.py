@@ -1,0 +1,202 @@
+"""Recording: whole runs, crashed runs, runs on a full disk, stalled cameras; all of them readable and honest."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rig.emulated_camera import EmulatedOptics
+from rig.emulator import Emulator
+from rig.record import connected, motion_of, opened_camera, record
+from rig.run_file import read_run, to_recording
+from rig.safety import SafetyLimits
+from rig.settle import SettleRule
+from rig.setup_file import CameraSettings, LoadCellCalibration, RigSetup, read_setup, write_setup
+from tentacle.declaration_file import RecordingFile
+from tentacle.errors import InputError
+from tentacle.recording import Camera, Declaration
+from tentacle.specimen import WATER, Cone, Specimen
+from tentacle.waveform import Sine
+
+DECLARED = Declaration(
+    Specimen(Cone(0.0125, 0.001), 0.14, 1070.0),
+    WATER,
+    camera=Camera(30.0, 0.0012, (160.0, 30.0), (0.0, 1.0), exposure=0.01),
+)
+WAVE = Sine(0.5, 1.0)
+TABLE = {"kind": "sine", "amplitude_rad": 0.5, "frequency_hz": 1.0}
+
+
+@pytest.fixture
+def setup(emulator: Emulator, limits: SafetyLimits) -> RigSetup:
+    return RigSetup(
+        port=emulator.url,
+        limits=limits,
+        settle=SettleRule(threshold=1e-3, samples=60, timeout=10.0),
+        load_cell=LoadCellCalibration(52000.0, 180000.0),
+        recording=RecordingFile(DECLARED),
+    )
+
+
+def test_rig_toml_comes_back_as_it_was(setup: RigSetup, tmp_path: Path) -> None:
+    setup = replace(setup, camera=CameraSettings("0", 0.04, 0.001), rate=2.0)
+    write_setup(setup, tmp_path / "rig.toml")
+    assert read_setup(tmp_path / "rig.toml") == setup
+
+
+def test_rig_toml_without_limits_is_refused(setup: RigSetup, tmp_path: Path) -> None:
+    file = tmp_path / "rig.toml"
+    write_setup(setup, file)
+    text = file.read_text()
+    file.write_text(text.replace("max_speed_rad_s = 8.0\n", ""))
+    with pytest.raises(InputError, match=r"rig.toml.*limits\.max_speed_rad_s: missing"):
+        read_setup(file)
+    file.write_text(text.replace("max_speed_rad_s = 8.0", "max_speed_rad_s = 1.0"))
+    with pytest.raises(InputError, match="silent host"):
+        read_setup(file)
+
+
+def test_a_run_with_a_camera_becomes_a_recording(setup: RigSetup, tmp_path: Path) -> None:
+    setup = replace(setup, camera=CameraSettings("emulated"))
+    path = tmp_path / "run.rrd"
+    with connected(setup) as board, opened_camera(setup, board.time) as camera:
+        result = record(setup, board, camera, motion_of(WAVE, 2.0, setup, TABLE), path, name="swim")
+    assert result.outcome == "complete"
+    assert result.lost == 0
+    run = read_run(path)
+    assert run.outcome == "complete"
+    camera_record = run.stop["camera"] if run.stop else {}
+    # Six flashes at 30 frames a second: about 1.8 ms (tests of the estimate); the bound is four of those.
+    assert camera_record["offset_s"] == pytest.approx(EmulatedOptics(DECLARED.camera).offset, abs=7.2e-3)
+    recording = to_recording(run, video=tmp_path / "video.mp4")
+    assert recording.name == "swim"
+    assert recording.declaration == DECLARED
+    assert recording.motor is not None
+    assert recording.load_cell is not None
+    inside = (recording.motor.t > 0) & (recording.motor.t < 2.0)
+    np.testing.assert_allclose(recording.motor.command[inside], WAVE(recording.motor.t[inside])[0], atol=1.1e-3)
+    import av
+
+    with av.open(str(tmp_path / "video.mp4")) as video:
+        times = [float(frame.time) for frame in video.decode(video=0) if frame.time is not None]
+    assert np.median(np.diff(times)) == pytest.approx(1 / 30, abs=2e-3)  # whole milliseconds and the camera's jitter
+    assert 0 <= times[0] < 0.1
+
+
+def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path) -> None:
+    recording_rrd = pytest.importorskip("tentacle.recording_rrd")
+    setup = replace(setup, camera=CameraSettings("emulated"))
+    path = tmp_path / "run.rrd"
+    with connected(setup) as board, opened_camera(setup, board.time) as camera:
+        record(setup, board, camera, motion_of(WAVE, 1.0, setup, TABLE), path, name="swim")
+    recording = recording_rrd.read_rrd(path)
+    assert recording.name == "swim"
+    assert recording.notes["outcome"] == "complete"
+    assert "cut_off" not in recording.notes
+    assert recording.video is not None
+    assert recording.motor is not None
+    np.testing.assert_allclose(recording.motor.t, to_recording(read_run(path)).motor.t[-len(recording.motor.t) :])
+
+
+CHILD = """
+import sys
+from pathlib import Path
+from rig.record import connected, motion_of, record
+from rig.setup_file import read_setup
+from tentacle.waveform import Sine
+setup = read_setup(Path(sys.argv[1]))
+with connected(setup) as board:
+    motion = motion_of(Sine(0.5, 1.0), 30.0, setup, {})
+    record(setup, board, None, motion, Path(sys.argv[2]), name="killed", progress=lambda phase, share: print(phase, flush=True))
+"""
+
+
+def test_killed_host_leaves_a_readable_file_and_the_arm_at_neutral(
+    setup: RigSetup, emulator: Emulator, tmp_path: Path
+) -> None:
+    write_setup(setup, tmp_path / "rig.toml")
+    path = tmp_path / "run.rrd"
+    child = subprocess.Popen(
+        [sys.executable, "-c", CHILD, str(tmp_path / "rig.toml"), str(path)], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    while "running" not in child.stdout.readline():
+        assert child.poll() is None
+    time.sleep(1.5)
+    killed_at = emulator.truth().board_us
+    os.kill(child.pid, signal.SIGKILL)
+    child.wait()
+    child.stdout.close()
+    time.sleep(0.5)
+    assert emulator.truth().pulse_us == 1500  # the board is back at neutral within 0.5 s
+    run = read_run(path)
+    assert run.outcome == "crashed"
+    tail = 1e-6 * killed_at - float(run.load_t[-1])
+    assert tail < 0.3  # flushed every 0.15 s
+    assert np.diff(run.load_number).min() == 1 or np.diff(run.load_number).min() == 2  # servo samples lie between
+    assert to_recording(run).notes["outcome"] == "crashed"
+
+
+def test_a_disk_that_fills_ends_the_run_safely(setup: RigSetup, emulator: Emulator, tmp_path: Path) -> None:
+    begun = time.monotonic()
+    path = tmp_path / "run.rrd"
+    with connected(setup) as board:
+        result = record(
+            setup, board, None, motion_of(WAVE, 20.0, setup, TABLE), path, name="full",
+            free_bytes=lambda _: 0 if time.monotonic() - begun > 3.0 else 10**9,
+        )  # fmt: skip
+        time.sleep(0.3)
+        assert emulator.truth().pulse_us == 1500
+    assert result.outcome == "disk"
+    assert read_run(path).outcome == "disk"
+
+
+def test_a_stalled_camera_is_written_down_and_the_rest_is_whole(
+    setup: RigSetup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import rig.record
+
+    setup = replace(setup, camera=CameraSettings("emulated", 0.05, 0.001))
+    optics = EmulatedOptics(DECLARED.camera, stall=(4.5, 6.0))
+    monkeypatch.setattr(rig.record, "EmulatedOptics", lambda _: optics)
+    path = tmp_path / "run.rrd"
+    with connected(setup) as board, opened_camera(setup, board.time) as camera:
+        result = record(setup, board, camera, motion_of(WAVE, 4.0, setup, TABLE), path, name="stall")
+    run = read_run(path)
+    assert result.outcome == "complete"
+    assert run.stop is not None
+    assert len(run.stop["camera"]["gaps_host_s"]) == 1
+    assert result.lost == 0
+
+
+def test_water_that_does_not_settle_ends_before_anything_moves(setup: RigSetup, tmp_path: Path) -> None:
+    setup = replace(setup, settle=SettleRule(threshold=1e-5, samples=60, timeout=1.5))  # below the cell's own noise
+    with connected(setup) as board:
+        result = record(setup, board, None, motion_of(WAVE, 2.0, setup, TABLE), tmp_path / "run.rrd", name="restless")
+    assert result.outcome == "not_settled"
+    run = read_run(tmp_path / "run.rrd")
+    assert np.all(run.command == 0.0)
+
+
+def test_a_taken_path_is_refused_before_anything_moves(setup: RigSetup, tmp_path: Path) -> None:
+    path = tmp_path / "run.rrd"
+    path.write_bytes(b"mine")
+    with connected(setup) as board, pytest.raises(InputError, match="is there already"):
+        record(setup, board, None, motion_of(WAVE, 2.0, setup, TABLE), path, name="again")
+    assert path.read_bytes() == b"mine"
+
+
+def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_run(tmp_path / "none.rrd")
+    (tmp_path / "text.rrd").write_text("no recording")
+    with pytest.raises(InputError):
+        read_run(tmp_path / "text.rrd")

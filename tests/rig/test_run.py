@@ -1,0 +1,178 @@
+"""Runs over a real pty: what the board did is what was asked, and what came back is whole."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from rig import protocol
+from rig.board import Board
+from rig.emulator import Emulator
+from rig.fault import Fault
+from rig.play import PlayEnd, PlayStart, arm, play
+from rig.protocol import Event, EventCode, LoadSample, Sample, ServoSample, Type
+from rig.safety import SafetyLimits, ServoCalibration, set_points
+from tentacle.waveform import Sine
+
+WAVE = Sine(0.5, 1.0)
+NEUTRAL_US = 1500
+
+
+def collect(
+    board: Board, limits: SafetyLimits, seconds: float = 2.0, act=None
+) -> tuple[list[Sample], PlayStart, PlayEnd]:
+    """Plays WAVE; act(elapsed seconds since the start) is called all along."""
+    samples: list[Sample] = []
+    start = end = None
+    begun = time.monotonic()
+    for item in play(board, set_points(WAVE, seconds, limits), limits):
+        if isinstance(item, PlayStart):
+            start, begun = item, time.monotonic()
+        elif isinstance(item, PlayEnd):
+            end = item
+        else:
+            samples += item
+        if act is not None and start is not None:
+            act(time.monotonic() - begun)
+    assert start is not None
+    assert end is not None
+    return samples, start, end
+
+
+def once(when: float, deed):
+    """Calls deed() the first time that so many seconds have passed."""
+    done = []
+
+    def act(elapsed: float) -> None:
+        if elapsed > when and not done:
+            done.append(True)
+            deed()
+
+    return act
+
+
+def wait_for_neutral(emulator: Emulator, within: float) -> float:
+    """Seconds until the pin is at neutral; fails after `within`."""
+    begun = time.monotonic()
+    while emulator.truth().pulse_us != NEUTRAL_US:
+        assert time.monotonic() - begun < within
+        time.sleep(0.005)
+    return time.monotonic() - begun
+
+
+def test_a_run_is_whole_and_on_time(
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    arm(board, limits, servo)
+    samples, start, end = collect(board, limits)
+    assert end.outcome == "complete"
+    numbers = [s.number for s in samples]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))  # none lost, none doubled, in order
+    servo_samples = [s for s in samples if isinstance(s, ServoSample)]
+    t = np.array([1e-6 * (s.board_us - start.start_us) for s in servo_samples])
+    command = np.array([1e-6 * s.command_urad for s in servo_samples])
+    inside = (t > 0) & (t < 2.0)
+    # Linear between points 20 ms apart: error up to (2 pi)^2 0.5 0.02^2 / 8 = 1e-3 rad.
+    np.testing.assert_allclose(command[inside], WAVE(t[inside])[0], atol=1.1e-3)
+    loads = [s.board_us for s in samples if isinstance(s, LoadSample)]
+    assert np.median(np.diff(loads)) == pytest.approx(10700, abs=250)  # the emulator steps 250 us
+    fit = board.clock.fit()
+    now = time.monotonic()
+    assert abs(fit.to_board(now) - emulator.truth().board_time(now)) < 1e-3
+    assert emulator.truth().pulse_us == NEUTRAL_US
+
+
+def test_a_bad_line_costs_time_but_no_sample_and_no_truth(
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    emulator.say("line", 0.01, 0.01, 0.01)
+    arm(board, limits, servo)
+    samples, start, end = collect(board, limits)
+    assert end.outcome == "complete"
+    numbers = [s.number for s in samples]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    counters = board.counters
+    assert counters.samples_lost == 0
+    assert counters.host_bad_frames > 50
+    assert counters.retries > 0
+    for sample in samples:  # what is accepted is what the board measured: times rise, values are the plant's
+        if isinstance(sample, ServoSample):
+            t = 1e-6 * (sample.board_us - start.start_us)
+            wanted = float(WAVE(t)[0]) if 0 <= t < 2 else 0.0
+            assert abs(1e-6 * sample.command_urad - wanted) < 0.08  # 8 rad/s over two frames, at the run's ends
+        elif isinstance(sample, LoadSample):
+            assert abs(sample.counts - 52000) < 20000
+    emulator.say("line", 0.0, 0.0, 0.0)
+
+
+def test_unplugged_and_plugged_in_again(
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    arm(board, limits, servo)
+    gone: list[float] = []
+
+    def unplug() -> None:
+        emulator.say("unplug")
+        gone.append(wait_for_neutral(emulator, 0.6))
+        emulator.say("replug")
+
+    samples, _, end = collect(board, limits, act=once(0.8, unplug))
+    assert end.outcome == "watchdog" or "gone" in end.words
+    assert gone[0] < 0.5
+    numbers = [s.number for s in samples]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))  # the board kept what was missed
+    assert any(isinstance(s, Event) and s.code == EventCode.WATCHDOG for s in samples)
+    assert board.counters.reconnects == 1
+
+
+def test_board_reset_in_a_run_is_said(
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    arm(board, limits, servo)
+    _, _, end = collect(board, limits, act=once(0.5, lambda: emulator.say("reset")))
+    assert end.outcome == "board_reset"
+    wait_for_neutral(emulator, 0.2)  # it was armed again: not left limp
+
+
+def test_jammed_servo_ends_the_run(
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    arm(board, limits, servo)
+    _, _, end = collect(board, limits, act=once(0.5, lambda: emulator.say("jam", 1)))
+    assert end.outcome == "overcurrent"
+    wait_for_neutral(emulator, 0.5)
+
+
+def test_cell_faults_are_events_and_never_readings(
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    arm(board, limits, servo)
+    samples, _, end = collect(board, limits, seconds=3.0, act=once(0.5, lambda: emulator.say("cell_glitch")))
+    assert end.outcome == "complete"
+    codes = [s.code for s in samples if isinstance(s, Event)]
+    assert EventCode.CELL_ERROR in codes
+    assert EventCode.CELL_GOOD in codes
+    assert all(abs(s.counts - 52000) < 20000 for s in samples if isinstance(s, LoadSample))
+
+
+def test_silent_board_is_no_answer(
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    arm(board, limits, servo)
+    emulator.say("mute", 20.0)
+    with pytest.raises(Fault) as caught:
+        board.command(Type.STREAM, protocol.stream(True))
+    assert caught.value.kind == "no_answer"
+
+
+def test_points_beyond_the_limits_are_refused_by_the_board_too(
+    board: Board, limits: SafetyLimits, servo: ServoCalibration
+) -> None:
+    arm(board, limits, servo)
+    board.command(Type.CLEAR)
+    with pytest.raises(Fault, match="OUTSIDE_LIMITS"):
+        board.command(Type.POINTS, protocol.points(0, [0, 900_000]))
+    with pytest.raises(Fault, match="BAD_LIMITS"):
+        board.command(Type.LIMITS, protocol.limits(-800_000, 800_000, 8_000_000, 900, 2000, 637))

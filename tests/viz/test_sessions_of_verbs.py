@@ -1,0 +1,100 @@
+"""The sessions of track, compare, optimise and the running rig: what they hold, and what they refuse."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+
+from tentacle.errors import InputError
+from tentacle.recording import Recording
+from tentacle.signals import LoadCellSignal, MotorSignal
+from viz.compare import Motion, model_markdown, motions_scene, write_comparison
+from viz.live import LiveSession
+from viz.optimise import Search, write_optimisation
+from viz.topics.events import Event
+from viz.track import track_scene, write_track
+from viz.viewer import require_recordings, screenshot
+
+
+def entities(path: Path) -> set[str]:
+    return {str(chunk.entity_path) for chunk in RrdReader(str(path)).stream()}
+
+
+def test_a_track_is_drawn_where_it_was_seen(case):
+    scene = track_scene(case.recordings[0])
+    run = case.diagnosis.runs[0]
+    seen = np.isfinite(scene.subject.xy).all(axis=(1, 2))
+    assert np.array_equal(seen, case.recordings[0].shape.accepted)
+    # the run's points carry 0.15 mm of noise, and its own quadrature (trapezium, 41 points) 0.03 mm
+    difference = scene.subject.xy[seen] - run.measured[seen]
+    assert np.sqrt(np.mean(difference**2)) == pytest.approx(1.5e-4, rel=0.1)
+
+
+def test_a_track_session_has_video_shape_and_bands_but_no_residual(case, tmp_path):
+    found = entities(write_track(case.recordings[0], tmp_path / "track.rrd"))
+    assert {"/runs/chirp\\ 1/camera/measured", "/runs/chirp\\ 1/q1/measured/high", "/runs/chirp\\ 1/events"} <= found
+    assert not any("residual" in path or "error" in path for path in found)
+
+
+def test_what_was_not_tracked_cannot_be_shown_as_tracked(case, tmp_path):
+    with pytest.raises(InputError, match="not been tracked"):
+        write_track(replace(case.recordings[0], shape=None), tmp_path / "track.rrd")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_models_are_held_against_one_another(case, tmp_path):
+    run = case.diagnosis.runs[0]
+    motions = {"MuJoCo reference": Motion(run.augmented), "affine/2": Motion(run.base, run.q_base)}
+    scene = motions_scene("side by side", run.t, run.s, run.theta, motions)
+    page = model_markdown(case.diagnosis.base_model, ("first mode 5.16 Hz",))
+    declared = Recording("side by side", case.recordings[0].declaration)
+    found = entities(write_comparison(scene, declared, page, tmp_path / "compare.rrd"))
+    assert {"/page", "/runs/side\\ by\\ side/arms/affine\\/2", "/runs/side\\ by\\ side/error/affine\\/2"} <= found
+    assert "| elasticity | E | 210000 | 200000 to 220000 | Pa |" in page
+
+
+def test_the_best_so_far_never_falls_and_failed_trials_do_not_count(tmp_path):
+    search = Search(np.array([0.1, np.nan, 0.05, 0.3, 0.2]), np.array([0.0, 1.0]), np.array([0.0, 0.1]))
+    np.testing.assert_array_equal(search.best_so_far, [0.1, 0.1, 0.1, 0.3, 0.3])
+    found = entities(write_optimisation({"CMA-ES": search}, "mean thrust [N]", tmp_path / "optimise.rrd"))
+    assert {"/search/CMA-ES/best", "/search/CMA-ES/trials", "/motion"} <= found
+
+
+def test_a_running_session_keeps_what_came_before_it_ended(tmp_path):
+    path = tmp_path / "live.rrd"
+    t = np.array([0.0, 0.02])
+    with LiveSession("bench", path) as session:
+        session.servo(MotorSignal(t, t, t))
+        session.load_cell(LoadCellSignal(t, t))
+        session.events([Event(0.01, "WARN", "retry 1 of 5")])
+    wanted = {f"/runs/bench/{topic}" for topic in ("servo/command", "servo/angle", "thrust/measured", "events")}
+    assert wanted <= entities(path)
+
+
+def test_only_recordings_are_opened(tmp_path):
+    text = tmp_path / "notes.rrd"
+    text.write_text("not a recording")
+    with pytest.raises(InputError, match=r"notes\.rrd.*not a Rerun recording"):
+        require_recordings([text])
+    with pytest.raises(InputError, match="no such file"):
+        require_recordings([tmp_path / "absent.rrd"])
+
+
+def test_a_picture_without_a_screen_or_a_line_that_says_what_to_install(case, tmp_path):
+    import cv2
+
+    path = write_track(replace(case.recordings[0], video=None), tmp_path / "track.rrd")
+    try:
+        screenshot([path], tmp_path / "view.png", at=1.0, settle=3.0)
+    except InputError as error:
+        assert "mesa-vulkan-drivers" in error.line()  # noqa: PT017
+        assert not (tmp_path / "view.png").exists()
+        pytest.skip(f"this machine draws no picture: {error.line()}")
+    picture = cv2.imread(str(tmp_path / "view.png"))
+    assert picture is not None
+    blue = np.array([233, 180, 86])  # the measured party's colour, as OpenCV orders it
+    assert np.sum(np.abs(picture.astype(int) - blue).max(axis=-1) < 12) > 500

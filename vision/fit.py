@@ -1,0 +1,176 @@
+"""One frame's shape: Gauss-Newton on the edges' offsets, robust, first wide and then narrow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tentacle.signals import Array
+from vision.edges import Edges, find_edges
+from vision.kinematics import SHARED, Geometry, Outline, outline
+from vision.robust import disturbed, normal_matrix, robust_step, smooth_slope
+
+BIWEIGHT = 1.17  # what the biweight takes from the variance of normal residuals, and adds to the estimate's own
+LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
+NARROW = 2.5  # px
+FINAL = 1.2  # px: a short profile sees least of what else is near
+ENDS = 14.0  # px along the arm within which its ends are looked for
+LAGS = 24  # stations over which neighbouring edges' errors are watched for correlation
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey]."""
+
+    blur: float
+    polarity: float
+    contrast: float
+
+
+@dataclass(frozen=True)
+class FrameFit:
+    """A frame's fit about its working point, before the frames are pooled.
+
+    x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
+    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. correlation (LAGS,): of neighbouring
+    residuals, by lag. edges, expected and weight (E,) stay for the judge.
+    """
+
+    x: Array
+    information: Array
+    gradient: Array
+    sigma: float
+    correlation: Array
+    edges: Edges
+    expected: Outline
+    weight: Array
+
+
+def refine(
+    image: NDArray[np.uint8],
+    geometry: Geometry,
+    theta: float,
+    x: Array,
+    shared: Array,
+    sight: Sight,
+    rate: Array,
+    exposure: float,
+    reaches: tuple[float, ...] = (10.0, 5.0),
+) -> FrameFit | None:
+    """Fit x from a start that is within about the first reach [px]; None where too few edges are found.
+
+    rate (K,) [rad/s] is the predicted speed of x, that of theta added to its first entry: over the exposure [s] it
+    smears the edge, and the profile that is looked for is smeared alike.
+    """
+    x = np.array(x, dtype=float)
+    order = len(x)
+    steps = [(reach, False) for reach in reaches] + [(NARROW, True), (FINAL, True)]
+    ground: Array | float = 0.0
+    for index, (reach, sharp) in enumerate(steps):
+        final = index == len(steps) - 1
+        expected = outline(geometry, theta, x, shared, stride=1 if sharp else 4)
+        jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
+        smear = np.abs(jacobian @ rate) * exposure
+        edges = find_edges(
+            image, expected, geometry.lens, reach, sight.polarity, sharp, blur=sight.blur, smear=smear, ground=ground
+        )
+        usable = edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast)
+        usable &= expected.kind < 2  # the ends move with the recording's parameters, hardly with x
+        if sharp:
+            usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, 0.5 * _ordinary(edges, usable))
+        if np.count_nonzero(usable) < 4 * order:
+            return None
+        base = _trust(edges, usable) if sharp else usable.astype(float)
+        step, weight = robust_step(jacobian, edges.offset, base, *((4, 0.02) if sharp else (6, 0.4)))
+        if final:
+            return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step)
+        if sharp:
+            ground = smooth_slope(expected.kind, edges.slope, weight)
+        x = x + step
+    return None
+
+
+def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
+    """The usual rms of a profile's residual [grey]."""
+    return max(float(np.median(edges.misfit[usable])), 0.3) if usable.any() else 0.3
+
+
+def _trust(edges: Edges, usable: NDArray[np.bool_]) -> Array:
+    """Weights (E,) in 0 to 1 by what each profile tells; the best quarter counts alike: noise is not all its error."""
+    told = edges.information[usable]
+    top = max(float(np.partition(told, (3 * len(told)) // 4)[(3 * len(told)) // 4]), 1e-12)
+    return np.where(usable, np.minimum(edges.information / top, 1.0), 0.0)
+
+
+def _summary(
+    image: NDArray[np.uint8],
+    geometry: Geometry,
+    x: Array,
+    expected: Outline,
+    edges: Edges,
+    weight: Array,
+    base: Array,
+    sight: Sight,
+    step: Array,
+) -> FrameFit:
+    """Normal equations in (x, g), with weights by what each profile tells and by how well it fits."""
+    order = len(x)
+    for kind in (2, 3):
+        end, offset = _end(image, geometry, expected, kind, sight)
+        weight[end], edges.offset[end] = base.max() * (offset != 0.0), offset
+    residual = edges.offset - expected.jacobian[:, :order] @ step
+    information, gradient = normal_matrix(expected.jacobian, weight, residual)
+    sway = _sway(np.sqrt(weight) * residual, weight, expected.kind)
+    used = np.count_nonzero(sway)
+    variance = BIWEIGHT * float(sway @ sway) / max(used - order - SHARED, 1)
+    return FrameFit(
+        x=x,
+        information=information,
+        gradient=gradient,
+        sigma=max(float(np.sqrt(variance)), 1e-3),
+        correlation=_correlation(sway),
+        edges=edges,
+        expected=expected,
+        weight=weight,
+    )
+
+
+def _end(
+    image: NDArray[np.uint8], geometry: Geometry, expected: Outline, kind: int, sight: Sight
+) -> tuple[NDArray[np.intp], Array]:
+    """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do: a clamp hides it."""
+    index = np.flatnonzero(expected.kind == kind)
+    names = ("points", "normals", "depth", "jacobian", "s", "kind")
+    rows = Outline(*(getattr(expected, name)[index] for name in names))
+    nothing = np.zeros(len(index))
+    coarse = find_edges(image, rows, geometry.lens, ENDS, sight.polarity, sharp=False)
+    like = sight.polarity * coarse.contrast
+    alike = coarse.found & (like > 0.5 * sight.contrast) & (like < 1.6 * sight.contrast)
+    if np.count_nonzero(alike) < max(0.7 * len(index), 1):
+        return index, nothing
+    shift = float(np.median(coarse.offset[alike]))
+    rows = replace(rows, points=rows.points + shift * rows.normals)
+    sharp = find_edges(image, rows, geometry.lens, NARROW, sight.polarity, sharp=True, blur=sight.blur)
+    middle = float(np.median(sharp.offset[sharp.found])) if sharp.found.any() else 0.0
+    agree = sharp.found & (np.abs(sharp.offset - middle) < 1.0)
+    if np.count_nonzero(agree) < max(0.7 * len(index), 1):
+        return index, nothing
+    return index, np.asarray(np.where(agree, shift + sharp.offset, 0.0))
+
+
+def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
+    """Where both sides of a station are seen: what their residuals say about its centre (S,), 0 elsewhere.
+
+    What widens both sides alike (a wrong blur, a shadow) does not move the centre, so it is no part of the noise in q.
+    """
+    left, right = kind == 0, kind == 1
+    both = (weight[left] > 0) & (weight[right] > 0)
+    return np.where(both, (whitened[left] - whitened[right]) / np.sqrt(2.0), 0.0)
+
+
+def _correlation(sway: Array) -> Array:
+    """Autocorrelation (LAGS,) of the weighted residuals along the arm; a lost edge counts as zero."""
+    power = max(float(sway @ sway), 1e-12)
+    return np.array([float(sway[lag:] @ sway[:-lag]) / power for lag in range(1, LAGS + 1)])

@@ -1,0 +1,259 @@
+"""Following one arm through a video, frame by frame, as the frames come: live, or from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tentacle.errors import InputError
+from tentacle.signals import Array
+from vision.fit import FrameFit, Sight, refine
+from vision.frames import Frame
+from vision.judge import why_rejected
+from vision.kinematics import SHARED, Geometry
+from vision.locate import locate
+
+FIRST_FRAMES = 16  # frames from which the recording's parameters are first estimated
+LEAST_SCORE = 0.45  # of a coarse find
+PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
+BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
+STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
+LOOK_AGAIN = 5  # frames between searches for a lost arm
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One frame's result. x (K,): base angle offset and q [rad]; covariance (K, K), given the recording's parameters.
+
+    reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g.
+    shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free. sigma [px] and
+    correlation are those of its edges; outline_px (N, 2) is for the overlay.
+    """
+
+    t: float
+    theta: float
+    x: Array
+    covariance: Array
+    reason: str
+    lean: Array
+    shared_information: Array
+    shared_gradient: Array
+    sigma: float
+    correlation: Array
+    outline_px: Array
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the frame can be trusted."""
+        return not self.reason
+
+
+class Follower:
+    """An arm's state between frames: its last shapes, the recording's parameters g, and how its edges look."""
+
+    def __init__(self, geometry: Geometry, exposure: float, order: int, theta: Callable[[float], float] | None) -> None:
+        self.geometry, self.exposure, self.size = geometry, exposure, order + 1
+        self._theta = theta
+        self.shared = np.zeros(SHARED)
+        self.sight: Sight | None = None
+        self._history: list[tuple[float, Array]] = []
+        self._previous: NDArray[np.uint8] | None = None
+        self._lost = 0
+
+    def theta(self, t: float) -> float:
+        """The motor's angle [rad] at a time [s]; 0 where it is not known."""
+        return 0.0 if self._theta is None else self._theta(t)
+
+    def start(self, frames: list[Frame]) -> None:
+        """Find the arm in the first frames and estimate the recording's parameters from them.
+
+        Raises InputError where no frame shows an arm that the declaration fits.
+        """
+        found = None
+        for index in np.unique(np.linspace(0, len(frames) - 1, 6).astype(int)):
+            frame = frames[index]
+            where = locate(frame.image, self.geometry, self.shared, self._known(frame.t))
+            if found is None or where.score > found[1].score:
+                found = (index, where)
+            if where.score > 0.7:
+                break
+        if found is None or found[1].score < LEAST_SCORE:
+            raise InputError("no arm that fits the declaration is in the first frames", expected="the arm in view")
+        index, where = int(found[0]), found[1]
+        self.sight = Sight(blur=1.2, polarity=where.polarity, contrast=8.0)
+        begin = np.zeros(self.size)
+        begin[:3] = where.x
+        # outward from the frame where the arm was found, so that each start is near
+        walk = [range(index, len(frames)), range(index - 1, -1, -1)]
+        shapes: dict[int, Array] = {index: begin}
+        reaches = (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, *STARTING)
+        for sweep in range(3):
+            fits = {}
+            for way in walk:
+                for k in way:
+                    near = shapes.get(k, shapes.get(k - way.step))
+                    if near is None:
+                        continue
+                    fit = self._fit(frames[k], near, np.zeros(self.size), reaches if sweep == 0 else STARTING)
+                    if fit is not None and fit.sigma < 3.0:
+                        shapes[k], fits[k] = fit.x, fit
+            if not fits:
+                raise InputError("the arm's edges cannot be followed in the first frames", expected="the arm in view")
+            self._settle(list(fits.values()))
+            if sweep < 2:
+                self._look_at_edges(frames[index], shapes.get(index, begin), list(fits.values()))
+
+    def _known(self, t: float) -> float | None:
+        return None if self._theta is None else self._theta(t)
+
+    def _fit(self, frame: Frame, x: Array, rate: Array, reaches: tuple[float, ...]) -> FrameFit | None:
+        assert self.sight is not None
+        return refine(
+            frame.image, self.geometry, self.theta(frame.t), x, self.shared, self.sight, rate, self.exposure, reaches
+        )
+
+    def _settle(self, fits: list[FrameFit]) -> None:
+        """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement)."""
+        information, gradient = np.diag(PRIOR**-2), -self.shared / PRIOR**2
+        for fit in fits:
+            _, _, part, slope = _eliminate(fit, self.size)
+            information = information + part
+            gradient = gradient + slope
+        self.shared = self.shared + np.linalg.solve(information, gradient)
+
+    def _look_at_edges(self, frame: Frame, x: Array, fits: list[FrameFit]) -> None:
+        """Choose contrast and blur as the edges show them."""
+        assert self.sight is not None
+        polarity = self.sight.polarity
+        contrast = np.median([np.median((polarity * f.edges.contrast)[f.weight > 0.1]) for f in fits])
+        self.sight = replace(self.sight, contrast=float(contrast))
+        best = np.inf
+        chosen = self.sight
+        for blur in BLURS:
+            self.sight = replace(chosen, blur=blur)
+            fit = self._fit(frame, x, np.zeros(self.size), (5.0,))
+            if fit is None:
+                continue
+            misfit = float(np.median(fit.edges.misfit[fit.weight > 0.1]))
+            if misfit < best:
+                best, chosen = misfit, self.sight
+        self.sight = chosen
+
+    def see(self, frame: Frame) -> Seen:
+        """Fit the next frame; start must have been called."""
+        assert self.sight is not None
+        if self._previous is not None and _same(self._previous, frame.image):
+            self._previous = frame.image
+            return self._rejected(frame, "repeats the frame before")
+        self._previous = frame.image
+        fit, reason = None, "arm not found"
+        for x, rate, reaches in self._starts(frame):
+            fit = self._fit(frame, x, rate, reaches)
+            if fit is None:
+                continue
+            reason = why_rejected(frame.image, self.geometry, self.theta(frame.t), self.shared, fit, self.sight)
+            if not reason:
+                break
+        if fit is None or reason:
+            self._lost += 1
+            return self._rejected(frame, reason)
+        self._lost = 0
+        self._history = [*self._history[-1:], (frame.t, fit.x)]
+        seen_contrast = float(np.median((self.sight.polarity * fit.edges.contrast)[fit.weight > 0.1]))
+        self.sight = replace(self.sight, contrast=0.95 * self.sight.contrast + 0.05 * seen_contrast)
+        covariance, lean, shared_information, shared_gradient = _eliminate(fit, self.size)
+        return Seen(
+            t=frame.t,
+            theta=self.theta(frame.t),
+            x=fit.x,
+            covariance=covariance,
+            reason="",
+            lean=lean,
+            shared_information=shared_information,
+            shared_gradient=shared_gradient,
+            sigma=fit.sigma,
+            correlation=fit.correlation,
+            outline_px=_drawing(fit),
+        )
+
+    def _starts(self, frame: Frame) -> Iterator[tuple[Array, Array, tuple[float, ...]]]:
+        """Where to begin: constant velocity, then the last shape with a wider reach, then a search of the picture."""
+        assert self.sight is not None
+        none = np.zeros(self.size)
+        if len(self._history) == 2 and self._lost < LOOK_AGAIN:
+            (t0, x0), (t1, x1) = self._history
+            rate = (x1 - x0) / (t1 - t0)
+            ahead = min(frame.t - t1, 2.0 * (t1 - t0)) if self._lost else frame.t - t1
+            turning = rate.copy()
+            turning[0] += (self.theta(t1) - self.theta(t0)) / (t1 - t0)
+            yield x1 + rate * ahead, turning, (10.0, 5.0)
+            yield x1, turning, (24.0, 12.0, 5.0)
+        elif self._history and self._lost < LOOK_AGAIN:
+            yield self._history[-1][1], none, (24.0, 12.0, 5.0)
+        if not self._history or self._lost % LOOK_AGAIN == 0:
+            found = locate(
+                frame.image, self.geometry, self.shared, self._known(frame.t), polarities=(self.sight.polarity,)
+            )
+            if found.score > LEAST_SCORE:
+                begin = none.copy()
+                begin[:3] = found.x
+                yield begin, none, (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0)
+
+    def _rejected(self, frame: Frame, reason: str) -> Seen:
+        k = self.size
+        nothing = np.full(k, np.nan)
+        return Seen(
+            t=frame.t, theta=self.theta(frame.t), x=nothing, covariance=np.full((k, k), np.nan), reason=reason,
+            lean=np.zeros((k, SHARED)), shared_information=np.zeros((SHARED, SHARED)),
+            shared_gradient=np.zeros(SHARED), sigma=np.nan, correlation=np.zeros(0), outline_px=np.zeros((0, 2)),
+        )  # fmt: skip
+
+
+def _eliminate(fit: FrameFit, k: int) -> tuple[Array, Array, Array, Array]:
+    """Covariance of x given g (K, K), lean dx/dg (K, G), and what the frame says about g: (G, G) and (G,)."""
+    normal = fit.information / fit.sigma**2
+    gradient = fit.gradient / fit.sigma**2
+    covariance = np.asarray(np.linalg.inv(normal[:k, :k] + 1e-6 * np.eye(k)), dtype=float)
+    lean = -covariance @ normal[:k, k:]
+    return covariance, lean, normal[k:, k:] + normal[k:, :k] @ lean, gradient[k:] + lean.T @ gradient[:k]
+
+
+def _same(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> bool:
+    """True where a picture repeats the one before: a video's noise never does, a copied frame's coding nearly does."""
+    if before.shape != after.shape:
+        return False
+    a, b = before[::7].astype(np.int16), after[::7].astype(np.int16)
+    return bool(np.mean(np.abs(a - b) > 1) < 1e-5)
+
+
+def _drawing(fit: FrameFit) -> Array:
+    """The fitted outline, base to tip and back, some 80 points (N, 2) [px]."""
+    sides = [fit.expected.points[fit.expected.kind == side] for side in (0, 1)]
+    step = max(len(sides[0]) // 40, 1)
+    return np.concatenate([sides[0][::step], sides[1][::-1][::step]])
+
+
+def follow(frames: Iterable[Frame], follower: Follower) -> Iterator[Seen]:
+    """Start on the first frames, then yield every frame's result as it comes."""
+    waiting: list[Frame] = []
+    started = False
+    for frame in frames:
+        if started:
+            yield follower.see(frame)
+            continue
+        waiting.append(frame)
+        if len(waiting) == FIRST_FRAMES:
+            follower.start(waiting)
+            started = True
+            for early in waiting:
+                yield follower.see(early)
+            waiting = []
+    if not started:
+        if not waiting:
+            raise InputError("there are no frames", expected="a video with at least one frame")
+        follower.start(waiting)
+        for early in waiting:
+            yield follower.see(early)

@@ -1,0 +1,121 @@
+"""Reading frames, grey and 8 bit: a video with each frame's own time stamp (PyAV), or a folder of numbered pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import av
+import cv2
+import numpy as np
+from av.error import FFmpegError
+from numpy.typing import NDArray
+
+from tentacle.errors import InputError
+
+Grey = NDArray[np.uint8]
+PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture: its time stamp t [s] and its grey levels image (height, width)."""
+
+    t: float
+    image: Grey
+
+
+def read_frames(path: Path, fps: float | None = None) -> Iterator[Frame]:
+    """Yield the frames of a video, or of a folder of numbered pictures (then frame k is at k / fps).
+
+    Colour becomes luma, 16 bit becomes 8, an alpha channel is laid over black, and a rotation that the file declares is
+    carried out. A video that breaks off gives what stands before the break. Raises InputError where nothing can be
+    read: no such file, an empty one, no video in it, an unknown codec, a folder without pictures or without fps.
+    """
+    path = Path(path)
+    if path.is_dir():
+        yield from _read_folder(path, fps)
+        return
+    if not path.is_file():
+        raise InputError("there is no such file", file=path, expected="a video or a folder of pictures")
+    if path.stat().st_size == 0:
+        raise InputError("the file is empty", file=path, expected="a video")
+    count = 0
+    for frame in _read_video(path):
+        count += 1
+        yield frame
+    if count == 0:
+        raise InputError("no frame can be decoded", file=path, expected="a video with at least one frame")
+
+
+def _read_video(path: Path) -> Iterator[Frame]:
+    try:
+        container = av.open(str(path))
+    except (FFmpegError, ValueError) as error:
+        raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
+    with container:
+        if not container.streams.video:
+            raise InputError("there is no video stream in it", file=path, expected="a video")
+        stream = container.streams.video[0]
+        if stream.codec_context is None:
+            raise InputError("its codec is not known", file=path, expected="H.264, HEVC, AV1, VP9, FFV1, MJPEG")
+        stream.thread_type = "AUTO"
+        last = -np.inf
+        packets = container.demux(stream)
+        while True:
+            try:
+                packet = next(packets)
+                pictures = packet.decode()
+            except StopIteration:
+                return
+            except FFmpegError:  # a broken packet costs its frames, not the video
+                continue
+            for picture in pictures:
+                time = picture.time
+                if time is None or time <= last:  # without a usable stamp a frame says nothing
+                    continue
+                last = float(time)
+                yield Frame(last, _luma(picture))
+
+
+def _luma(picture: av.VideoFrame) -> Grey:
+    """The luma plane as it stands, where there is one (its range does not matter for edges), turned as declared."""
+    if picture.format.name.startswith(("yuv420p", "yuv422p", "yuv444p", "yuvj", "gray", "nv12")) and (
+        picture.format.components[0].bits == 8
+    ):
+        plane = picture.planes[0]
+        rows = np.frombuffer(bytes(plane), np.uint8).reshape(-1, plane.line_size)
+        grey = rows[: picture.height, : picture.width]
+    else:
+        grey = np.asarray(picture.to_ndarray(format="gray"), dtype=np.uint8)
+    turns = round(picture.rotation / 90) % 4
+    return np.ascontiguousarray(np.rot90(grey, turns)) if turns else np.ascontiguousarray(grey)
+
+
+def _read_folder(path: Path, fps: float | None) -> Iterator[Frame]:
+    files = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURES)
+    if not files:
+        raise InputError("there are no pictures in the folder", file=path, expected="00000.png, 00001.png, ...")
+    if fps is None or not (np.isfinite(fps) and fps > 0):
+        raise InputError("a folder of pictures has no times", file=path, field="fps", expected="a positive frame rate")
+    for index, file in enumerate(files):
+        yield Frame(index / fps, read_picture(file))
+
+
+def read_picture(path: Path) -> Grey:
+    """One picture as grey, 8 bit. Raises InputError where it cannot be read."""
+    data = np.fromfile(path, np.uint8) if path.is_file() else np.zeros(0, np.uint8)
+    picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
+    if picture is None:
+        raise InputError("the picture cannot be read", file=path, expected="a PNG, JPEG, TIFF or BMP")
+    if picture.dtype == np.uint16:
+        picture = (picture / 257.0 + 0.5).astype(np.uint8)
+    elif picture.dtype != np.uint8:
+        raise InputError(f"{picture.dtype} pixels are not known", file=path, expected="8 or 16 bit")
+    if picture.ndim == 3 and picture.shape[2] in (2, 4):
+        alpha = picture[:, :, -1:].astype(float) / 255.0
+        picture = np.rint(picture[:, :, :-1] * alpha).astype(np.uint8)
+    if picture.ndim == 3:
+        picture = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if picture.shape[2] == 3 else picture[:, :, 0]
+    return np.ascontiguousarray(picture, dtype=np.uint8)

@@ -1,0 +1,86 @@
+"""Whether a fitted frame can be trusted: silhouette re-rendered against the picture, lost edges, coils, the border."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tentacle.signals import Array
+from vision.edges import grey_at
+from vision.fit import FrameFit, Sight
+from vision.kinematics import Geometry
+
+LEAST_FOUND = 0.6  # share of the side edges that must carry weight
+LONGEST_GAP = 0.3  # share of the arm that may be hidden on both sides at once
+MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
+MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
+SHARES = np.array([-0.6, 0.0, 0.6])  # of the radius: probes inside
+MARGINS = np.array([4.0, 7.0])  # px beyond the edge: probes outside
+
+
+def why_rejected(
+    image: NDArray[np.uint8], geometry: Geometry, theta: float, shared: Array, fit: FrameFit, sight: Sight
+) -> str:
+    """One short phrase why the frame cannot be trusted, "" where it can."""
+    height, width = image.shape
+    centre, phi = geometry.midline(theta, fit.x, shared)
+    seen = geometry.lens.bend(centre)
+    inside = (seen > 1.0).all(axis=1) & (seen[:, 0] < width - 2) & (seen[:, 1] < height - 2)
+    if inside.mean() < 0.95:
+        return "the arm leaves the picture"
+    radius = geometry.radius_at(shared)
+    if np.ptp(phi) > 1.7 * np.pi or _touches_itself(centre, radius):
+        return "coiled"
+    expected = fit.expected
+    carries = fit.weight > 0.05
+    sides = expected.kind < 2
+    if carries[sides].mean() < LEAST_FOUND:
+        return "edges lost"
+    bins = np.linspace(0.0, 1.0, 21)
+    both = np.histogram(expected.s[sides], bins)[0]
+    there = np.histogram(expected.s[sides & carries], bins)[0] > 0.25 * both
+    gap = max((len(run) for run in "".join("1" if ok else "0" for ok in there).split("1")), default=0) / len(there)
+    if gap > LONGEST_GAP or not there[-3:].any():
+        return "part of the arm is hidden"
+    if fit.sigma > MOST_SCATTER:
+        return "edges scatter"
+    if _disagreement(image, geometry, centre, phi, radius, sight) > MOST_DISAGREEMENT:
+        return "silhouette disagrees"
+    return ""
+
+
+def _touches_itself(centre: Array, radius: Array) -> bool:
+    """True where two parts of the arm that are not neighbours overlap in the picture."""
+    pick = np.linspace(0, len(centre) - 1, 40).astype(int)
+    points, thick = centre[pick], radius[pick]
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    reach = thick[:, None] + thick[None]
+    return bool(np.any((apart < reach) & (np.abs(arc[:, None] - arc[None]) > 2.0 * reach + 4.0)))
+
+
+def _disagreement(
+    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: Sight
+) -> float:
+    """Share of probes whose grey lies on the wrong side of the local threshold half way between inside and outside."""
+    pick = np.linspace(0, len(centre) - 1, 62).astype(int)[1:-1]
+    cosine, sine = np.cos(phi[pick])[:, None], np.sin(phi[pick])[:, None]
+    normals = cosine * geometry.normal + sine * geometry.arm
+    within = radius[pick, None] * SHARES
+    beyond = radius[pick, None] + MARGINS
+    distance = np.concatenate([within, beyond, -beyond], axis=1)
+    probes = (centre[pick, None] + distance[:, :, None] * normals[:, None]).reshape(-1, 2)
+    grey = sight.polarity * grey_at(image, geometry.lens.packed, np.ascontiguousarray(probes)).reshape(distance.shape)
+    middle = np.nanmedian(grey[:, : len(SHARES)], axis=1)
+    outside = np.nanmedian(grey[:, len(SHARES) :], axis=1)
+    # the light changes slowly along the arm: a wide median, which a hidden part cannot pull along
+    middles = np.arange(5, len(pick), 10)
+    half_way = 0.5 * (middle + outside)
+    wide = [np.nanmedian(half_way[max(i - 15, 0) : i + 16]) for i in middles]
+    threshold = np.interp(np.arange(len(pick)), middles, wide)
+    wrong_inside = grey[:, : len(SHARES)] > threshold[:, None]
+    wrong_outside = grey[:, len(SHARES) :] < threshold[:, None]
+    wrong_inside &= radius[pick, None] > 2.0  # a thinner tip's grey is mixed
+    visible = np.isfinite(grey)
+    wrong = np.concatenate([wrong_inside, wrong_outside], axis=1) & visible
+    return float(wrong.sum() / max(visible.sum(), 1))

@@ -1,0 +1,155 @@
+"""Finding the arm without a frame before: a coarse search over shapes, scored by local contrast on both sides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tentacle.signals import Array
+from vision.kinematics import Geometry
+from vision.lens import bend_point
+
+COARSE_LENGTH = 120.0  # px that the arm is long in the reduced picture
+STATIONS = 20
+END_ANGLES = np.linspace(-2.4, 2.4, 17)  # rad, alpha(1) = q1 + q2/2
+BENDS = np.linspace(-6.0, 6.0, 11)  # rad, q2
+KNOWN_OFFSETS = np.linspace(-0.4, 0.4, 9)  # rad about the motor's angle
+ANY_OFFSETS = np.arange(60) * (2.0 * np.pi / 60) - np.pi
+
+
+@dataclass(frozen=True)
+class Located:
+    """A coarse shape x (3,) = [offset, q1, q2] [rad], polarity (+1 dark arm), score in -1 to 1: mean local contrast."""
+
+    x: Array
+    polarity: float
+    score: float
+
+
+@njit(cache=True)
+def _score(
+    image: NDArray[np.float32],
+    shrink: float,
+    lens: Array,
+    base: Array,
+    normal: Array,
+    arm: Array,
+    length: float,
+    radius: Array,
+    theta: float,
+    shape: Array,
+    scale: float,
+    polarity: float,
+) -> float:
+    """Mean over stations of the weaker side's contrast, each squashed by tanh; and of the ground beyond the tip."""
+    height, width = image.shape
+    count = radius.shape[0]
+    u, v = base[0], base[1]
+    total, weights = 0.0, 0.0
+    step = length / count
+    for i in range(count + 1):
+        s = (i + 0.5) / count if i < count else 1.0
+        half = (i + 0.25) / count  # mid angle of the step that leads here
+        angle = theta + shape[0] + shape[1] * s + 0.5 * shape[2] * s * s
+        middle = theta + shape[0] + shape[1] * half + 0.5 * shape[2] * half * half
+        stride = 0.5 * step if i in (0, count) else step
+        u += stride * (-np.sin(middle) * normal[0] + np.cos(middle) * arm[0])
+        v += stride * (-np.sin(middle) * normal[1] + np.cos(middle) * arm[1])
+        n_u = np.cos(angle) * normal[0] + np.sin(angle) * arm[0]
+        n_v = np.cos(angle) * normal[1] + np.sin(angle) * arm[1]
+        levels = np.empty(3)
+        r = radius[min(i, count - 1)]
+        if i == count:  # beyond the tip
+            n_u, n_v = (
+                -np.sin(angle) * normal[0] + np.cos(angle) * arm[0],
+                -np.sin(angle) * normal[1] + np.cos(angle) * arm[1],
+            )
+        lost = False
+        for k in range(3):
+            distance = 0.0 if k == 0 else (r + 3.0 * shrink) * (1.0 if k == 1 else -1.0)
+            if i == count and k > 0:
+                distance = 5.0 * shrink
+            if i == count and k == 0:
+                distance = -3.0 * shrink
+            a, b = bend_point(u + distance * n_u, v + distance * n_v, lens)
+            a, b = (a + 0.5) / shrink - 0.5, (b + 0.5) / shrink - 0.5
+            column, row = int(a + 0.5), int(b + 0.5)
+            if a < 0 or b < 0 or column >= width or row >= height:
+                lost = True
+                break
+            levels[k] = image[row, column]
+        weights += 1.0
+        if lost:
+            total -= 0.3
+            continue
+        weaker = min(polarity * (levels[1] - levels[0]), polarity * (levels[2] - levels[0]))
+        total += np.tanh(weaker / scale)
+    return total / weights
+
+
+@njit(cache=True)
+def _search(
+    image: NDArray[np.float32],
+    shrink: float,
+    lens: Array,
+    base: Array,
+    normal: Array,
+    arm: Array,
+    length: float,
+    radius: Array,
+    theta: float,
+    shapes: Array,
+    scale: float,
+    polarity: float,
+) -> Array:
+    scores = np.empty(shapes.shape[0])
+    for k in range(shapes.shape[0]):
+        scores[k] = _score(image, shrink, lens, base, normal, arm, length, radius, theta, shapes[k], scale, polarity)
+    return scores
+
+
+def locate(
+    image: NDArray[np.uint8],
+    geometry: Geometry,
+    shared: Array,
+    theta: float | None,
+    polarities: tuple[float, ...] = (1.0, -1.0),
+) -> Located:
+    """The best coarse shape of an arm whose base is known; theta None: it may point anywhere.
+
+    The score says how far to trust it: above about 0.5 both sides stand out against the ground along most of the arm.
+    """
+    shrink = max(geometry.length / COARSE_LENGTH, 1.0)
+    size = (max(int(image.shape[1] / shrink), 1), max(int(image.shape[0] / shrink), 1))
+    small = cv2.GaussianBlur(cv2.resize(image, size, interpolation=cv2.INTER_AREA), (0, 0), 1.0).astype(np.float32)
+    low, high = np.percentile(small, [2.0, 98.0])
+    s = (np.arange(STATIONS) + 0.5) / STATIONS
+    radius = np.interp(s, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))
+    place = (
+        small, shrink, geometry.lens.packed, geometry.base + shared[:2], geometry.normal, geometry.arm,
+        geometry.length * (1.0 + shared[2]), radius, theta or 0.0,
+    )  # fmt: skip
+    contrast = max(0.1 * float(high - low), 4.0)
+    offsets = ANY_OFFSETS if theta is None else KNOWN_OFFSETS
+    grid = np.array(np.meshgrid(offsets, END_ANGLES, BENDS, indexing="ij")).reshape(3, -1).T
+    shapes = np.column_stack([grid[:, 0], grid[:, 1] - 0.5 * grid[:, 2], grid[:, 2]]).astype(float)
+    best = Located(shapes[0], polarities[0], -1.0)
+    for polarity in polarities:
+        scores = _search(*place, shapes, contrast, polarity)
+        start = shapes[np.argsort(scores)[::-1][:12]]
+        width = np.array([0.05, 0.15, 0.6])
+        rng = np.random.default_rng(0)
+        for _ in range(5):  # a shrinking cloud around the best few
+            cloud = np.concatenate(
+                [start, (start[:, None] + width * rng.standard_normal((len(start), 40, 3))).reshape(-1, 3)]
+            )
+            scores = _search(*place, cloud, contrast, polarity)
+            start = cloud[np.argsort(scores)[::-1][:8]]
+            width *= 0.6
+        if scores.max() > best.score:
+            best = Located(start[0], polarity, float(scores.max()))
+    return best

@@ -1,0 +1,188 @@
+"""What all frames say together: the recording's parameters, a common base angle offset, the order that the data need.
+
+Each accepted frame gives x = x_f + lean (g - g0) with covariance C_f, and what it says about g. The base angle offset
+is modelled as mean + random deviation of variance tau^2, estimated from the frames (empirical Bayes): a rigid mounting
+gives tau = 0, and then the offset is known from all frames; a base that moves unseen gives a large tau, and each frame
+keeps its own. A coordinate that is dropped is one whose value is held at zero. So both are the same linear update.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tentacle.signals import Array
+from vision.follow import PRIOR, Seen
+from vision.kinematics import SHARED
+
+PENALTY = 2.0  # per coordinate and frame: Akaike's, which minimises the shape's error
+
+
+@dataclass(frozen=True)
+class Pooled:
+    """x (T, K) and covariance (T, K, K) of the accepted frames, K = order + 1; NaN rows elsewhere.
+
+    shared (G,) with shared_covariance (G, G). offset_mean, offset_spread [rad]: mean and tau of the base angle offset.
+    evidence[n]: chi-square per frame that order n leaves in the coordinates above it (about their number when they are
+    noise). inflation: how much neighbouring edges' correlation widens the variance.
+    """
+
+    x: Array
+    covariance: Array
+    order: int
+    shared: Array
+    shared_covariance: Array
+    offset_mean: float
+    offset_spread: float
+    evidence: dict[int, float]
+    inflation: float
+
+
+@dataclass(frozen=True)
+class _Stack:
+    x: Array
+    covariance: Array
+    lean: Array
+    information: Array
+    gradient: Array
+
+
+@dataclass(frozen=True)
+class _Solution:
+    shared: Array
+    covariance: Array
+    mean: float
+    tau: float
+    objective: float
+
+
+def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
+    """Join the frames; order None lets the data choose from 2 up to what was fitted. start (G,): the g they used."""
+    accepted = np.array([frame.accepted for frame in seen])
+    fitted = len(seen[0].x) - 1
+    if not accepted.any():
+        chosen = order or min(2, fitted)
+        nan = np.full((len(seen), chosen + 1), np.nan)
+        spread = np.diag(PRIOR**2)
+        return Pooled(nan, nan[:, :, None] * nan[:, None, :], chosen, start, spread, np.nan, np.nan, {}, 1.0)
+    good = [frame for frame in seen if frame.accepted]
+    inflation = _inflation(good)
+    stack = _Stack(
+        x=np.array([frame.x for frame in good]),
+        covariance=inflation * np.array([frame.covariance for frame in good]),
+        lean=np.array([frame.lean for frame in good]),
+        information=sum((frame.shared_information for frame in good), np.zeros((SHARED, SHARED))) / inflation,
+        gradient=sum((frame.shared_gradient for frame in good), np.zeros(SHARED)) / inflation,
+    )
+    evidence: dict[int, float] = {}
+    solutions = {n: _solve(stack, n, start) for n in range(min(2, fitted), fitted + 1)}
+    full = solutions[fitted].objective
+    for n, solution in solutions.items():
+        evidence[n] = (solution.objective - full) / len(good)
+    chosen = order or min(evidence, key=lambda n: evidence[n] + PENALTY * n)
+    if chosen not in solutions:
+        solutions[chosen] = _solve(stack, chosen, start)
+    solution = solutions[chosen]
+    x, covariance = _update(stack, solution, chosen)
+    # a coordinate that the data need and the caller leaves out makes the rest uncertain by what it takes from the fit
+    dropped = fitted - chosen
+    if dropped and evidence.get(chosen, 0.0) > dropped * PENALTY:
+        covariance = covariance * max(evidence[chosen] / dropped, 1.0)
+    result_x = np.full((len(seen), chosen + 1), np.nan)
+    result_covariance = np.full((len(seen), chosen + 1, chosen + 1), np.nan)
+    result_x[accepted], result_covariance[accepted] = x, covariance
+    return Pooled(
+        x=result_x,
+        covariance=result_covariance,
+        order=chosen,
+        shared=start + solution.shared,
+        shared_covariance=solution.covariance[:SHARED, :SHARED],
+        offset_mean=solution.mean,
+        offset_spread=solution.tau,
+        evidence=evidence,
+        inflation=inflation,
+    )
+
+
+def _inflation(good: list[Seen]) -> float:
+    """1 + 2 sum of the residuals' autocorrelation, pooled over frames, up to its first fall below noise."""
+    correlation = np.mean([frame.correlation for frame in good], axis=0)
+    below = np.flatnonzero(correlation < 0.02)
+    last = int(below[0]) if len(below) else len(correlation)
+    return float(max(1.0 + 2.0 * correlation[:last].sum(), 1.0))
+
+
+def _rows(stack: _Stack, order: int) -> list[int]:
+    """The coordinates that the pooling acts on: the offset, and those above the order."""
+    return [0, *range(order + 1, stack.x.shape[1])]
+
+
+def _weights(stack: _Stack, rows: list[int], tau: float) -> tuple[Array, Array]:
+    spread = stack.covariance[:, rows][:, :, rows].copy()
+    spread[:, 0, 0] += tau**2
+    return np.asarray(np.linalg.inv(spread), dtype=float), np.asarray(np.linalg.slogdet(spread)[1])
+
+
+def _solve(stack: _Stack, order: int, start: Array) -> _Solution:
+    """g, the mean offset and tau for one order: generalised least squares and a likelihood step for tau, in turns."""
+    rows = _rows(stack, order)
+    tau = float(np.std(stack.x[:, 0])) if len(stack.x) > 1 else 0.5
+    design = np.concatenate([stack.lean[:, rows], np.zeros((len(stack.x), len(rows), 1))], axis=2)
+    design[:, 0, -1] = -1.0  # the unknowns are (g, mean): residual = x + lean g - mean
+    target = stack.x[:, rows]
+    solution = np.zeros(SHARED + 1)
+    covariance = np.eye(SHARED + 1)
+    for _ in range(30):
+        weight, _ = _weights(stack, rows, tau)
+        normal = np.einsum("tri,trs,tsj->ij", design, weight, design)
+        right = -np.einsum("tri,trs,ts->i", design, weight, target)
+        normal[:SHARED, :SHARED] += stack.information + np.diag(PRIOR**-2)
+        right[:SHARED] += stack.gradient - start / PRIOR**2
+        normal[-1, -1] += 1e-6
+        covariance = np.linalg.inv(normal)
+        solution = covariance @ right
+        residual = target + design @ solution
+        updated = _likeliest_tau(stack, rows, residual)
+        if abs(updated - tau) < 1e-6 + 1e-3 * tau:
+            tau = updated
+            break
+        tau = updated
+    weight, _ = _weights(stack, rows, tau)
+    residual = target + design @ solution
+    chi_square = float(np.einsum("tr,trs,ts->", residual, weight, residual))
+    g = solution[:SHARED]
+    shared_cost = float(g @ stack.information @ g - 2.0 * g @ stack.gradient)
+    # the likelihood of the offset alone is common to all orders up to tau: compare what is held at zero beyond it
+    alone = stack.covariance[:, 0, 0] + tau**2
+    objective = chi_square - float(np.sum(residual[:, 0] ** 2 / alone)) + shared_cost
+    return _Solution(g, covariance, float(solution[-1]), tau, objective)
+
+
+def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:
+    """The offset's spread [rad]: the most likely on a grid, given the residuals (T, R)."""
+    grid = np.concatenate([[0.0], np.geomspace(1e-5, 3.0, 56)])
+    cost = []
+    for tau in grid:
+        weight, log_size = _weights(stack, rows, float(tau))
+        cost.append(np.einsum("tr,trs,ts->", residual, weight, residual) + log_size.sum())
+    return float(grid[int(np.argmin(cost))])
+
+
+def _update(stack: _Stack, solution: _Solution, order: int) -> tuple[Array, Array]:
+    """x and covariance with g, mean and tau put in, and the coordinates above the order held at zero."""
+    rows = _rows(stack, order)
+    weight, _ = _weights(stack, rows, solution.tau)
+    gain = stack.covariance[:, :, rows] @ weight
+    free = stack.x + stack.lean @ solution.shared
+    innovation = -free[:, rows]
+    innovation[:, 0] += solution.mean
+    x = free + np.einsum("tkr,tr->tk", gain, innovation)
+    covariance = stack.covariance - gain @ np.swapaxes(stack.covariance[:, :, rows], 1, 2)
+    # how x leans on the common unknowns (g, mean), whose own covariance adds to every frame
+    common = np.zeros((*stack.x.shape, SHARED + 1))
+    common[:, :, :SHARED] = stack.lean - gain @ stack.lean[:, rows]
+    common[:, :, SHARED] = gain[:, :, 0]
+    covariance = covariance + common @ solution.covariance @ np.swapaxes(common, 1, 2)
+    keep = slice(0, order + 1)
+    return x[:, keep], 0.5 * (covariance + np.swapaxes(covariance, 1, 2))[:, keep, keep]

@@ -1,0 +1,120 @@
+"""Robust least squares on edges, compiled: Tukey's biweight, edges that a bubble disturbs, the ground's slope."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tentacle.signals import Array
+
+TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)
+MISFIT = 2.5  # times the usual profile residual: no plain step
+LEAP = 0.3  # of the contrast around: something else
+NEIGHBOURS = 4  # stations beside a disturbed edge that go with it
+AROUND = 30  # stations to either side that make up the usual
+STRIDE = 15  # stations between two looks at the usual
+SLOPE_REACH = 15  # stations to either side over which the ground's slope is averaged
+
+
+@njit(cache=True, nogil=True)
+def robust_step(jacobian: Array, offset: Array, base: Array, sweeps: int, floor: float) -> tuple[Array, Array]:
+    """Step (K,) and weights (E,) of offset ~ jacobian step, iteratively reweighted; base (E,) >= 0 are prior weights.
+
+    floor [px]: the scale of the residuals is taken no smaller.
+    """
+    size = jacobian.shape[1]
+    used = np.flatnonzero(base > 0)
+    weight = base.copy()
+    step = np.zeros(size)
+    residual = np.empty(len(used))
+    for _ in range(sweeps):
+        normal, right = np.zeros((size, size)), np.zeros(size)
+        for e in used:
+            for i in range(size):
+                leaned = weight[e] * jacobian[e, i]
+                right[i] += leaned * offset[e]
+                for j in range(i + 1):
+                    normal[i, j] += leaned * jacobian[e, j]
+        for i in range(size):
+            normal[i, i] = normal[i, i] * (1.0 + 1e-9) + 1e-12
+            for j in range(i):
+                normal[j, i] = normal[i, j]
+        step = np.linalg.solve(normal, right)
+        for k, e in enumerate(used):
+            value = offset[e]
+            for i in range(size):
+                value -= jacobian[e, i] * step[i]
+            residual[k] = np.sqrt(base[e]) * value
+        scale = max(1.4826 * np.median(np.abs(residual)), floor)
+        for k, e in enumerate(used):
+            ratio = residual[k] / (TUKEY * scale)
+            weight[e] = base[e] * (1.0 - ratio * ratio) ** 2 if abs(ratio) < 1.0 else 0.0
+    return step, weight  # pyright: ignore[reportReturnType]
+
+
+@njit(cache=True, nogil=True)
+def disturbed(
+    kind: Array, contrast: Array, misfit: Array, usable: NDArray[np.bool_], floor: float
+) -> NDArray[np.bool_]:
+    """Edges (E,) whose profile is no plain step, or whose contrast leaps, with their neighbours: a bubble sits there.
+
+    What is usual is the median around, along the same side, as light and smear change along the arm. floor [grey]: a
+    profile's residual below twice of it is never strange.
+    """
+    odd = np.zeros(len(kind), dtype=np.bool_)
+    for side in (0, 1):
+        index = np.flatnonzero((kind == side) & usable)
+        count = len(index)
+        usual_contrast, usual_misfit = 0.0, 0.0
+        for k in range(count):
+            if k % STRIDE == 0:
+                around = index[max(k - AROUND, 0) : min(k + AROUND + STRIDE, count) : 2]
+                usual_contrast = np.median(np.abs(contrast[around]))
+                usual_misfit = max(np.median(misfit[around]), floor)
+            e = index[k]
+            leaps = abs(abs(contrast[e]) - usual_contrast) > LEAP * usual_contrast
+            if leaps or misfit[e] > MISFIT * usual_misfit:
+                for neighbour in range(max(e - NEIGHBOURS, 0), min(e + NEIGHBOURS + 1, len(kind))):
+                    odd[neighbour] = odd[neighbour] or kind[neighbour] == side
+    return odd
+
+
+@njit(cache=True, nogil=True)
+def smooth_slope(kind: Array, slope: Array, weight: Array) -> Array:
+    """The ground's slope (E,) [grey/px], a running mean over each side's sound edges: single profiles are too noisy."""
+    smooth = np.zeros(len(kind))
+    for side in (0, 1):
+        index = np.flatnonzero(kind == side)
+        count = len(index)
+        total, share = 0.0, 0.0
+        for k in range(-SLOPE_REACH, count):
+            enters, leaves = k + SLOPE_REACH, k - SLOPE_REACH - 1
+            if enters < count:
+                total += weight[index[enters]] * slope[index[enters]]
+                share += weight[index[enters]]
+            if leaves >= 0:
+                total -= weight[index[leaves]] * slope[index[leaves]]
+                share -= weight[index[leaves]]
+            if k >= 0:
+                smooth[index[k]] = total / max(share, 1.0)
+    return smooth
+
+
+@njit(cache=True, nogil=True)
+def normal_matrix(jacobian: Array, weight: Array, residual: Array) -> tuple[Array, Array]:
+    """J' W J (P, P) and J' W r (P,)."""
+    size = jacobian.shape[1]
+    normal, right = np.zeros((size, size)), np.zeros(size)
+    for e in range(jacobian.shape[0]):
+        if weight[e] <= 0:
+            continue
+        for i in range(size):
+            leaned = weight[e] * jacobian[e, i]
+            right[i] += leaned * residual[e]
+            for j in range(i + 1):
+                normal[i, j] += leaned * jacobian[e, j]
+    for i in range(size):
+        for j in range(i):
+            normal[j, i] = normal[i, j]
+    return normal, right

@@ -1,0 +1,129 @@
+"""Tracking a video: shapes with their full covariance, from the declared arm and what the frames show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tentacle.errors import InputError
+from tentacle.recording import Declaration
+from tentacle.signals import MotorSignal, ShapeTrack
+from vision.ahead import read_ahead
+from vision.follow import Follower, Seen, follow
+from vision.frames import read_frames
+from vision.kinematics import Geometry
+from vision.lens import Lens
+from vision.pool import Pooled, pool
+
+ORDERS = (1, 2, 3, 4, 5)
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """A tracked video: its shapes, every frame's own result, the pooled estimate, and remarks in words."""
+
+    shape: ShapeTrack
+    seen: tuple[Seen, ...]
+    pooled: Pooled
+    remarks: tuple[str, ...]
+
+
+def stream(
+    video: Path, declaration: Declaration, motor: MotorSignal | None, order: int | None = None, lens: Lens | None = None
+) -> tuple[Follower, Iterator[Seen]]:
+    """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far."""
+    if declaration.camera is None:
+        raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
+    if order is not None and order not in ORDERS:
+        raise InputError(f"order {order} is not known", field="order", expected="1 to 5")
+    camera = declaration.camera
+    geometry = Geometry.declared(declaration.specimen, camera, lens)
+    fitted = 4 if order is None else min(order + 1, ORDERS[-1])
+    follower = Follower(geometry, camera.exposure, fitted, _angle(motor))
+    return follower, follow(read_ahead(read_frames(Path(video), camera.fps)), follower)
+
+
+def track(
+    video: Path,
+    declaration: Declaration,
+    motor: MotorSignal | None,
+    order: int | None = None,
+    lens: Lens | None = None,
+    progress: Callable[[Seen], None] | None = None,
+) -> ShapeTrack:
+    """Shapes of the declared arm in a video (or folder of pictures); see ShapeTrack.
+
+    motor gives theta(t), about which the base angle offset is measured; without it the offset is the base angle. order
+    None: 2 to 4 curvature coordinates, as many as the data can show. A frame's time is the middle of its exposure.
+    progress is called with each frame's result. Raises InputError where the video cannot be read or shows no such arm.
+    """
+    return track_fully(video, declaration, motor, order, lens, progress).shape
+
+
+def track_fully(
+    video: Path,
+    declaration: Declaration,
+    motor: MotorSignal | None,
+    order: int | None = None,
+    lens: Lens | None = None,
+    progress: Callable[[Seen], None] | None = None,
+) -> Tracking:
+    """As track, with every frame's own result, the pooled estimate and remarks."""
+    follower, results = stream(video, declaration, motor, order, lens)
+    seen: list[Seen] = []
+    try:
+        for result in results:
+            seen.append(result)
+            if progress is not None:
+                progress(result)
+    except InputError as error:
+        raise error if error.file else InputError(error.problem, file=video, expected=error.expected) from error
+    pooled = pool(seen, follower.shared, order)
+    return Tracking(_shape(seen, pooled, follower.geometry, declaration), tuple(seen), pooled, _remarks(seen, pooled))
+
+
+def _angle(motor: MotorSignal | None) -> Callable[[float], float] | None:
+    if motor is None:
+        return None
+    known = np.isfinite(motor.t) & np.isfinite(motor.angle)
+    if not known.any():
+        return None
+    times, angles = motor.t[known], motor.angle[known]
+    return lambda t: float(np.interp(t, times, angles))
+
+
+def _shape(seen: list[Seen], pooled: Pooled, geometry: Geometry, declaration: Declaration) -> ShapeTrack:
+    assert declaration.camera is not None
+    axes = np.array([geometry.normal, geometry.arm])
+    return ShapeTrack(
+        t=np.array([frame.t for frame in seen]),
+        coefficients=pooled.x,
+        covariance=pooled.covariance,
+        accepted=np.array([frame.accepted for frame in seen]),
+        reason=tuple(frame.reason for frame in seen),
+        scale=float(1.0 + pooled.shared[2]),
+        scale_sigma=float(np.sqrt(pooled.shared_covariance[2, 2])),
+        base_shift=axes @ pooled.shared[:2] * declaration.camera.metres_per_px,
+    )
+
+
+def _remarks(seen: list[Seen], pooled: Pooled) -> tuple[str, ...]:
+    """What a user should know: gaps, repeats, a coordinate that is needed, a scale that is off."""
+    remarks = []
+    reasons = [frame.reason for frame in seen if frame.reason]
+    for reason in sorted(set(reasons)):
+        remarks.append(f"{reasons.count(reason)} of {len(seen)} frames rejected: {reason}")
+    steps = np.diff([frame.t for frame in seen])
+    if len(steps):
+        dropped = int(np.sum(np.rint(steps / np.median(steps)) - 1))
+        if dropped > 0:
+            remarks.append(f"{dropped} frames are missing between the time stamps")
+    left = pooled.evidence.get(pooled.order, 0.0)
+    if left > 4.0:
+        remarks.append(
+            f"order {pooled.order} leaves curvature that the video shows: chi-square {left:.0f} a frame above it"
+        )
+    return tuple(remarks)

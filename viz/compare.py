@@ -1,0 +1,73 @@
+"""Sessions that hold models against a subject: `tentacle identify` (against data), `tentacle compare` (two models)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from tentacle.model import Model
+from tentacle.recording import Recording
+from tentacle.signals import Array
+from viz.blueprints.run import run_page
+from viz.blueprints.views import page
+from viz.palette import AUGMENTED, BASE, MEASURED, REFERENCE, Role
+from viz.scene import Party, Scene
+from viz.session import log_scene, session_file, session_id, set_layout
+from viz.topics.verdict import table
+from viz.words import effect_name, interval, number
+
+MODEL_ROLES = (BASE, AUGMENTED, REFERENCE)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How an arm moved: xy (T, P, 2) [m]; q (T, 2) [rad] and thrust (T,) [N] where known."""
+
+    xy: Array
+    q: Array | None = None
+    thrust: Array | None = None
+
+
+def motions_scene(name: str, t: Array, s: Array, theta: Array, motions: Mapping[str, Motion]) -> Scene:
+    """Named motions on one time axis as a scene; the first is the subject, at most three models follow."""
+    roles = (MEASURED, *MODEL_ROLES)[: len(motions)]
+    parties = tuple(
+        Party(rr.escape_entity_path_part(key), Role(key, role.colour, role.dash), motion.xy, motion.q, motion.thrust)
+        for (key, motion), role in zip(motions.items(), roles, strict=True)
+    )
+    return Scene(name, t, s, theta, parties, np.ones(len(t), dtype=bool))
+
+
+def model_markdown(model: Model, words: tuple[str, ...] = ()) -> str:
+    """A model's parameters with intervals, and what there is to say about them, as a page."""
+    rows = [
+        (effect_name(effect), name, number(e.value), interval(e), e.unit)
+        for effect, values in model.parameters.items()
+        for name, e in values.items()
+    ]
+    parts = [
+        "# Identified model",
+        f"{model.order} curvature coordinates.",
+        table(("effect", "parameter", "value", "95 % interval", "unit"), rows),
+        "\n".join(f"- {line}" for line in words),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def write_comparison(scene: Scene, recording: Recording, page_text: str, path: Path | str) -> Path:
+    """The session of a scene beside a page of Markdown.
+
+    recording gives the declaration, and the video where there is one; InputError where that cannot be read.
+    """
+    path = Path(path)
+    with session_file(path, session_id("compare", scene.name, *(party.key for party in scene.parties))) as session:
+        session.log("page", rr.TextDocument(page_text, media_type=rr.MediaType.MARKDOWN), static=True)
+        shown = log_scene(session, scene, recording)
+        text = rrb.TextDocumentView(origin="page", name="result")
+        set_layout(session, page(rrb.Horizontal(text, rrb.Tabs(run_page(shown)), column_shares=[1, 3])))
+    return path

@@ -1,0 +1,33 @@
+"""Where the declared model's error comes from: noise, reduction, missing physics, rest."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from tentacle.diagnosis import ErrorBudget
+from viz.figures.style import INK, house_style, new_figure
+from viz.palette import AUGMENTED, BASE, MEASURED, REFERENCE
+from viz.words import number
+
+SHARES = (
+    ("measurement noise", "noise_mm", MEASURED, ""),
+    ("reduction to few coordinates", "reduction_mm", REFERENCE, "//"),
+    ("missing effect", "missing_mm", BASE, ".."),
+    ("not explained", "rest_mm", AUGMENTED, "xx"),
+)
+
+
+def budget_figure(budget: ErrorBudget) -> Figure:
+    """One bar each, in mm rms; independent parts add in squares, not in lengths."""
+    with house_style():
+        figure = new_figure(1.7)
+        axes = figure.subplots()
+        values = [float(getattr(budget, field)) for _, field, _, _ in SHARES]
+        for row, ((_, _, role, hatch), value) in enumerate(zip(SHARES, values, strict=True)):
+            axes.barh(row, value, color=role.hex, hatch=hatch, edgecolor=INK, lw=0.5)
+            axes.annotate(f" {number(value)} mm", (value, row), va="center", fontsize=8)
+        axes.set_yticks(range(len(SHARES)), [name for name, _, _, _ in SHARES])
+        axes.invert_yaxis()
+        axes.set_xlim(0, 1.15 * max(*values, 1e-6))
+        axes.set_xlabel("midline error, rms [mm]")
+        return figure

@@ -1,0 +1,56 @@
+"""The average period of q1, q2 with its standard deviation over the recording (the paper's Fig. 4)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tentacle.errors import InputError
+from tentacle.signals import Array
+from viz.figures.style import house_style, legend_above, new_figure
+from viz.palette import BASE, MEASURED
+from viz.spectrum import amplitude_spectrum
+
+BINS = 50
+
+
+def fundamental_period(t: Array, theta: Array) -> float:
+    """Period [s] of the base motion theta (T,) at t (T,): the strongest line, refined by the parabola through its log.
+
+    Raises InputError where the motion has no period that fits at least twice into the recording.
+    """
+    frequency, amplitude = amplitude_spectrum(t, theta)
+    peak = int(np.argmax(amplitude)) if len(amplitude) else 0
+    if not len(frequency) or amplitude[peak] <= 1e-9 or peak < 1 or peak >= len(frequency) - 1:
+        raise InputError("no period can be seen in the motion", field="motor", expected="at least two cycles of a sine")
+    low, middle, high = np.log(amplitude[peak - 1 : peak + 2])
+    shift = 0.5 * (low - high) / (low - 2 * middle + high)
+    return float(1.0 / (frequency[peak] + shift * (frequency[1] - frequency[0])))
+
+
+def period_average(t: Array, q: Array, period: float, bins: int = BINS) -> tuple[Array, Array, Array]:
+    """Phase (bins,) in [0, 1), mean and deviation (bins, K) of q (T, K) folded by the period [s], NaN left out."""
+    index = np.floor(((t / period) % 1.0) * bins).astype(int) % bins
+    mean, deviation = np.full((bins, q.shape[1]), np.nan), np.full((bins, q.shape[1]), np.nan)
+    for k in range(bins):
+        values = q[index == k]
+        values = values[np.isfinite(values).all(axis=1)]
+        if len(values):
+            mean[k], deviation[k] = values.mean(axis=0), values.std(axis=0)
+    return (np.arange(bins) + 0.5) / bins, mean, deviation
+
+
+def period_figure(t: Array, q: Array, period: float) -> Figure:
+    """q (T, 2) [rad] folded by the period [s]: dotted the mean, coloured its standard deviation."""
+    with house_style():
+        figure = new_figure(2.6)
+        axes = figure.subplots()
+        phase, mean, deviation = period_average(t, q, period)
+        for index, role in enumerate((MEASURED, BASE)):
+            low, high = mean[:, index] - deviation[:, index], mean[:, index] + deviation[:, index]
+            axes.fill_between(phase * period, low, high, color=role.hex, alpha=0.35, lw=0)
+            axes.plot(phase * period, mean[:, index], ":", color=role.hex, lw=1.8, label=f"q{index + 1}")
+        axes.set_xlabel(f"time within the period of {period:.3f} s [s]")
+        axes.set_ylabel("curvature coordinate [rad]")
+        legend_above(figure, axes)
+        return figure

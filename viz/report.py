@@ -1,0 +1,96 @@
+"""report.html: one page for every verb. A Report says what stands on it; the template says how it looks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from viz.figures.style import svg
+
+MAXIMUM_BYTES = 3_000_000
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts under a header; `numeric` are the columns that are set right-aligned; `marked` rows
+    stand out, `warned` rows are those that failed."""
+
+    caption: str
+    header: tuple[str, ...]
+    rows: Sequence[Sequence[str]]
+    numeric: tuple[int, ...] = ()
+    marked: tuple[int, ...] = ()
+    warned: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure and what it shows, in words."""
+
+    figure: Figure
+    caption: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with paragraphs, then its tables, then its pictures."""
+
+    title: str
+    paragraphs: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+    pictures: Sequence[Picture] = ()
+
+
+@dataclass(frozen=True)
+class Origin:
+    """How to get the same report again: command line, seed, versions and SHA-256 of every input."""
+
+    command: str
+    seed: int | None = None
+    versions: Mapping[str, str] = field(default_factory=dict)
+    inputs: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Report:
+    """A page: verb, title, headline sentence, a few key figures (name, value) beside it, sections, origin."""
+
+    verb: str
+    title: str
+    headline: str
+    sections: Sequence[Section]
+    origin: Origin
+    figures_of_merit: Sequence[tuple[str, str]] = ()
+
+
+def render(report: Report) -> str:
+    """The page as one self-contained HTML text: style and figures inside, nothing loaded from elsewhere."""
+    environment = Environment(
+        loader=PackageLoader("viz"), autoescape=select_autoescape(default=True), undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    count = 0
+
+    def drawn(figure: Figure, caption: str) -> Markup:
+        nonlocal count
+        count += 1
+        element = svg(figure, f"figure{count}")
+        # the caption is the picture's text for who cannot see it
+        label = Markup.escape(caption)
+        return Markup(element.replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1))
+
+    return environment.get_template("report.html").render(report=report, drawn=drawn)
+
+
+def write_report(page: str, path: Path | str) -> Path:
+    """Write a rendered page, whole or not at all. Returns the path."""
+    path = Path(path)
+    unfinished = path.with_name(path.name + ".unfinished")
+    unfinished.write_text(page, encoding="utf-8")
+    unfinished.replace(path)
+    return path

@@ -1,0 +1,79 @@
+"""What is drawn of one run, whichever verb made it: parties on one time axis, all held against the first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tentacle.diagnosis import RunComparison
+from tentacle.signals import Array
+from viz.palette import AUGMENTED, BASE, MEASURED, Role
+
+
+@dataclass(frozen=True)
+class Party:
+    """Who moves: key (its place in a session), role (its looks), xy (T, P, 2) [m] in the base frame, NaN where unknown.
+
+    q (T, 2) [rad], the paper's coordinates, and thrust (T,) [N], where they are known.
+    """
+
+    key: str
+    role: Role
+    xy: Array
+    q: Array | None = None
+    thrust: Array | None = None
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P.
+
+    drag (T, P, 2) [N/m] is the fluid's force per length on the last party, where it is known.
+    """
+
+    name: str
+    t: Array
+    s: Array
+    theta: Array
+    parties: tuple[Party, ...]
+    judged: NDArray[np.bool_]
+    points: Literal["midline", "markers"] = "midline"
+    drag: Array | None = None
+
+    @property
+    def subject(self) -> Party:
+        """The party that the others are held against."""
+        return self.parties[0]
+
+    @property
+    def models(self) -> tuple[Party, ...]:
+        """The other parties."""
+        return self.parties[1:]
+
+    @property
+    def tip(self) -> int:
+        """The point nearest the tip."""
+        return int(np.argmax(self.s))
+
+    def residual_mm(self, party: Party) -> Array:
+        """Distance (T, P) [mm] between the subject's and a party's points; NaN where either is unknown."""
+        return 1e3 * np.linalg.norm(party.xy - self.subject.xy, axis=-1)
+
+    def judged_rms_mm(self, party: Party) -> float:
+        """Root mean square distance [mm] over the judged instants; NaN where there are none."""
+        values = self.residual_mm(party)[self.judged]
+        values = values[np.isfinite(values)]
+        return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")
+
+
+def scene_of(run: RunComparison) -> Scene:
+    """A diagnosis's run as a scene: measured, base model, augmented model."""
+    parties = (
+        Party("measured", MEASURED, run.measured, run.q_measured),
+        Party("base", BASE, run.base, run.q_base, run.thrust_base),
+        Party("augmented", AUGMENTED, run.augmented, run.q_augmented, run.thrust_augmented),
+    )
+    return Scene(run.name, run.t, run.s, run.theta, parties, run.judged, run.points, run.drag)

@@ -1,0 +1,61 @@
+"""The camera's view: the video, each arm's line over it, and a frame around pictures that the vision rejected."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+
+from tentacle.recording import Camera, Recording
+from tentacle.signals import Array, ShapeTrack
+from viz.palette import WARNING, Role
+from viz.scene import Scene
+from viz.topics.paths import seconds
+from viz.tube import thin
+from viz.video import SmallVideo, small_video
+
+
+def log_overlay(
+    session: rr.RecordingStream, path: str, role: Role, t: Array, xy: Array, camera: Camera, scale: float
+) -> None:
+    """A line xy (T, P, 2) [m, base frame] over the video; instants with missing points show what is present."""
+    pixels = scale * camera.to_pixels(xy[:, thin(xy.shape[1], 32)])
+    present = np.asarray(np.isfinite(pixels).all(axis=-1))
+    strips = [row[kept].astype(np.float32) for row, kept in zip(pixels, present, strict=True)]
+    enough = present.sum(axis=1) > 1
+    session.log(path, rr.LineStrips2D.from_fields(colors=[role.colour], radii=[1.2]), static=True)
+    columns = rr.LineStrips2D.columns(strips=[s for s, kept in zip(strips, enough, strict=True) if kept])
+    session.send_columns(path, [seconds(t)], columns.partition(enough.astype(int)))
+
+
+def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, video: SmallVideo) -> None:
+    """A frame around every rejected picture, labelled with the reason."""
+    rejected = ~shape.accepted
+    if not rejected.any():
+        return
+    half = np.array([video.width / 2, video.height / 2])
+    style = rr.Boxes2D.from_fields(colors=[WARNING.colour], radii=[3.0])
+    session.log(path, style, static=True)
+    count = int(rejected.sum())
+    columns = rr.Boxes2D.columns(
+        centers=np.tile(half, (count, 1)),
+        half_sizes=np.tile(half - 3, (count, 1)),
+        labels=[f"rejected: {reason}" for reason, bad in zip(shape.reason, rejected, strict=True) if bad],
+    )
+    session.send_columns(path, [seconds(shape.t)], columns.partition(rejected.astype(int)))
+
+
+def log_camera(session: rr.RecordingStream, path: str, scene: Scene, recording: Recording) -> bool:
+    """The video with every party's line over it; False where the recording has none."""
+    camera = recording.declaration.camera
+    if recording.video is None or camera is None:
+        return False
+    video = small_video(recording)
+    asset = rr.AssetVideo(contents=video.contents, media_type="video/mp4")
+    session.log(f"{path}/camera", asset, static=True)
+    frames = rr.VideoFrameReference.columns_nanos(asset.read_frame_timestamps_nanos())
+    session.send_columns(f"{path}/camera", [seconds(video.t)], frames)
+    for party in scene.parties:
+        log_overlay(session, f"{path}/camera/{party.key}", party.role, scene.t, party.xy, camera, video.scale)
+    if recording.shape is not None:
+        log_rejected(session, f"{path}/camera/rejected", recording.shape, video)
+    return True

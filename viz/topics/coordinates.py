@@ -1,0 +1,36 @@
+"""The paper's coordinates q1, q2 over time, measured (with their 95 % band) and modelled."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+
+from tentacle.signals import Array, ShapeTrack
+from viz.palette import MEASURED
+from viz.scene import Scene
+from viz.topics.lines import log_band, log_line
+
+NORMAL_95 = 1.959964  # two-sided 95 % quantile of the normal distribution
+
+
+def coordinate_sigma(shape: ShapeTrack, index: int, t: Array) -> Array:
+    """Standard deviation (T,) [rad] of q_index (1, 2 ...) at times t, from the track's covariance; NaN outside it."""
+    sigma = np.sqrt(shape.covariance[:, index, index])
+    present = np.isfinite(sigma)
+    if not present.any():
+        return np.full(len(t), np.nan)
+    return np.interp(t, shape.t[present], sigma[present], left=np.nan, right=np.nan)
+
+
+def log_coordinates(session: rr.RecordingStream, path: str, scene: Scene, shape: ShapeTrack | None) -> None:
+    """q1 and q2 [rad] of every party that has them, and the servo's angle theta [rad]."""
+    for party in scene.parties:
+        if party.q is None:
+            continue
+        for index in (1, 2):
+            where, values = f"{path}/q{index}/{party.key}", party.q[:, index - 1]
+            log_line(session, where, party.role, scene.t, values)
+            if party is scene.subject and shape is not None and shape.coefficients.shape[1] > index:
+                half_width = NORMAL_95 * coordinate_sigma(shape, index, scene.t)
+                log_band(session, where, party.role, scene.t, values, half_width)
+    log_line(session, f"{path}/theta", MEASURED, scene.t, scene.theta)

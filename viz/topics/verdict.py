@@ -1,0 +1,52 @@
+"""The verdict as a page of text inside the session."""
+
+from __future__ import annotations
+
+import rerun as rr
+
+from tentacle.diagnosis import Diagnosis
+from viz.words import VERDICT_TITLES, effect_name, error_rows, interval, number
+
+
+def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A Markdown table."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def verdict_markdown(diagnosis: Diagnosis) -> str:
+    """Headline, errors, parameters of what was added, gates, ranking, and what remains."""
+    judged = "held-out data" if diagnosis.held_out else "the data that were fitted"
+    errors = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
+    parts = [
+        f"# {VERDICT_TITLES[diagnosis.verdict]}",
+        diagnosis.headline,
+        f"Confidence {diagnosis.confidence:.0%}. Errors are rms on {judged}.",
+        table(("error", "unit", "before", "after", "floor"), [tuple(row) for row in errors]),
+    ]
+    added = [
+        (effect_name(effect), name, number(e.value), interval(e), e.unit)
+        for effect, values in diagnosis.parameters.items()
+        for name, e in values.items()
+    ]
+    if added:
+        parts += ["## Added", table(("effect", "parameter", "value", "95 % interval", "unit"), added)]
+    if diagnosis.gates:
+        gates = [(gate.name, "passed" if gate.passed else "FAILED", gate.words) for gate in diagnosis.gates]
+        parts += ["## Is the model adequate?", table(("test", "result", "meaning"), gates)]
+    if diagnosis.ranking:
+        ranked = [
+            (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.2f}")
+            for r in diagnosis.ranking[:8]
+        ]
+        parts += ["## Candidates", table(("effect", "score [nat]", "error [mm]", "probability"), ranked)]
+    if diagnosis.words:
+        parts += ["## What remains", "\n".join(f"- {line}" for line in diagnosis.words)]
+    return "\n\n".join(parts) + "\n"
+
+
+def log_verdict(session: rr.RecordingStream, diagnosis: Diagnosis) -> None:
+    """The verdict's page, on every time line."""
+    text = rr.TextDocument(verdict_markdown(diagnosis), media_type=rr.MediaType.MARKDOWN)
+    session.log("verdict", text, static=True)

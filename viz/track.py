@@ -1,0 +1,48 @@
+"""The session of `tentacle track`: the video with what was seen over it, rejected frames marked, q with its bands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import rerun.blueprint as rrb
+
+from tentacle.errors import InputError
+from tentacle.recording import Recording
+from tentacle.signals import Array
+from viz.blueprints.run import run_page
+from viz.blueprints.views import page
+from viz.midline import DRAWN_POINTS, track_points
+from viz.palette import MEASURED
+from viz.scene import Party, Scene
+from viz.session import log_scene, session_file, session_id, set_layout
+
+
+def servo_angle(recording: Recording, t: Array) -> Array:
+    """The servo's measured angle theta (T,) [rad] at times t; 0 where the base is clamped."""
+    if recording.motor is None:
+        return np.zeros_like(t)
+    return np.interp(t, recording.motor.t, recording.motor.angle)
+
+
+def track_scene(recording: Recording) -> Scene:
+    """What vision measured of a recording, as a scene with one party. Raises InputError where there is no track."""
+    shape = recording.shape
+    if shape is None:
+        raise InputError("has not been tracked", field=recording.name, expected="a recording with shapes")
+    theta = servo_angle(recording, shape.t)
+    s = np.linspace(0.0, 1.0, DRAWN_POINTS)
+    xy = track_points(shape, theta, recording.declaration.specimen.length, s)
+    xy[~shape.accepted] = np.nan
+    q = np.where(shape.accepted[:, None], shape.coefficients[:, 1:3], np.nan)
+    everywhere = np.ones(len(shape.t), dtype=bool)
+    return Scene(recording.name, shape.t, s, theta, (Party("measured", MEASURED, xy, q),), everywhere)
+
+
+def write_track(recording: Recording, path: Path | str) -> Path:
+    """The session of a tracked recording. Raises InputError where it has no track, or its video cannot be read."""
+    path, scene = Path(path), track_scene(recording)
+    with session_file(path, session_id("track", recording.name)) as session:
+        shown = log_scene(session, scene, recording)
+        set_layout(session, page(rrb.Tabs(run_page(shown))))
+    return path

@@ -1,0 +1,88 @@
+"""Opening recordings: the native viewer, a web page on this machine only, or a picture without a screen."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from tentacle.errors import InputError
+
+LOOPBACK = "127.0.0.1"
+INSTALL_VULKAN = "apt-get install mesa-vulkan-drivers (a software Vulkan driver) and try again"
+
+
+def viewer_program() -> str:
+    """The rerun program that belongs to this Python, else the one on PATH. Raises InputError where there is none."""
+    beside = Path(sys.executable).with_name("rerun")
+    program = str(beside) if beside.exists() else shutil.which("rerun")
+    if program is None:
+        raise InputError("the Rerun viewer is not installed", expected="pip install rerun-sdk")
+    return program
+
+
+def require_recordings(files: Sequence[Path]) -> list[Path]:
+    """The files as absolute paths. Raises InputError for one that is missing or no .rrd."""
+    for file in files:
+        if not file.is_file():
+            raise InputError("no such file", file=file, expected="an .rrd recording")
+        with file.open("rb") as stream:
+            if not stream.read(4).startswith(b"RR"):
+                raise InputError("is not a Rerun recording", file=file, expected="an .rrd recording")
+    return [file.resolve() for file in files]
+
+
+def open_native(files: Sequence[Path]) -> int:
+    """Open the desktop viewer and wait until it is closed; its exit status. It listens on this machine only."""
+    command = [viewer_program(), "--bind", LOOPBACK, *map(str, require_recordings(files))]
+    return subprocess.run(command, check=False).returncode
+
+
+def serve_web(files: Sequence[Path]) -> int:
+    """Serve the viewer as a web page on 127.0.0.1 until Ctrl-C; the exit status."""
+    command = [viewer_program(), "--serve-web", "--bind", LOOPBACK, *map(str, require_recordings(files))]
+    try:
+        return subprocess.run(command, check=False).returncode
+    except KeyboardInterrupt:
+        return 0
+
+
+def free_port() -> int:
+    """A port of this machine that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return probe.getsockname()[1]
+
+
+def screenshot(files: Sequence[Path], picture: Path, at: float | None = None, settle: float = 6.0) -> Path:
+    """A PNG of the viewer showing the files, without a screen; at [s] on the time line, settle [s] for it to load.
+
+    Raises InputError, saying what to install, where no picture can be drawn on this machine.
+    """
+    from rerun.experimental import ViewerClient
+
+    from viz.topics.paths import TIMELINE
+
+    found = require_recordings(files)
+    try:
+        with ViewerClient.spawn(
+            headless=True, port=free_port(), hide_welcome_screen=True, executable_path=viewer_program()
+        ) as viewer:
+            for file in found:
+                viewer.open(str(file))
+            time.sleep(settle)
+            if at is not None:
+                viewer.set_time(TIMELINE, duration=at, play_state="paused")
+                time.sleep(0.4 * settle)
+            contents = viewer.take_screenshot()
+    except (RuntimeError, OSError, ConnectionError, TimeoutError) as error:
+        first = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
+        raise InputError(
+            f"no picture could be drawn here ({first})", field="--screenshot", expected=INSTALL_VULKAN
+        ) from None
+    picture.write_bytes(contents)
+    return picture

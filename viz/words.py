@@ -1,0 +1,59 @@
+"""Numbers and verdicts as short texts, the same in the report, the session and a notebook."""
+
+from __future__ import annotations
+
+import math
+
+from tentacle.diagnosis import ErrorMeasure, Verdict
+from tentacle.model import Estimate
+
+VERDICT_TITLES: dict[Verdict, str] = {
+    "nothing_missing": "Nothing is missing",
+    "effect": "An effect is missing",
+    "group": "One of a group is missing",
+    "unknown": "Something unknown is missing",
+}
+
+NONE = "-"
+
+MEASURES = (
+    ("midline_mm", "midline", "mm"),
+    ("angle_rad", "angle along the arm", "rad"),
+    ("q1", "q1", "rad"),
+    ("q2", "q2", "rad"),
+    ("thrust_n", "thrust", "N"),
+)
+
+
+def number(value: float | None) -> str:
+    """Three significant digits, no exponent where it can be avoided; NONE where there is none."""
+    if value is None or value != value:  # NaN differs from itself
+        return NONE
+    if value != 0 and not 1e-3 <= abs(value) < 1e7:
+        return f"{value:.2e}"
+    if abs(value) < 1000:
+        return f"{value:.3g}"
+    digits = 2 - math.floor(math.log10(abs(value)))
+    return f"{round(value, digits):.0f}"
+
+
+def interval(estimate: Estimate) -> str:
+    """The 95 % interval, or "given" where the value was not fitted."""
+    if estimate.low == estimate.high:
+        return "given"
+    return f"{number(estimate.low)} to {number(estimate.high)}"
+
+
+def error_rows(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure) -> list[tuple[str, str, str, str, str]]:
+    """Rows (quantity, unit, before, after, floor) of what was measured."""
+    rows = []
+    for field, name, unit in MEASURES:
+        values = [getattr(measure, field) for measure in (before, after, floor)]
+        if any(value is not None for value in values):
+            rows.append((name, unit, *(number(value) for value in values)))
+    return rows
+
+
+def effect_name(effect: str) -> str:
+    """An effect's contract name as words."""
+    return effect.replace("_", " ")
