@@ -32,7 +32,7 @@ def reference_speed(model: Model, gait: Gait, rail: Rail | None = None) -> float
 
     rail = rail or PAPER_RAIL
     level = replace(model, gravity=replace(model.gravity, magnitude=0.0))
-    carriage = ReferenceRail(rail.mass, rail.viscous, rail.dry)
+    carriage = ReferenceRail(rail.mass, viscous=rail.viscous, dry=rail.dry)
     run = simulate(level, gait, SETTLE_S + WINDOW_S, FPS, rail=carriage, lead_in=LEAD_IN_S)
     start = round(SETTLE_S * FPS)
     # Forward is -y (affine_model.swim.trial).
@@ -98,6 +98,7 @@ class SearchNotes:
         """The generations noted so far; the file is cut to its last whole line, and begun anew for another search."""
         import numpy as np
 
+        self._path.parent.mkdir(parents=True, exist_ok=True)
         text = self._path.read_text(encoding="utf-8") if self._path.exists() else ""
         lines = text[: text.rfind("\n") + 1].splitlines()
         if not lines or lines[0] != json.dumps({"search": self.key}):

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from affine_model.swim import Front, GaitLimits, Swimming
+    from affine_model.swim import Front, GaitLimits, Generation, Swimming, Trial
     from tentacle.model import Model
 
 HELP = "find the base motion that swims best, within the servo's limits"
@@ -39,17 +39,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, check, write; an interrupted search goes on where it stopped when called again."""
-    import json
-    from dataclasses import asdict
-
-    import tomli_w
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
-    from affine_model.swim import optimise, robust_trial, trial_of
-    from tentacle.cli._swimming import SearchNotes, result_tables, write_whole
+    from affine_model.swim import robust_trial, trial_of
+    from tentacle.cli._outcome import written
+    from tentacle.cli._swimming import result_tables
     from tentacle.errors import InputError
-    from tentacle.model_file import model_tables
     from tentacle.waveform_file import waveform_table
 
     if arguments.evaluations < 50:
@@ -57,24 +50,45 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.robust < 0 or arguments.robust == 1:
         raise InputError(f"{arguments.robust} is not usable", field="--robust", expected="2 or more samples")
     model, limits = read_arm(arguments.arm, arguments.silicone), read_limits(arguments.limits)
-    trial = trial_of(model, limits)
-    if arguments.robust:
-        trial = robust_trial(trial, model, arguments.robust, arguments.seed)
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    at_estimates = trial_of(model, limits)
+    trial = robust_trial(at_estimates, model, arguments.robust, arguments.seed) if arguments.robust else at_estimates
+    found = search_with_progress(arguments, trial, model)
+    tables = result_tables(found, waveform_table)
+    if not arguments.no_reference:
+        tables["reference"] = check_on_reference(model, found)
+    front = trace_front(model, limits, arguments.seed) if arguments.front else None
+    with written(arguments.out) as folder:
+        write_answer(arguments, at_estimates, found, tables, front, folder)
+    for line in summary(tables):
+        print(line)
+    print(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
+    return 0
+
+
+def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Model) -> Swimming:
+    """The search with a bar on standard error, noted generation by generation in OUT/search.jsonl."""
+    from dataclasses import asdict
+
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
+    from affine_model.swim import optimise
+    from tentacle.cli._swimming import SearchNotes
+    from tentacle.model_file import model_tables
+
     settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
-    inputs = {"model": model_tables(model), "limits": asdict(limits), **settings}
+    inputs = {"model": model_tables(model), "limits": asdict(trial.limits), **settings}
     notes = SearchNotes(arguments.out / "search.jsonl", inputs)
-    done = TextColumn("{task.completed:.0f} gaits")
-    with Progress(
-        TextColumn("{task.description}"), BarColumn(), done, TimeRemainingColumn(), transient=True
-    ) as progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"))
+    with Progress(*columns, TimeRemainingColumn(), transient=True, console=Console(stderr=True)) as progress:
         task = progress.add_task(f"{arguments.method}, {arguments.objective}", total=arguments.evaluations)
 
-        def watch(generation: Any) -> None:
+        def watch(generation: Generation) -> None:
             notes.note(generation)
             progress.update(task, completed=generation.evaluations)
 
-        found = optimise(
+        return optimise(
             trial,
             OBJECTIVE_TABLE[arguments.objective],
             method=arguments.method,
@@ -83,18 +97,36 @@ def run(arguments: argparse.Namespace) -> int:
             noted=notes.scores(),
             watch=watch,
         )
-    tables = result_tables(found, waveform_table)
-    if not arguments.no_reference:
-        tables["reference"] = check_on_reference(model, found)
-    details: dict[str, Any] = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}
-    if arguments.front:
-        details["front"] = front_table(trace_front(model, limits, arguments.seed))
-    write_whole(arguments.out / "result.toml", tomli_w.dumps(tables))
-    write_whole(arguments.out / "result.json", json.dumps({**tables, "course": details}, indent=1))
-    for line in summary(tables):
-        print(line)
-    print(f"written to {arguments.out}")
-    return 0
+
+
+def write_answer(
+    arguments: argparse.Namespace,
+    trial: Trial,
+    found: Swimming,
+    tables: dict[str, Any],
+    front: Front | None,
+    folder: Path,
+) -> None:
+    """result.toml, result.json (with the search's course), session.rrd and report.html into the folder."""
+    import json
+    import shlex
+    import sys
+
+    import tomli_w
+
+    from tentacle.cli._provenance import input_hashes, versions
+    from tentacle.cli._swimming_report import write_film, write_page
+    from viz.report import Origin
+
+    course = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}
+    everything = {**tables, "course": course} | ({} if front is None else {"front": front_table(front)})
+    (folder / "result.toml").write_text(tomli_w.dumps(tables), encoding="utf-8", newline="\n")
+    (folder / "result.json").write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
+    write_film(trial, found, folder / "session.rrd")
+    files = [path for path in (arguments.arm, arguments.limits) if path is not None]
+    command = shlex.join(["tentacle", *sys.argv[1:]])
+    origin = Origin(command, arguments.seed, versions(), input_hashes(files))
+    write_page(trial, found, tables, front, origin, folder / "report.html")
 
 
 def read_arm(path: Path, silicone: str) -> Model:
