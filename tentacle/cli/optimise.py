@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     tables = result_tables(found, waveform_table)
     if not arguments.no_reference:
         tables["reference"] = check_on_reference(model, found)
-    front = trace_front(model, limits, arguments.seed) if arguments.front else None
+    front = trace_front(model, limits, found) if arguments.front else None
     with written(arguments.out) as folder:
         write_answer(arguments, at_estimates, found, tables, front, folder)
     for line in summary(tables):
@@ -107,7 +107,7 @@ def write_answer(
     front: Front | None,
     folder: Path,
 ) -> None:
-    """result.toml, result.json (with the search's course), session.rrd and report.html into the folder."""
+    """gait.toml (for simulate and the rig), result.toml, result.json with the course, session.rrd and report.html."""
     import json
     import shlex
     import sys
@@ -116,10 +116,12 @@ def write_answer(
 
     from tentacle.cli._provenance import input_hashes, versions
     from tentacle.cli._swimming_report import write_film, write_page
+    from tentacle.waveform_file import write_waveform
     from viz.report import Origin
 
     course = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}
     everything = {**tables, "course": course} | ({} if front is None else {"front": front_table(front)})
+    write_waveform(found.gait, folder / "gait.toml")
     (folder / "result.toml").write_text(tomli_w.dumps(tables), encoding="utf-8", newline="\n")
     (folder / "result.json").write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
     write_film(trial, found, folder / "session.rrd")
@@ -188,11 +190,15 @@ def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
     }
 
 
-def trace_front(model: Model, limits: GaitLimits, seed: int) -> Front:
+def trace_front(model: Model, limits: GaitLimits, found: Swimming) -> Front:
     """The front of speed against power at the model's estimates."""
+    import numpy as np
+
     from affine_model.swim import PAPER_RAIL, pareto_front, search_box, trial_of
 
-    return pareto_front(trial_of(model, limits, PAPER_RAIL), search_box(limits), evaluations=1500, seed=seed)
+    known = np.array([found.gait.alpha, found.sine.alpha]).T
+    trial = trial_of(model, limits, PAPER_RAIL)
+    return pareto_front(trial, search_box(limits), known=known, evaluations=8000, seed=found.seed)
 
 
 def front_table(front: Front) -> dict[str, list[Any]]:
