@@ -16,6 +16,7 @@ from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_orde
 from discovery.compare import errors, floor_errors, run_comparison
 from discovery.next_experiment import ServoLimits, propose
 from discovery.prepare import Prepared, prepare
+from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
 from discovery.search import Hypothesis, Search, hypothesis, looseness, parameter_interval, search
 from discovery.verdict import Decision, decide, probabilities
@@ -126,11 +127,14 @@ def diagnose(
     prepared = [
         replace(p, experiment=experiment) for p, experiment in zip(prepared, base_problem.experiments, strict=True)
     ]
+    progress("running the reference")
+    reduction = reduction_error(setting.declaration, base_problem, base)
+    structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
-    found = search(hypothesis((), base_problem, base))
+    found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)
     progress("comparing")
-    return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed)
+    return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 
 
 def _problem(setting: Setting, experiments: tuple[Experiment, ...], fitted: Fit) -> Problem:
@@ -171,13 +175,15 @@ def _assembled(
     order: int,
     words: tuple[str, ...],
     seed: int,
+    reduction: Reduction | None,
 ) -> Diagnosis:
     chosen = found.chosen
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
     final = (chosen.problem, chosen.fitted)
     runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
     before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
-    floor = floor_errors(runs, prepared, 0.0)
+    lost = 0.0 if reduction is None else reduction.millimetres
+    floor = floor_errors(runs, prepared, lost)
     parameters = _estimates(chosen, found.looseness)
     effects, verdict = decision.effects, decision.verdict
     if order > 2:
@@ -205,7 +211,7 @@ def _assembled(
         held_out=is_held_out,
         ranking=_ranking(found, prepared, paper, is_held_out),
         next_experiment=None if proposal is None else proposal.table,
-        budget=_budget(before, after, floor, runs),
+        budget=_budget(before, after, floor, lost),
         base_model=base_model,
         augmented_model=augmented,
         gates=(*chosen.train.gates, *chosen.judged.gates),
@@ -237,16 +243,16 @@ def _ranking(
     return tuple(sorted(rows, key=lambda row: -row.score))
 
 
-def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, runs: list) -> ErrorBudget:
+def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
     def apart(large: float | None, small: float | None) -> float:
         if large is None or small is None:
             return 0.0
         return float(np.sqrt(max(large**2 - small**2, 0.0)))
 
-    noise = floor.midline_mm or 0.0
+    noise = apart(floor.midline_mm, lost)
     return ErrorBudget(
         noise_mm=noise,
-        reduction_mm=0.0,
+        reduction_mm=lost,
         missing_mm=apart(before.midline_mm, after.midline_mm),
         rest_mm=apart(after.midline_mm, floor.midline_mm),
     )
