@@ -19,6 +19,7 @@ in notes["cut_off"].
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Iterator
 from dataclasses import replace
@@ -51,10 +52,12 @@ SECONDS_PER_BLOCK = 1.0  # a cut costs at most this much, and the whole video
 
 
 def write_rrd(recording: Recording, file: Path) -> None:
-    """Write a recording; the file appears whole or not at all."""
+    """Write a recording; the file appears whole or not at all. InputError where its folder is missing."""
     file = Path(file)
+    if not file.parent.is_dir():
+        raise InputError("no such folder", file=file.parent)
     partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    stream = rr.RecordingStream(APPLICATION, recording_id=recording.name, send_properties=False)
+    stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording))
     try:
         stream.save(partial)
         log_recording(recording, stream)
@@ -66,10 +69,20 @@ def write_rrd(recording: Recording, file: Path) -> None:
         raise
 
 
+def _identity(recording: Recording) -> str:
+    """The same for the same declaration and signals: the viewer takes two files of one identity as one recording."""
+    digest = hashlib.sha256(format_recording_file(describe(recording)).encode())
+    for columns in _signal_rows(recording).values():
+        for values in columns.values():
+            digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()[:32]
+
+
 def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
     """Log a recording to an open stream, so that other things can stand beside it in the same file."""
     signals = _signal_rows(recording)
     declaration = format_recording_file(describe(recording))
+    stream.send_recording_name(recording.name)
     stream.log("declaration", rr.TextDocument(declaration, media_type="text/plain"), static=True)
     counts = {name: len(next(iter(columns.values()))) for name, columns in signals.items()}
     stream.log("rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)

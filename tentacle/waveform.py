@@ -1,4 +1,7 @@
-"""Base motions theta(t) with their first two derivatives: rest, sine, chirp, multisine, the gait of eq. 20, a ramp."""
+"""Base motions theta(t) with their first two derivatives: rest, sine, chirp, multisine, a ramp.
+
+The gait of eq. 20 is in tentacle.gait, motions fitted to samples in tentacle.base_motion, files in waveform_file.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tentacle.signals import Array
-
-GAIT_TERMS = 5
 
 
 class Waveform(Protocol):
@@ -78,47 +79,6 @@ class Multisine:
         """See Waveform. ValueError where the three tuples differ in length."""
         parts = zip(self.amplitudes, self.frequencies, self.phases, strict=True)
         return np.sum([Sine(amplitude, frequency, phase)(t) for amplitude, frequency, phase in parts], axis=0)
-
-
-def gait_harmonics(terms: int) -> tuple[NDArray[np.int_], Array, NDArray[np.int_]]:
-    """The harmonics (H,) of eq. 20: multiple of fundamental, coefficient, wave (0 sine, 1 square, 2 saw-tooth)."""
-    square, saw = 2 * np.arange(1, terms + 1) - 1, np.arange(1, terms + 1)
-    multiple = np.concatenate([[1], square, saw])
-    wave = np.repeat([0, 1, 2], [1, terms, terms])
-    return multiple, 1.0 / multiple, wave
-
-
-def band_weight(multiple: ArrayLike, omega: ArrayLike, bandwidth: float) -> Array:
-    """What of harmonic n (...) of a fundamental omega (...) [rad/s] stays: for n >= 2 cos^2(pi/2 n f / bandwidth)."""
-    multiple = np.asarray(multiple)
-    share = multiple * np.abs(omega) / (2.0 * np.pi * bandwidth)
-    return np.where(multiple == 1, 1.0, np.cos(0.5 * np.pi * np.minimum(share, 1.0)) ** 2)
-
-
-@dataclass(frozen=True)
-class Gait:
-    """The nine-parameter gait of eq. 20: a sine, a square wave and a saw-tooth, each with amplitude, rate and phase.
-
-    alpha: (alpha_1 .. alpha_9); 1-3 amplitudes [rad], 4-6 angular rates [rad/s], 7-9 phases [rad], in that order of
-    waves. The print sums infinitely many terms, whose acceleration has no limit (the n-th term's grows like n): here
-    the first `terms` of each are taken, and they fade out towards the servo's bandwidth [Hz] where one is given
-    (band_weight). As printed, a phase is added to every harmonic alike, so that alpha_8 and alpha_9 bend the square
-    and the saw-tooth rather than shift them.
-    """
-
-    alpha: tuple[float, float, float, float, float, float, float, float, float]
-    terms: int = GAIT_TERMS
-    bandwidth: float = np.inf
-
-    def __call__(self, t: ArrayLike) -> Array:
-        """See Waveform."""
-        t = np.asarray(t, dtype=float)
-        amplitude, omega, phase = np.array(self.alpha).reshape(3, 3)
-        motion = np.zeros((3, *t.shape))
-        for multiple, coefficient, wave in zip(*gait_harmonics(self.terms), strict=True):
-            strength = amplitude[wave] * coefficient * band_weight(multiple, omega[wave], self.bandwidth)
-            motion += _sine(float(strength), float(multiple * omega[wave]), float(phase[wave]), t)
-        return motion
 
 
 @dataclass(frozen=True)

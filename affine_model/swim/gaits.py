@@ -1,6 +1,6 @@
 """Many gaits at once: the table of base motions that the batch kernel takes, for a batch of eq. 20 parameters.
 
-Same definition as tentacle.waveform.Gait (its harmonics are used here, and a test compares both). Every harmonic is a
+Same definition as tentacle.gait.Gait (its constants are used here, and a test compares both). Every harmonic is a
 phasor that is turned by a fixed angle a step: no sine is computed inside the loop, and the batch is innermost so that
 it vectorises.
 """
@@ -11,11 +11,10 @@ import numpy as np
 from numba import njit, prange
 
 from affine_model.curvature import Array
-from tentacle.waveform import GAIT_TERMS, Gait, band_weight, gait_harmonics
+from tentacle.gait import COEFFICIENT, MULTIPLE, TERM, Gait, harmonic_weights
 
 _BLOCK = 16
 _RENEW = 512  # steps after which phasors are computed anew, so that rounding stays below 1e-13
-GAIT_PARAMETERS = 9
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
@@ -83,15 +82,13 @@ def gait_tables(alpha: Array, steps: int, step: float, bandwidth: float, start: 
     """
     alpha = np.ascontiguousarray(alpha, dtype=float)
     amplitude, omega, phase = alpha[0:3], alpha[3:6], alpha[6:9]
-    multiple, coefficient, wave = gait_harmonics(GAIT_TERMS)
-    multiple = multiple[:, None]
-    strength = amplitude[wave] * coefficient[:, None] * band_weight(multiple, omega[wave], bandwidth)
+    weights = harmonic_weights(omega / (2.0 * np.pi), bandwidth)
+    strength = amplitude[TERM] * COEFFICIENT[:, None] * weights
     table, peaks = np.empty((3, steps, alpha.shape[1])), np.zeros((3, alpha.shape[1]))
-    _fill(strength, multiple * omega[wave], phase[wave], start, step, table, peaks)
+    _fill(strength, MULTIPLE[:, None] * omega[TERM], phase[TERM], start, step, table, peaks)
     return table, peaks
 
 
 def gait_of(alpha: Array, bandwidth: float) -> Gait:
     """One gait (9,) as a waveform."""
-    a1, a2, a3, a4, a5, a6, a7, a8, a9 = (float(value) for value in alpha)
-    return Gait((a1, a2, a3, a4, a5, a6, a7, a8, a9), bandwidth=bandwidth)
+    return Gait(tuple(alpha.tolist()), bandwidth)

@@ -19,7 +19,7 @@ from affine_model.swim.search import Generation, search
 from affine_model.swim.thrust_map import best_sine
 from affine_model.swim.trial import PAPER_RAIL, Trial, run, within_limits
 from tentacle.errors import InputError
-from tentacle.waveform import Gait
+from tentacle.gait import Gait
 
 _SURE_SECONDS, _SURE_STEP = 300.0, 2e-3  # a gait of three frequencies beats: its largest angle may come late
 

@@ -21,9 +21,9 @@ from affine_model.swim.optimise import Swimming, for_objective, optimise, promis
 from affine_model.swim.silicones import assumed_model, paper_cone
 from affine_model.swim.thrust_map import sine_gaits, sine_map
 from affine_model.swim.trial import PAPER_RAIL, trial_of
+from tentacle.gait import Gait
 from tentacle.model import Model
 from tentacle.servo_limits import ServoLimits
-from tentacle.waveform import Gait
 
 SILICONE = "dragon-skin-10"
 SLOW_BAND, FAST_BAND = (0.25, 0.5), (0.5, 0.75)  # Hz

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from affine_model.simulate import Rail
     from affine_model.swim import Generation, Promise, Swimming
+    from tentacle.gait import Gait
     from tentacle.model import Model
-    from tentacle.waveform import Gait
 
 LEAD_IN_S, SETTLE_S, WINDOW_S, FPS = 1.0, 4.0, 16.0, 50.0
 

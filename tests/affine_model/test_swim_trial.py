@@ -23,6 +23,7 @@ from affine_model.swim import (
     sine_map,
     trial_of,
 )
+from affine_model.swim.gradient import thrust_gradient
 from affine_model.swim.objectives import scores, worst_quarter_mean
 from affine_model.swim.polish import polish, value_and_gradient
 from tentacle.errors import InputError
@@ -162,3 +163,17 @@ def test_what_cannot_swim_is_one_line():
         parameter_samples(replace(MODEL, parameters={"elasticity": {"E": Estimate.exact(2e5)}}), 4, 0)
     with pytest.raises(InputError, match="not known"):
         assumed_model(paper_cone(0.14), "rubber")
+
+
+def test_gradient_through_torch_equals_the_batch_differences():
+    # Half a second of a gentle gait; both integrate the same steps, the kernel with one Newton correction instead of
+    # two.
+    brief = replace(TRIAL, limits=GaitLimits(ServoLimits(9.0, 900.0, 9e4)), settle=0.2, window=0.3, step=1 / 200)
+    alpha = np.array([0.2, 0.1, 0.1, 6.0, 4.0, 5.0, 0.3, 1.0, 2.0])
+    value, gradient = thrust_gradient(brief, alpha)
+    offsets = 1e-4 * np.eye(9)
+    around = alpha[:, None] + np.concatenate([np.zeros((9, 1)), offsets, -offsets], axis=1)
+    thrust = run(brief, around).thrust[:, 0]
+    differences = (thrust[1:10] - thrust[10:]) / 2e-4
+    assert value == pytest.approx(thrust[0], rel=1e-3)
+    assert np.allclose(gradient, differences, rtol=5e-3, atol=2e-3 * np.max(np.abs(differences)))

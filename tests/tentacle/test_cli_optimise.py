@@ -1,4 +1,4 @@
-"""`tentacle optimise` from a file to its answer: what it accepts, that it resumes, that it repeats itself, what it refuses."""
+"""`tentacle optimise` from a file to its answer: it resumes, repeats itself, and refuses what it cannot use."""
 
 import json
 import tomllib
@@ -9,9 +9,9 @@ import pytest
 from affine_model.swim import METHODS, OBJECTIVES, SILICONES, assumed_model, paper_cone
 from tentacle.cli import main
 from tentacle.cli import optimise as verb
+from tentacle.gait import Gait
 from tentacle.model import Estimate
 from tentacle.model_file import write_model
-from tentacle.waveform import Gait
 from tentacle.waveform_file import read_waveform
 
 SPECIMEN = """[specimen]
@@ -91,7 +91,7 @@ def test_bad_limits_are_one_line(arm, tmp_path, capsys, limits, says):
     assert not (tmp_path / "out").exists()
 
 
-def test_soft_arm_is_refused_in_one_line(arm, tmp_path, capsys):
+def test_soft_arm_is_refused_in_one_line(tmp_path, capsys):
     model = assumed_model(paper_cone(0.14), "dragon-skin-10").with_effect("elasticity", E=Estimate.exact(-1.0, "Pa"))
     write_model(model, tmp_path / "model.toml")
     assert optimise(tmp_path / "model.toml", tmp_path / "out") == 2

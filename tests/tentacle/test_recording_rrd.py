@@ -17,11 +17,6 @@ from tentacle.signals import ShapeTrack, Video
 from tests.tentacle.test_import_folder import assert_equal_recordings, random_recording
 
 
-@pytest.fixture(autouse=True)
-def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TENTACLE_CACHE", str(tmp_path / "cache"))
-
-
 def full_recording() -> Recording:
     rng = np.random.default_rng(4)
     coefficients = rng.normal(size=(30, 3))

@@ -10,7 +10,7 @@ import numpy as np
 from cmaes import CMA
 
 from affine_model.curvature import Array
-from affine_model.swim.gaits import GAIT_PARAMETERS
+from tentacle.gait import GAIT_PARAMETERS
 
 _GOES_AROUND = 3  # the phases are the last three coordinates: no bound, they are taken modulo 1
 _PATIENCE = 12  # generations over which the best must rise ...

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
-from affine_model.swim.gaits import GAIT_PARAMETERS
+from tentacle.gait import GAIT_PARAMETERS
 
 
 class GeneticAlgorithm:

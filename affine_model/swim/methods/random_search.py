@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.swim.gaits import GAIT_PARAMETERS
+from tentacle.gait import GAIT_PARAMETERS
 
 
 class RandomSearch:

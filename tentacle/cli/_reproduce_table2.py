@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +10,18 @@ if TYPE_CHECKING:
     from affine_model.swim.table2 import Row
 
 
-def reproduce_table2(out: Path, *, evaluations: int = 5000, seed: int = 0) -> int:
-    """Compute Table II, print it, and write table2.csv, table2.json and report.html into the folder `out`."""
+HELP = "Table II: swimming speeds of three arms under a slow sine, a fast sine and the optimised gait"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the result."""
+    parser.add_argument("--out", type=Path, required=True, help="folder for table2.csv, table2.json and report.html")
+    parser.add_argument("--evaluations", type=int, default=5000, help="gaits tried per search; default: 5000")
+    parser.add_argument("--seed", type=int, default=0)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compute Table II, print it, and write table2.csv, table2.json and report.html."""
     import csv
     import json
 
@@ -23,13 +34,15 @@ def reproduce_table2(out: Path, *, evaluations: int = 5000, seed: int = 0) -> in
     with stages() as stage:
         for length in table.PRINTED:
             stage(f"optimising the {100 * length:.0f} cm arm")
-            rows += table.table2(evaluations=evaluations, seed=seed, reference=reference_speed, lengths=(length,))
+            rows += table.table2(
+                evaluations=arguments.evaluations, seed=arguments.seed, reference=reference_speed, lengths=(length,)
+            )
     lines = table.cells(rows)
-    with written(out) as folder:
+    with written(arguments.out) as folder:
         with (folder / "table2.csv").open("w", encoding="utf-8", newline="") as file:
             csv.writer(file).writerows([table.HEADER, *lines])
         (folder / "table2.json").write_text(json.dumps([_row(row) for row in rows], indent=1) + "\n")
-        _write_page(rows, lines, folder / "report.html")
+        _write_page(rows, lines, arguments.seed, folder / "report.html")
     _print_table(table.HEADER, lines)
     for remark in table.REMARKS:
         print(remark)
@@ -58,7 +71,7 @@ def _print_table(header: tuple[str, ...], lines: list[tuple[str, ...]]) -> None:
         print("  ".join([*left, *right]))
 
 
-def _write_page(rows: list[Row], lines: list[tuple[str, ...]], path: Path) -> None:
+def _write_page(rows: list[Row], lines: list[tuple[str, ...]], seed: int, path: Path) -> None:
     import numpy as np
 
     from affine_model.swim.table2 import HEADER, MOTIONS, PRINTED, REMARKS, ratios
@@ -84,5 +97,6 @@ def _write_page(rows: list[Row], lines: list[tuple[str, ...]], path: Path) -> No
     printed = ", ".join(f"{PRINTED[row.length].ratio:.1f}" for row in rows)
     found = ", ".join(f"{ratios(speeds)[0]:.1f}" for speeds in measured)
     headline = f"Gait over the better sine, 14, 21, 25 cm: {found} on the reference; {printed} in the paper's tank."
-    report = Report("reproduce", "Table II", headline, [section], Origin("tentacle reproduce table2", None, versions()))
+    origin = Origin(f"tentacle reproduce table2 --seed {seed}", seed, versions())
+    report = Report("reproduce", "Table II", headline, [section], origin)
     write_report(render(report), path)
