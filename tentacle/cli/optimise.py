@@ -33,6 +33,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limits", type=Path, help=f"TOML with a [limits] table of {', '.join(SERVO + DRIVE)}")
     parser.add_argument("--silicone", choices=SILICONES, default=SILICONES[0], help="of an arm without a fitted model")
     parser.add_argument("--robust", type=int, default=0, metavar="N", help="over N samples of the model's intervals")
+    parser.add_argument("--restarts", type=int, default=1, metavar="N", help="searches from N seeds side by side")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler for the searches (default: processes)")
     parser.add_argument("--front", action="store_true", help="also trace the front of speed against power")
     parser.add_argument("--no-reference", action="store_true", help="leave out the check on the MuJoCo reference")
 
@@ -41,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Search, check, write; an interrupted search goes on where it stopped when called again."""
     from affine_model.swim import robust_trial, trial_of
     from tentacle.cli._outcome import written
+    from tentacle.cli._swim_work import best_of_restarts
     from tentacle.cli._swimming import result_tables
     from tentacle.errors import InputError
     from tentacle.waveform_file import waveform_table
@@ -49,10 +52,17 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.evaluations} is too few", field="--evaluations", expected="50 or more")
     if arguments.robust < 0 or arguments.robust == 1:
         raise InputError(f"{arguments.robust} is not usable", field="--robust", expected="2 or more samples")
+    if arguments.restarts < 1:
+        raise InputError(f"{arguments.restarts} is not usable", field="--restarts", expected="1 or more")
     model, limits = read_arm(arguments.arm, arguments.silicone), read_limits(arguments.limits)
     at_estimates = trial_of(model, limits)
-    trial = robust_trial(at_estimates, model, arguments.robust, arguments.seed) if arguments.robust else at_estimates
-    found = search_with_progress(arguments, trial, model)
+    trial = robust_trial(at_estimates, model, arguments.robust, seed=0) if arguments.robust else at_estimates
+    if arguments.restarts > 1 or arguments.cluster:
+        settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "robust")}
+        seeds = range(arguments.seed, arguments.seed + arguments.restarts)
+        found = best_of_restarts(model, limits, settings, seeds, arguments.out / "searches", arguments.cluster)
+    else:
+        found = search_with_progress(arguments, trial, model)
     tables = result_tables(found, waveform_table)
     if not arguments.no_reference:
         tables["reference"] = check_on_reference(model, found)

@@ -9,6 +9,7 @@ import pytest
 from affine_model.swim import METHODS, OBJECTIVES, SILICONES, assumed_model, paper_cone
 from tentacle.cli import main
 from tentacle.cli import optimise as verb
+from tentacle.cli._swim_work import search_tasks, search_work
 from tentacle.gait import Gait
 from tentacle.model import Estimate
 from tentacle.model_file import write_model
@@ -97,3 +98,19 @@ def test_soft_arm_is_refused_in_one_line(tmp_path, capsys):
     assert optimise(tmp_path / "model.toml", tmp_path / "out") == 2
     assert "k(s) > 0" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_robust_restarts_on_two_dask_workers_equal_those_here(arm, tmp_path):
+    from distributed import LocalCluster
+
+    settings = ("--robust", "2", "--restarts", "2")
+    with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster:
+        address = ("--cluster", cluster.scheduler_address)
+        assert optimise(arm, tmp_path / "dask", *settings, *address) == 0
+    found = json.loads((tmp_path / "dask" / "result.json").read_text())
+    assert found["search"]["seed"] in (5, 6)
+    # Each worker is its own process with its own seed: this process finds the winner's gait to the last digit.
+    model, limits = verb.read_arm(arm, verb.SILICONES[0]), verb.read_limits(None)
+    common = {"objective": "thrust", "method": "cmaes", "evaluations": 96, "robust": 2}
+    (task,) = search_tasks(model, limits, common, [found["search"]["seed"]])
+    assert search_work(task)["gait"] == found["waveform"]["alpha"]
