@@ -166,8 +166,8 @@ def test_what_cannot_swim_is_one_line():
 
 
 def test_gradient_through_torch_equals_the_batch_differences():
-    # Half a second of a gentle gait. The kernel takes one Newton correction a step where torch takes two: 0.3 % apart at
-    # 1/200 s, and a quarter of that at 1/400 s.
+    # Half a second of a gentle gait. The kernel takes one Newton correction a step where torch takes two: 0.3 % apart
+    # at a step of 1/200 s, a quarter of that at half the step.
     brief = replace(TRIAL, limits=GaitLimits(ServoLimits(9.0, 900.0, 9e4)), settle=0.2, window=0.3, step=1 / 200)
     alpha = np.array([0.2, 0.1, 0.1, 6.0, 4.0, 5.0, 0.3, 1.0, 2.0])
     value, gradient = thrust_gradient(brief, alpha)
