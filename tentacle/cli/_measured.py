@@ -15,16 +15,16 @@ def coordinates(recording: Recording) -> tuple[Array, Array]:
     """t (T,) [s] and the paper's q1, q2 (T, 2) [rad] as measured, NaN where not. InputError for markers alone."""
     import numpy as np
 
-    from affine_model.identify.observation import POSE, ShapeObservation
-    from discovery.compare import paper_projection
+    from affine_model.identify.observation import ShapeObservation
+    from discovery.compare import reduced_shape
     from discovery.prepare import prepare
     from tentacle.errors import InputError
 
     observation = prepare(recording, hold_out=False).experiment.observation
     if not isinstance(observation, ShapeObservation):
         raise InputError("has markers only", file=recording.name, expected="a video or a midline")
-    q = observation.coefficients[:, POSE:] @ paper_projection(observation.order).T
-    return observation.t, np.where((observation.root[:, -1, -1] > 0)[:, None], q, np.nan)
+    q, _ = reduced_shape(observation, observation.coefficients, np.ones(1))
+    return observation.t, q
 
 
 def beside_model(recording: Recording, model: Model) -> RunComparison:
