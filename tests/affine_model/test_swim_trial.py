@@ -102,7 +102,7 @@ def test_gradient_by_batch_equals_richardson():
 def test_polish_never_loses():
     unit = np.array([0.3, 0.4, 0.2, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
     before = scores(THRUST, TRIAL, run(TRIAL, BOX.alpha(unit[:, None])))[0]
-    _, after = polish(TRIAL, THRUST, BOX, unit, iterations=5)
+    _, after = polish(TRIAL, THRUST, BOX, unit, evaluations=6)
     assert after > before
 
 
