@@ -1,4 +1,4 @@
-"""The search: which absent effects, added to the model, explain the residual. Forward by refits, backward by removal."""
+"""The search: which absent effects, added to the model, explain the residual. Forward by refits, back by removal."""
 
 from __future__ import annotations
 
