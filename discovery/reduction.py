@@ -20,15 +20,17 @@ from tentacle.recording import Declaration
 from tentacle.signals import Midline
 from tentacle.waveform import Waveform
 
-LONGEST = 12.0  # s of each recording that the chain is run for
+LONGEST = 40.0  # s of each recording that the chain is run for
 POINTS = np.linspace(0.0, 1.0, 41)
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """structure: rms in noise sigmas of what the reduced model cannot follow of the chain; millimetres: the same on the midline."""
+    """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch that was
+    fitted and over the one held out; millimetres: rms on the midline, over both."""
 
     structure: float
+    judged: float
     millimetres: float
 
 
@@ -52,24 +54,28 @@ def reduction_error(declaration: Declaration, problem: Problem, fitted: Fit) -> 
     for (effect, parameter), value in names.items():
         tables.setdefault(effect, {})[parameter] = Estimate.exact(value)
     model = Model(declaration.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
-    squares, count, distances = 0.0, 0, []
+    fitted_rows, judged_rows, distances = [], [], []
     for place, experiment in enumerate(problem.experiments):
         if not isinstance(experiment.observation, ShapeObservation) or experiment.release is not None:
             continue
         try:
-            rows, distance = _against_chain(model, problem, fitted, place)
+            rows, used, distance = _against_chain(model, problem, fitted, place)
         except InputError:
             return None
-        squares += float(np.sum(rows**2))
-        count += rows.size
+        fitted_rows.append(rows[used])
+        judged_rows.append(rows[~used] if (~used).any() else rows[used])
         distances.append(distance)
-    if not count:
+    if not distances:
         return None
-    return Reduction(float(np.sqrt(squares / count)), 1e3 * float(np.sqrt(np.mean(np.square(distances)))))
+    return Reduction(_rms(fitted_rows), _rms(judged_rows), 1e3 * float(np.sqrt(np.mean(np.square(distances)))))
 
 
-def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, float]:
-    """Whitened residuals (T, K) of the reduced model fitted to the chain, and the rms distance [m] of the midlines."""
+def _rms(parts: list[Array]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+
+
+def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, Array, float]:
+    """Whitened residuals (T, K) of the reduced model fitted to the chain, which frames were fitted, and the midlines' rms distance [m]."""
     experiment = problem.experiments[place]
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
@@ -86,7 +92,7 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     points = midline(shown.q[:, :, 0], shown.theta[:, 0], problem.arm.specimen.length, POINTS)
     points = points + shown.shift[:, 0]
     distance = np.sqrt(np.mean(np.sum((points - chain.midline.xy) ** 2, axis=2)))
-    return again.residuals[0], float(distance)
+    return again.residuals[0], virtual.used, float(distance)
 
 
 def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midline) -> Experiment:
@@ -94,9 +100,10 @@ def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midlin
     t = experiment.t0 + seen.t
     theta = experiment.base(t)[0]
     shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, 1e-4)
+    fitted_until = observation.t[experiment.used].max()
     live = np.flatnonzero(observation.root[:, -1, -1] > 0)
     typical = observation.root[live[live.size // 2]]
     shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
     return replace(
-        experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=np.ones(t.size, dtype=bool)
+        experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=t <= fitted_until
     )

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import parameter_index
+from affine_model.arm import parameter_index, parameter_rows
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
 from discovery.score import Candidate, score, survey
+from tentacle.model import Estimate
 
 NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
@@ -31,7 +32,7 @@ class Hypothesis:
     evidence: float
     train: Adequacy
     judged: Adequacy
-    reduction: float = 0.0
+    reduction: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -59,12 +60,14 @@ def nats_per_parameter(problem: Problem) -> float:
     return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
 
 
-def hypothesis(effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: float = 0.0) -> Hypothesis:
-    """A fit judged; reduction: the model's own error in noise sigmas, which is no missing physics."""
+def hypothesis(
+    effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: tuple[float, float] = (0.0, 0.0)
+) -> Hypothesis:
+    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing physics."""
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
-    train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction)
-    judged = adequacy(problem.experiments, fitted, held_out=True, reduction=reduction)
+    train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction[0])
+    judged = adequacy(problem.experiments, fitted, held_out=True, reduction=reduction[1])
     return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction)
 
 
@@ -87,7 +90,7 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     used: Problem | None = None
     for share in (1.0, 0.4):
         problem = _with_candidate(current.problem, current.fitted, candidate, share)
-        fitted = fit(problem, current.fitted.nuisances, tolerance=1e-5, most=25)
+        fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
         if best is None or fitted.misfit < best.misfit:
             best, used = fitted, problem
         if current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
@@ -105,7 +108,7 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
     free = tuple(name for name in current.problem.free if name[0] != effect)
     problem = replace(current.problem, free=free, parameters=parameters)
-    fitted = fit(problem, current.fitted.nuisances, tolerance=1e-5, most=25)
+    fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
     rest = tuple(name for name in current.effects if name != effect)
     return hypothesis(rest, replace(problem, parameters=fitted.parameters), fitted, current.reduction)
 
@@ -139,7 +142,7 @@ def looseness(judged: Hypothesis) -> float:
 
 def material_gain(current: Hypothesis) -> float:
     """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all residuals."""
-    structure = MATERIAL**2 + (ALLOWANCE * current.reduction) ** 2
+    structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2
     return 0.5 * structure * current.fitted.count
 
 
@@ -159,7 +162,7 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
     return list(chosen.values())
 
 
-def search(base: Hypothesis, report: object = None) -> Search:
+def search(base: Hypothesis) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is gained."""
     current, alternatives = base, []
     first: list[Candidate] = []
@@ -214,3 +217,14 @@ def parameter_interval(judged: Hypothesis, index: int, loose: float) -> tuple[fl
     low, high = (limit[index] for limit in judged.problem.bounds())
     value = float(judged.fitted.values[index])
     return max(low, value - half), min(high, value + half)
+
+
+def estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
+    """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
+    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
+    table: dict[str, dict[str, Estimate]] = {}
+    for index, (effect, name) in enumerate(judged.problem.free):
+        low, high = parameter_interval(judged, index, loose)
+        value = float(judged.fitted.values[index])
+        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
+    return table

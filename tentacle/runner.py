@@ -12,6 +12,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -49,7 +50,7 @@ class Runner:
         files = [self.file_of(work, task, version) for task in tasks]
         found = [load_result(file) for file in files]
         missing = [index for index, result in enumerate(found) if result is None]
-        with self._progress(len(tasks), len(tasks) - len(missing), words) as advance:
+        with _progress(len(tasks), len(tasks) - len(missing), words, self.quiet) as advance:
             for index, result in self._finished(work, [(i, tasks[i]) for i in missing]):
                 store_result(result, files[index])
                 found[index] = load_result(files[index])  # as a later call would find it
@@ -100,20 +101,17 @@ class Runner:
             for future in as_completed(list(futures), loop=client.loop):
                 yield futures[future], future.result()
 
-    def _progress(self, total: int, done: int, words: str):
-        from contextlib import contextmanager
 
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+@contextmanager
+def _progress(total: int, done: int, words: str, quiet: bool) -> Iterator[Callable[[], None]]:
+    """A progress bar on stderr with the time left; what it yields is to be called once a finished task."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-        @contextmanager
-        def bar() -> Iterator[Callable[[], None]]:
-            columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-            with Progress(*columns, console=Console(stderr=True), disable=self.quiet) as progress:
-                line = progress.add_task(words or "running", total=total, completed=done)
-                yield lambda: progress.advance(line)
-
-        return bar()
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), disable=quiet) as progress:
+        line = progress.add_task(words or "running", total=total, completed=done)
+        yield lambda: progress.advance(line)
 
 
 def store_result(result: Result, file: Path) -> Path:
