@@ -102,3 +102,32 @@ def test_young_in_megapascal_is_refused(model_file, tmp_path, capsys):
     model_file.write_text(model_file.read_text().replace("200000.0", "0.2"))
     assert simulate(model_file, tmp_path / "run") == 2
     assert "0.2 MPa is 2e5" in capsys.readouterr().err
+
+
+def test_mujocos_own_camera_shows_the_arm_where_it_is(model_file, tmp_path):
+    # In a process of its own: MuJoCo takes its backend when it is imported.
+    import os
+    import subprocess
+    import sys
+
+    import cv2
+
+    options = ["--duration", "0.5", "--fps", "20", "--video", "mujoco", "--size", "320", "240"]
+    command = [sys.executable, "-m", "tentacle", "simulate", str(model_file), "--out", str(tmp_path / "film"), *options]
+    environment = {**os.environ, "MUJOCO_GL": "egl", "PYTHONPATH": str(Path(__file__).parents[2])}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=120)
+    if done.returncode != 0:
+        pytest.skip(f"no offscreen backend: {done.stderr.strip().splitlines()[-1]}")
+    assert main(["simulate", str(model_file), "--out", str(tmp_path / "run"), *options[:4], "--noise-mm", "0"]) == 0
+    midline, film = read_recording(tmp_path / "run").midline, read_recording(tmp_path / "film")
+    assert midline is not None
+    assert film.video is not None
+    assert film.declaration.camera is not None
+    video = cv2.VideoCapture(str(film.video.path))
+    good, picture = video.read()
+    assert good
+    dark = picture.mean(axis=2) < 128
+    for x, y in film.declaration.camera.to_pixels(midline.xy[0, 8:36:4]):
+        row = np.flatnonzero(dark[round(float(y))])
+        # The row through a midline point cuts a tilted cone a little off its middle.
+        assert 0.5 * (row[0] + row[-1]) == pytest.approx(float(x), abs=2.5)
