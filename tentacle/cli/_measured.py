@@ -15,25 +15,16 @@ def coordinates(recording: Recording) -> tuple[Array, Array]:
     """t (T,) [s] and the paper's q1, q2 (T, 2) [rad] as measured, NaN where not. InputError for markers alone."""
     import numpy as np
 
-    from affine_model.curvature import legendre_to_monomial
-    from affine_model.identify.observation import POSE, ShapeObservation
+    from affine_model.identify.observation import ShapeObservation
+    from discovery.compare import reduced_shape
     from discovery.prepare import prepare
     from tentacle.errors import InputError
-    from viz.midline import affine_projection
 
     observation = prepare(recording, hold_out=False).experiment.observation
     if not isinstance(observation, ShapeObservation):
         raise InputError("has markers only", file=recording.name, expected="a video or a midline")
-    seen = observation.root[:, -1, -1] > 0
-    # Camera and clamp stand still, so the pose is one for all frames: left free in each, its noise ends up in q.
-    estimate, root = observation.coefficients[seen], observation.root[seen]
-    moved = np.median(estimate[:, :POSE], axis=0) - estimate[:, :POSE]
-    push = np.einsum("tij,tj->ti", root[:, :, :POSE], moved)
-    bend = root[:, :, POSE:]
-    normal, right = np.einsum("tij,tik->tjk", bend, bend), -np.einsum("tij,ti->tj", bend, push)
-    z = np.full((len(seen), observation.order), np.nan)
-    z[seen] = estimate[:, POSE:] + np.linalg.solve(normal, right[:, :, None])[:, :, 0]
-    return observation.t, z @ (affine_projection(observation.order) @ legendre_to_monomial(observation.order)).T
+    q, _ = reduced_shape(observation, observation.coefficients, np.ones(1))
+    return observation.t, q
 
 
 def beside_model(recording: Recording, model: Model) -> RunComparison:
