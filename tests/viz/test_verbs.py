@@ -12,6 +12,7 @@ from affine_model.curvature import midline
 from affine_model.simulate import simulate
 from tentacle.cli import main
 from tentacle.cli._measured import beside_model, coordinates, regression_sides
+from tentacle.cli.figure import thrust
 from tentacle.model import Estimate, Model
 from tentacle.model_file import write_model
 from tentacle.recording import Declaration, Recording
@@ -88,7 +89,7 @@ def test_a_figure_is_drawn(folder, number, tmp_path, capsys):
         4: "the period of 1.250 s",
         5: "delta and Y pi",
         8: "only: swing",
-        9: "mean thrust [mN]",
+        9: "mean forward thrust [mN]",
         10: "swimming speed [cm/s]",
     }
     assert expected[number] in drawn
@@ -118,3 +119,11 @@ def test_bad_input_is_one_line_and_nothing_is_written(arguments, line, folder, m
     assert line in said
     assert "\n" not in said
     assert sorted(folder.iterdir()) == before
+
+
+def test_measured_and_modelled_mean_thrust_agree_where_the_arm_is_the_model(swing):
+    measured, modelled = (axes.collections[0].get_array() for axes in thrust([swing], MODEL).axes[:2])
+    assert measured.shape == modelled.shape == (1, 1)
+    # the load cell also reads inertia, which a mean over six periods from rest leaves a little of: 2 % here
+    assert float(measured[0, 0]) == pytest.approx(float(modelled[0, 0]), rel=0.1)
+    assert float(measured[0, 0]) > 0  # mN: it swims base first
