@@ -3,7 +3,7 @@
     python benchmarks/first_hour.py --json FILE [--short]
 
 The video is not the tool's own picture of itself: the MuJoCo reference moves the arm in a current that the declaration
-leaves out, and the renderer films it. Downloads are left out: the fresh environment sees this one's libraries.
+leaves out, and the renderer films it. Downloads are left out, but for the build tool: the fresh environment sees this one's libraries.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def fresh_environment(folder: Path) -> tuple[Path, float]:
     inside = Path(subprocess.run([python, "-c", where], capture_output=True, text=True, check=True).stdout.strip())
     outside = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, check=True).stdout
     (inside / "libraries.pth").write_text(outside)
-    quiet = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--disable-pip-version-check"]
+    quiet = ["-m", "pip", "install", "--quiet", "--no-deps", "--disable-pip-version-check"]
     seconds_of([str(python), *quiet, str(clone)], folder, ask)
     return place / "bin", time.perf_counter() - start
 
