@@ -67,7 +67,7 @@ def measured_points(prepared: Prepared) -> tuple[Array, Array]:
     observation, recording = prepared.experiment.observation, prepared.recording
     if not isinstance(observation, ShapeObservation):
         return observation.s, observation.xy
-    if recording.midline is not None:
+    if recording.midline is not None and prepared.points is not None:
         return recording.midline.s, prepared.points
     shape = _shape_points(observation, observation.coefficients[:, POSE:], SHOWN)
     shape[observation.root[:, -1, -1] <= 0] = np.nan
