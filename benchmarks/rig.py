@@ -155,13 +155,12 @@ def long_run(folder: Path, seconds: float) -> dict[str, float]:
         with connected(setup) as board, opened_camera(setup, board.time) as camera:
             assert camera is not None
             offset = camera_offset(board, camera, flashes=24)
-            every = iter(np.arange(1.0, 1e9, 1.0))
-            due = [next(every)]
+            due = [1.0]
 
             def act(elapsed: float) -> None:
                 if elapsed > due[0]:
                     compare(elapsed)
-                    due[0] = next(every)
+                    due[0] += 1.0
 
             samples, start, end = played(board, seconds, act)
             counters = board.counters
