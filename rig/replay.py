@@ -59,7 +59,9 @@ def drive(
     interrupts: Interrupts | None = None,
     progress: Callable[[str, float], None] = lambda _phase, _share: None,
 ) -> tuple[RunResult, ReplayComparison]:
-    """Plays a recording's commands on a rig, records that, and compares. InputError where they are beyond its limits."""
+    """Plays a recording's commands on a rig, records that, and compares. InputError where they are beyond its
+    limits.
+    """
     motion = logged_motion(path)
     result = record(
         setup, board, None, motion, out, name=f"replay of {path.stem}", interrupts=interrupts, progress=progress
