@@ -102,6 +102,8 @@ def wrong_samples(samples: list[Sample], start: PlayStart, seconds: float) -> in
     """Samples that cannot be what the board measured: commands off the waveform, counts off the cell, times that
     fall.
     """
+    if not start.start_us:
+        return 0  # it never started: there is nothing to compare with
     wrong, last = 0, -1
     ends = [s.board_us for s in samples if isinstance(s, Event) and s.code in ENDED]
     seconds = min([seconds, *(1e-6 * (us - start.start_us) for us in ends)])

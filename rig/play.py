@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,7 +113,8 @@ def _top_up(board: Board, urad: list[int], sent: int) -> int:
     # On a bad line short frames get through where long ones do not (at 3 % of bytes: 116 bytes 3 %, 35 bytes 34 %).
     counters = board.counters
     bad = counters.host_bad_frames + counters.board_bad_frames + counters.retries
-    chunk = urad[sent : sent + (protocol.MAX_POINTS if bad <= CLEAN_LINE else 6)]
+    proven = counters.commands > 20 and bad <= CLEAN_LINE
+    chunk = urad[sent : sent + (protocol.MAX_POINTS if proven else 6)]
     board.command(Type.POINTS, protocol.points(sent, chunk))
     return sent + len(chunk)
 
@@ -138,6 +140,9 @@ def _after(board: Board, fault: Fault, start_us: int) -> Iterator[Sequence[Sampl
             yield from _rest(board)
         except Fault as second:
             fault = Fault(second.kind, f"{fault}; then {second}")
+    elif fault.kind != "board_reset":
+        with suppress(Fault):  # a board that cannot be reached goes to neutral by its watchdog
+            board.command(Type.NEUTRAL)
     batch = board.take()
     if batch:
         yield batch
