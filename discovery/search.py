@@ -1,4 +1,4 @@
-"""The search: which absent effects, added to the model, explain the residual. Forward by refits, backward by removal."""
+"""The search: which absent effects, added to the model, explain the residual. Forward by refits, back by removal."""
 
 from __future__ import annotations
 
@@ -17,14 +17,16 @@ from tentacle.model import Estimate
 NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
+HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
 TIE = 5.0  # nats: effects closer than this to the best are not told apart
 MOST_EFFECTS = 3
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out frames, less a
-    penalty for each parameter."""
+    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out
+    frames, less a penalty for each parameter.
+    """
 
     effects: tuple[str, ...]
     problem: Problem
@@ -37,7 +39,12 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Search:
-    """What the search found: the base, the chosen hypothesis, rivals that the data cannot tell from it, and the first ranking."""
+    """What the search found: the base, the chosen hypothesis, rivals that the data cannot tell from it, and the first
+    ranking.
+
+    core: the effects on which the chosen hypothesis and all rivals agree, alone (the chosen one where there is no
+    rival).
+    """
 
     base: Hypothesis
     chosen: Hypothesis
@@ -45,6 +52,7 @@ class Search:
     candidates: tuple[Candidate, ...]
     single: tuple[Hypothesis, ...]
     looseness: float
+    core: Hypothesis
 
 
 def held_out_misfit(problem: Problem, fitted: Fit) -> float:
@@ -56,14 +64,18 @@ def held_out_misfit(problem: Problem, fitted: Fit) -> float:
 
 
 def nats_per_parameter(problem: Problem) -> float:
-    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for less."""
+    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for
+    less.
+    """
     return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
 
 
 def hypothesis(
     effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: tuple[float, float] = (0.0, 0.0)
 ) -> Hypothesis:
-    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing physics."""
+    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing
+    physics.
+    """
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
     train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction[0])
@@ -85,7 +97,9 @@ def _with_candidate(problem: Problem, start: Fit, candidate: Candidate, share: f
 
 
 def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
-    """The current model with the candidate added, fitted from its linear estimate; from half of it where that fails to gain."""
+    """The current model with the candidate added, fitted from its linear estimate; from half of it where that fails
+    to gain.
+    """
     best: Fit | None = None
     used: Problem | None = None
     for share in (1.0, 0.4):
@@ -114,7 +128,8 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
 
 
 def looseness(judged: Hypothesis) -> float:
-    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time in frames.
+    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time
+    in frames.
 
     1 where the rest is white noise of the stated size. It widens ties and intervals where the model is not complete.
     """
@@ -141,13 +156,17 @@ def looseness(judged: Hypothesis) -> float:
 
 
 def material_gain(current: Hypothesis) -> float:
-    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all residuals."""
+    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all
+    residuals.
+    """
     structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2
     return 0.5 * structure * current.fitted.count
 
 
 def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candidate]:
-    """The candidates worth a refit: the best of the score test and, where the residual is large, the best of the survey too."""
+    """The candidates worth a refit: the best of the score test and, where the residual is large, the best of the
+    survey too.
+    """
     price = nats_per_parameter(current.problem)
     best = [c for c in candidates if c.gain > price * len(c.effect.parameters)][:REFITTED]
     if current.train.structure < LINEAR:
@@ -162,8 +181,22 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
     return list(chosen.values())
 
 
+def _tried(current: Hypothesis, promising: list[Candidate]) -> list[Hypothesis]:
+    """The candidates refitted, best first. In the linear regime those that the score puts far behind are left out."""
+    linear = current.train.structure < LINEAR
+    tried: list[Hypothesis] = []
+    for candidate in promising:
+        gained = max((current.fitted.misfit - h.fitted.misfit for h in tried), default=0.0)
+        if linear and candidate.gain < HOPELESS * gained - 20.0:
+            continue
+        tried.append(refit(current, candidate))
+    return sorted(tried, key=lambda h: -h.evidence)
+
+
 def search(base: Hypothesis) -> Search:
-    """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is gained."""
+    """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
+    gained.
+    """
     current, alternatives = base, []
     first: list[Candidate] = []
     single: list[Hypothesis] = []
@@ -175,7 +208,7 @@ def search(base: Hypothesis) -> Search:
         promising = _promising(current, candidates)
         if not promising:
             break
-        tried = sorted((refit(current, candidate) for candidate in promising), key=lambda h: -h.evidence)
+        tried = _tried(current, promising)
         if not current.effects:
             single = tried
         best = tried[0]
@@ -190,10 +223,20 @@ def search(base: Hypothesis) -> Search:
                 break
     loose = looseness(current)
     rivals = [
-        h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < TIE * loose
+        h
+        for h in alternatives
+        if len(h.effects) == len(current.effects) and current.evidence - h.evidence < TIE * loose
     ]
     rivals += _rivals_of_earlier(current, loose)
-    return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose)
+    return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals))
+
+
+def _agreed(current: Hypothesis, rivals: list[Hypothesis]) -> Hypothesis:
+    core = current
+    for effect in current.effects:
+        if any(effect not in rival.effects for rival in rivals):
+            core = without(core, effect)
+    return core
 
 
 def _rivals_of_earlier(current: Hypothesis, loose: float) -> list[Hypothesis]:

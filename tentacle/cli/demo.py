@@ -1,4 +1,6 @@
-"""`tentacle demo`: the main job from end to end, on a tank video made now and on a real arm where its data are present."""
+"""`tentacle demo`: the main job from end to end, on a tank video made now and on a real arm where its data are
+present.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     with stages() as stage:
         tank = _tank(arguments.out / "tank", stage)
-    _say("A tank video, made now, in which a steady current is left out of the declaration", tank, arguments.out / "tank")
+    _say(
+        "A tank video, made now, in which a steady current is left out of the declaration", tank, arguments.out / "tank"
+    )
     beam = _beam_folder()
     if beam is None:
         print("The real silicone beam is not here: `tentacle data` says where to get it (TENTACLE_DATA).")
@@ -96,7 +100,9 @@ def _beam(data: Path, folder: Path, stage: Callable[[str], None]) -> Diagnosis:
     return _diagnosed([read_beam(files[0])], [read_beam(files[1])], folder, files, stage)
 
 
-def _diagnosed(recordings: list, baseline: list, folder: Path, inputs: list[Path], stage: Callable[[str], None]) -> Diagnosis:
+def _diagnosed(
+    recordings: list, baseline: list, folder: Path, inputs: list[Path], stage: Callable[[str], None]
+) -> Diagnosis:
     from discovery.diagnose import diagnose
     from tentacle.cli._outcome import written
     from tentacle.cli.diagnose import write_answer
