@@ -62,9 +62,13 @@ def quadrature(count: int) -> Quadrature:
     return Quadrature(s, 0.5 * weights, integrals @ np.linalg.inv(values))
 
 
+def integration_to(count: int, points: ArrayLike) -> Array:
+    """Matrix (P, N) that integrates values at the rule's `count` nodes from 0 to each of the points (P,)."""
+    return _integration_to(count, tuple(np.asarray(points, dtype=float).tolist()))
+
+
 @lru_cache(maxsize=64)
 def _integration_to(count: int, points: tuple[float, ...]) -> Array:
-    """Matrix (P, N) that integrates values at the rule's nodes from 0 to each of the points."""
     rule = quadrature(count)
     return angle_basis(count, np.array(points)) @ np.linalg.inv(curvature_basis(count, rule.s))
 
@@ -84,7 +88,7 @@ def midline(q: ArrayLike, theta: ArrayLike, length: float, s: ArrayLike, nodes: 
     """
     rule = quadrature(nodes)
     phi = np.asarray(theta, dtype=float)[..., None] + monomial_angle(q, rule.s)
-    weights = length * _integration_to(nodes, tuple(np.asarray(s, dtype=float).tolist()))
+    weights = length * integration_to(nodes, s)
     return np.stack([-np.sin(phi) @ weights.T, np.cos(phi) @ weights.T], axis=-1)
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import parameter_rows
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.experiment import Experiment
@@ -18,11 +17,11 @@ from discovery.next_experiment import ServoLimits, propose
 from discovery.prepare import Prepared, prepare
 from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
-from discovery.search import Hypothesis, Search, hypothesis, looseness, parameter_interval, search
+from discovery.search import Search, estimates, hypothesis, looseness, search
 from discovery.verdict import Decision, decide, probabilities
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
 from tentacle.errors import InputError
-from tentacle.model import Estimate, Model
+from tentacle.model import Model
 from tentacle.recording import Recording
 
 Progress = Callable[[str], None]
@@ -157,16 +156,6 @@ def _base_hypothesis(setting: Setting, order: int, known: Baseline | None) -> tu
     return fitted, replace(problem, parameters=fitted.parameters)
 
 
-def _estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
-    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
-    table: dict[str, dict[str, Estimate]] = {}
-    for index, (effect, name) in enumerate(judged.problem.free):
-        low, high = parameter_interval(judged, index, loose)
-        value = float(judged.fitted.values[index])
-        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
-    return table
-
-
 def _assembled(
     found: Search,
     decision: Decision,
@@ -184,7 +173,7 @@ def _assembled(
     before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
     lost = 0.0 if reduction is None else reduction.millimetres
     floor = floor_errors(runs, prepared, lost)
-    parameters = _estimates(chosen, found.looseness)
+    parameters = estimates(chosen, found.looseness)
     effects, verdict = decision.effects, decision.verdict
     if order > 2:
         words = (*words, f"The measured shapes show {order} curvature coordinates; the paper's model has two.")
@@ -195,7 +184,7 @@ def _assembled(
             effects = (*effects, "third_curvature")
     named = {name: parameters.get(name, {}) for name in effects}
     d = prepared[0].recording.declaration
-    base_model = Model(d.specimen, d.fluid, d.gravity, 2, _estimates(hypothesis((), *paper), found.looseness))
+    base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
     augmented = Model(d.specimen, d.fluid, d.gravity, order, parameters)
     limits = ServoLimits()
     proposal = propose(chosen, found.rivals, limits, seed) if verdict in ("group", "unknown") else None

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import parameter_index
+from affine_model.arm import parameter_index, parameter_rows
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
 from discovery.score import Candidate, score, survey
+from tentacle.model import Estimate
 
 NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
@@ -161,7 +162,7 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
     return list(chosen.values())
 
 
-def search(base: Hypothesis, report: object = None) -> Search:
+def search(base: Hypothesis) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is gained."""
     current, alternatives = base, []
     first: list[Candidate] = []
@@ -216,3 +217,14 @@ def parameter_interval(judged: Hypothesis, index: int, loose: float) -> tuple[fl
     low, high = (limit[index] for limit in judged.problem.bounds())
     value = float(judged.fitted.values[index])
     return max(low, value - half), min(high, value + half)
+
+
+def estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
+    """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
+    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
+    table: dict[str, dict[str, Estimate]] = {}
+    for index, (effect, name) in enumerate(judged.problem.free):
+        low, high = parameter_interval(judged, index, loose)
+        value = float(judged.fitted.values[index])
+        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
+    return table

@@ -14,7 +14,7 @@ from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
 
 LONGEST = 256  # samples that a profile may have
-GROUND = 6  # samples of the ground, 1 px apart, that tell its slope
+GROUND = 4  # samples of the ground, 1 px apart, that tell its slope
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class Edges:
 
     offset (E,) [px]: how far outward of the expected place the edge lies. contrast (E,): outside minus inside grey.
     information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the profile's residual [grey]. slope
-    (E,) [grey/px]: how the ground's grey changes outward. found (E,): a profile with both of its sides in the picture
-    and an edge within reach.
+    (E,) [grey/px]: how the ground's grey changes outward. level (E,): grey inside. found (E,): a profile with both of
+    its sides in the picture and an edge within reach.
     """
 
     offset: Array
@@ -32,7 +32,17 @@ class Edges:
     information: Array
     misfit: Array
     slope: Array
+    level: Array
     found: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The greys beside each edge (E,), as its neighbours show them: level inside, contrast, slope of the ground."""
+
+    level: Array
+    contrast: Array
+    slope: Array
 
 
 @njit(cache=True, inline="always")
@@ -87,15 +97,20 @@ def _sharp(
     blur: float,
     half: Array,
     ground: Array,
+    inside_level: Array,
+    step: Array,
+    known: bool,
     reach: float,
     offset: Array,
     contrast: Array,
     information: Array,
     misfit: Array,
     slope: Array,
+    level: Array,
     found: NDArray[np.bool_],
 ) -> None:
     """Fit outside level, contrast and offset of a blurred bar's edge to each profile, by Gauss-Newton."""
+    height, width = image.shape
     grey, place, share = np.empty(LONGEST), np.empty(LONGEST), np.empty(LONGEST)
     for e in range(points.shape[0]):
         found[e] = False
@@ -103,18 +118,24 @@ def _sharp(
         outer = math.ceil(reach + fuzzy)
         inner = math.ceil(min(reach + fuzzy, max(0.5 * depth[e], 1.0)))
         thin = depth[e] < 2.0 * fuzzy + 2.0
-        count = min(inner + outer + 1, LONGEST)
+        count = 0
         inside = True
-        for k in range(count):
-            d = float(k - inner)
-            u, v = bend_point(points[e, 0] + d * normals[e, 0], points[e, 1] + d * normals[e, 1], lens)
-            grey[k], place[k] = _grey(image, u, v), d
-            if np.isnan(grey[k]):
+        last_column, last_row = -1, -1
+        for k in range(-inner, outer + 1):
+            # a whole pixel at its true distance: interpolation would add errors that go with the pixels' phase
+            u, v = bend_point(points[e, 0] + k * normals[e, 0], points[e, 1] + k * normals[e, 1], lens)
+            column, row = round(u), round(v)
+            if not (0 <= column < width and 0 <= row < height):
                 inside = False
                 break
+            if (column == last_column and row == last_row) or count == LONGEST:
+                continue
+            grey[count] = image[row, column]
+            place[count] = k + (column - u) * normals[e, 0] + (row - v) * normals[e, 1]
+            last_column, last_row, count = column, row, count + 1
         if not inside:
             continue
-        delta, step_level, level = 0.0, 0.0, 0.0
+        delta, contrast_here, grey_here = 0.0, step[e], inside_level[e]
         total, solved = 0.0, False
         for sweep in range(3):  # linear in (level, step); one Newton step in delta follows each solve
             n_c, n_cc, n_y, n_yc = 0.0, 0.0, 0.0, 0.0
@@ -130,41 +151,42 @@ def _sharp(
                 n_y += y
                 n_yc += y * c
             spread = n_cc - n_c * n_c / count
-            if spread < 1e-3:
+            if not known:
+                if spread < 1e-3:
+                    break
+                contrast_here = (n_yc - n_y * n_c / count) / spread
+                grey_here = (n_y - contrast_here * n_c) / count
+            if contrast_here == 0.0:
                 break
-            step_level = (n_yc - n_y * n_c / count) / spread
-            level = (n_y - step_level * n_c) / count
-            if step_level == 0.0:
-                break
-            # derivative by delta, with level and step projected out (variable projection)
+            # derivative by delta, with level and step projected out where they are fitted (variable projection)
             g_sum, g_c, g_g, r_g, total = 0.0, 0.0, 0.0, 0.0, 0.0
             for k in range(count):
                 c = share[k]
-                g = -step_level * _steepness(place[k] - delta, blur, half[e])
-                residual = grey[k] - ground[e] * place[k] * c - level - step_level * c
+                g = -contrast_here * _steepness(place[k] - delta, blur, half[e])
+                residual = grey[k] - ground[e] * place[k] * c - grey_here - contrast_here * c
                 g_sum += g
                 g_c += g * c
                 g_g += g * g
                 r_g += residual * g
                 total += residual * residual
-            fisher = g_g - g_sum * g_sum / count - (g_c - g_sum * n_c / count) ** 2 / spread
+            fisher = g_g if known else g_g - g_sum * g_sum / count - (g_c - g_sum * n_c / count) ** 2 / spread
             if fisher <= 1e-9:
                 break
             solved = True
             if sweep < 2:
                 delta += min(max(r_g / fisher, -1.0), 1.0)
             information[e] = fisher
-        offset[e], contrast[e] = delta, step_level
+        offset[e], contrast[e], level[e] = delta, contrast_here, grey_here
         misfit[e] = math.sqrt(total / count)
         # the ground's slope from what lies beyond the blur, which a wrong blur cannot bend
-        rise, known = 0.0, True
+        rise, seen = 0.0, True
         for k in range(GROUND):
-            d = delta + math.ceil(2.5 * blur + half[e]) + k
+            d = delta + math.ceil(2.0 * blur + half[e]) + k
             u, v = bend_point(points[e, 0] + d * normals[e, 0], points[e, 1] + d * normals[e, 1], lens)
             value = _grey(image, u, v)
-            known = known and not np.isnan(value)
+            seen = seen and not np.isnan(value)
             rise += value * (k - 0.5 * (GROUND - 1))
-        slope[e] = rise * 12.0 / (GROUND * (GROUND**2 - 1)) if known else 0.0
+        slope[e] = rise * 12.0 / (GROUND * (GROUND**2 - 1)) if seen else 0.0
         found[e] = solved and abs(delta) <= reach
 
 
@@ -219,26 +241,28 @@ def find_edges(
     sharp: bool,
     blur: float = 1.0,
     smear: Array | float = 0.0,
-    ground: Array | float = 0.0,
+    around: Surroundings | None = None,
 ) -> Edges:
     """Look for each expected edge within reach [px] of its place.
 
-    blur [px] is the lens'; smear [px], how far the edge moves while the shutter is open, and ground, the known slope of
-    the ground's grey outward [grey/px], are one each (E,) or one for all.
+    blur [px] is the lens'; smear [px], how far the edge moves while the shutter is open, is one each (E,) or one for
+    all. around: the greys beside the edges where they are known already; they are fitted where it is None.
 
     polarity is +1 for an arm darker than its ground, -1 for a lighter one. sharp: sub-pixel, from the whole profile,
     right where the edge is within about 2 px; otherwise the strongest step, to a pixel, from anywhere within reach.
     """
     count = len(expected.points)
-    result = Edges(*(np.zeros(count) for _ in range(5)), found=np.zeros(count, dtype=np.bool_))
-    out = (result.offset, result.contrast, result.information, result.misfit, result.slope, result.found)
+    result = Edges(*(np.zeros(count) for _ in range(6)), found=np.zeros(count, dtype=np.bool_))
+    out = (result.offset, result.contrast, result.information, result.misfit, result.slope, result.level, result.found)
     place = (image, lens.packed, expected.points, expected.normals, expected.depth)
     if sharp:
-        known = [np.broadcast_to(np.asarray(value, dtype=float), count).copy() for value in (smear, ground)]
-        _sharp(*place, float(blur), 0.5 * known[0], known[1], float(reach), *out)
+        half = 0.5 * np.broadcast_to(np.asarray(smear, dtype=float), count)
+        none = np.zeros(count)
+        grey = (none, none, none) if around is None else (around.slope, around.level, around.contrast)
+        _sharp(*place, float(blur), half, *grey, around is not None, float(reach), *out)
         result.found[:] &= polarity * result.contrast > 0
     else:
-        _wide(*place, float(reach), float(polarity), *out)
+        _wide(*place, float(reach), float(polarity), *out[:-2], result.found)
     return result
 
 

@@ -79,3 +79,11 @@ def _even(frame: NDArray[np.uint8]) -> NDArray[np.uint8]:
     rows, columns = frame.shape[0] % 2, frame.shape[1] % 2
     padding = ((0, rows), (0, columns), (0, 0))[: frame.ndim]
     return np.ascontiguousarray(np.pad(frame, padding, mode="edge") if rows or columns else frame)
+
+
+def write_picture(path: Path, image: NDArray[np.uint8]) -> None:
+    """Write a grey or RGB picture; the suffix says how. Raises InputError where it cannot be written."""
+    packed = image if image.ndim == 2 else image[:, :, ::-1]
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp") or not cv2.imwrite(str(path), packed):
+        raise InputError("the picture cannot be written", file=path, expected="a .png in a folder that exists")

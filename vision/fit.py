@@ -6,18 +6,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import dct
 
 from tentacle.signals import Array
-from vision.edges import Edges, find_edges
+from vision.edges import Edges, Surroundings, find_edges
 from vision.kinematics import SHARED, Geometry, Outline, outline
-from vision.robust import disturbed, normal_matrix, robust_step, smooth_slope
+from vision.robust import MISFIT, disturbed, neighbours_mean, normal_matrix, robust_step
 
 BIWEIGHT = 1.17  # what the biweight takes from the variance of normal residuals, and adds to the estimate's own
 LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
-ENDS = 14.0  # px along the arm within which its ends are looked for
-LAGS = 24  # stations over which neighbouring edges' errors are watched for correlation
+ENDS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
+END_ERROR = 1.0  # variance of an end's common error, over that of one edge
+SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
 
 
 @dataclass(frozen=True)
@@ -34,15 +36,15 @@ class FrameFit:
     """A frame's fit about its working point, before the frames are pooled.
 
     x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
-    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. correlation (LAGS,): of neighbouring
-    residuals, by lag. edges, expected and weight (E,) stay for the judge.
+    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. slow: how much more of the residuals' power
+    is in slow waves than independent edges would have. edges, expected and weight (E,) stay for the judge.
     """
 
     x: Array
     information: Array
     gradient: Array
     sigma: float
-    correlation: Array
+    slow: float
     edges: Edges
     expected: Outline
     weight: Array
@@ -58,36 +60,42 @@ def refine(
     rate: Array,
     exposure: float,
     reaches: tuple[float, ...] = (10.0, 5.0),
+    ends: float = ENDS,
 ) -> FrameFit | None:
     """Fit x from a start that is within about the first reach [px]; None where too few edges are found.
 
     rate (K,) [rad/s] is the predicted speed of x, that of theta added to its first entry: over the exposure [s] it
-    smears the edge, and the profile that is looked for is smeared alike.
+    smears the edge, and the profile that is looked for is smeared alike. ends [px]: how far along the arm its two ends
+    are looked for.
     """
     x = np.array(x, dtype=float)
     order = len(x)
     steps = [(reach, False) for reach in reaches] + [(NARROW, True), (FINAL, True)]
-    ground: Array | float = 0.0
+    around: Surroundings | None = None
+    sound = np.zeros(0, dtype=np.bool_)
     for index, (reach, sharp) in enumerate(steps):
         final = index == len(steps) - 1
         expected = outline(geometry, theta, x, shared, stride=1 if sharp else 4)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
         smear = np.abs(jacobian @ rate) * exposure
         edges = find_edges(
-            image, expected, geometry.lens, reach, sight.polarity, sharp, blur=sight.blur, smear=smear, ground=ground
+            image, expected, geometry.lens, reach, sight.polarity, sharp, blur=sight.blur, smear=smear, around=around
         )
+        if sharp:  # blur, and pixels beside the normal, see a bulging edge further in
+            edges.offset[:] += 0.5 * expected.bulge * (sight.blur**2 + 1.0 / 12.0)
         usable = edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast)
         usable &= expected.kind < 2  # the ends move with the recording's parameters, hardly with x
         if sharp:
             usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, 0.5 * _ordinary(edges, usable))
+            usable &= sound if final else True
         if np.count_nonzero(usable) < 4 * order:
             return None
         base = _trust(edges, usable) if sharp else usable.astype(float)
         step, weight = robust_step(jacobian, edges.offset, base, *((4, 0.02) if sharp else (6, 0.4)))
         if final:
-            return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step)
+            return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends)
         if sharp:
-            ground = smooth_slope(expected.kind, edges.slope, weight)
+            around, sound = _surroundings(expected, edges, weight)
         x = x + step
     return None
 
@@ -95,6 +103,14 @@ def refine(
 def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
     """The usual rms of a profile's residual [grey]."""
     return max(float(np.median(edges.misfit[usable])), 0.3) if usable.any() else 0.3
+
+
+def _surroundings(expected: Outline, edges: Edges, weight: Array) -> tuple[Surroundings, NDArray[np.bool_]]:
+    """The greys beside the edges, averaged along each side, and where (E,) enough sound edges stand behind them."""
+    level, support = neighbours_mean(expected.kind, edges.level, weight)
+    contrast, _ = neighbours_mean(expected.kind, edges.contrast, weight)
+    slope, _ = neighbours_mean(expected.kind, edges.slope, weight)
+    return Surroundings(level, contrast, slope), (support > 3.0) & (weight > 0)
 
 
 def _trust(edges: Edges, usable: NDArray[np.bool_]) -> Array:
@@ -114,12 +130,16 @@ def _summary(
     base: Array,
     sight: Sight,
     step: Array,
+    ends: float,
 ) -> FrameFit:
     """Normal equations in (x, g), with weights by what each profile tells and by how well it fits."""
     order = len(x)
+    usual = _ordinary(edges, weight > 0)
     for kind in (2, 3):
-        end, offset = _end(image, geometry, expected, kind, sight)
-        weight[end], edges.offset[end] = base.max() * (offset != 0.0), offset
+        end, offset = _end(image, geometry, expected, kind, sight, ends, usual)
+        seen = np.count_nonzero(offset)
+        # a real end is no perfect cut: all of its edges together weigh no more than their common error allows
+        weight[end], edges.offset[end] = base.max() * (offset != 0.0) / (1.0 + seen * END_ERROR), offset
     residual = edges.offset - expected.jacobian[:, :order] @ step
     information, gradient = normal_matrix(expected.jacobian, weight, residual)
     sway = _sway(np.sqrt(weight) * residual, weight, expected.kind)
@@ -130,7 +150,7 @@ def _summary(
         information=information,
         gradient=gradient,
         sigma=max(float(np.sqrt(variance)), 1e-3),
-        correlation=_correlation(sway),
+        slow=_slow(sway),
         edges=edges,
         expected=expected,
         weight=weight,
@@ -138,14 +158,14 @@ def _summary(
 
 
 def _end(
-    image: NDArray[np.uint8], geometry: Geometry, expected: Outline, kind: int, sight: Sight
+    image: NDArray[np.uint8], geometry: Geometry, expected: Outline, kind: int, sight: Sight, ends: float, usual: float
 ) -> tuple[NDArray[np.intp], Array]:
     """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do: a clamp hides it."""
     index = np.flatnonzero(expected.kind == kind)
-    names = ("points", "normals", "depth", "jacobian", "s", "kind")
+    names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge")
     rows = Outline(*(getattr(expected, name)[index] for name in names))
     nothing = np.zeros(len(index))
-    coarse = find_edges(image, rows, geometry.lens, ENDS, sight.polarity, sharp=False)
+    coarse = find_edges(image, rows, geometry.lens, ends, sight.polarity, sharp=False)
     like = sight.polarity * coarse.contrast
     alike = coarse.found & (like > 0.5 * sight.contrast) & (like < 1.6 * sight.contrast)
     if np.count_nonzero(alike) < max(0.7 * len(index), 1):
@@ -154,7 +174,7 @@ def _end(
     rows = replace(rows, points=rows.points + shift * rows.normals)
     sharp = find_edges(image, rows, geometry.lens, NARROW, sight.polarity, sharp=True, blur=sight.blur)
     middle = float(np.median(sharp.offset[sharp.found])) if sharp.found.any() else 0.0
-    agree = sharp.found & (np.abs(sharp.offset - middle) < 1.0)
+    agree = sharp.found & (np.abs(sharp.offset - middle) < 0.5) & (sharp.misfit < MISFIT * usual)
     if np.count_nonzero(agree) < max(0.7 * len(index), 1):
         return index, nothing
     return index, np.asarray(np.where(agree, shift + sharp.offset, 0.0))
@@ -170,7 +190,10 @@ def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
     return np.where(both, (whitened[left] - whitened[right]) / np.sqrt(2.0), 0.0)
 
 
-def _correlation(sway: Array) -> Array:
-    """Autocorrelation (LAGS,) of the weighted residuals along the arm; a lost edge counts as zero."""
-    power = max(float(sway @ sway), 1e-12)
-    return np.array([float(sway[lag:] @ sway[:-lag]) / power for lag in range(1, LAGS + 1)])
+def _slow(sway: Array) -> float:
+    """Power of the sway's slow waves (cosine orders 8 to 24) over its mean power: 1 for edges that err independently.
+
+    Slower waves are the fit's own. What smooth light, or bubbles, add to the noise in q shows in the next ones.
+    """
+    waves = np.square(np.asarray(dct(sway, norm="ortho"), dtype=float))
+    return float(waves[SLOW].mean() / max(waves.mean(), 1e-12))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.fit import FrameFit, Sight, refine
+from vision.fit import ENDS, FrameFit, Sight, refine
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
@@ -30,7 +30,7 @@ class Seen:
 
     reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g.
     shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free. sigma [px] and
-    correlation are those of its edges; outline_px (N, 2) is for the overlay.
+    slow are those of its edges; outline_px (N, 2) is for the overlay.
     """
 
     t: float
@@ -42,7 +42,7 @@ class Seen:
     shared_information: Array
     shared_gradient: Array
     sigma: float
-    correlation: Array
+    slow: float
     outline_px: Array
 
     @property
@@ -89,15 +89,17 @@ class Follower:
         # outward from the frame where the arm was found, so that each start is near
         walk = [range(index, len(frames)), range(index - 1, -1, -1)]
         shapes: dict[int, Array] = {index: begin}
+        still = np.zeros(self.size)
         reaches = (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, *STARTING)
-        for sweep in range(3):
+        for sweep in range(4):
             fits = {}
             for way in walk:
                 for k in way:
                     near = shapes.get(k, shapes.get(k - way.step))
                     if near is None:
                         continue
-                    fit = self._fit(frames[k], near, np.zeros(self.size), reaches if sweep == 0 else STARTING)
+                    ends = 1.5 * PRIOR[2] * self.geometry.length if sweep < 2 else ENDS
+                    fit = self._fit(frames[k], near, still, reaches if sweep == 0 else STARTING, ends)
                     if fit is not None and fit.sigma < 3.0:
                         shapes[k], fits[k] = fit.x, fit
             if not fits:
@@ -109,11 +111,12 @@ class Follower:
     def _known(self, t: float) -> float | None:
         return None if self._theta is None else self._theta(t)
 
-    def _fit(self, frame: Frame, x: Array, rate: Array, reaches: tuple[float, ...]) -> FrameFit | None:
+    def _fit(
+        self, frame: Frame, x: Array, rate: Array, reaches: tuple[float, ...], ends: float = ENDS
+    ) -> FrameFit | None:
         assert self.sight is not None
-        return refine(
-            frame.image, self.geometry, self.theta(frame.t), x, self.shared, self.sight, rate, self.exposure, reaches
-        )
+        theta = self.theta(frame.t)
+        return refine(frame.image, self.geometry, theta, x, self.shared, self.sight, rate, self.exposure, reaches, ends)
 
     def _settle(self, fits: list[FrameFit]) -> None:
         """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement)."""
@@ -175,8 +178,8 @@ class Follower:
             shared_information=shared_information,
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
-            correlation=fit.correlation,
-            outline_px=_drawing(fit),
+            slow=fit.slow,
+            outline_px=self.geometry.lens.bend(_drawing(fit)),
         )
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, Array, tuple[float, ...]]]:
@@ -208,7 +211,7 @@ class Follower:
         return Seen(
             t=frame.t, theta=self.theta(frame.t), x=nothing, covariance=np.full((k, k), np.nan), reason=reason,
             lean=np.zeros((k, SHARED)), shared_information=np.zeros((SHARED, SHARED)),
-            shared_gradient=np.zeros(SHARED), sigma=np.nan, correlation=np.zeros(0), outline_px=np.zeros((0, 2)),
+            shared_gradient=np.zeros(SHARED), sigma=np.nan, slow=np.nan, outline_px=np.zeros((0, 2)),
         )  # fmt: skip
 
 

@@ -63,7 +63,7 @@ class Outline:
     """Where edges are expected: points (E, 2) [px], outward unit normals (E, 2), depth (E,) [px] to the opposite edge.
 
     jacobian (E, K + G): how far the edge moves along its normal per unit of x and of g. s (E,) and kind (E,): 0 and 1
-    are the two sides, 2 the tip's end, 3 the base's end.
+    are the two sides, 2 the tip's end, 3 the base's end. bulge (E,) [1/px]: curvature of the edge, outward positive.
     """
 
     points: Array
@@ -72,6 +72,7 @@ class Outline:
     jacobian: Array
     s: Array
     kind: Array
+    bulge: Array
 
 
 def _midline(geometry: Geometry, theta: float, x: Array, shared: Array) -> tuple[Array, Array, Array]:
@@ -152,7 +153,7 @@ def _edges(
     stride: int,
     shared: int,
     corner: float,
-) -> tuple[Array, Array, Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
     stations, order = phi.shape[0] - 1, x.shape[0]
     first = int(np.ceil(max(corner / length, 0.02) * stations))
     last = int(np.floor((1.0 - corner / length) * stations))
@@ -161,7 +162,7 @@ def _edges(
     base_rows = max(int(radius[0] / stride), 1)
     count = 2 * rows + tip_rows + base_rows
     points, normals = np.empty((count, 2)), np.empty((count, 2))
-    depth, at, kind = np.empty(count), np.empty(count), np.empty(count)
+    depth, at, kind, bulge = np.empty(count), np.empty(count), np.empty(count), np.zeros(count)
     jacobian = np.zeros((count, order + shared))
     for e in range(count):
         if e < 2 * rows:  # the sides: centre + sigma radius N (eq. 4)
@@ -190,6 +191,7 @@ def _edges(
             along, across = -taper, side * (length + offset * curvature)
             m_u, m_v = across * n_u + along * t_u, across * n_v + along * t_v
             depth[e] = 2.0 * radius[i]
+            bulge[e] = side * curvature / (length + offset * curvature)
         else:
             sign = 1.0 if kind[e] == 2 else -1.0
             m_u, m_v = sign * t_u, sign * t_v
@@ -212,4 +214,4 @@ def _edges(
             jacobian[e, order + 3] = grow
             jacobian[e, order + 4] = grow * s
             jacobian[e, order + 5] = grow * s * s
-    return points, normals, depth, jacobian, at, kind
+    return points, normals, depth, jacobian, at, kind, bulge

@@ -16,6 +16,8 @@ from tentacle.signals import Array
 from vision.follow import PRIOR, Seen
 from vision.kinematics import SHARED
 
+LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
+MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
 PENALTY = 2.0  # per coordinate and frame: Akaike's, which minimises the shape's error
 
 
@@ -25,7 +27,7 @@ class Pooled:
 
     shared (G,) with shared_covariance (G, G). offset_mean, offset_spread [rad]: mean and tau of the base angle offset.
     evidence[n]: chi-square per frame that order n leaves in the coordinates above it (about their number when they are
-    noise). inflation: how much neighbouring edges' correlation widens the variance.
+    noise). inflation: by how much the slow waves in the edges' errors widen the variance.
     """
 
     x: Array
@@ -106,11 +108,8 @@ def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
 
 
 def _inflation(good: list[Seen]) -> float:
-    """1 + 2 sum of the residuals' autocorrelation, pooled over frames, up to its first fall below noise."""
-    correlation = np.mean([frame.correlation for frame in good], axis=0)
-    below = np.flatnonzero(correlation < 0.02)
-    last = int(below[0]) if len(below) else len(correlation)
-    return float(max(1.0 + 2.0 * correlation[:last].sum(), 1.0))
+    """How much wider the variance of q is than independent edges would make it, at least 1; pooled over frames."""
+    return float(max(np.mean([frame.slow for frame in good]), 1.0))
 
 
 def _rows(stack: _Stack, order: int) -> list[int]:
@@ -166,7 +165,10 @@ def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:
     for tau in grid:
         weight, log_size = _weights(stack, rows, float(tau))
         cost.append(np.einsum("tr,trs,ts->", residual, weight, residual) + log_size.sum())
-    return float(grid[int(np.argmin(cost))])
+    best = int(np.argmin(cost))
+    # a rigid mounting is the simpler reading, and a spread that noise alone feigns would cost q1 and q2 dearly
+    real = grid[best] > LEAST_SPREAD and cost[0] - cost[best] > MOUNTING
+    return float(grid[best]) if real else 0.0
 
 
 def _update(stack: _Stack, solution: _Solution, order: int) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Robust least squares on edges, compiled: Tukey's biweight, edges that a bubble disturbs, the ground's slope."""
+"""Robust least squares on edges, compiled: Tukey's biweight, edges that a bubble disturbs, means along the arm."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from tentacle.signals import Array
 
 TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)
-MISFIT = 2.5  # times the usual profile residual: no plain step
-LEAP = 0.3  # of the contrast around: something else
-NEIGHBOURS = 4  # stations beside a disturbed edge that go with it
+MISFIT = 2.0  # times the usual profile residual: no plain step
+LEAP = 0.2  # of the contrast around: something else
+NEIGHBOURS = 8  # stations beside a disturbed edge that go with it
 AROUND = 30  # stations to either side that make up the usual
 STRIDE = 15  # stations between two looks at the usual
-SLOPE_REACH = 15  # stations to either side over which the ground's slope is averaged
+MEAN_REACH = 15  # stations to either side over which the greys beside the edges are averaged
 
 
 @njit(cache=True, nogil=True)
@@ -73,7 +73,8 @@ def disturbed(
                 usual_contrast = np.median(np.abs(contrast[around]))
                 usual_misfit = max(np.median(misfit[around]), floor)
             e = index[k]
-            leaps = abs(abs(contrast[e]) - usual_contrast) > LEAP * usual_contrast
+            # a profile's contrast scatters by about its residual: what noise does is no leap
+            leaps = abs(abs(contrast[e]) - usual_contrast) > max(LEAP * usual_contrast, 4.0 * usual_misfit)
             if leaps or misfit[e] > MISFIT * usual_misfit:
                 for neighbour in range(max(e - NEIGHBOURS, 0), min(e + NEIGHBOURS + 1, len(kind))):
                     odd[neighbour] = odd[neighbour] or kind[neighbour] == side
@@ -81,24 +82,25 @@ def disturbed(
 
 
 @njit(cache=True, nogil=True)
-def smooth_slope(kind: Array, slope: Array, weight: Array) -> Array:
-    """The ground's slope (E,) [grey/px], a running mean over each side's sound edges: single profiles are too noisy."""
-    smooth = np.zeros(len(kind))
+def neighbours_mean(kind: Array, values: Array, weight: Array) -> tuple[Array, Array]:
+    """Running weighted mean (E,) of values along each side, and the weight behind it."""
+    smooth, support = np.zeros(len(kind)), np.zeros(len(kind))
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
         count = len(index)
         total, share = 0.0, 0.0
-        for k in range(-SLOPE_REACH, count):
-            enters, leaves = k + SLOPE_REACH, k - SLOPE_REACH - 1
+        for k in range(-MEAN_REACH, count):
+            enters, leaves = k + MEAN_REACH, k - MEAN_REACH - 1
             if enters < count:
-                total += weight[index[enters]] * slope[index[enters]]
+                total += weight[index[enters]] * values[index[enters]]
                 share += weight[index[enters]]
             if leaves >= 0:
-                total -= weight[index[leaves]] * slope[index[leaves]]
+                total -= weight[index[leaves]] * values[index[leaves]]
                 share -= weight[index[leaves]]
             if k >= 0:
-                smooth[index[k]] = total / max(share, 1.0)
-    return smooth
+                smooth[index[k]] = total / max(share, 1e-6)
+                support[index[k]] = share
+    return smooth, support
 
 
 @njit(cache=True, nogil=True)

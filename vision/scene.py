@@ -16,7 +16,7 @@ FINE = 1601  # points along the arc in the quadrature; the error is below 1e-9 o
 
 @dataclass(frozen=True)
 class Scene:
-    """What is rendered: t (T,) [s], theta (T,) [rad], q (T, n) [rad], the constant base angle offset [rad], midline."""
+    """What is rendered: t (T,) [s], theta (T,) and q (T, n) [rad], a constant base angle offset [rad], midline."""
 
     specimen: Specimen
     camera: Camera
@@ -52,7 +52,7 @@ def swaying(
     offset: float = 0.01,
     tip_radius: float = 1.5e-3,
 ) -> Scene:
-    """A cone that a motor sways at about frequency [Hz], with curvature of about amplitude [rad]; phases by the seed."""
+    """A cone that a motor sways at frequency [Hz], with curvature of about amplitude [rad]; phases by the seed."""
     rng = np.random.default_rng(seed)
     specimen = Specimen(Cone(0.0125, tip_radius), length=0.14, density=1070.0)
     length_px = 0.66 * size[1]

@@ -26,7 +26,7 @@ def film(scene, look, folder, seed=2, name="video.mp4"):
 
 
 def errors(scene, shape):
-    """Error (T, K) of [offset, q], covariance (T, K, K), of the accepted frames; a coordinate that is not there is 0."""
+    """Error (T, K) of [offset, q] and covariance (T, K, K) of the accepted frames; a coordinate not there is 0."""
     index = np.searchsorted(scene.t, shape.t[shape.accepted] - 1e-4)
     size = shape.coefficients.shape[1]
     truth = np.zeros((len(index), max(size, scene.q.shape[1] + 1)))
@@ -59,8 +59,8 @@ def test_clean_video_is_tracked_at_the_limit(tmp_path):
     assert shape.accepted.all()
     error, covariance = errors(scene, shape)
     # the limit at 1.5 of 150 grey levels and 238 px of length is .1 and .35 mrad; twice that is the aim
-    assert np.sqrt(np.mean(error[:, 1] ** 2)) < 0.35e-3
-    assert np.sqrt(np.mean(error[:, 2] ** 2)) < 1.2e-3
+    assert np.sqrt(np.mean(error[:, 1] ** 2)) < 0.25e-3
+    assert np.sqrt(np.mean(error[:, 2] ** 2)) < 0.8e-3
     assert 0.7 < z_rms(error, covariance) < 1.4  # 40 frames: sampling spread of some 0.1
     assert shape.scale == pytest.approx(1.0, abs=1e-3)
 
@@ -69,7 +69,7 @@ def test_what_the_declaration_has_wrong_stays_visible(tmp_path):
     scene = swaying(seed=4, frames=30, size=(640, 360))
     path, declaration, motor = film(scene, CLEAN, tmp_path)
     roll = 0.03
-    base = np.array(scene.camera.base_px) + (4.0, -3.0)
+    base = np.add(scene.camera.base_px, (4.0, -3.0))
     wrong = replace(
         scene.camera,
         metres_per_px=scene.camera.metres_per_px * 1.02,
@@ -100,7 +100,7 @@ def test_light_arm_that_points_anywhere_without_a_motor(tmp_path):
 
 def test_tank_video_with_its_faults(tmp_path):
     scene = swaying(seed=5, frames=40, size=(640, 360), exposure=0.004)
-    look = replace(TANK, duplicated=0.1, dropped=0.05)
+    look = replace(TANK, duplicated=0.1, dropped=0.15)
     result = track_fully(*film(scene, look, tmp_path, seed=8))
     reasons = [reason for reason in result.shape.reason if reason]
     assert reasons.count("repeats the frame before") >= 1

@@ -1,0 +1,53 @@
+"""tentacle calibrate: scale and lens from a ChArUco board in the arm's plane."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "scale and lens from a ChArUco board that stands in the arm's plane, in the water"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("source", type=Path, nargs="?", metavar="VIDEO|FOLDER", help="pictures of the board")
+    parser.add_argument("--out", type=Path, metavar="FILE.toml", help="where to write the lens, for track --lens")
+    parser.add_argument("--print-board", type=Path, metavar="FILE.png", help="write the board to print, and stop")
+    parser.add_argument("--across", type=int, default=8, help="squares across (default: 8)")
+    parser.add_argument("--down", type=int, default=6, help="squares down (default: 6)")
+    parser.add_argument("--square", type=float, default=0.02, metavar="M", help="side of a square [m] (default: 0.02)")
+    parser.add_argument(
+        "--marker", type=float, default=0.015, metavar="M", help="side of a marker [m] (default: 0.015)"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the board, or measure with it."""
+    import math
+
+    from tentacle.errors import InputError
+    from vision.calibrate import Board, calibrate
+    from vision.encode import write_picture
+    from vision.frames import read_frames
+    from vision.lens_file import format_lens
+
+    if not 0 < arguments.marker < arguments.square or min(arguments.across, arguments.down) < 3:
+        raise InputError("no such board", field="--marker, --square", expected="0 < marker < square, 3 squares or more")
+    board = Board(arguments.across, arguments.down, arguments.square, arguments.marker)
+    if arguments.print_board is not None:
+        write_picture(arguments.print_board, board.picture())
+        print(f"wrote {arguments.print_board}: print it so that a square is {1e3 * board.square:g} mm")
+        return 0
+    if arguments.source is None or arguments.out is None:
+        raise InputError(
+            "there is nothing to measure", field="VIDEO --out", expected="pictures of the board, and --out"
+        )
+    found = calibrate(read_frames(arguments.source, fps=1.0), board)
+    text = format_lens(found.lens, rms_px=found.rms_px, tilt_rad=found.tilt)
+    arguments.out.write_text(text, encoding="utf-8")
+    print(f"{found.views} views, corners within {found.rms_px:.3f} px rms, {found.lens.metres_per_px} m/px")
+    print(f"lens bends by {100 * found.lens.k1:.3f} % at the picture's corner")
+    if found.tilt > math.radians(5.0):
+        print(f"the board is tilted by {math.degrees(found.tilt):.1f} degrees: stand it parallel to the picture")
+    print(f"wrote {arguments.out}")
+    return 0

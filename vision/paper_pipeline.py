@@ -1,0 +1,92 @@
+"""The paper's image analysis (Fig. 3): binarise, largest contour, mean axis, least squares over a grid of (q1, q2).
+
+The baseline that the edge fit is shown beside. It states no uncertainty and trusts every frame with a contour.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tentacle.errors import InputError
+from tentacle.recording import Camera, Declaration
+from tentacle.signals import Array, MotorSignal, ShapeTrack
+from vision.frames import read_frames
+from vision.silhouette import mean_axis, silhouette
+
+AXIS_POINTS = 41
+Q1_GRID = np.linspace(-3.0, 3.0, 241)  # rad: steps of 25 mrad
+Q2_GRID = np.linspace(-6.0, 6.0, 241)  # rad: steps of 50 mrad
+
+
+class GridSearch:
+    """Model axes (eq. 3, affine) on the whole grid, in units of the arm's length and in the frame of the base."""
+
+    def __init__(self) -> None:
+        v = np.linspace(0.0, 1.0, 4 * (AXIS_POINTS - 1) + 1)
+        q1, q2 = np.meshgrid(Q1_GRID, Q2_GRID, indexing="ij")
+        self.q = np.stack([q1.ravel(), q2.ravel()], axis=1)
+        alpha = self.q[:, :1] * v + 0.5 * self.q[:, 1:] * v**2  # eq. (2)
+        step = np.stack([-np.sin(alpha), np.cos(alpha)], axis=2)
+        middle = 0.5 * (step[:, 1:] + step[:, :-1]) * (v[1] - v[0])
+        axes = np.concatenate([np.zeros((len(self.q), 1, 2)), np.cumsum(middle, axis=1)], axis=1)[:, ::4]
+        self._flat = axes.reshape(len(self.q), -1).astype(np.float32)
+        self._square = np.sum(self._flat**2, axis=1)
+
+    def best(self, axis: Array) -> Array:
+        """(q1, q2) [rad] of the grid point with the least squared distance from axis (AXIS_POINTS, 2) [lengths]."""
+        error = self._square - 2.0 * (self._flat @ axis.ravel().astype(np.float32))
+        return self.q[int(np.argmin(error))]
+
+
+def paper_axis(image: NDArray[np.uint8], camera: Camera) -> Array | None:
+    """Mean axis (AXIS_POINTS, 2) [m] in the base frame, from base to tip; None where there is no contour.
+
+    The base's end is where the contour comes nearest to the declared base, the tip where it is farthest along.
+    """
+    seen = silhouette(image)
+    if seen is None:
+        return None
+    contour = seen.contour
+    base = int(np.argmin(np.linalg.norm(contour - np.asarray(camera.base_px), axis=1)))
+    tip = int(np.argmax(np.linalg.norm(contour - np.asarray(camera.base_px), axis=1)))
+    if base == tip:
+        return None
+    axis = mean_axis(contour, base, tip, points=AXIS_POINTS)
+    return camera.to_base_frame(axis.points)
+
+
+def paper_track(video: Path, declaration: Declaration, motor: MotorSignal | None) -> ShapeTrack:
+    """Affine shapes of every frame by the paper's method; the covariance is NaN, as the method states none."""
+    if declaration.camera is None:
+        raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
+    search, length = GridSearch(), declaration.specimen.length
+    times, rows, reasons = [], [], []
+    for frame in read_frames(Path(video), declaration.camera.fps):
+        theta = 0.0 if motor is None else float(np.interp(frame.t, motor.t, motor.angle))
+        axis = paper_axis(frame.image, declaration.camera)
+        times.append(frame.t)
+        reasons.append("" if axis is not None else "no contour")
+        if axis is None:
+            rows.append([np.nan] * 3)
+            continue
+        turned = np.stack(  # by -theta, so that the base frame turns with the servo
+            [
+                axis[:, 0] * np.cos(theta) + axis[:, 1] * np.sin(theta),
+                axis[:, 1] * np.cos(theta) - axis[:, 0] * np.sin(theta),
+            ],
+            axis=1,
+        )
+        rows.append([0.0, *search.best(turned / length)])
+    return ShapeTrack(
+        t=np.array(times),
+        coefficients=np.array(rows),
+        covariance=np.full((len(rows), 3, 3), np.nan),
+        accepted=np.array([not reason for reason in reasons]),
+        reason=tuple(reasons),
+        scale=1.0,
+        scale_sigma=np.nan,
+        base_shift=np.zeros(2),
+    )
