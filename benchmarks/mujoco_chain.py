@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import mujoco
-import mujoco.rollout
 import numpy as np
+from mujoco import rollout
 
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
@@ -39,5 +39,5 @@ def roll(model: mujoco.MjModel, command: Array, threads: int) -> Array:
     size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
     initial = np.zeros((count, size))
     data = [mujoco.MjData(model) for _ in range(threads)]
-    states, _ = mujoco.rollout.rollout(model, data, initial, command[:, :, None], nstep=steps)
+    states, _ = rollout.rollout(model, data, initial, command[:, :, None], nstep=steps)
     return np.asarray(states)[:, :, 1 : 1 + model.nq].sum(axis=2)

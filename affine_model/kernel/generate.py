@@ -49,7 +49,7 @@ def _guarded(effect: Effect, number: int, body: list[str]) -> list[str]:
 def _constant(expressions: tuple[sympy.Expr, ...]) -> bool:
     """Whether neither the motion nor the time changes the expressions."""
     changing = set(STATE_QUANTITIES) | {"t"}
-    return not changing & {symbol.name for value in expressions for symbol in value.free_symbols}
+    return not changing & {str(symbol) for value in expressions for symbol in value.free_symbols}
 
 
 def _sums(targets: dict[str, tuple[str, ...]], constant: bool, indent: str) -> str:
@@ -201,7 +201,9 @@ def kernel_source(nodes: int) -> str:
         "@SUM_FORCE@": _unrolled("jac_x[j, {k}, b] * net_x[{k}, b] + jac_y[j, {k}, b] * net_y[{k}, b]", nodes),
         "@SUM_TURN@": _unrolled("A[{k}, j] * spin[{k}, b] - C[{k}, j] * moment[{k}, b]", nodes),
         "@SUM_MASS@": _unrolled("push_x[j, {k}, b] * jac_x[l, {k}, b] + push_y[j, {k}, b] * jac_y[l, {k}, b]", nodes),
-        "@SUM_BEND@": _unrolled("A[{k}, j] * A[{k}, l] * Lw[{k}] * rotary[{k}, b] + C[{k}, j] * C[{k}, l] * bend[{k}, b]", nodes),
+        "@SUM_BEND@": _unrolled(
+            "A[{k}, j] * A[{k}, l] * Lw[{k}] * rotary[{k}, b] + C[{k}, j] * C[{k}, l] * bend[{k}, b]", nodes
+        ),
     }
     source = TEMPLATE
     for mark, text in replacements.items():
