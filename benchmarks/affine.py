@@ -1,7 +1,8 @@
 """The reduced model's speed, errors and identification, beside MuJoCo with 20 links in fluid on the same cores.
 
 python benchmarks/affine.py --json FILE [--short]. Speeds are taken in turns, best of several, so that other
-work on the machine touches both sides alike. --short: fewer and shorter runs, for a smoke test; its figures are no measurement.
+work on the machine touches both sides alike. --short: fewer and shorter runs, for a smoke test; its figures are no
+measurement.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def ratios(short: bool, figures: dict[str, float]) -> None:
 
 
 def operations_per_step(nodes: int, order: int) -> float:
-    """Floating-point operations of one step of one individual, counted in the kernel's text; base effects, added mass."""
+    """Floating-point operations of one step of one individual, counted in the kernel's text (with added mass)."""
     angles = 4 * 2 * order + 2 * order + 45 + 8
     jacobian = (order + 1) * 4 * nodes
     motion = 4 * nodes + 4 * (order + 1) + 12

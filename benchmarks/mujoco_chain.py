@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import mujoco
-import numpy as np
-from mujoco import rollout
+from typing import Any
 
+import numpy as np
+
+from mujoco_ref.engine import mujoco
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
 
 LINKS = 20
 
 
-def chain_model(specimen: Specimen, E: float, eta: float, fluid_density: float, step: float) -> mujoco.MjModel:
+def chain_model(specimen: Specimen, E: float, eta: float, fluid_density: float, step: float) -> Any:
     """A chain of capsules of the specimen's mass, buoyancy by gravcomp, integrator `discrete`."""
     piece = specimen.length / LINKS
     body, closing = "", ""
@@ -33,11 +34,13 @@ def chain_model(specimen: Specimen, E: float, eta: float, fluid_density: float, 
     return mujoco.MjModel.from_xml_string(text)
 
 
-def roll(model: mujoco.MjModel, command: Array, threads: int) -> Array:
+def roll(model: Any, command: Array, threads: int) -> Array:
     """Tip angle (B, S) [rad] of B runs from rest under commands (B, S) [rad], on that many threads."""
     count, steps = command.shape
     size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
     initial = np.zeros((count, size))
+    from mujoco import rollout
+
     data = [mujoco.MjData(model) for _ in range(threads)]
     states, _ = rollout.rollout(model, data, initial, command[:, :, None], nstep=steps)
     return np.asarray(states)[:, :, 1 : 1 + model.nq].sum(axis=2)

@@ -29,7 +29,8 @@ def test_a_model_moves_as_its_parts_do():
 def test_a_lagging_servo_moves_the_base_later():
     lagging = MODEL.with_effect("servo_lag", tau=Estimate.exact(0.02, "s"))
     ahead, behind = (simulate_model(model, Sine(0.5, 1.3), 1.0).theta[:, 0] for model in (MODEL, lagging))
-    # A first-order lag of 0.02 s delays a slow sine by 0.02 s, ten steps; to (omega tau)^2 / 2 = 1.3 % of the amplitude.
+    # A first-order lag of 0.02 s delays a slow sine by 0.02 s, ten steps; to (omega tau)^2 / 2 = 1.3 % of the
+    # amplitude.
     np.testing.assert_allclose(behind[110:], ahead[100:-10], atol=0.02 * 0.5)
 
 
