@@ -1,8 +1,9 @@
-"""Least squares within bounds for problems whose residuals cost little in batches: Levenberg-Marquardt, eight dampings at once.
+"""Least squares within bounds for problems whose residuals cost little in batches: Levenberg-Marquardt, eight
+dampings at once.
 
 The kernel simulates sixteen individuals for the price of one, so every damping of a whole ladder is tried in the same
-batch and the best is taken: no step is refused, and a fit takes about half the rounds of a trust region that tries one.
-Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
+batch and the best is taken: no step is refused, and a fit takes about half the rounds of a trust region that tries
+one. Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
 """
 
 from __future__ import annotations
@@ -40,8 +41,8 @@ def minimise(
 ) -> Minimum:
     """Minimise 1/2 |r(x)|^2 over low <= x <= high.
 
-    residuals maps (P, B) to (N, B), jacobian (P,) to (N, P); x is scaled so that its natural steps are about 1. It ends when a
-    round lowers the sum by less than `tolerance` of itself (converged), or after `most` rounds.
+    residuals maps (P, B) to (N, B), jacobian (P,) to (N, P); x is scaled so that its natural steps are about 1. It
+    ends when a round lowers the sum by less than `tolerance` of itself (converged), or after `most` rounds.
     """
     x, damping = np.clip(start, low, high), 1e-3
     value = residuals(x[:, None])[:, 0]
