@@ -269,8 +269,8 @@ def _assembled(
 def _proposal_words(proposal: Proposal) -> str:
     if proposal.nats < 5.0:
         return (
-            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: the best of those tried would "
-            f"give {proposal.nats:.1f} nats."
+            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
+            f"the best of those tried would give {proposal.nats:.1f} nats."
         )
     return (
         f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment, would split "

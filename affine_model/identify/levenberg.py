@@ -54,14 +54,17 @@ def minimise(
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
             return Minimum(x, slope, round_number, True)
-        ladder = np.clip(damping * LADDER, SMALLEST, LARGEST)
-        trials = np.repeat(x[:, None], ladder.size, axis=1)
-        trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder)
-        trials = np.clip(trials, low[:, None], high[:, None])
-        values = residuals(trials)
-        costs = 0.5 * np.einsum("nb,nb->b", values, values)
-        best = int(np.argmin(costs))
-        if not costs[best] < cost:
+        for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more, far more cautiously
+            ladder = np.clip(rungs, SMALLEST, LARGEST)
+            trials = np.repeat(x[:, None], ladder.size, axis=1)
+            trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder)
+            trials = np.clip(trials, low[:, None], high[:, None])
+            values = residuals(trials)
+            costs = 0.5 * np.einsum("nb,nb->b", values, values)
+            best = int(np.argmin(costs))
+            if costs[best] < cost:
+                break
+        else:
             return Minimum(x, slope, round_number, True)
         gained = cost - costs[best]
         x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
