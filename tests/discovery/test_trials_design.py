@@ -8,6 +8,8 @@ import pytest
 from discovery.trials.design import DURATIONS, FASTEST, Design, designs
 from tentacle.cli import _blind_recording as maker
 from tentacle.errors import InputError
+from tentacle.recording import Declaration, Recording
+from tentacle.signals import ShapeTrack
 
 INSIDE, OUTSIDE = ("wall", "current", "buoyancy", "added_mass"), ("magnet", "thread")
 
@@ -88,6 +90,24 @@ def test_an_effect_that_cannot_reach_r_keeps_within_its_limit():
     hidden, reached = maker.sized(design.model(), design, design.noise)
     assert hidden["skin_drag"]["C_t"] <= 3.0
     assert reached[0] < 1e3
+
+
+def test_r_of_a_video_goes_by_the_tracker_s_covariance():
+    """A tracker twice as sure shows every effect twice as large; frames that it rejects say nothing."""
+    design = of_kind("buoyancy", seen="video")
+    model, t = design.model(), np.arange(0.0, 3.0, 1.0 / 30.0)
+    accepted = np.arange(t.size) % 7 != 3
+    found = []
+    for sigma in (4e-4, 2e-4):
+        coefficients = np.where(accepted[:, None], 0.1 * np.ones((t.size, 5)), np.nan)
+        covariance = np.repeat(sigma**2 * np.eye(5)[None], t.size, axis=0)
+        track = ShapeTrack(
+            t, coefficients, covariance, accepted, ("",) * t.size, 1.0, float("nan"), np.zeros(2)
+        )  # fmt: skip
+        recording = Recording("trial", Declaration(model.specimen, model.fluid), shape=track)
+        found += maker._tracked_size(recording, model, design, {"buoyancy": {"density_error": 20.0}})
+    assert found[1] == pytest.approx(2.0 * found[0], rel=1e-6)
+    assert found[0] > 0.0
 
 
 def test_a_recording_tells_nothing_of_its_truth_and_is_the_same_again():
