@@ -13,7 +13,7 @@ from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, midline
 from affine_model.identify.experiment import Experiment, predict
 from affine_model.identify.observation import POSE, ShapeObservation, fit_shapes, from_track
-from affine_model.identify.trajectory import Problem, evaluate
+from affine_model.identify.trajectory import Problem, evaluate, fit_multistart
 from discovery.score import absorbed_basis
 from discovery.trials.design import Design
 from mujoco_ref.simulate import DEFAULT_LINKS
@@ -24,12 +24,12 @@ from tentacle.recording import Camera, Recording
 from tentacle.signals import Midline
 
 SIZED_AT = 30.0  # frames/s: enough for rms values
-SIZED_FOR = 20.0  # s
 SIZED_ORDER, SEEN_ORDER = 3, 5
-STEP = 1.0 / 240.0
+STEP = 1.0 / 480.0  # s; a strong Maxwell branch on a stiff arm is unstable at 1/300
 FACTORS = np.geomspace(3e-3, 300.0, 46)  # on a typical strength
 VIDEO_NOISE = 2e-5  # m: a midline's noise that tells as little as the tracker's own covariance (some micrometres to 30)
 PICTURE = (960, 540)
+CORRECTIONS, CLOSE = 5, 0.05
 FREE = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"))
 
 
@@ -43,7 +43,7 @@ def _bare_problem(model: Model, design: Design, noise: float, root: Array | None
     parameters = neutral_parameters()
     for effect, name in FREE:
         parameters[parameter_index(effect, name)] = model.value(effect, name)
-    t = np.arange(0.0, min(design.duration, SIZED_FOR), 1.0 / SIZED_AT)
+    t = np.arange(0.0, design.duration, 1.0 / SIZED_AT)
     base = design.waveform()
     theta, length = base(t)[0], model.specimen.length
     blank = np.zeros((t.size, POSE + order))
@@ -62,7 +62,9 @@ def _bare_problem(model: Model, design: Design, noise: float, root: Array | None
 
 
 def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list[dict[str, float]]) -> Array:
-    """R (V,) of an effect at each set of parameters: rms of the whitened residual that the base cannot absorb."""
+    """R (V,) of an effect at each set of parameters, to first order: rms of the whitened residual that is not within
+    the base's columns.
+    """
     state = evaluate(problem, (nuisances,))
     basis = absorbed_basis(state)
     columns = np.repeat(problem.parameters[:, None], len(variants), axis=1)
@@ -74,6 +76,31 @@ def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list
     rows = rows - state.used_residuals[:, None]
     rows = rows - basis @ (basis.T @ rows)
     return np.sqrt(np.mean(rows**2, axis=0))
+
+
+def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[str, float]) -> float:
+    """R of an effect: rms of the whitened residual of the base, fitted to what the arm with the effect does.
+
+    A fit may end beside the best one: the first order's R, where it is smaller, stands instead.
+    """
+    parameters = problem.parameters.copy()
+    for name, value in values.items():
+        parameters[parameter_index(effect, name)] = value
+    start = np.concatenate([problem.parameters[problem.rows()], nuisances])
+    (experiment,) = problem.experiments
+    observation = experiment.observation
+    assert isinstance(observation, ShapeObservation)
+    rows = replace(problem, parameters=parameters).residuals(start[:, None])[1][0][:, :, 0]
+    # What the arm with the effect shows, as if it had been measured without noise.
+    shown = observation.coefficients - np.einsum("tkl,tl->tk", np.linalg.pinv(observation.root), rows)
+    measured = replace(experiment, observation=replace(observation, coefficients=shown))
+    # From several starts: a large effect may be taken up by a base far from the true one.
+    starts = (
+        start[:3, None] * np.array([(E, eta, 1.0) for E in (0.6, 0.8, 1.0, 1.25, 1.6, 2.2) for eta in (1.0, 5.0)]).T
+    )
+    fitted = fit_multistart(replace(problem, experiments=(measured,)), (nuisances,), starts)
+    left = float(np.sqrt(np.mean(fitted.residuals[0][experiment.used] ** 2)))
+    return min(left, float(visible_size(problem, nuisances, effect, [values])[0]))
 
 
 def sized(model: Model, design: Design, noise: float) -> tuple[dict[str, Any], list[float]]:
@@ -95,8 +122,15 @@ def sized(model: Model, design: Design, noise: float) -> tuple[dict[str, Any], l
         usable = sizes < 1e3  # a simulation that ran away counts as 1e6
         factors, sizes = factors[usable], np.maximum.accumulate(np.maximum(sizes[usable], 1e-12))
         factor = float(np.exp(np.interp(np.log(wanted), np.log(sizes), np.log(factors))))
+        # To first order the base absorbs too little of a large effect: correct by what a real refit leaves.
+        for _ in range(CORRECTIONS):
+            hidden[effect] = scaled(effect, drawn, factor)
+            size = refitted_size(problem, nuisances, effect, hidden[effect])
+            if abs(np.log(size / wanted)) < CLOSE:
+                break
+            factor = float(np.clip(factor * np.clip(wanted / size, 0.2, 5.0), factors[0], factors[-1]))
         hidden[effect] = scaled(effect, drawn, factor)
-        reached.append(float(np.exp(np.interp(np.log(factor), np.log(factors), np.log(sizes)))))
+        reached.append(refitted_size(problem, nuisances, effect, hidden[effect]))
     return hidden, reached
 
 
@@ -132,7 +166,7 @@ def _tracked_size(
     sizes = []
     for effect, values in hidden.items():
         known = is_catalogued(effect)
-        sizes.append(float(visible_size(problem, nuisances, effect, [values])[0]) if known else float("nan"))
+        sizes.append(refitted_size(problem, nuisances, effect, values) if known else float("nan"))
     return sizes
 
 

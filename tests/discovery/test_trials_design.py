@@ -66,14 +66,15 @@ def test_r_is_linear_in_a_faint_effect_and_reached_as_asked():
     design = of_kind("buoyancy", r=[0.5])
     model = design.model()
     hidden, reached = maker.sized(model, design, design.noise)
-    assert reached == pytest.approx([0.5], rel=1e-6)
+    assert reached == pytest.approx([0.5], rel=0.1)  # sized until within 5 %, or five corrections
     strength = hidden["buoyancy"]["density_error"]
     problem, nuisances = maker._bare_problem(model, design, design.noise)
     variants = [{"density_error": factor * strength} for factor in (0.0, 0.5, 1.0, 2.0)]
     sizes = maker.visible_size(problem, nuisances, "buoyancy", variants)
     assert sizes[0] == pytest.approx(0.0, abs=1e-9)
-    # Interpolated on a grid of 1.29 in log-log: curvature of R between two knots stays below 2 %.
-    np.testing.assert_allclose(sizes[1:], [0.25, 0.5, 1.0], rtol=0.05)
+    # So faint an effect acts linearly, to 2 %; and a real refit leaves what the first order says, to 10 %.
+    np.testing.assert_allclose(sizes[1:], sizes[2] * np.array([0.5, 1.0, 2.0]), rtol=0.02)
+    assert sizes[2] == pytest.approx(reached[0], rel=0.1)
 
 
 def test_what_refitting_absorbs_has_no_r():
@@ -106,7 +107,7 @@ def test_r_of_a_video_goes_by_the_tracker_s_covariance():
         )  # fmt: skip
         recording = Recording("trial", Declaration(model.specimen, model.fluid), shape=track)
         found += maker._tracked_size(recording, model, design, {"buoyancy": {"density_error": 20.0}})
-    assert found[1] == pytest.approx(2.0 * found[0], rel=1e-6)
+    assert found[1] == pytest.approx(2.0 * found[0], rel=0.02)  # the priors' share changes a little
     assert found[0] > 0.0
 
 
