@@ -1,4 +1,6 @@
-"""The arm made ready for computing: sections at the quadrature nodes, curvature bases, the effects' parameters in a row."""
+"""The arm made ready for computing: sections at the quadrature nodes, curvature bases,
+the effects' parameters in a row.
+"""
 
 from __future__ import annotations
 
@@ -97,7 +99,7 @@ class Arm:
     @cached_property
     def from_monomial(self) -> Array:
         """Inverse of T: z = T^-1 q."""
-        return np.linalg.inv(self.to_monomial)
+        return np.asarray(np.linalg.inv(self.to_monomial), dtype=np.float64)
 
     @cached_property
     def node_quantities(self) -> dict[str, Array]:
@@ -143,7 +145,9 @@ def refuse_soft_sections(arm: Arm, parameters: Array) -> None:
 
 
 def active_effects(parameters: Array) -> tuple[Effect, ...]:
-    """The effects that act under these parameters (R, ...): base effects, and those with a strength that is not zero."""
+    """The effects that act under these parameters (R, ...): base effects,
+    and those with a strength that is not zero.
+    """
     effects = []
     for effect in catalogue().values():
         rows = [row.index for row in parameter_rows() if row.effect == effect.name and not row.parameter.scan]

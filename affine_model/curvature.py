@@ -1,8 +1,8 @@
 """Kinematics of polynomial curvature, any order (eq. 1-3): coordinates, quadrature, positions.
 
-Outside, coordinates are the paper's q: c(s) = q1 + q2 s + q3 s^2 + ..., alpha(s) = sum_j q_j s^j / j. Inside, the dynamics
-use shifted Legendre coordinates z, c(s) = sum_j z_j P_(j-1)(2 s - 1): the same space, but well conditioned (the monomials'
-Gram matrix at order 5 has condition 5e5, Legendre's 9).
+Outside, coordinates are the paper's q: c(s) = q1 + q2 s + q3 s^2 + ..., alpha(s) = sum_j q_j s^j / j. Inside, the
+dynamics use shifted Legendre coordinates z, c(s) = sum_j z_j P_(j-1)(2 s - 1): the same space, but well conditioned
+(the monomials' Gram matrix at order 5 has condition 5e5, Legendre's 9).
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ def angle_basis(order: int, s: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Quadrature:
-    """Gauss-Legendre on [0, 1]: nodes s (N,), weights (N,), and the matrix W (N, N) that integrates from 0 to each node.
+    """Gauss-Legendre on [0, 1]: nodes s (N,), weights (N,), and the matrix W (N, N) that integrates from 0 to each
+    node.
 
     (W f)_i = int_0^(s_i) f ds, exact for polynomials of degree < N (the interpolant's integral).
     """
@@ -61,9 +62,13 @@ def quadrature(count: int) -> Quadrature:
     return Quadrature(s, 0.5 * weights, integrals @ np.linalg.inv(values))
 
 
+def integration_to(count: int, points: ArrayLike) -> Array:
+    """Matrix (P, N) that integrates values at the rule's `count` nodes from 0 to each of the points (P,)."""
+    return _integration_to(count, tuple(np.asarray(points, dtype=float).tolist()))
+
+
 @lru_cache(maxsize=64)
 def _integration_to(count: int, points: tuple[float, ...]) -> Array:
-    """Matrix (P, N) that integrates values at the rule's nodes from 0 to each of the points."""
     rule = quadrature(count)
     return angle_basis(count, np.array(points)) @ np.linalg.inv(curvature_basis(count, rule.s))
 
@@ -83,12 +88,14 @@ def midline(q: ArrayLike, theta: ArrayLike, length: float, s: ArrayLike, nodes: 
     """
     rule = quadrature(nodes)
     phi = np.asarray(theta, dtype=float)[..., None] + monomial_angle(q, rule.s)
-    weights = length * _integration_to(nodes, tuple(np.asarray(s, dtype=float).tolist()))
+    weights = length * integration_to(nodes, s)
     return np.stack([-np.sin(phi) @ weights.T, np.cos(phi) @ weights.T], axis=-1)
 
 
 def points_beside(q: ArrayLike, theta: ArrayLike, length: float, s: ArrayLike, d: ArrayLike) -> Array:
-    """Positions of points (s, d) beside the axis, d (P,) [m] along the normal (the paper's x(s, d)): (..., P, 2) [m]."""
+    """Positions of points (s, d) beside the axis, d (P,) [m] along the normal (the paper's x(s, d)): (..., P,
+    2) [m].
+    """
     phi = np.asarray(theta, dtype=float)[..., None] + monomial_angle(q, s)
     normal = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     return midline(q, theta, length, s) + np.asarray(d, dtype=float)[:, None] * normal

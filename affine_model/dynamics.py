@@ -1,7 +1,7 @@
 """The equations of motion, assembled from effects in readable form; numpy or torch, after the arrays it is given.
 
-Generalised coordinates u = (z_1 .. z_n, theta, y_base): curvature, base angle, base position on a rail along y. For every
-section: virtual work of f and couple, minus that of inertia, minus that of the bending moment (eq. 8, 16). The
+Generalised coordinates u = (z_1 .. z_n, theta, y_base): curvature, base angle, base position on a rail along y. For
+every section: virtual work of f and couple, minus that of inertia, minus that of the bending moment (eq. 8, 16). The
 compiled kernel (affine_model.kernel) does the same in another order and is tested against this to 1e-10.
 """
 
@@ -23,7 +23,8 @@ class Balance:
     """mass_matrix (..., D, D) and force (..., D) with M u'' = force + external, D = n + 2 (curvatures, theta, rail).
 
     fluid_force (..., 2) [N] is what the water does to the arm without the reaction to acceleration (eq. 17 where only
-    drag acts); with it, fluid_force - fluid_mass @ u'', fluid_mass (..., 2, D). Of a sum of effects, so every part is a sum.
+    drag acts); with it, fluid_force - fluid_mass @ u'', fluid_mass (..., 2, D). Of a sum of effects, so every part is
+    a sum.
     """
 
     mass_matrix: Any
@@ -44,7 +45,7 @@ def _torch_constants(arm: Arm, dtype: Any, device: Any) -> tuple[tuple[Any, ...]
 
 
 def _numpy_constants(arm: Arm) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """L W, L w, the angle and the curvature basis at the nodes, the angle basis at s = 1, and the sections' quantities."""
+    """L W, L w, angle and curvature bases at the nodes, the angle basis at s = 1, and the sections' quantities."""
     L, rule = arm.specimen.length, arm.rule
     end = angle_basis(arm.order, [1.0])[0]
     return (L * rule.integration, L * rule.weights, arm.angle_basis, arm.curvature_basis, end), arm.node_quantities
@@ -62,13 +63,14 @@ def balance(
     parameters: Any,
     u: Any,
     u_rate: Any,
-    t: float = 0.0,
+    t: Any = 0.0,
     memory: Any = 0.0,
 ) -> Balance:
     """Assemble the equations at one state.
 
-    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates; t [s]; memory (..., N) the relaxing curvature of a
-    Maxwell branch. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n, with the couple m_a u_n u_t).
+    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates; t [s]; memory (..., N) the relaxing
+    curvature of a Maxwell branch. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n, with the
+    couple m_a u_n u_t).
     """
     xp = sys.modules[type(u).__module__.split(".")[0]]
     n, L = arm.order, arm.specimen.length
@@ -167,7 +169,9 @@ def balance(
 
 
 def relaxation_time(arm: Arm, effects: tuple[Effect, ...], parameters: Any) -> Any:
-    """Relaxation time (..., 1) [s] of the effects' Maxwell branch; None where no effect relaxes, ValueError where two do."""
+    """Relaxation time (..., 1) [s] of the effects' Maxwell branch; None where no effect relaxes,
+    ValueError where two do.
+    """
     relaxing = [effect for effect in effects if effect.relaxation_time is not None]
     if len(relaxing) > 1:
         raise ValueError(f"one Maxwell branch at a time, not {', '.join(effect.name for effect in relaxing)}")

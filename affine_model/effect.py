@@ -52,8 +52,8 @@ class Parameter:
     """A parameter of an effect.
 
     nominal is a typical size, used as the scale of the fit and as the strength in tests; the fit keeps the value
-    within bounds. A strength is neutral at 0. A parameter with scan values shapes the effect and means nothing while the
-    strengths are zero: a search tries each of them (default: the first).
+    within bounds. A strength is neutral at 0. A parameter with scan values shapes the effect and means nothing while
+    the strengths are zero: a search tries each of them (default: the first).
     """
 
     name: str
@@ -85,9 +85,10 @@ class Effect:
     line_inertia [kg/m] (as carried mass), normal_inertia [kg/m] (carried along the normal only),
     rotary_inertia [kg m], weight [kg/m] (mass per length on which gravity acts, buoyancy already taken off),
     water_velocity (x, y) [m/s] in the base frame.
-    At the tip: tip_mass [kg]; hung_mass (mass [kg], reach [m] beyond s = 1 along the tangent; one effect only). For all: gravity_tilt [rad]. relaxation_time [s]: gives the law x.memory.
-    Outside the equations of motion: base ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll",
-    "scale"), extra_order (curvature coordinates added).
+    At the tip: tip_mass [kg]; hung_mass (mass [kg], reach [m] beyond s = 1 along the tangent; one effect only). For
+    all: gravity_tilt [rad]. relaxation_time [s]: gives the law x.memory. Outside the equations of motion: base ("lag"
+    or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature coordinates
+    added).
     """
 
     name: str

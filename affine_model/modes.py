@@ -1,4 +1,5 @@
-"""Frequencies and shapes of the arm's small vibrations about an equilibrium, by Rayleigh-Ritz on the curvature coordinates.
+"""Frequencies and shapes of the arm's small vibrations about an equilibrium, by Rayleigh-Ritz on the curvature
+coordinates.
 
 Two coordinates give the first frequency of a cone or beam within 0.5 %, but the second 14 to 58 % too high.
 """
@@ -20,8 +21,9 @@ from affine_model.statics import DIFFERENCE, equilibrium
 class Modes:
     """Vibrations about the rest shape q (n,), in ascending frequency.
 
-    frequency (n,) [Hz], undamped; NaN where the rest shape is unstable in that mode. damping_ratio (n,) of the critical damping.
-    shapes (n, n): column k is mode k in the paper's coordinates, of unit modal mass [rad / sqrt(kg) m].
+    frequency (n,) [Hz], undamped; NaN where the rest shape is unstable in that mode. damping_ratio (n,) of the
+    critical damping. shapes (n, n): column k is mode k in the paper's coordinates, of unit modal mass [rad / sqrt(kg)
+    m].
     """
 
     q: Array
@@ -48,8 +50,8 @@ def linearised(arm: Arm, parameters: Array, z: Array, theta: float = 0.0) -> tup
 def modes(arm: Arm, parameters: Array, theta: float = 0.0) -> Modes:
     """Modes about the equilibrium under these parameters (R,), base held at theta [rad].
 
-    The stiffness matrix is symmetrised: exact where no steady current bends the arm. Drag, quadratic in speed, does not damp small
-    motions in still water. ArithmeticError where there is no equilibrium.
+    The stiffness matrix is symmetrised: exact where no steady current bends the arm. Drag, quadratic in speed, does
+    not damp small motions in still water. ArithmeticError where there is no equilibrium.
     """
     q = equilibrium(arm, parameters, theta)
     mass, damping, stiffness = linearised(arm, parameters, arm.from_monomial @ q, theta)

@@ -1,4 +1,4 @@
-"""Simulation of batches: one arm, many individuals (parameters, initial states, base motions), in the compiled kernel."""
+"""Batches in the compiled kernel: one arm, many individuals (parameters, initial states, base motions)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from affine_model.kernel import advance_blocks
 
 @dataclass(frozen=True)
 class Servo:
-    """PID servo: stiffness [N m/rad], integral [N m/(rad s)], damping [N m s/rad], torque_limit [N m], rotor_inertia [kg m^2]."""
+    """PID servo: stiffness [N m/rad], integral [N m/(rad s)], damping [N m s/rad], torque_limit [N m],
+    rotor_inertia [kg m^2].
+    """
 
     stiffness: float
     damping: float
@@ -25,7 +27,9 @@ class Servo:
 
 @dataclass(frozen=True)
 class Rail:
-    """The base slides along y: carriage mass [kg], viscous friction [N s/m], dry friction [N] smoothed at slip_speed [m/s]."""
+    """The base slides along y: carriage mass [kg], viscous friction [N s/m], dry friction [N],
+    smoothed at slip_speed [m/s].
+    """
 
     mass: float
     viscous: float = 0.0
@@ -38,11 +42,11 @@ class Batch:
     """The outcome of a batch of B individuals.
 
     t (T,) [s]; q, q_rate (T, n, B) the paper's coordinates; theta, theta_rate (T, B); rail, rail_rate (T, B) [m];
-    force_t (T-1,) [s], the middles of the output intervals, and over each the means of: fluid_force (T-1, 2, B) [N], load (T-1, B) [N]
-    (what a load cell at the base feels along y, inertia and weight included), torque (T-1, B) [N m] of the servo.
-    mean_thrust (B,) [N] is the y component of eq. 17 averaged from average_from on; mean_power (B,) [W] = torque times base rate;
-    diverged (B,) [s]: when an individual left all bounds, NaN where it did not; its means are NaN. The trajectory arrays are empty (T = 0)
-    where none were asked for.
+    force_t (T-1,) [s], the middles of the output intervals, and over each the means of: fluid_force (T-1, 2, B) [N],
+    load (T-1, B) [N] (what a load cell at the base feels along y, inertia and weight included), torque (T-1, B) [N m]
+    of the servo. mean_thrust (B,) [N] is the y component of eq. 17 averaged from average_from on; mean_power (B,) [W]
+    = torque times base rate; diverged (B,) [s]: when an individual left all bounds, NaN where it did not; its means
+    are NaN. The trajectory arrays are empty (T = 0) where none were asked for.
     """
 
     t: Array
@@ -78,10 +82,10 @@ def simulate(
 ) -> Batch:
     """Integrate B individuals over S steps of `step` seconds.
 
-    parameters (R, B), columns as in arm.parameter_vector. base (3, S, B) or (3, S, 1): theta and its two derivatives at the
-    middles of the steps, t0 + (k + 1/2) step; with a servo, the command. q, q_rate (n, B): initial state in the paper's
-    coordinates, zero if None. stride: keep every stride-th step, 0 keeps none. average_from [s] after t0: start of the means.
-    iterations: Newton iterations a step; 1 suffices unless exact energy is wanted.
+    parameters (R, B), columns as in arm.parameter_vector. base (3, S, B) or (3, S, 1): theta and its two derivatives
+    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command. q, q_rate (n, B): initial state in the
+    paper's coordinates, zero if None. stride: keep every stride-th step, 0 keeps none. average_from [s] after t0:
+    start of the means. iterations: Newton iterations a step; 1 suffices unless exact energy is wanted.
     """
     parameters = np.ascontiguousarray(parameters, dtype=float)
     base = np.ascontiguousarray(base, dtype=float)
@@ -111,14 +115,14 @@ def simulate(
         servo_row[:] = servo.stiffness, servo.integral, servo.damping, servo.torque_limit, servo.rotor_inertia
     rail_row = np.array([0.0, 0.0, 0.0, 1.0] if rail is None else [rail.mass, rail.viscous, rail.dry, rail.slip_speed])
     advance_blocks(
-        arm.nodes, count, n, parameters, active, constants, node["s"], node["area"], node["second_moment"], node["width"],
-        node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, end, curvature, base,
-        servo_row, rail_row, servo is not None, rail is not None, step, steps, start, start_rate, iterations, stride,
-        round(average_from / step), t0, out_u, out_rate, out_force, summary,
+        arm.nodes, count, n, parameters, active, constants, node["s"], node["area"], node["second_moment"],
+        node["width"], node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, end,
+        curvature, base, servo_row, rail_row, servo is not None, rail is not None, step, steps, start, start_rate,
+        iterations, stride, round(average_from / step), t0, out_u, out_rate, out_force, summary,
     )  # fmt: skip
     if not stride:
         out_u, out_rate, out_force = out_u[:0], out_rate[:0], out_force[:0]
-    times = t0 + step * stride * np.arange(len(out_u))
+    times = t0 + step * stride * np.arange(len(out_u), dtype=np.float64)
     return Batch(
         t=times,
         q=np.einsum("jk,tkb->tjb", arm.to_monomial, out_u[:, :n]),

@@ -40,8 +40,9 @@ def equilibrium(
 ) -> Array:
     """Curvatures q (n,) at which the arm rests with its base held at theta [rad].
 
-    parameters (R,). tip_force (x, y) [N] and tip_moment [N m] are dead loads at s = 1. start: first guess q (n,), straight if None.
-    Newton's method with the step halved while the forces do not fall. ArithmeticError where it finds no rest in 100 steps.
+    parameters (R,). tip_force (x, y) [N] and tip_moment [N m] are dead loads at s = 1. start: first guess q (n,),
+    straight if None. Newton's method with the step halved while the forces do not fall. ArithmeticError where it finds
+    no rest in 100 steps.
     """
     z = np.zeros(arm.order) if start is None else arm.from_monomial @ np.asarray(start, dtype=float)
     offsets = DIFFERENCE * np.concatenate([np.eye(arm.order), -np.eye(arm.order)])

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array
@@ -18,8 +19,8 @@ MARGIN = 1.2  # finer than the estimate asks for
 
 @dataclass(frozen=True)
 class Controlled:
-    """batch: B individuals at the asked spacing, each from its own step (B,) [s]; error (B,) [rad]: the estimated largest
-    error of the angle phi anywhere along the arm at any output instant, NaN where the individual diverged.
+    """batch: B individuals at the asked spacing, each from its own step (B,) [s]; error (B,) [rad]: the estimated
+    largest error of the angle phi anywhere along the arm at any output instant, NaN where the individual diverged.
     """
 
     batch: Batch
@@ -28,19 +29,21 @@ class Controlled:
 
 
 def _difference(arm: Arm, a: Batch, b: Batch) -> Array:
-    """Largest difference of phi along the arm over all instants (B,) [rad]; of the rail, over the length, where there is one."""
+    """Largest difference of phi along the arm over all instants (B,) [rad]; of the rail, over the length,
+    where there is one.
+    """
     z = np.einsum("jk,tkb->tjb", arm.from_monomial, a.q - b.q)
     angle = np.abs(np.einsum("ij,tjb->tib", arm.angle_basis, z) + (a.theta - b.theta)[:, None])
     return np.maximum(angle.max(axis=(0, 1)), np.abs(a.rail - b.rail).max(axis=0) / arm.specimen.length)
 
 
-def _columns(batch: Batch, index: Array) -> Batch:
+def _columns(batch: Batch, index: NDArray[np.intp]) -> Batch:
     """The individuals of these places."""
     shared = ("t", "force_t")
     return replace(batch, **{f.name: getattr(batch, f.name)[..., index] for f in fields(batch) if f.name not in shared})
 
 
-def _place(whole: Batch, part: Batch, index: Array) -> Batch:
+def _place(whole: Batch, part: Batch, index: NDArray[np.intp]) -> Batch:
     """The batch with the individuals of these places replaced."""
     changed = {}
     for field in fields(whole):
@@ -68,15 +71,15 @@ def simulate_to_tolerance(
 ) -> Controlled:
     """Integrate B individuals for `duration` [s] so that no angle along the arm errs by more than `tolerance` [rad].
 
-    parameters (R, B); base: a function of times (S,) that gives (3, S) or (3, S, B), such as a waveform; the output stands every
-    `spacing` seconds. Individuals that meet the tolerance are not computed again. ArithmeticError where the
-    tolerance is not met at a step of 10 us.
+    parameters (R, B); base: a function of times (S,) that gives (3, S) or (3, S, B), such as a waveform; the output
+    stands every `spacing` seconds. Individuals that meet the tolerance are not computed again. ArithmeticError where
+    the tolerance is not met at a step of 10 us.
     """
     count = parameters.shape[1]
 
-    def run(index: Array, substeps: int) -> Batch:
+    def run(index: NDArray[np.intp], substeps: int) -> Batch:
         h = spacing / substeps
-        table = base(t0 + h * (np.arange(round(duration / spacing) * substeps) + 0.5))
+        table = base(t0 + h * (np.arange(round(duration / spacing) * substeps, dtype=np.float64) + 0.5))
         table = table[..., None] if table.ndim == 2 else table[..., index]
         start, rate = (None if value is None else value[:, index] for value in (q, q_rate))
         return simulate(

@@ -38,9 +38,7 @@ def arm_from_row(row: Tensor) -> Arm:
 def _mean_thrust(
     row: Tensor, parameters: Tensor, base: Tensor, step: float, average_from: float, penalty: float
 ) -> Tensor:
-    batch = simulate(
-        arm_from_row(row), parameters.numpy(), base.numpy(), step, stride=0, average_from=average_from
-    )
+    batch = simulate(arm_from_row(row), parameters.numpy(), base.numpy(), step, stride=0, average_from=average_from)
     return torch.nan_to_num(torch.from_numpy(batch.mean_thrust), nan=penalty).to(parameters.dtype)
 
 

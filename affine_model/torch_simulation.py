@@ -1,7 +1,9 @@
-"""Batches in torch, with gradients through the simulation: the kernel's linearly implicit midpoint step on dynamics.balance.
+"""Batches in torch, with gradients through the simulation: the kernel's linearly implicit midpoint step on
+dynamics.balance.
 
-On the CPU or a GPU, after the tensors it is given. The base turns as prescribed. Where no gradient is asked for on a GPU, one step is
-captured as a CUDA graph and replayed. For speed on the CPU use affine_model.torch_operator (the compiled kernel).
+On the CPU or a GPU, after the tensors it is given. The base turns as prescribed. Where no gradient is asked for on a
+GPU, one step is captured as a CUDA graph and replayed. For speed on the CPU use affine_model.torch_operator (the
+compiled kernel).
 """
 
 from __future__ import annotations
@@ -61,7 +63,9 @@ Step = Callable[[_State, Tensor, Tensor], _State]
 
 
 def _eliminate(matrix: Tensor, right: Tensor) -> Tensor:
-    """Solve matrix (B, n, n) x = right (B, n), positive definite, without pivots: a few tensor operations, no library call."""
+    """Solve matrix (B, n, n) x = right (B, n), positive definite, without pivots: a few tensor operations,
+    no library call.
+    """
     n = right.shape[-1]
     rows, values = [matrix[:, i] for i in range(n)], [right[:, i] for i in range(n)]
     for i in range(n):
@@ -84,7 +88,9 @@ def _stepper(arm: Arm, effects: tuple[Effect, ...], parameters: Tensor, h: float
     offsets = torch.cat([torch.zeros(1, n), torch.eye(n)]).to(parameters) * (NUDGE / h)
 
     def residual(state: _State, base: Tensor, t: Tensor, a: Tensor) -> tuple[Tensor, Tensor]:
-        """Force less inertia (..., B, n) and fluid force (..., B, 2) at mid-step for mean accelerations a (..., B, n)."""
+        """Force less inertia (..., B, n) and fluid force (..., B, 2) at mid-step for mean accelerations a (..., B,
+        n).
+        """
         mid = state.z + 0.5 * h * state.z_rate + 0.25 * h * h * a
         rate = state.z_rate + 0.5 * h * a
         theta = base.reshape(3, *[1] * (a.dim() - 2), -1, 1).expand(3, *a.shape[:-1], 1)
@@ -109,7 +115,8 @@ def _stepper(arm: Arm, effects: tuple[Effect, ...], parameters: Tensor, h: float
                 values = residual(frozen, base, t, a + offsets[:, None, :])[0]
                 slope = ((values[0] - values[1:]) * (h / NUDGE)).permute(1, 2, 0)  # M + h/2 D + h^2/4 K, by differences
                 a = a + _eliminate(slope, values[0])
-        # One more correction, with its graph: where the residual vanishes its derivative is the implicit function theorem's.
+        # One more correction, with its graph: where the residual vanishes its derivative is the implicit function
+        # theorem's.
         a = a + _eliminate(slope, residual(state, base, t, a)[0])
         fluid = residual(state, base, t, a)[1]
         z = state.z + h * state.z_rate + 0.5 * h * h * a
@@ -134,7 +141,9 @@ def _stepper(arm: Arm, effects: tuple[Effect, ...], parameters: Tensor, h: float
 
 
 def _captured(step: Step, state: _State, base: Tensor, t: Tensor) -> Step:
-    """The step as a CUDA graph that is replayed on the same memory; the tensors it returns are overwritten by the next call."""
+    """The step as a CUDA graph that is replayed on the same memory;
+    the tensors it returns are overwritten by the next call.
+    """
     held = _State(*(tensor.clone() for tensor in state.tensors()))
     held_base, held_t = base.clone(), t.clone()
     side = torch.cuda.Stream()
@@ -174,10 +183,10 @@ def torch_simulate(
 ) -> TorchBatch:
     """Integrate B individuals over S steps of `step` seconds; gradients flow to whichever arguments require them.
 
-    parameters (R, B), base (3, S, B or 1) at the middles of the steps, q and q_rate (n, B), as affine_model.simulate.simulate takes them;
-    all of one dtype (float64 advised) on one device. stride: keep every stride-th state, 0 keeps the last. iterations: Newton
-    corrections (at least 1) before the differentiable one. A diverged individual stands still from then on, and
-    its mean thrust is `penalty` [N].
+    parameters (R, B), base (3, S, B or 1) at the middles of the steps, q and q_rate (n, B), as
+    affine_model.simulate.simulate takes them; all of one dtype (float64 advised) on one device. stride: keep every
+    stride-th state, 0 keeps the last. iterations: Newton corrections (at least 1) before the differentiable one. A
+    diverged individual stands still from then on, and its mean thrust is `penalty` [N].
     """
     n, count = arm.order, parameters.shape[1]
     effects = active_effects(parameters.detach().cpu().numpy())
@@ -188,7 +197,9 @@ def torch_simulate(
     z_rate = nothing if q_rate is None else (to_legendre @ q_rate).T
     state = _State(z, z_rate, nothing, nothing, parameters.new_zeros(count, arm.nodes), parameters.new_zeros(count, 2))
     base = base.expand(3, -1, count)
-    careful = _stepper(arm, effects, parameters, step, iterations + 3)  # the first two steps have no prediction to start from
+    careful = _stepper(
+        arm, effects, parameters, step, iterations + 3
+    )  # the first two steps have no prediction to start from
     usual = _stepper(arm, effects, parameters, step, iterations)
     times = torch.tensor([t0 + (k + 0.5) * step for k in range(base.shape[1])]).to(parameters)
     needs_graph = torch.is_grad_enabled() and any(

@@ -15,6 +15,7 @@ from tentacle.diagnosis import Gate
 
 SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fit, false alarms well under 1 %
 MATERIAL = 0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
+ALLOWANCE = 1.5  # times the reduction's error as measured: another simulator, or an arm, differs by as much again
 LAGS = 20
 LIKE_BASELINE = 2.0  # times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
 
@@ -56,8 +57,12 @@ def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
     return total, lags * rows.shape[1]
 
 
-def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool) -> Adequacy:
-    """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones."""
+def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool, reduction: float = 0.0) -> Adequacy:
+    """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones.
+
+    reduction: rms in noise sigmas of what the model cannot follow for reasons of its own (discovery.reduction).
+    """
+    allowed = MATERIAL**2 + (ALLOWANCE * reduction) ** 2
     parts = [
         _live(judged_rows(experiment, residuals, held_out))
         for experiment, residuals in zip(experiments, fitted.residuals, strict=True)
@@ -71,7 +76,7 @@ def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool
     structure = float(np.sqrt(max(ratio - 1.0, 0.0)))
     threshold = float(chi_square.isf(SIGNIFICANCE, count)) / count
     # Held-out frames carry the parameters' own uncertainty on top of the noise.
-    threshold += MATERIAL**2
+    threshold += allowed
     coloured = any(experiment.correlation > 1.0 for experiment in experiments)
     if coloured:
         threshold = max(threshold, LIKE_BASELINE)
@@ -86,17 +91,17 @@ def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool
         statistic, freedom = statistic + value, freedom + degrees
     if freedom:
         limit = float(chi_square.isf(SIGNIFICANCE, freedom))
-        # Structure of MATERIAL rms shifts every rho by MATERIAL^2 at most.
-        limit += sum(part.size for part in parts) * LAGS * MATERIAL**4
+        # Structure of that rms shifts every rho by its square at most.
+        limit += sum(part.size for part in parts) * LAGS * allowed**2
         gates.append(
             Gate("Ljung-Box", statistic, limit, statistic <= limit, f"residuals correlated over {LAGS} frames")
         )
     if not held_out:
-        gates.append(_drift(experiments, fitted))
+        gates.append(_drift(experiments, fitted, allowed))
     return Adequacy(tuple(gates), structure)
 
 
-def _drift(experiments: tuple[Experiment, ...], fitted: Fit) -> Gate:
+def _drift(experiments: tuple[Experiment, ...], fitted: Fit, allowed: float) -> Gate:
     """Whether parameters that grow or fall in time would explain more: sensitivities times time, freed of the model's own."""
     times = []
     for experiment, residuals in zip(experiments, fitted.residuals, strict=True):
@@ -115,5 +120,5 @@ def _drift(experiments: tuple[Experiment, ...], fitted: Fit) -> Gate:
     left, singular, _ = np.linalg.svd(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False)
     left = left[:, singular > 1e-6 * max(singular[0], 1e-300)]
     gain = 0.5 * float(np.sum((left.T @ fitted.used_residuals) ** 2))
-    limit = 0.5 * float(chi_square.isf(SIGNIFICANCE, left.shape[1])) + 0.5 * fitted.count * MATERIAL**2
+    limit = 0.5 * float(chi_square.isf(SIGNIFICANCE, left.shape[1])) + 0.5 * fitted.count * allowed
     return Gate("drift", gain, limit, gain <= limit, "gain in nats if the base parameters drifted")

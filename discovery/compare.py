@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from affine_model.identify.trajectory import Fit, Problem
 from discovery.prepare import Prepared
 from tentacle.diagnosis import ErrorMeasure, RunComparison
 
+ANGLE_ORDER = 3  # coordinates of the shape whose tangent angle is compared
 SHOWN = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
 
 
@@ -33,15 +34,29 @@ class Seen:
     load: Array | None
 
 
-def paper_projection(order: int) -> Array:
-    """Matrix (2, order) from Legendre coordinates to the (q1, q2) whose midline lies closest (small bending).
+def restricted(observation: ShapeObservation, coefficients: Array, order: int) -> Array:
+    """The shape of `order` coordinates, clamped as declared, nearest to given coefficients (T, K) in the measurement's own metric.
 
-    So q3 aliases into (q1, q2) as (+.46, -1.50) q3 (closing_the_loop.md): model and measurement are projected alike.
+    z (T, order). With order 2 it is the paper's fit of (q1, q2) to a contour; models and measurement are reduced alike, so that
+    a third coordinate aliases into both in the same way ((+.46, -1.50) q3, closing the loop).
     """
-    s = np.linspace(0.0, 1.0, 401)
-    deflection = np.cumsum(angle_basis(order, s), axis=0) / 400.0
-    two, *_ = np.linalg.lstsq(deflection[:, :2], deflection, rcond=None)
-    return legendre_to_monomial(2) @ two
+    root = observation.root
+    columns = root[:, :, POSE : POSE + order]
+    target = np.einsum("tkl,tl->tk", root, coefficients)
+    normal = np.einsum("tkj,tkl->tjl", columns, columns)
+    unseen = root[:, -1, -1] <= 0
+    normal[unseen] = np.eye(order)
+    z = np.linalg.solve(normal, np.einsum("tkj,tk->tj", columns, target)[..., None])[..., 0]
+    z[unseen] = np.nan
+    return z
+
+
+def _deviation(observation: ShapeObservation, gain: Array, order: int) -> Array:
+    """Square root (T, order, order) of the covariance of `restricted`."""
+    columns = observation.root[:, :, POSE : POSE + order] / gain[:, None]
+    normal = np.einsum("tkj,tkl->tjl", columns, columns)
+    normal[observation.root[:, -1, -1] <= 0] = np.eye(order)
+    return np.linalg.cholesky(np.linalg.inv(normal))
 
 
 def measured_points(prepared: Prepared) -> tuple[Array, Array]:
@@ -75,10 +90,27 @@ def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -
     shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)
     points = scale * shape + prediction.shift[:, 0]
     z = q @ problem.arm.from_monomial.T
-    angle = theta[:, None] + z @ angle_basis(problem.arm.order, s).T
+    coefficients = np.zeros((z.shape[0], z.shape[1]))
+    q_shown, angle = np.full((z.shape[0], 2), np.nan), np.full((z.shape[0], s.size), np.nan)
+    observation = experiment.observation
+    if isinstance(observation, ShapeObservation):
+        coefficients = np.zeros_like(observation.coefficients)
+        kept = min(problem.arm.order, observation.order)
+        coefficients[:, 0] = theta - observation.theta
+        coefficients[:, 1:3] = prediction.shift[:, 0]
+        coefficients[:, 3] = np.log(scale)
+        coefficients[:, POSE : POSE + kept] = z[:, :kept]
+        q_shown, angle = reduced_shape(observation, coefficients, s)
     batch = prediction.batch
     load = np.interp(experiment.observation.t, batch.force_t, batch.load[:, 0])
-    return Seen(points, z @ paper_projection(problem.arm.order).T, angle, load)
+    return Seen(points, q_shown, angle, load)
+
+
+def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) -> tuple[Array, Array]:
+    """The paper's q (T, 2) and the tangent angle (T, P) of coefficients, both by `restricted`."""
+    q = restricted(observation, coefficients, 2) @ legendre_to_monomial(2).T
+    shape = restricted(observation, coefficients, ANGLE_ORDER)
+    return q, observation.theta[:, None] + shape @ angle_basis(ANGLE_ORDER, s).T
 
 
 def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
@@ -100,8 +132,7 @@ def run_comparison(
     first, last = seen(*base, place, s, d), seen(*final, place, s, d)
     q = np.full((observation.t.size, 2), np.nan)
     if isinstance(observation, ShapeObservation):
-        q = observation.coefficients[:, POSE:] @ paper_projection(observation.order).T
-        q[observation.root[:, -1, -1] <= 0] = np.nan
+        q, _ = reduced_shape(observation, observation.coefficients, s)
     run = RunComparison(
         name=experiment.name,
         t=observation.t,
@@ -135,10 +166,7 @@ def errors(
         distance.append(1e3 * np.linalg.norm(run.measured - points, axis=2)[chosen])
         observation = source.experiment.observation
         if isinstance(observation, ShapeObservation):
-            z = observation.coefficients[:, POSE:]
-            seen_angle = (observation.theta + observation.coefficients[:, 0])[:, None] + z @ angle_basis(
-                observation.order, run.s
-            ).T
+            _, seen_angle = reduced_shape(observation, observation.coefficients, run.s)
             valid = chosen & (observation.root[:, -1, -1] > 0)
             angle.append((seen_angle - model.angle)[valid])
             first.append((run.q_measured - model.q)[valid, 0])
@@ -166,24 +194,20 @@ def floor_errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Pr
         frames = np.flatnonzero(run.judged & (observation.root[:, -1, -1] > 0))
         frames = frames[:: max(1, frames.size // 50)]
         data = source.recording.midline
-        for frame in frames:
-            root = observation.root[frame]
-            live = np.diag(root) > 0
-            deviation = np.zeros((live.size, live.size))
-            inverse = np.linalg.inv(root[np.ix_(live, live)]) * experiment.noise_gain[live]
-            deviation[np.ix_(live, live)] = inverse
-            own = angle_basis(observation.order, run.s)
-            angle.append(np.linalg.norm(deviation[:1] + own @ deviation[POSE:], axis=1))
-            projected = paper_projection(observation.order) @ deviation[POSE:]
-            first.append(np.linalg.norm(projected[:1], axis=1))
-            second.append(np.linalg.norm(projected[1:], axis=1))
-            if data is not None:
-                stated = data.sigma[frame]
-                sigma = np.where(np.isfinite(stated), stated, source.sigma) * gain
-                distance.append(1e3 * np.sqrt(2.0) * sigma)
-            else:
-                lever = observation.length * np.cumsum(own, axis=0) / run.s.size
-                distance.append(1e3 * np.linalg.norm(lever @ deviation[POSE:] + run.s[:, None] * observation.length * deviation[:1], axis=1))
+        sparse = replace(observation, root=observation.root[frames])
+        two = _deviation(sparse, experiment.noise_gain, 2)
+        q = np.linalg.norm(legendre_to_monomial(2) @ two, axis=2)
+        first.append(q[:, 0])
+        second.append(q[:, 1])
+        several = _deviation(sparse, experiment.noise_gain, ANGLE_ORDER)
+        angle.append(np.linalg.norm(angle_basis(ANGLE_ORDER, run.s) @ several, axis=2))
+        if data is not None:
+            stated = data.sigma[frames]
+            distance.append(1e3 * np.sqrt(2.0) * gain * np.where(np.isfinite(stated), stated, source.sigma))
+        else:
+            every = _deviation(sparse, experiment.noise_gain, observation.order)
+            lever = observation.length * np.cumsum(angle_basis(observation.order, run.s), axis=0) / run.s.size
+            distance.append(1e3 * np.linalg.norm(lever @ every, axis=2))
     noise = _rms(distance)
     total = None if noise is None else float(np.hypot(noise, reduction_mm))
     return ErrorMeasure(total, _rms(angle), _rms(first), _rms(second), None)

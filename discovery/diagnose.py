@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import parameter_rows
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.experiment import Experiment
@@ -16,12 +15,13 @@ from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_orde
 from discovery.compare import errors, floor_errors, run_comparison
 from discovery.next_experiment import ServoLimits, propose
 from discovery.prepare import Prepared, prepare
+from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
-from discovery.search import Hypothesis, Search, hypothesis, looseness, parameter_interval, search
+from discovery.search import Search, estimates, hypothesis, looseness, search
 from discovery.verdict import Decision, decide, probabilities
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
 from tentacle.errors import InputError
-from tentacle.model import Estimate, Model
+from tentacle.model import Model
 from tentacle.recording import Recording
 
 Progress = Callable[[str], None]
@@ -126,11 +126,14 @@ def diagnose(
     prepared = [
         replace(p, experiment=experiment) for p, experiment in zip(prepared, base_problem.experiments, strict=True)
     ]
+    progress("running the reference")
+    reduction = reduction_error(setting.declaration, base_problem, base)
+    structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
-    found = search(hypothesis((), base_problem, base))
+    found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)
     progress("comparing")
-    return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed)
+    return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 
 
 def _problem(setting: Setting, experiments: tuple[Experiment, ...], fitted: Fit) -> Problem:
@@ -153,16 +156,6 @@ def _base_hypothesis(setting: Setting, order: int, known: Baseline | None) -> tu
     return fitted, replace(problem, parameters=fitted.parameters)
 
 
-def _estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
-    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
-    table: dict[str, dict[str, Estimate]] = {}
-    for index, (effect, name) in enumerate(judged.problem.free):
-        low, high = parameter_interval(judged, index, loose)
-        value = float(judged.fitted.values[index])
-        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
-    return table
-
-
 def _assembled(
     found: Search,
     decision: Decision,
@@ -171,14 +164,16 @@ def _assembled(
     order: int,
     words: tuple[str, ...],
     seed: int,
+    reduction: Reduction | None,
 ) -> Diagnosis:
     chosen = found.chosen
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
     final = (chosen.problem, chosen.fitted)
     runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
     before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
-    floor = floor_errors(runs, prepared, 0.0)
-    parameters = _estimates(chosen, found.looseness)
+    lost = 0.0 if reduction is None else reduction.millimetres
+    floor = floor_errors(runs, prepared, lost)
+    parameters = estimates(chosen, found.looseness)
     effects, verdict = decision.effects, decision.verdict
     if order > 2:
         words = (*words, f"The measured shapes show {order} curvature coordinates; the paper's model has two.")
@@ -189,7 +184,7 @@ def _assembled(
             effects = (*effects, "third_curvature")
     named = {name: parameters.get(name, {}) for name in effects}
     d = prepared[0].recording.declaration
-    base_model = Model(d.specimen, d.fluid, d.gravity, 2, _estimates(hypothesis((), *paper), found.looseness))
+    base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
     augmented = Model(d.specimen, d.fluid, d.gravity, order, parameters)
     limits = ServoLimits()
     proposal = propose(chosen, found.rivals, limits, seed) if verdict in ("group", "unknown") else None
@@ -205,7 +200,7 @@ def _assembled(
         held_out=is_held_out,
         ranking=_ranking(found, prepared, paper, is_held_out),
         next_experiment=None if proposal is None else proposal.table,
-        budget=_budget(before, after, floor, runs),
+        budget=_budget(before, after, floor, lost),
         base_model=base_model,
         augmented_model=augmented,
         gates=(*chosen.train.gates, *chosen.judged.gates),
@@ -237,16 +232,16 @@ def _ranking(
     return tuple(sorted(rows, key=lambda row: -row.score))
 
 
-def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, runs: list) -> ErrorBudget:
+def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
     def apart(large: float | None, small: float | None) -> float:
         if large is None or small is None:
             return 0.0
         return float(np.sqrt(max(large**2 - small**2, 0.0)))
 
-    noise = floor.midline_mm or 0.0
+    noise = apart(floor.midline_mm, lost)
     return ErrorBudget(
         noise_mm=noise,
-        reduction_mm=0.0,
+        reduction_mm=lost,
         missing_mm=apart(before.midline_mm, after.midline_mm),
         rest_mm=apart(after.midline_mm, floor.midline_mm),
     )

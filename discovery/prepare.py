@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
@@ -39,10 +40,26 @@ class Prepared:
     words: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class HeldOutside:
+    """A base motion known from first to last [s]; before and after, the base is taken to stand still where it was."""
+
+    motion: Waveform
+    first: float
+    last: float
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """theta, rate, acceleration (3, ...)."""
+        times = np.asarray(t, dtype=float)
+        table = np.array(self.motion(np.clip(times, self.first, self.last)))
+        table[1:] *= (times >= self.first) & (times <= self.last)
+        return table
+
+
 def _base(recording: Recording) -> Waveform:
     if recording.motor is None:
         return Rest()
-    return fit_base_motion(recording.motor)
+    return HeldOutside(fit_base_motion(recording.motor), recording.motor.t[0], recording.motor.t[-1])
 
 
 def _turns_with_base(recording: Recording, theta: Array) -> bool:

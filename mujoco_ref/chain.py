@@ -9,11 +9,12 @@ plane.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mujoco_ref.engine import mujoco
 from tentacle.errors import InputError
 from tentacle.signals import Array
 from tentacle.specimen import Fluid, Gravity, Specimen
@@ -40,7 +41,7 @@ class Chain:
     angle], damping (n,) [N m s/rad].
     """
 
-    model: mujoco.MjModel
+    model: Any
     specimen: Specimen
     links: int
     start: Array
@@ -106,7 +107,7 @@ def build_spec(
     gravity: Gravity,
     tip_mass: float,
     mount: Mount,
-) -> mujoco.MjSpec:
+) -> Any:
     """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for the eye: they carry no mass."""
     spec = mujoco.MjSpec()
     spec.modelname = "tentacle"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 from scipy.linalg import eigh
 
+from mujoco_ref.engine import mujoco
 from mujoco_ref.statics import equilibrium
 from mujoco_ref.step import State, Stepper
 from mujoco_ref.water import link_motion, water_forces

@@ -52,8 +52,8 @@ class Clock:
         count = int(np.floor(duration * fps + 1e-9)) + 1
         step = 1.0 / (fps * substeps)
         first = int(np.ceil(lead_in * fps - 1e-9)) * substeps
-        half_steps = 0.5 * step * (np.arange(2 * (first + count * substeps) + 1) - 2 * first)
-        return Clock(step, substeps, first, step * substeps * np.arange(count), half_steps)
+        half_steps = 0.5 * step * np.arange(-2 * first, 2 * count * substeps + 1, dtype=float)
+        return Clock(step, substeps, first, step * substeps * np.arange(count, dtype=float), half_steps)
 
 
 @dataclass(frozen=True)
@@ -131,12 +131,15 @@ def make_stepper(
     return Stepper(chain, hinge_records(chain, parameters), water, tip, base, drift)
 
 
-def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0) -> State:
-    """At rest in the shape c(s) = q1 + q2 s + ... (eq. 1), q (K,) [rad]."""
+def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> State:
+    """In the shape c(s) = q1 + q2 s + ... (eq. 1), q (K,) [rad], changing at q_rate (K,) [rad/s] (default: at rest)."""
     state = State.at_rest(stepper.chain.links, theta)
     curvature = np.polynomial.polynomial.polyval(stepper.chain.hinge_s, np.asarray(q, dtype=float))
     state.q[3:] = curvature / stepper.chain.links
     state.hinge_memory[:, 1] = state.q[3:]
+    if q_rate is not None:
+        change = np.polynomial.polynomial.polyval(stepper.chain.hinge_s, np.asarray(q_rate, dtype=float))
+        state.v[3:] = change / stepper.chain.links
     return state
 
 
@@ -188,13 +191,15 @@ def simulate(
     rail: Rail | None = None,
     s: Array | None = None,
     initial_q: Array | None = None,
+    initial_q_rate: Array | None = None,
     release_t: float | None = None,
     lead_in: float = 0.0,
     longest_step: float = LONGEST_STEP,
 ) -> Simulation:
     """Simulate `duration` [s] of a model's arm whose motor follows the waveform, and look at it `fps` times a second.
 
-    The arm starts at rest in its equilibrium, or in the shape initial_q (K,) of eq. 1, held until release_t [s]. With
+    The arm starts at rest in its equilibrium, or in the shape initial_q (K,) of eq. 1,
+    moving at initial_q_rate (K,), held until release_t [s]. With
     lead_in [s] it moves for that long before the first frame, the motion swelling from nothing. Base: prescribed, or
     turned by a servo; fixed, or on a rail along y. Deterministic: nothing here is random. s (P,): where the midline is
     sampled (default 41 points). hidden: effects (name -> parameter -> value) that act beside the model's own.
@@ -213,7 +218,7 @@ def simulate(
             state = equilibrium(stepper, motor[0, 0])
             tare = rest_reading(stepper, equilibrium(stepper, float(waveform(0.0)[0])))
         else:
-            state = state_of_shape(stepper, initial_q, motor[0, 0])
+            state = state_of_shape(stepper, initial_q, motor[0, 0], initial_q_rate)
             tare = rest_reading(stepper, state)
         state.t = float(clock.half_steps[0])
         if stepper.held[2]:

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 from numba import njit
 
 from mujoco_ref.chain import Chain
+from mujoco_ref.engine import mujoco
 from mujoco_ref.hinges import hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember

@@ -1,4 +1,5 @@
-"""The board as the host sees it: commands with bounded retry, samples in order, the clock, and coming back after a loss.
+"""The board as the host sees it: commands with bounded retry, samples in order, the clock, and coming back after a
+loss.
 
 One thread does all of it: while `service` is called the board hears from the host; a host that hangs is a silent host,
 and the board's watchdog then takes the arm to neutral. That is meant.
@@ -7,6 +8,7 @@ and the board's watchdog then takes the arm to neutral. That is meant.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from rig import protocol
@@ -91,10 +93,10 @@ class Board:
                 self.link.open()
                 self._reset = False
                 self._pings.clear()
-                before = self.pong
+                self.pong = None
                 self._pinged_at = -1e9
-                self._listen_until(lambda: self.pong is not before, 0.5)
-                if self.pong is not before:
+                self._listen_until(lambda: self.pong is not None, 0.5)
+                if self.pong is not None:
                     break
             except Fault as fault:
                 if fault.kind != "link_lost":
@@ -200,7 +202,7 @@ class Board:
     def _answered(self, number: int, kind: Type) -> bool:
         return self._answer is not None and (self._answer.sequence, self._answer.type) == (number, kind)
 
-    def _listen_until(self, done, seconds: float) -> None:
+    def _listen_until(self, done: Callable[[], bool], seconds: float) -> None:
         until = time.monotonic() + seconds
         while not done() and time.monotonic() < until:
             self.service(0.002)

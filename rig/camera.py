@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rig.fault import Fault
 from rig.host_time import HostTime
 from tentacle.errors import InputError
+from tentacle.signals import Array
 
 Image = NDArray[np.uint8]
 JPEG_QUALITY = 92
@@ -30,15 +31,19 @@ class CameraFrame:
 
     host_s: float
     jpeg: bytes
-    thumbnail: NDArray[np.float32]
+    thumbnail: Array
 
 
 class FrameSource(Protocol):
     """Where pictures come from. `read` blocks until the next one: (image, host_s of arrival), None at the end."""
 
-    def read(self) -> tuple[Image, float] | None: ...
+    def read(self) -> tuple[Image, float] | None:
+        """The next picture."""
+        ...
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Lets the source go."""
+        ...
 
 
 class WebcamSource:
@@ -137,6 +142,6 @@ class Camera:
 def compressed(image: Image, host_s: float) -> CameraFrame:
     """A picture as it is kept."""
     grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
-    thumbnail = cv2.resize(grey, THUMBNAIL, interpolation=cv2.INTER_AREA).astype(np.float32)
+    thumbnail = cv2.resize(grey, THUMBNAIL, interpolation=cv2.INTER_AREA).astype(float)
     _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     return CameraFrame(host_s, data.tobytes(), thumbnail)

@@ -41,9 +41,9 @@ def lit_frames(thumbnails: Array) -> np.ndarray:
 def estimate_offset(frame_times: Array, lit: np.ndarray, on: Array, off: Array) -> CameraOffset:
     """frame_times (N,) [s] of arrival, lit (N,) bool, and the flashes' true begins and ends (F,) [s], one time base.
 
-    A frame is lit when the middle of its exposure lies within a flash: each edge says that it fell between two frames, less
-    the offset. Their product, over a grid, is the offset's distribution; frames' jitter softens the walls. Fault("camera")
-    where fewer than two edges can be told apart.
+    A frame is lit when the middle of its exposure lies within a flash: each edge says that it fell between two
+    frames, less the offset. Their product, over a grid, is the offset's distribution; frames' jitter softens the
+    walls. Fault("camera") where fewer than two edges can be told apart.
     """
     frame_times, lit = np.asarray(frame_times, dtype=float), np.asarray(lit, dtype=bool)
     period = float(np.median(np.diff(frame_times)))

@@ -60,7 +60,8 @@ class ClockEstimator:
     def fit(self) -> ClockFit:
         """The regression; ValueError before the first round trip.
 
-        The skew is drawn to 0 with SKEW_SIGMA: over a few seconds the round trips' jitter says less than the crystals do.
+        The skew is drawn to 0 with SKEW_SIGMA: over a few seconds the round trips' jitter says less than the crystals
+        do.
         """
         if not self._trips:
             raise ValueError("no round trip yet: the board has not answered a ping")

@@ -74,7 +74,9 @@ class EmulatedSource:
 
 
 def draw(points: Array, lit: float, optics: EmulatedOptics) -> Image:
-    """A grey picture (height, width): dark arm on light ground, an LED in the corner. points (P, 2) [m] in the base frame."""
+    """A grey picture (height, width): dark arm on light ground, an LED in the corner. points (P, 2) [m] in the base
+    frame.
+    """
     width, height = optics.size
     image = np.full((height, width), 200, dtype=np.uint8)
     pixels = optics.declaration.to_pixels(points)

@@ -67,7 +67,9 @@ def read_truth(path: Path) -> Truth:
         raise InputError("is never at rest", file=path, expected="the trace of a running emulator")
     head, plant = values[1:11], values[11:]
     points = np.array(plant[3:]).reshape(POINTS, 2)
-    return Truth(*head[:8], int(head[8]), int(head[9]), plant[0], plant[1], plant[2], points)
+    zero, rate, boot, now, on, off, pulse, since, conversions, boots = head
+    counted = (int(conversions), int(boots))
+    return Truth(zero, rate, boot, now, on, off, pulse, since, *counted, plant[0], plant[1], plant[2], points)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ Kind = Literal[
 ]  # fmt: skip
 
 
-class Fault(RuntimeError):
+class Fault(RuntimeError):  # noqa: N818 (the rig has faults; an error is the input's)
     """A fault of the rig, by kind; the message is one line that says what to look at."""
 
     def __init__(self, kind: Kind, message: str) -> None:

@@ -41,15 +41,16 @@ class Link:
         self.bytes_read = self.bytes_written = 0
         self._parser = Parser()
         self._bad_before = 0
-        self._port: serial.SerialBase | None = None
+        self._port: serial.Serial | None = None
 
     def open(self) -> None:
         """Opens the port; Fault("link_lost") where it cannot be opened."""
         self.close()
-        exclusive = {} if "://" in self.url else {"exclusive": True}
         target = self.url if "://" in self.url else os.path.realpath(self.url)  # a link's pty may change under its name
         try:
-            port = serial.serial_for_url(target, baudrate=BAUD, timeout=0.0, write_timeout=0.5, **exclusive)
+            port = serial.serial_for_url(target, baudrate=BAUD, timeout=0.0, write_timeout=0.5)
+            if "://" not in self.url:
+                port.exclusive = True
         except (OSError, ValueError) as error:  # SerialException is an OSError
             raise Fault("link_lost", f"{self.url} cannot be opened: {_reason(error)}") from None
         with contextlib.suppress(
@@ -89,6 +90,7 @@ class Link:
     def receive(self, wait: float) -> list[Frame]:
         """The frames that have come, after at most `wait` real seconds."""
         port = self._require()
+        data = b""
         try:
             port.timeout = wait
             data = port.read(max(1, port.in_waiting))
@@ -99,7 +101,7 @@ class Link:
         self.bytes_read += len(data)
         return self._parser.feed(data) if data else []
 
-    def _require(self) -> serial.SerialBase:
+    def _require(self) -> serial.Serial:
         if self._port is None:
             raise Fault("link_lost", f"{self.url} is not open")
         return self._port

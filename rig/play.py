@@ -65,8 +65,9 @@ def play(
 ) -> Iterator[Sequence[Sample] | PlayStart | PlayEnd]:
     """Plays set points (N,) [rad], one every `period` [s], on an armed board.
 
-    Yields a PlayStart, batches of samples in order as they come, and a PlayEnd at last. Nothing is raised for a fault of the rig: it is
-    the PlayEnd's outcome, after what could still be had from the board was yielded. The arm ends at neutral.
+    Yields a PlayStart, batches of samples in order as they come, and a PlayEnd at last. Nothing is raised for a fault
+    of the rig: it is the PlayEnd's outcome, after what could still be had from the board was yielded. The arm ends at
+    neutral.
     """
     check_set_points(points, period, limits)
     urad = np.round(1e6 * points).astype(int).tolist()

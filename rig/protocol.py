@@ -94,7 +94,9 @@ class Frame:
 
 @dataclass(frozen=True)
 class Boot:
-    """The board has started, or was greeted: its limits of build (pulses [us], angle [urad], speed [urad/s]), clock [us]."""
+    """The board has started, or was greeted: its limits of build (pulses [us], angle [urad], speed [urad/s]), clock
+    [us].
+    """
 
     version: int
     boot_id: int
@@ -141,7 +143,9 @@ class LoadSample:
 
 @dataclass(frozen=True)
 class ServoSample:
-    """One servo frame: angle at the pin and measured angle [urad] (NO_ANGLE without feedback), pulse [us], current [mA]."""
+    """One servo frame: angle at the pin and measured angle [urad] (NO_ANGLE without feedback), pulse [us], current
+    [mA].
+    """
 
     number: int
     board_us: int

@@ -1,11 +1,13 @@
-"""One run from start to stop: settle, flash for the camera's clock, play the waveform, and record all of it as it happens."""
+"""One run from start to stop: settle, flash for the camera's clock, play the waveform, and record all of it as it
+happens.
+"""
 
 from __future__ import annotations
 
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -55,8 +57,8 @@ class Motion:
 
 @dataclass(frozen=True)
 class RunResult:
-    """outcome: "complete", "interrupted" or a fault's kind; mean_thrust [N] between set point zero_index and the end, less
-    the reading at rest before the run; samples and lost: counts; words: one line on what went wrong.
+    """outcome: "complete", "interrupted" or a fault's kind; mean_thrust [N] between set point zero_index and the end,
+    less the reading at rest before the run; samples and lost: counts; words: one line on what went wrong.
     """
 
     path: Path
@@ -113,8 +115,8 @@ def record(
 ) -> RunResult:
     """Settles, runs and records into `path`. A fault of the rig ends the run safely and is the result's outcome.
 
-    progress is told a phase and the share of it that is done. InputError (before anything moves) where the path is taken or
-    the motion is beyond the limits.
+    progress is told a phase and the share of it that is done. InputError (before anything moves) where the path is
+    taken or the motion is beyond the limits.
     """
     if path.exists():
         raise InputError("is there already", file=path, expected="a path that is free")
@@ -131,6 +133,25 @@ def record(
         _film(recorder, path, {"outcome": end.outcome, **stop})
         recorder.stop(end.outcome, stop)
     return RunResult(path, end.outcome, end.words, run.mean_thrust(end), run.count, board.counters.samples_lost)
+
+
+def trial_runner(
+    setup: RigSetup,
+    board: Board,
+    camera: Camera | None,
+    interrupts: Interrupts | None = None,
+    progress: Callable[[str, float], None] = lambda _phase, _share: None,
+) -> Callable[[Waveform, float, Path, dict[str, Any]], None]:
+    """A function that tries a gait on the rig, as rig.optimise wants it; a board that was lost is connected again."""
+
+    def run_trial(gait: Waveform, duration: float, path: Path, description: dict[str, Any]) -> None:
+        if not board.link.is_open:
+            board.connect()
+            arm(board, setup.limits, setup.servo)
+        motion = motion_of(gait, duration, setup, description)
+        record(setup, board, camera, motion, path, name=path.stem, interrupts=interrupts, progress=progress)
+
+    return run_trial
 
 
 class _Run:
@@ -320,10 +341,8 @@ def _film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
 
 
 def _neutral(board: Board) -> None:
-    try:
+    with suppress(Fault):  # a board that cannot be reached goes to neutral by its watchdog
         board.command(Type.NEUTRAL)
-    except Fault:
-        pass  # the board's watchdog does it
 
 
 def _source(setup: RigSetup, host_time: HostTime) -> FrameSource:

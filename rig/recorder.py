@@ -2,8 +2,8 @@
 
 Start without stop means that the host died: what was flushed up to then (every FLUSH_EVERY) is in the file.
 Under /rig stands what the board said (rig/run_file.py reads it). Beside it the same file holds the recording as
-tentacle.recording_rrd lays it out (/declaration, /motor, /load_cell), from the first sample on, so that every other command
-takes the file as it is, crashed or not.
+tentacle.recording_rrd lays it out (/declaration, /motor, /load_cell), from the first sample on, so that every other
+command takes the file as it is, crashed or not.
 """
 
 from __future__ import annotations
@@ -49,7 +49,9 @@ class Recorder:
         viewer: str | None = None,
         free_bytes: Callable[[Path], int] | None = None,
     ) -> None:
-        """start: what is known before (plain data); to_newtons: counts to N; viewer: url of a Rerun viewer to feed too."""
+        """start: what is known before (plain data); to_newtons: counts to N; viewer: url of a Rerun viewer to feed
+        too.
+        """
         self.path = path
         self._to_newtons = to_newtons
         self._free = free_bytes or (lambda where: shutil.disk_usage(where).free)
@@ -161,7 +163,9 @@ class Recorder:
         self._require_space()
 
     def stop(self, outcome: str, record: dict[str, Any]) -> None:
-        """The stop record, and the end of the file. A full disk cannot make this fail: the run then reads as crashed."""
+        """The stop record, and the end of the file. A full disk cannot make this fail: the run then reads as
+        crashed.
+        """
         self._stopped = True
         batch, self._pending = self._pending, []
         self._send(batch)

@@ -108,8 +108,8 @@ def read_run(path: Path) -> Run:
 def to_recording(run: Run, *, video: Path | None = None) -> Recording:
     """The run as every other command takes it, time 0 where the waveform began.
 
-    video: where to write the frames (an .mp4, one time stamp a frame); without it the recording has no video. InputError
-    where nothing was sampled.
+    video: where to write the frames (an .mp4, one time stamp a frame); without it the recording has no video.
+    InputError where nothing was sampled.
     """
     if not len(run.load_t) and not len(run.servo_t):
         raise InputError("holds no sample", file=run.path, expected="a run that got as far as its first sample")
@@ -154,12 +154,12 @@ def write_video(run: Run, path: Path) -> None:
     kept = [(t, data) for t, data in zip(times, run.frames, strict=True) if t >= 0]
     if not kept:
         raise InputError("no frame was taken during the run", file=run.path)
-    with av.open(str(path), "w") as container:
+    with av.open(str(path), mode="w") as container:
         stream = container.add_stream("libx264", rate=1000)
         stream.options = {"crf": "10", "preset": "veryfast"}
         stream.codec_context.time_base = stream.time_base = _milliseconds()
         for k, (t, data) in enumerate(kept):
-            with av.open(io.BytesIO(data), format="mjpeg") as still:
+            with av.open(io.BytesIO(data), mode="r", format="mjpeg") as still:
                 picture = next(still.decode(video=0)).reformat(format="yuv420p")
             if k == 0:
                 stream.width, stream.height, stream.pix_fmt = picture.width, picture.height, "yuv420p"

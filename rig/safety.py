@@ -18,7 +18,9 @@ NEUTRAL_WITHIN = 0.5  # s from the host's death to the arm at neutral
 
 @dataclass(frozen=True)
 class SafetyLimits:
-    """What the servo may do: angles [rad] around neutral (0), speed [rad/s], current [A], all positive but min_angle."""
+    """What the servo may do: angles [rad] around neutral (0), speed [rad/s], current [A], all positive but
+    min_angle.
+    """
 
     min_angle: float
     max_angle: float
@@ -93,8 +95,9 @@ def check_limits(limits: SafetyLimits, servo: ServoCalibration, boot: protocol.B
 def set_points(waveform: Waveform, duration: float, limits: SafetyLimits, period: float = SERVO_FRAME) -> Array:
     """Set points (N,) [rad], one every `period` [s] over `duration` [s], from neutral and back to it.
 
-    A waveform that does not begin or end at neutral gets a smooth lead of half a second there; time 0 of the waveform is
-    then lead_samples(...) periods after the first set point. InputError where an angle or speed is beyond the limits.
+    A waveform that does not begin or end at neutral gets a smooth lead of half a second there; time 0 of the waveform
+    is then lead_samples(...) periods after the first set point. InputError where an angle or speed is beyond the
+    limits.
     """
     count = round(duration / period) + 1
     if count < 2:

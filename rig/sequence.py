@@ -1,4 +1,6 @@
-"""The board numbers its samples; here they are put in order, doubles left out, gaps asked for again and, at last, counted."""
+"""The board numbers its samples; here they are put in order, doubles left out, gaps asked for again and, at last,
+counted.
+"""
 
 from __future__ import annotations
 

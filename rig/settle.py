@@ -1,4 +1,6 @@
-"""The paper's rule: the water has settled when the load cell's readings scatter no more than a threshold (section III-A)."""
+"""The paper's rule: the water has settled when the load cell's readings scatter no more than a threshold (section
+III-A).
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from tentacle.errors import InputError
 
 @dataclass(frozen=True)
 class SettleRule:
-    """Settled when the last `samples` readings have a standard deviation below `threshold` [N]; within `timeout` [s]."""
+    """Settled when the last `samples` readings have a standard deviation below `threshold` [N]; within `timeout`
+    [s].
+    """
 
     threshold: float
     samples: int
@@ -29,7 +33,9 @@ class SettleRule:
 
 
 class Settling:
-    """Watches readings [N] come in. A slow swing of the water is seen because the window spans it: choose samples so."""
+    """Watches readings [N] come in. A slow swing of the water is seen because the window spans it: choose samples
+    so.
+    """
 
     def __init__(self, rule: SettleRule) -> None:
         self.rule = rule

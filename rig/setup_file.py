@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +49,7 @@ class RigSetup:
     settle: SettleRule
     load_cell: LoadCellCalibration
     recording: RecordingFile
-    servo: ServoCalibration = ServoCalibration()
+    servo: ServoCalibration = field(default_factory=ServoCalibration)
     camera: CameraSettings | None = None
     rate: float = 1.0
 

@@ -21,7 +21,8 @@ from tentacle.errors import InputError
 from tentacle.signals import Array, MotorSignal
 
 DEGREE = 5
-MARGIN = 0.05  # s beyond the first and last sample, in which the motion goes on at its last rate
+MARGIN = 1.0  # s beyond the first and last sample, in which the base comes to rest: room for a time offset
+STOPPING = 0.05  # s, the time constant of that
 FEWEST_INTERVALS = 2
 INTERVAL_RATIO = 1.15  # from one number of knot intervals tried to the next
 SAMPLES_PER_INTERVAL = 2  # at the finest; finer is interpolation
@@ -50,7 +51,15 @@ class BaseMotion:
             )
         inside = np.clip(t, self.start, self.stop)
         theta, rate, acceleration = (self.spline(inside, derivative) for derivative in range(3))
-        return np.stack([theta + rate * (t - inside), rate, np.where(t == inside, acceleration, 0.0)])
+        beyond = t - inside
+        fading = np.exp(-np.abs(beyond) / STOPPING)
+        return np.stack(
+            [
+                theta + rate * STOPPING * np.sign(beyond) * (1.0 - fading),
+                rate * fading,
+                np.where(beyond == 0.0, acceleration, -np.sign(beyond) * rate * fading / STOPPING),
+            ]
+        )
 
 
 def fit_base_motion(motor: MotorSignal) -> BaseMotion:

@@ -154,7 +154,7 @@ def _parse_at_once(body: bytes, columns: int) -> Array | None:
             return None
     if values.size == 0:
         return np.empty((0, columns))
-    return values if values.shape[1] == columns else None
+    return values if values.shape[1] == columns and not np.isinf(values).any() else None  # 1e999 is infinite too
 
 
 def _fill_blank_cells(body: bytes) -> bytes:
@@ -187,7 +187,7 @@ def _parse_cell(cell: str, name: str, file: Path, row: int) -> float:
     if not text:
         return np.nan
     try:
-        value = float(text)
+        value = float(text) if "_" not in text else np.nan  # 1_000 is a number to Python alone
     except ValueError:
         value = np.nan
     if not np.isfinite(value):

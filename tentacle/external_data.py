@@ -63,8 +63,8 @@ DATA_SETS = (
     ),
     DataSet(
         name="worm_crops",
-        what="600 grey crops of a crawling worm, 15 frames/s, with midlines by another program (reference_midlines.npz: "
-        "the first 600 rows of features.h5)",
+        what="600 grey crops of a crawling worm, 15 frames/s, with midlines by another program "
+        "(reference_midlines.npz: the first 600 rows of features.h5)",
         url="https://github.com/iteal/wormpose_data",
         commit="3667721534fc3062b85f165826c0ae944bceeedc",
         path="datasets/sample_data",

@@ -54,7 +54,7 @@ def _parse_effect(effects: Table, name: str) -> dict[str, Estimate]:
 
 def _parse_estimate(table: Table) -> Estimate:
     value = table.number("value")
-    estimate = Estimate(value, table.number("low", value), table.number("high", value), table.string("unit", "1"))
+    estimate = Estimate(value, table.bound("low", value), table.bound("high", value), table.string("unit", "1"))
     table.finish()
     if not estimate.low <= value <= estimate.high:
         raise table.error(f"{value!r} is not between low and high", "value", f"{estimate.low!r} to {estimate.high!r}")

@@ -3,7 +3,7 @@
 | entity | what is there (columns by name; rows on the timelines `time` [s] and `row`) |
 |---|---|
 | /declaration | static TextDocument: recording.toml, markers' (s, d), name and notes included |
-| /rows | static: signal names, and how many rows each has; so that a file that was cut off is known to be |
+| /rows | static: signal names, and how many rows each has (camera: frames, 1 for a video file): to know a cut |
 | /motor | t_s; /motor/command and /motor/angle: Scalars [rad] |
 | /load_cell | t_s; /load_cell/thrust: Scalars [N] |
 | /midline | t_s, x_m, y_m, sigma_m (P each); static s (P) |
@@ -14,14 +14,14 @@
 
 `time` is rounded to whole nanoseconds by Rerun, so the exact times are in t_s. Signals are written in the order of time
 and before the video: a file that was cut off (a full disk, a killed recorder) is recovered up to the cut, and says so
-in notes["cut_off"].
+in notes["cut_off"]. Reading: tentacle.recording_from_rrd.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,15 +29,14 @@ import numpy as np
 import rerun as rr
 from numpy.typing import NDArray
 
-from tentacle.declaration_file import RecordingFile, format_recording_file, parse_recording_file
+from tentacle.declaration_file import format_recording_file
 from tentacle.errors import InputError
 from tentacle.recording import Recording
-from tentacle.rrd_columns import Columns, read_entities
-from tentacle.signals import LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
-from tentacle.toml_table import parse_toml
-from tentacle.video_file import check_frames, frame_files
-from tentacle.video_store import store_frames, store_video
+from tentacle.recording_from_rrd import read_rrd
+from tentacle.video_file import frame_files
 from tentacle.write_folder import describe
+
+__all__ = ["log_recording", "read_rrd", "write_rrd"]
 
 APPLICATION = "tentacle-twin"
 MEDIA_TYPES = {
@@ -51,10 +50,12 @@ SECONDS_PER_BLOCK = 1.0  # a cut costs at most this much, and the whole video
 
 
 def write_rrd(recording: Recording, file: Path) -> None:
-    """Write a recording; the file appears whole or not at all."""
+    """Write a recording; the file appears whole or not at all. InputError where its folder is missing."""
     file = Path(file)
+    if not file.parent.is_dir():
+        raise InputError("no such folder", file=file.parent)
     partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    stream = rr.RecordingStream(APPLICATION, recording_id=recording.name, send_properties=False)
+    stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording))
     try:
         stream.save(partial)
         log_recording(recording, stream)
@@ -66,13 +67,26 @@ def write_rrd(recording: Recording, file: Path) -> None:
         raise
 
 
+def _identity(recording: Recording) -> str:
+    """The same for the same declaration and signals: the viewer takes two files of one identity as one recording."""
+    digest = hashlib.sha256(format_recording_file(describe(recording)).encode())
+    for columns in _signal_rows(recording).values():
+        for values in columns.values():
+            digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()[:32]
+
+
 def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
     """Log a recording to an open stream, so that other things can stand beside it in the same file."""
     signals = _signal_rows(recording)
     declaration = format_recording_file(describe(recording))
+    stream.send_recording_name(recording.name)
     stream.log("declaration", rr.TextDocument(declaration, media_type="text/plain"), static=True)
     counts = {name: len(next(iter(columns.values()))) for name, columns in signals.items()}
-    stream.log("rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)
+    if recording.video is not None:
+        counts["camera"] = len(frame_files(recording.video.path)) if recording.video.path.is_dir() else 1
+    if counts:
+        stream.log("rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)
     _log_statics(recording, stream)
     stream.flush()  # single logs travel in a batch of their own: the declaration is to come first in the file
     for name, columns, rows in _blocks(signals):
@@ -175,111 +189,3 @@ def _log_video(recording: Recording, stream: rr.RecordingStream) -> None:
         return
     references = rr.VideoFrameReference.columns_nanos(stamps)
     stream.send_columns("camera/video", [rr.TimeColumn("time", duration=1e-9 * stamps)], references)
-
-
-def read_rrd(file: Path) -> Recording:
-    """The recording in an .rrd file; its video's bytes are put in a cache folder (tentacle.video_store).
-
-    InputError where there is none in it. A file that was cut off gives what lies before the cut and
-    notes["cut_off"], one line that says how much that is.
-    """
-    file = Path(file)
-    entities, bytes_lost = read_entities(file)
-    if "/declaration" not in entities:
-        raise InputError("holds no recording", file=file, expected="an .rrd of `tentacle import`, not cut off at once")
-    text = str(entities["/declaration"].static("TextDocument:text")[0])
-    declared = parse_recording_file(parse_toml(text, file), file=file, text=text)
-    recording = Recording(
-        name=declared.name or file.stem,
-        declaration=declared.declaration,
-        motor=_motor(entities),
-        load_cell=_load_cell(entities),
-        midline=_midline(entities.get("/midline")),
-        markers=_markers(entities.get("/markers"), declared),
-        shape=_shape(entities.get("/shape")),
-        video=_video(entities),
-        notes=declared.notes,
-    )
-    note = _what_is_missing(entities, bytes_lost)
-    return recording if note is None else replace(recording, notes={**recording.notes, "cut_off": note})
-
-
-def _motor(entities: dict[str, Columns]) -> MotorSignal | None:
-    command, angle = entities.get("/motor/command"), entities.get("/motor/angle")
-    if "/motor" not in entities or command is None or angle is None:
-        return None
-    columns = [entities["/motor"].flat("t_s"), command.flat("Scalars:scalars"), angle.flat("Scalars:scalars")]
-    rows = min(map(len, columns))  # a cut can fall between the entities of one block
-    return MotorSignal(*(column[:rows] for column in columns))
-
-
-def _load_cell(entities: dict[str, Columns]) -> LoadCellSignal | None:
-    thrust = entities.get("/load_cell/thrust")
-    if "/load_cell" not in entities or thrust is None:
-        return None
-    columns = [entities["/load_cell"].flat("t_s"), thrust.flat("Scalars:scalars")]
-    rows = min(map(len, columns))
-    return LoadCellSignal(*(column[:rows] for column in columns))
-
-
-def _midline(columns: Columns | None) -> Midline | None:
-    if columns is None or not columns.has_rows("t_s", "x_m", "y_m", "sigma_m"):
-        return None
-    s = np.array(columns.static("s"), dtype=float)
-    t, x, y, sigma = columns.aligned("t_s", "x_m", "y_m", "sigma_m")
-    return Midline(t[:, 0].copy(), s, np.stack([x, y], axis=-1), sigma)
-
-
-def _markers(columns: Columns | None, declared: RecordingFile) -> Markers | None:
-    if columns is None or not columns.has_rows("t_s", "x_m", "y_m"):
-        return None
-    t, x, y = columns.aligned("t_s", "x_m", "y_m")
-    positions = np.array(list(declared.markers.values()), dtype=float)
-    names = tuple(declared.markers)
-    return Markers(t[:, 0].copy(), names, positions[:, 0].copy(), positions[:, 1].copy(), np.stack([x, y], axis=-1))
-
-
-def _shape(columns: Columns | None) -> ShapeTrack | None:
-    if columns is None or not columns.has_rows("t_s", "coefficients", "covariance", "accepted", "reason"):
-        return None
-    t, coefficients, covariance, accepted, reason = columns.aligned(
-        "t_s", "coefficients", "covariance", "accepted", "reason"
-    )
-    count = coefficients.shape[1]
-    return ShapeTrack(
-        t=t[:, 0].copy(),
-        coefficients=coefficients,
-        covariance=covariance.reshape(-1, count, count),
-        accepted=accepted[:, 0].astype(bool),
-        reason=tuple(str(words) for words in reason[:, 0]),
-        scale=float(columns.static("scale")[0]),
-        scale_sigma=float(columns.static("scale_sigma")[0]),
-        base_shift=np.array(columns.static("base_shift"), dtype=float),
-    )
-
-
-def _video(entities: dict[str, Columns]) -> Video | None:
-    video, frames = entities.get("/camera/video"), entities.get("/camera/frames")
-    if video is not None and video.has_static("AssetVideo:blob", "suffix"):
-        return Video(store_video(video.static_bytes("AssetVideo:blob"), str(video.static("suffix")[0])))
-    if frames is not None and frames.has_rows("EncodedImage:blob"):
-        folder = store_frames(frames.row_bytes("EncodedImage:blob"))
-        check_frames(folder)
-        return Video(folder)
-    return None
-
-
-def _what_is_missing(entities: dict[str, Columns], bytes_lost: int) -> str | None:
-    """One line about a cut, or None where all rows that were announced are there."""
-    words = []
-    if "/rows" in entities:
-        rows = entities["/rows"]
-        for name, count in zip(rows.static("signal"), rows.static("count"), strict=True):
-            columns = entities.get(f"/{name}")
-            found = columns.row_count if columns is not None else 0
-            if found < int(count):
-                words.append(f"{name} {found} of {count} rows")
-    if not words and not bytes_lost:
-        return None
-    head = "the file is cut off" + (f", its last {bytes_lost} bytes are no whole message" if bytes_lost else "")
-    return head + ("; left: " + ", ".join(words) if words else "; every signal is whole, a video may be lost")

@@ -5,9 +5,10 @@ n up; gravity pulls along -n, so its angle is -pi/2. How the geometry, which the
 
 - Before the release the beam is supported straight. A marker is a point of the material, and its (s, d) is where it
   lies in that straight pose. Curvature vanishes at the free end, so this holds for a marker that stands off the face.
-- The foremost tip marker is taken to sit on the tip face, s = 1; the clamp's face is then 100 mm behind it, at z = -24.5
-  mm (gravity) and -27.6 mm (load52). The clamp's markers lie at -18 to -24 mm, their balls in front of that face. The
-  drop under its own weight, 6.6 mm, over the turn of the tip markers, 0.079 rad, says 101 mm (bending and shear).
+- The foremost tip marker is taken to sit on the tip face, s = 1; the clamp's face is then 100 mm behind it, at
+  z = -24.5 mm (gravity) and -27.6 mm (load52). The clamp's markers lie at -18 to -24 mm, their balls in front of that
+  face. The drop under its own weight, 6.6 mm, over the turn of the tip markers, 0.079 rad, says 101 mm (bending and
+  shear).
 - The axis is halfway between the upper and the lower tip marker, which are 29 mm apart on a face of 30 mm.
 - The release is where the first 3 mm of free fall extrapolate to no drop; the samples of a run agree to 3 ms. The
   supporting hand does not let go at once: load52_V2_b creeps by 0.15 mm in the 0.1 s before.

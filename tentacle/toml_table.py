@@ -122,6 +122,12 @@ class Table:
             raise self.error(f"{value!r} is out of range", key, expected)
         return float(value)
 
+    def bound(self, key: str, default: float) -> float:
+        """An end of an interval: a number, or an infinite one."""
+        value = self.raw(key, "a number", default)
+        infinite = isinstance(value, float) and math.isinf(value)
+        return value if infinite else self.number(key, default)
+
     def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
         """A list of finite numbers, of the given length where one is given."""
         expected = "a list of numbers" if count is None else f"a list of {count} numbers"

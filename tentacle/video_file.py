@@ -67,4 +67,6 @@ def check_video(file: Path) -> None:
             if next(container.decode(video=0), None) is None:
                 raise InputError("not one frame can be decoded", file=file)
     except (FFmpegError, OSError) as error:
-        raise InputError(f"unreadable video: {error}", file=file, expected="a video that FFmpeg reads") from None
+        raise InputError(
+            f"unreadable video: {error.strerror or error}", file=file, expected="a video that FFmpeg reads"
+        ) from None

@@ -1,4 +1,7 @@
-"""Base motions theta(t) with their first two derivatives: rest, sine, chirp, multisine, the gait of eq. 20, a ramp."""
+"""Base motions theta(t) with their first two derivatives: rest, sine, chirp, multisine, a ramp.
+
+The gait of eq. 20 is in tentacle.gait, motions fitted to samples in tentacle.base_motion, files in waveform_file.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tentacle.signals import Array
-
-GAIT_TERMS = 5
 
 
 class Waveform(Protocol):
@@ -78,30 +79,6 @@ class Multisine:
         """See Waveform. ValueError where the three tuples differ in length."""
         parts = zip(self.amplitudes, self.frequencies, self.phases, strict=True)
         return np.sum([Sine(amplitude, frequency, phase)(t) for amplitude, frequency, phase in parts], axis=0)
-
-
-@dataclass(frozen=True)
-class Gait:
-    """The nine-parameter gait of eq. 20: a sine, a square wave and a saw-tooth, each with amplitude, rate and phase.
-
-    alpha: (alpha_1 .. alpha_9); 1-3 amplitudes [rad], 4-6 angular rates [rad/s], 7-9 phases [rad], in that order of
-    waves. The print sums infinitely many terms, whose acceleration has no limit (the n-th term's grows like n): here
-    the first `terms` of each are taken. As printed, a phase is added to every harmonic alike, so that alpha_8 and
-    alpha_9 bend the square and the saw-tooth rather than shift them.
-    """
-
-    alpha: tuple[float, float, float, float, float, float, float, float, float]
-    terms: int = GAIT_TERMS
-
-    def __call__(self, t: ArrayLike) -> Array:
-        """See Waveform."""
-        t = np.asarray(t, dtype=float)
-        a1, a2, a3, a4, a5, a6, a7, a8, a9 = self.alpha
-        motion = _sine(a1, a4, a7, t)
-        for n in range(1, self.terms + 1):
-            motion += _sine(a2 / (2 * n - 1), a5 * (2 * n - 1), a8, t)  # square wave term
-            motion += _sine(a3 / n, a6 * n, a9, t)  # saw-tooth wave term
-        return motion
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@
 | sine | amplitude_rad, frequency_hz, phase_rad = 0 |
 | chirp | amplitude_rad, start_hz, stop_hz, duration_s |
 | multisine | amplitudes_rad, frequencies_hz, phases_rad: lists of one length |
-| gait | alpha: the nine numbers of eq. 20; terms = 5 |
+| gait | alpha: the nine numbers of eq. 20; bandwidth_hz = 5 |
 | samples | t_s, angle_rad: lists of one length, times rising; between them a spline (tentacle.base_motion) |
 
 Every kind takes ramp_s: it then starts from rest at theta = 0 over that time (tentacle.waveform.Ramped).
@@ -15,25 +15,24 @@ Every kind takes ramp_s: it then starts from rest at theta = 0 over that time (t
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import tomli_w
 
 from tentacle.errors import InputError
+from tentacle.gait import GAIT_PARAMETERS, Gait
 from tentacle.toml_table import Table, read_toml
-from tentacle.waveform import GAIT_TERMS, Chirp, Gait, Multisine, Ramped, Rest, Sine, Waveform
+from tentacle.waveform import Chirp, Multisine, Ramped, Rest, Sine, Waveform
 
 KINDS = ("rest", "sine", "chirp", "multisine", "gait", "samples")
 
 
 def read_waveform(file: Path) -> Waveform:
-    """The waveform in a TOML file's [waveform] table; InputError names what is wrong."""
+    """The waveform in a TOML file's [waveform] table, whatever else is in it; InputError names what is wrong."""
     text, values = read_toml(Path(file))
     document = Table(values, file=Path(file), text=text)
-    waveform = parse_waveform(document.required_table("waveform"))
-    document.finish()
-    return waveform
+    return parse_waveform(document.required_table("waveform"))
 
 
 def write_waveform(waveform: Waveform, file: Path) -> None:
@@ -69,8 +68,8 @@ def waveform_table(waveform: Waveform) -> dict[str, Any]:
         case Multisine(amplitudes, frequencies, phases):
             head = {"kind": "multisine", "amplitudes_rad": list(amplitudes)}
             return {**head, "frequencies_hz": list(frequencies), "phases_rad": list(phases)}
-        case Gait(alpha, terms):
-            return {"kind": "gait", "alpha": list(alpha), "terms": terms}
+        case Gait(alpha, bandwidth):
+            return {"kind": "gait", "alpha": list(alpha), "bandwidth_hz": bandwidth}
         case Ramped(inner, duration) if not isinstance(inner, Ramped):
             return {**waveform_table(inner), "ramp_s": duration}
     raise TypeError(f"{type(waveform).__name__} has no table; sample it and write kind = samples")
@@ -101,8 +100,7 @@ def _multisine(table: Table) -> Waveform:
 
 
 def _gait(table: Table) -> Waveform:
-    alpha = cast(tuple[float, float, float, float, float, float, float, float, float], table.numbers("alpha", 9))
-    return Gait(alpha, table.whole_number("terms", GAIT_TERMS, least=1))
+    return Gait(table.numbers("alpha", GAIT_PARAMETERS), table.number("bandwidth_hz", Gait.bandwidth, above=0))
 
 
 def _samples(table: Table) -> Waveform:

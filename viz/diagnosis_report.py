@@ -20,7 +20,7 @@ from viz.figures.spectrum import spectrum_figure
 from viz.figures.thrust import thrust_figure
 from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, Section, Table, render
-from viz.scene import Scene, scene_of
+from viz.scene import Scene, paired, scene_of
 from viz.words import NONE, VERDICT_TITLES, effect_name, error_rows, interval, number
 
 DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
@@ -197,8 +197,9 @@ def diagnosis_report(
     command is the line that made it, versions maps a package to its version, inputs a file to its SHA-256. recordings
     are found by the runs' names and give the load cell; they may be empty. The same arguments give the same text.
     """
-    known = {recording.name: recording for recording in recordings}
-    scenes = [scene_of(run) for run in diagnosis.runs]
+    pairs = [(scene_of(run), recording) for run, recording in paired(diagnosis.runs, recordings)]
+    scenes = [scene for scene, _ in pairs]
+    known = {scene.name: recording for scene, recording in pairs}
     sections = [
         error_section(diagnosis),
         parameter_section(diagnosis),

@@ -11,7 +11,7 @@ from tentacle.signals import Array
 from viz.scene import Party, Scene
 
 COLUMNS = 600
-ROW_PIXELS = 8
+HEIGHT = 320  # about: every point has a band of the same whole number of rows
 GAP = np.array([70, 70, 70], dtype=np.uint8)  # not measured
 
 
@@ -47,7 +47,7 @@ def heat_map(scene: Scene, party: Party, limit: float) -> HeatMap:
     start, stop = float(scene.t[0]), float(scene.t[-1])
     # columns are doubled in short runs: a picture of fixed width keeps every view alike
     nearest = np.searchsorted(0.5 * (scene.t[1:] + scene.t[:-1]), np.linspace(start, stop, COLUMNS))
-    rows = np.repeat(np.argsort(scene.s, kind="stable"), ROW_PIXELS)
+    rows = np.repeat(np.argsort(scene.s, kind="stable"), max(1, round(HEIGHT / len(scene.s))))
     sampled = values[nearest][:, rows].T
     colours = np.asarray(colormaps[SEQUENTIAL_MAP](np.clip(sampled / limit, 0.0, 1.0), bytes=True))[..., :3].copy()
     colours[~np.isfinite(sampled)] = GAP

@@ -21,21 +21,26 @@ TRIAL = "trial"
 
 @dataclass(frozen=True)
 class Search:
-    """One method's search: the value (N,) of every trial as tried, and the best motion theta (T,) [rad] at t (T,)."""
+    """One method's search: values (N,) reached when so many `evaluations` (N,) were done, and the best motion.
 
+    values may be every trial's own, or the best so far now and then; NaN is a failed trial. The motion is theta (T,)
+    [rad] at t (T,) [s].
+    """
+
+    evaluations: Array
     values: Array
     t: Array
     theta: Array
 
     @property
     def best_so_far(self) -> Array:
-        """The best value (N,) among the trials up to each; NaN counts as failed."""
+        """The best value (N,) up to each."""
         return np.fmax.accumulate(self.values)
 
 
 def log_search(session: rr.RecordingStream, name: str, role: Role, search: Search) -> None:
-    """Every trial as a point, the best so far as a line."""
-    trials = rr.TimeColumn(TRIAL, sequence=np.arange(len(search.values)))
+    """Every value as a point, the best so far as a line."""
+    trials = rr.TimeColumn(TRIAL, sequence=np.asarray(search.evaluations).astype(np.int64))
     points = rr.SeriesPoints(colors=[role.faint()], names=[f"{name}, trials"], marker_sizes=[2.0])
     where = f"search/{rr.escape_entity_path_part(name)}"
     session.log(f"{where}/trials", points, static=True)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.diagnosis import RunComparison
+from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.palette import AUGMENTED, BASE, MEASURED, Role
 
@@ -67,6 +70,26 @@ class Scene:
         values = self.residual_mm(party)[self.judged]
         values = values[np.isfinite(values)]
         return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")
+
+
+def paired(
+    runs: Sequence[RunComparison], recordings: Sequence[Recording]
+) -> list[tuple[RunComparison, Recording | None]]:
+    """Each run with its recording, found by name; the second run of a name gets the second recording of that name.
+
+    Runs come back with names of their own: "run", "run (2)" and so on.
+    """
+    waiting: dict[str, list[Recording]] = {}
+    for recording in recordings:
+        waiting.setdefault(recording.name, []).append(recording)
+    seen: Counter[str] = Counter()
+    pairs: list[tuple[RunComparison, Recording | None]] = []
+    for run in runs:
+        seen[run.name] += 1
+        name = run.name if seen[run.name] == 1 else f"{run.name} ({seen[run.name]})"
+        candidates = waiting.get(run.name, [])
+        pairs.append((replace(run, name=name), candidates.pop(0) if candidates else None))
+    return pairs
 
 
 def scene_of(run: RunComparison) -> Scene:

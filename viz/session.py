@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from uuid import UUID
 
+import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
@@ -15,7 +16,7 @@ from tentacle.diagnosis import Diagnosis
 from tentacle.recording import Declaration, Recording
 from viz.blueprints.diagnose import diagnose_blueprint
 from viz.blueprints.run import Shown
-from viz.scene import Scene, scene_of
+from viz.scene import Scene, paired, scene_of
 from viz.topics.arms import log_arms
 from viz.topics.camera import log_camera
 from viz.topics.coordinates import log_coordinates
@@ -65,6 +66,8 @@ def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording) -
         scene.name,
         recording.declaration,
         tuple((party.key, party.role.name) for party in scene.models),
+        arms=any(bool(np.isfinite(party.xy).any()) for party in scene.parties),
+        coordinates=any(party.q is not None for party in scene.parties),
         camera=log_camera(session, path, scene, recording),
         thrust=log_thrust(session, path, scene, recording.load_cell),
         events=log_events(session, path, recording_events(recording) + judged_events(scene)),
@@ -84,13 +87,13 @@ def write_session(diagnosis: Diagnosis, recordings: Sequence[Recording], path: P
     InputError where a recording's video cannot be read. Returns the path written.
     """
     path = Path(path)
-    known = {recording.name: recording for recording in recordings}
-    names = [run.name for run in diagnosis.runs]
+    pairs = paired(diagnosis.runs, recordings)
+    names = [run.name for run, _ in pairs]
     shown: list[Shown] = []
     with session_file(path, session_id("diagnose", str(diagnosis.seed), *names)) as session:
         log_verdict(session, diagnosis)
-        for run in diagnosis.runs:
-            recording = known.get(run.name) or Recording(run.name, declaration_of(diagnosis))
-            shown.append(log_scene(session, scene_of(run), recording))
+        for run, recording in pairs:
+            found = recording or Recording(run.name, declaration_of(diagnosis))
+            shown.append(log_scene(session, scene_of(run), found))
         set_layout(session, diagnose_blueprint(shown))
     return path

@@ -1,4 +1,4 @@
-"""The session of `tentacle track`: the video with what was seen over it, rejected frames marked, q with its bands."""
+"""Sessions of a recording by itself: the video with what was seen over it, rejected frames marked, q with its bands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.blueprints.run import run_page
 from viz.blueprints.views import page
-from viz.midline import DRAWN_POINTS, track_points
+from viz.midline import DRAWN_POINTS, paper_coordinates, track_points
 from viz.palette import MEASURED
 from viz.scene import Party, Scene
 from viz.session import log_scene, session_file, session_id, set_layout
@@ -34,9 +34,37 @@ def track_scene(recording: Recording) -> Scene:
     s = np.linspace(0.0, 1.0, DRAWN_POINTS)
     xy = track_points(shape, theta, recording.declaration.specimen.length, s)
     xy[~shape.accepted] = np.nan
-    q = np.where(shape.accepted[:, None], shape.coefficients[:, 1:3], np.nan)
+    q, _ = paper_coordinates(shape)
     everywhere = np.ones(len(shape.t), dtype=bool)
     return Scene(recording.name, shape.t, s, theta, (Party("measured", MEASURED, xy, q),), everywhere)
+
+
+def recording_scene(recording: Recording) -> Scene:
+    """Whatever a recording shows of the arm, as a scene with one party: its track, midline or markers.
+
+    Of a video that was not tracked the scene has the servo's times, with nothing seen.
+    """
+    if recording.shape is not None:
+        return track_scene(recording)
+    if recording.midline is not None:
+        t, s, xy, points = recording.midline.t, recording.midline.s, recording.midline.xy, "midline"
+    elif recording.markers is not None:
+        t, s, xy, points = recording.markers.t, recording.markers.s, recording.markers.xy, "markers"
+    else:
+        t = np.zeros(1) if recording.motor is None else recording.motor.t
+        s, xy, points = np.linspace(0.0, 1.0, 2), np.full((len(t), 2, 2), np.nan), "midline"
+    everywhere = np.ones(len(t), dtype=bool)
+    party = Party("measured", MEASURED, xy)
+    return Scene(recording.name, t, s, servo_angle(recording, t), (party,), everywhere, points)
+
+
+def write_recording_view(recording: Recording, path: Path | str) -> Path:
+    """A session that shows a recording as it is. Raises InputError where its video cannot be read."""
+    path = Path(path)
+    with session_file(path, session_id("view", recording.name)) as session:
+        shown = log_scene(session, recording_scene(recording), recording)
+        set_layout(session, page(rrb.Tabs(run_page(shown))))
+    return path
 
 
 def write_track(recording: Recording, path: Path | str) -> Path:

@@ -86,3 +86,10 @@ def screenshot(files: Sequence[Path], picture: Path, at: float | None = None, se
         ) from None
     picture.write_bytes(contents)
     return picture
+
+
+def holds_recording(file: Path) -> bool:
+    """Whether an .rrd is a plain recording (it holds its declaration), not a session that has a layout."""
+    from rerun.chunk import RrdReader
+
+    return any(str(chunk.entity_path) == "/declaration" for chunk in RrdReader(str(file)).stream())

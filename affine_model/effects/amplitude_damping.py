@@ -1,4 +1,6 @@
-"""Amplitude-dependent damping: the material loses more where it is bent more, in proportion to the size of the curvature."""
+"""Amplitude-dependent damping: the material loses more where it is bent more,
+in proportion to the size of the curvature.
+"""
 
 from affine_model.effect import Effect, Parameter
 from affine_model.laws import sqrt

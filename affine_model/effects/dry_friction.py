@@ -1,4 +1,4 @@
-"""Dry friction in the material: a bending moment of constant size against the rate of curvature (smoothed at 0.05 rad/s)."""
+"""Dry friction in the material: a bending moment of constant size against c_rate (smoothed at 0.05 rad/s)."""
 
 from affine_model.effect import Effect, Parameter
 from affine_model.laws import tanh

@@ -1,4 +1,6 @@
-"""Inertia of the arm and of its declared payload (eq. 9, with the circular or rectangular section in place of the lamina)."""
+"""Inertia of the arm and of its declared payload (eq. 9,
+with the circular or rectangular section in place of the lamina).
+"""
 
 from affine_model.effect import Effect
 

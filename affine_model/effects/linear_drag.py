@@ -1,4 +1,6 @@
-"""Linear drag: viscous resistance in proportion to the speed; along the tangent half of that along the normal (slender body)."""
+"""Linear drag: viscous resistance in proportion to the speed;
+along the tangent half of that along the normal (slender body).
+"""
 
 from affine_model.effect import Effect, Parameter
 

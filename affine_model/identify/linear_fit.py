@@ -33,9 +33,9 @@ def fit_linear(
 ) -> LinearFit:
     """Solve residual(parameters) = 0 for the free parameters in the least-squares sense, the others as given.
 
-    residual maps a vector (R,) to (N,). Its columns are taken by differencing one parameter at a time, by its nominal size:
-    exact where the dependence is linear (k, d, C_perp, C_a, masses ...), elsewhere a local linearisation about the given vector.
-    independent: share of the N rows that count as independent of one another, for the covariance.
+    residual maps a vector (R,) to (N,). Its columns are taken by differencing one parameter at a time, by its nominal
+    size: exact where the dependence is linear (k, d, C_perp, C_a, masses ...), elsewhere a local linearisation about
+    the given vector. independent: share of the N rows that count as independent of one another, for the covariance.
     """
     rows = {(row.effect, row.parameter.name): row for row in parameter_rows()}
     at_given = residual(parameters)

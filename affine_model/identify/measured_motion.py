@@ -1,4 +1,6 @@
-"""A measured motion made ready for regression: smoothed curvatures with their derivatives, base motion, relaxing memory."""
+"""A measured motion made ready for regression: smoothed curvatures with their derivatives, base motion,
+relaxing memory.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,9 @@ from tentacle.errors import InputError
 
 @dataclass(frozen=True)
 class MeasuredMotion:
-    """t (T,) [s]; u, u_rate, u_acceleration (T, n + 2): Legendre curvatures, base angle, rail (zero), and derivatives."""
+    """t (T,) [s]; u, u_rate, u_acceleration (T, n + 2): Legendre curvatures, base angle, rail (zero),
+    and derivatives.
+    """
 
     t: Array
     u: Array
@@ -26,14 +30,17 @@ class MeasuredMotion:
 def local_polynomials(t: Array, values: Array, window: int, degree: int = 4) -> tuple[Array, Array, Array]:
     """Value and first two derivatives (T, K) of values (T, K) at t (T,): a polynomial through the nearest samples.
 
-    At every instant a polynomial of `degree` is fitted, by least squares, to the `window` samples around it (at the ends: the first or
-    last window). On evenly spaced samples this is Savitzky and Golay's filter (1964); the samples here need not be even.
-    InputError where times do not rise, or are fewer than the window, or the window has fewer samples than the polynomial coefficients.
+    At every instant a polynomial of `degree` is fitted, by least squares, to the `window` samples around it (at the
+    ends: the first or last window). On evenly spaced samples this is Savitzky and Golay's filter (1964); the samples
+    here need not be even. InputError where times do not rise, or are fewer than the window, or the window has fewer
+    samples than the polynomial coefficients.
     """
     if window <= degree:
         raise InputError(f"{window} is too few", field="window", expected=f"at least {degree + 1} samples")
     if t.size < window or np.any(np.diff(t) <= 0.0) or not np.all(np.isfinite(values)):
-        raise InputError("samples cannot be differentiated", field="t", expected=f"{window} rising times, finite values")
+        raise InputError(
+            "samples cannot be differentiated", field="t", expected=f"{window} rising times, finite values"
+        )
     first = np.clip(np.arange(t.size) - window // 2, 0, t.size - window)
     index = first[:, None] + np.arange(window)
     span = (t[index[:, -1]] - t[index[:, 0]])[:, None]
@@ -44,12 +51,14 @@ def local_polynomials(t: Array, values: Array, window: int, degree: int = 4) -> 
     return derivatives[0], derivatives[1], derivatives[2]
 
 
-def measured_motion(arm: Arm, t: Array, q: Array, base: Array, *, q_rate: Array | None = None, window: int = 7
+def measured_motion(
+    arm: Arm, t: Array, q: Array, base: Array, *, q_rate: Array | None = None, window: int = 7
 ) -> MeasuredMotion:
-    """The motion behind measured curvatures q (T, n) at t (T,) [s], the base turning as base (3, T): theta and derivatives.
+    """The motion behind measured curvatures q (T, n) at t (T,) [s], the base turning as base (3, T): theta and
+    derivatives.
 
-    Derivatives come from quartics over `window` samples (local_polynomials); q_rate (T, n), where it was measured, stands instead of
-    the first, and is differentiated in place of q for the second.
+    Derivatives come from quartics over `window` samples (local_polynomials); q_rate (T, n), where it was measured,
+    stands instead of the first, and is differentiated in place of q for the second.
     """
     smooth, rate, acceleration = local_polynomials(t, q, window)
     if q_rate is not None:

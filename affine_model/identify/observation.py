@@ -13,9 +13,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside, quadrature
+from affine_model.curvature import (
+    Array,
+    angle_basis,
+    integration_to,
+    legendre_to_monomial,
+    midline,
+    monomial_angle,
+    points_beside,
+    quadrature,
+)
 from tentacle.signals import Markers, Midline, ShapeTrack
 
+SHAPE_NODES = 16
 POSE = 4  # base angle offset [rad], shift x, shift y [m], log of the apparent scale
 
 
@@ -90,7 +100,7 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: fl
     count = POSE + order
     usable = seen.sum(axis=1) * 2 >= count + 2
     coefficients = np.zeros((frames, count))
-    rule, steps = quadrature(16), 12
+    steps = 12
     jacobian = np.zeros((frames, points, 2, count))
     for _ in range(steps):
         q, angle = coefficients[:, POSE:] @ to_monomial.T, theta + coefficients[:, 0]
@@ -101,7 +111,7 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: fl
         jacobian[..., 0, 1] = 1.0
         jacobian[..., 1, 2] = 1.0
         jacobian[..., 3] = size * shape
-        jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, length, data.s, order, rule.s.size)
+        jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, length, data.s, order)
         error = (xy - predicted) * weight[..., None]
         weighted = (jacobian * weight[..., None, None]).reshape(frames, 2 * points, count)
         normal = np.einsum("tpk,tpl->tkl", weighted, weighted)
@@ -119,17 +129,15 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: fl
     return ShapeObservation(data.t, theta, length, coefficients, root, chi2, left.astype(float))
 
 
-def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: int, nodes: int) -> Array:
-    """d r(s) / dz (T, P, 2, order) by central differences in z, exact enough for Gauss-Newton and its covariance."""
-    to_monomial = legendre_to_monomial(order)
-    step = 1e-5
-    columns = []
-    for j in range(order):
-        shift = step * to_monomial[:, j]
-        ahead = midline(q + shift, angle, length, s, nodes)
-        behind = midline(q - shift, angle, length, s, nodes)
-        columns.append((ahead - behind) / (2.0 * step))
-    return np.stack(columns, axis=-1)
+def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: int) -> Array:
+    """d r(s) / dz = -L int_0^s n(v) beta(v) dv (T, P, 2, order), beta = d alpha / dz (derivative of eq. 3)."""
+    rule = quadrature(SHAPE_NODES)
+    phi = angle[:, None] + monomial_angle(q, rule.s)
+    weights = length * integration_to(SHAPE_NODES, s)
+    beta = angle_basis(order, rule.s)
+    normal = np.stack([np.cos(phi), np.sin(phi)], axis=1)  # (T, 2, N)
+    turned = normal[:, :, :, None] * beta
+    return -np.moveaxis(np.tensordot(turned, weights, axes=([2], [1])), (1, 2, 3), (2, 3, 1))
 
 
 def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservation:

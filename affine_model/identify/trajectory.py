@@ -1,7 +1,7 @@
 """The trajectory fit: parameters and initial states that bring the simulated motion onto the measured one.
 
-Least squares on whitened residuals over any number of recordings at once (scipy's trust region with bounds). All
-derivatives come from one batch of simulations a step, two individuals per unknown.
+Least squares on whitened residuals over any number of recordings at once, within bounds. All derivatives come from one batch
+of simulations a round, two individuals per unknown; scipy's least_squares finds the same minimum (a test compares).
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment, predict, whitened_residuals
+from affine_model.identify.levenberg import minimise
 
 ParameterName = tuple[str, str]  # effect, parameter
 DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
@@ -133,7 +133,7 @@ class Problem:
         return (values[:, 0::2] - values[:, 1::2]) / (ahead - behind)[columns]
 
 
-def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-6, most: int = 40) -> Fit:
+def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-7, most: int = 40) -> Fit:
     """Fit from one start: the problem's parameters and the given nuisances.
 
     Raises ValueError where there is not one used frame.
@@ -145,18 +145,16 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
     if not any(experiment.used.any() for experiment in problem.experiments):
         raise ValueError("no frame to fit")
 
-    def residuals(scaled: Array) -> Array:
-        return problem.residuals((scaled * scales)[:, None])[0][:, 0]
-
-    def jacobian(scaled: Array) -> Array:
-        return problem.jacobian(scaled * scales) * scales
-
-    inside = np.clip(start / scales, low / scales + 1e-12, high / scales - 1e-12)
-    solution = least_squares(
-        residuals, inside, jacobian, (low / scales, high / scales), "trf", tolerance, tolerance, None, max_nfev=most
+    lowest = minimise(
+        lambda scaled: problem.residuals(scaled * scales[:, None])[0],
+        lambda scaled: problem.jacobian(scaled * scales) * scales,
+        start / scales,
+        low / scales,
+        high / scales,
+        tolerance=tolerance,
+        most=most,
     )
-    unknowns = solution.x * scales
-    return _finished(problem, unknowns, solution.jac / scales, int(solution.nfev))
+    return _finished(problem, lowest.unknowns * scales, lowest.jacobian / scales, lowest.rounds)
 
 
 def _finished(problem: Problem, unknowns: Array, jacobian: Array, evaluations: int) -> Fit:

@@ -1,6 +1,8 @@
-"""Weak-form identification: the equations of motion weighted with bumps in time, so that accelerations are never needed.
+"""Weak-form identification: the equations of motion weighted with bumps in time, so that accelerations are never
+needed.
 
-int psi (M u'' - F) dt = int (-psi' M u' - psi (M' u' + F)) dt, since psi vanishes at both ends. Messenger and Bortz 2021.
+int psi (M u'' - F) dt = int (-psi' M u' - psi (M' u' + F)) dt, since psi vanishes at both ends. Messenger and Bortz
+2021.
 """
 
 from __future__ import annotations
@@ -21,13 +23,16 @@ TURN = 1e-5  # s: step along the motion for M' u'
 
 
 def bumps(t: Array, width: float, overlap: int = 4) -> tuple[Array, Array]:
-    """psi and its derivative (W, T): bumps of `width` seconds, `overlap` of them over every instant, with integration weights.
+    """psi and its derivative (W, T): bumps of `width` seconds, `overlap` of them over every instant, with integration
+    weights.
 
     InputError where the record is shorter than two bumps, or a bump has fewer than 8 samples.
     """
     span = t[-1] - t[0]
     if width * 2.0 > span or np.median(np.diff(t)) * 8.0 > width:
-        raise InputError(f"{width} s is not usable", field="width", expected="at least 8 samples, at most half the record")
+        raise InputError(
+            f"{width} s is not usable", field="width", expected="at least 8 samples, at most half the record"
+        )
     middles = np.arange(t[0] + 0.5 * width, t[-1] - 0.5 * width + 1e-12, width / overlap)
     x = (t[None, :] - middles[:, None]) / (0.5 * width)
     inside = np.clip(1.0 - x**2, 0.0, None)
@@ -65,8 +70,8 @@ def weak_form(
 ) -> LinearFit:
     """Fit the free parameters to curvatures q (T, n) [rad] at t (T,) [s] in weak form.
 
-    As regression(), but with bumps of `width` [s], about half the shortest period that matters; rates are still smoothed over
-    `window` samples. The covariance counts overlapping bumps once.
+    As regression(), but with bumps of `width` [s], about half the shortest period that matters; rates are still
+    smoothed over `window` samples. The covariance counts overlapping bumps once.
     """
     motion = measured_motion(arm, t, q, base, q_rate=q_rate, window=window)
     psi, psi_rate = bumps(t, width, overlap)

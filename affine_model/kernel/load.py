@@ -1,4 +1,6 @@
-"""Compiles the generated kernel once and keeps it: a module in the user's cache folder, named by the hash of its text."""
+"""Compiles the generated kernel once and keeps it: a module in the user's cache folder,
+named by the hash of its text.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ def _cache_folder() -> Path:
 
 @cache
 def load_kernel(nodes: int) -> ModuleType:
-    """The kernel for that number of quadrature nodes; compiled on first use (tens of seconds), then loaded from the cache."""
+    """The kernel for that number of quadrature nodes; compiled on first use (tens of seconds),
+    then loaded from the cache.
+    """
     source = kernel_source(nodes)
     name = f"kernel_{nodes}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     path = _cache_folder() / f"{name}.py"
@@ -53,8 +57,8 @@ def load_kernel(nodes: int) -> ModuleType:
 def advance_blocks(nodes: int, count: int, *arguments: Any) -> None:
     """Run the kernel over `count` individuals, block by block, on every core this process may use.
 
-    Threads of Python, which the kernel frees while it computes: numba's own parallel loop costs as much to compile again
-    as the kernel itself. A block writes to its own individuals' columns alone.
+    Threads of Python, which the kernel frees while it computes: numba's own parallel loop costs as much to compile
+    again as the kernel itself. A block writes to its own individuals' columns alone.
     """
     kernel = load_kernel(nodes)
     blocks = -(-count // BLOCK)

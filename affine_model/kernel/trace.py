@@ -1,4 +1,6 @@
-"""From a law to lines of code: the law is called with symbols, differentiated, and printed with common subexpressions shared."""
+"""From a law to lines of code: the law is called with symbols, differentiated,
+and printed with common subexpressions shared.
+"""
 
 from __future__ import annotations
 

@@ -4,6 +4,6 @@ The loop that looks for them (discovery) may not import this: the import rules s
 """
 
 from mujoco_ref.undeclared.make import Noise, make
-from mujoco_ref.undeclared.trials import Trial, trials
+from mujoco_ref.undeclared.trials import Plan, Trial, trial_name
 
-__all__ = ["Noise", "Trial", "make", "trials"]
+__all__ = ["Noise", "Plan", "Trial", "make", "trial_name"]

@@ -165,12 +165,14 @@ def make(
     links: int = DEFAULT_LINKS,
     initial_q: Array | None = None,
     release_t: float | None = None,
+    clean_midline: bool = False,
 ) -> tuple[Recording, dict[str, Any]]:
     """A recording whose declaration is the model's own, made with further effects, and the truth about them.
 
     effects: name -> parameters, or a factor on a typical strength, or "visible" or "faint" (sized so that the midline
     moves by 6-15 or 0.7-2 standard deviations of its noise). Several act together. The model's parameters, the
-    catalogue's included, act too. Same seed, same recording. truth: plain data for a JSON file. Raises InputError as
+    catalogue's included, act too. Same seed, same recording. clean_midline leaves the midline without noise, for a
+    renderer that brings its own. truth: plain data for a JSON file. Raises InputError as
     simulate does, and for an effect that is not known.
     """
     random = np.random.default_rng(seed)
@@ -181,7 +183,8 @@ def make(
     points = seen_midline(scene, hidden)
     bare = seen_midline(scene, {})
     moved = 1e3 * float(np.sqrt(np.mean(np.sum((points - bare) ** 2, axis=2))))
-    observed = points + noise.midline * random.standard_normal(points.shape)
+    spread = 0.0 if clean_midline else noise.midline
+    observed = points + spread * random.standard_normal(points.shape)
     motor = None
     if initial_q is None:
         angle = run.command + noise.angle * random.standard_normal(run.t.size)
@@ -192,7 +195,7 @@ def make(
         declaration=Declaration(model.specimen, model.fluid, model.gravity, release_t=release_t),
         motor=motor,
         load_cell=LoadCellSignal(run.t, load),
-        midline=Midline(run.t, sampled, observed, np.full(points.shape[:2], noise.midline)),
+        midline=Midline(run.t, sampled, observed, np.full(points.shape[:2], spread)),
     )
     known = all(is_catalogued(effect) for effect in hidden)
     truth = {

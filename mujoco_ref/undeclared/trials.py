@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,23 +37,41 @@ def draw_effects(random: np.random.Generator, uncatalogued: float, nothing: floa
     return {str(name): str(random.choice(["visible", "faint"])) for name in names}
 
 
-def trials(
-    model: Model,
-    waveform: Waveform,
-    count: int,
-    seed: int,
-    duration: float,
-    fps: float,
-    noise: Noise = USUAL_NOISE,
-    *,
-    uncatalogued: float = 0.15,
-    nothing: float = 0.15,
-    most: int = 1,
-) -> Iterator[Trial]:
-    """`count` trials, one at a time; trial k depends on seed and k alone, so any part can be made again."""
-    for k in range(count):
-        random = np.random.default_rng([seed, k])
-        effects = draw_effects(random, uncatalogued, nothing, most)
-        number = int(random.integers(2**31))
-        recording, truth = make(effects, model, waveform, number, duration, fps, noise, name=f"trial_{k:03d}")
-        yield Trial(recording, {"trial": k, **truth})
+@dataclass(frozen=True)
+class Plan:
+    """What all trials share, and the shares of those with nothing hidden and with what no catalogue has.
+
+    most: effects in one trial at most. Trial k depends on the plan, the seed and k alone, so any can be made again.
+    """
+
+    model: Model
+    waveform: Waveform
+    seed: int
+    duration: float
+    fps: float
+    noise: Noise = USUAL_NOISE
+    uncatalogued: float = 0.15
+    nothing: float = 0.15
+    most: int = 1
+
+    def trial(self, k: int, *, clean_midline: bool = False) -> Trial:
+        """The k-th trial."""
+        random = np.random.default_rng([self.seed, k])
+        effects = draw_effects(random, self.uncatalogued, self.nothing, self.most)
+        recording, truth = make(
+            effects,
+            self.model,
+            self.waveform,
+            int(random.integers(2**31)),
+            self.duration,
+            self.fps,
+            self.noise,
+            name=trial_name(k),
+            clean_midline=clean_midline,
+        )
+        return Trial(recording, {"trial": k, **truth})
+
+
+def trial_name(k: int) -> str:
+    """What the k-th trial's recording is called: nothing that hints at its effects."""
+    return f"trial_{k:03d}"

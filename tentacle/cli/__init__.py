@@ -53,12 +53,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(f"tentacle: {error.line()}", file=sys.stderr)
         return 2
+    except OSError as error:
+        if isinstance(error, BrokenPipeError):  # the reader of a pipe has gone: nothing more to say or to complain of
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
+        if error.filename is None:
+            raise
+        print(f"tentacle: {error.filename}: {error.strerror}", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print("tentacle: stopped", file=sys.stderr)
         return 130
-    except BrokenPipeError:  # the reader of a pipe has gone: nothing more to say, and nothing to complain of
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
 
 
 def _version() -> str:

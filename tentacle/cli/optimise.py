@@ -16,6 +16,13 @@ HELP = "find the base motion that swims best, within the servo's limits"
 OBJECTIVES = ("thrust", "speed", "transport")
 METHODS = ("cmaes", "ga", "random")
 SILICONES = ("dragon-skin-10", "dragon-skin-20", "ecoflex-00-30")
+PROMISES = {
+    "thrust_n": ("mean thrust, clamped", "mN", 1e3),
+    "speed_m_s": ("speed on the rail", "cm/s", 1e2),
+    "power_w": ("mechanical power", "mW", 1e3),
+    "peak_torque_n_m": ("largest torque", "mN m", 1e3),
+    "transport_j_m": ("cost of transport", "J/m", 1.0),
+}
 LIMITS = {
     "angle_rad": "angle",
     "speed_rad_s": "speed",
@@ -68,9 +75,18 @@ def run(arguments: argparse.Namespace) -> int:
         trial = robust_trial(trial, model, arguments.robust, arguments.seed)
     arguments.out.mkdir(parents=True, exist_ok=True)
     names = ("objective", "method", "evaluations", "seed", "robust")
-    inputs = {"model": model_tables(model), "limits": vars(limits), **{name: getattr(arguments, name) for name in names}}
+    inputs = {
+        "model": model_tables(model),
+        "limits": vars(limits),
+        **{name: getattr(arguments, name) for name in names},
+    }
     notes = SearchNotes(arguments.out / "search.jsonl", inputs)
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.0f} gaits"),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, transient=True) as progress:
         task = progress.add_task(f"{arguments.method}, {arguments.objective}", total=arguments.evaluations)
 
@@ -95,10 +111,45 @@ def run(arguments: argparse.Namespace) -> int:
         details["front"] = front_table(trace_front(model, limits, arguments.seed))
     write_whole(arguments.out / "result.toml", tomli_w.dumps(tables))
     write_whole(arguments.out / "result.json", json.dumps({**tables, "course": details}, indent=1))
-    for line in summary(tables):
+    lines = summary(tables)
+    show(found, tables, lines, arguments.out)
+    for line in lines:
         print(line)
     print(f"written to {arguments.out}")
     return 0
+
+
+def show(found: Swimming, tables: dict[str, Any], lines: list[str], out: Path) -> None:
+    """Write session.rrd and report.html: the search's course, the motion found and the best sine, what they promise."""
+    import shlex
+    import sys
+
+    import numpy as np
+
+    from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
+    from viz.optimise import Search, write_optimisation
+    from viz.report import Origin, write_report
+    from viz.verb_reports import optimisation_report
+    from viz.words import number
+
+    t = np.linspace(0.0, 5.0, 501)
+    ends, level = found.evaluations[[0, -1]], np.full(2, found.sine_value)
+    searches = {
+        found.method: Search(found.evaluations, found.best, t, found.gait(t)[0]),
+        "best sine": Search(ends, level, t, found.sine(t)[0]),
+    }
+    promise, sine = tables["promise"], tables["sine"]["promise"]
+    rows = [
+        (name, unit, number(scale * promise[key]), number(scale * sine[key]) if key in sine else "-")
+        for key, (name, unit, scale) in PROMISES.items()
+        if key in promise
+    ]
+    objective = OBJECTIVE_TABLE[found.objective]
+    quantity = f"{objective.words} [{objective.unit}]"
+    command = shlex.join(["tentacle", *sys.argv[1:]])
+    page = optimisation_report(searches, quantity, rows, lines[0], Origin(command, found.seed))
+    write_optimisation(searches, quantity, out / "session.rrd")
+    write_report(page, out / "report.html")
 
 
 def read_arm(path: Path, silicone: str) -> Model:

@@ -1,16 +1,18 @@
-"""`tentacle view`: open recordings in the viewer, as a web page on this machine, or as a picture."""
+"""`tentacle view`: open recordings and sessions in the viewer, as a web page on this machine, or as a picture."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-HELP = "open recordings (.rrd) in the viewer, in a browser, or as a picture without a screen"
+HELP = "open recordings and sessions in the viewer, in a browser, or as a picture without a screen"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Files, and one of three ways to see them."""
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a recording or session (.rrd)")
+    parser.add_argument(
+        "files", nargs="+", type=Path, metavar="FILE", help="a session or recording (.rrd), or an import folder"
+    )
     way = parser.add_mutually_exclusive_group()
     way.add_argument("--web", action="store_true", help="serve the viewer on 127.0.0.1 until Ctrl-C")
     way.add_argument(
@@ -21,12 +23,29 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Open what was asked for; 0 when the viewer was closed in peace."""
+    import tempfile
+
     from tentacle.errors import InputError
     from viz import viewer
 
-    if arguments.screenshot is not None:
-        print(viewer.screenshot(arguments.files, arguments.screenshot, arguments.at))
-        return 0
-    if arguments.at is not None:
+    if arguments.at is not None and arguments.screenshot is None:
         raise InputError("only a screenshot has an instant", field="--at", expected="--screenshot OUT.png with it")
-    return viewer.serve_web(arguments.files) if arguments.web else viewer.open_native(arguments.files)
+    if arguments.screenshot is not None and arguments.screenshot.suffix != ".png":
+        raise InputError("not a picture's name", file=arguments.screenshot, field="--screenshot", expected="OUT.png")
+    with tempfile.TemporaryDirectory(prefix="tentacle-view-") as folder:
+        shown = [with_layout(file, Path(folder) / f"{number}.rrd") for number, file in enumerate(arguments.files)]
+        if arguments.screenshot is not None:
+            print(viewer.screenshot(shown, arguments.screenshot, arguments.at))
+            return 0
+        return viewer.serve_web(shown) if arguments.web else viewer.open_native(shown)
+
+
+def with_layout(file: Path, place: Path) -> Path:
+    """The file itself where it is a session; of a recording, a session that shows it, written to place."""
+    from tentacle.reading import read_recording
+    from viz.track import write_recording_view
+    from viz.viewer import holds_recording, require_recordings
+
+    if not file.is_dir() and not holds_recording(require_recordings([file])[0]):
+        return file
+    return write_recording_view(read_recording(file), place)

@@ -63,7 +63,8 @@ def test_kernel_equals_assembly(name):
             p[row.index] = row.parameter.nominal
     q0 = np.array([0.4, -0.6, 0.3])
     truth = reference_state(p, q0)
-    # Second order in the step: Richardson from two steps leaves fourth order, far under the tolerance. Dry friction is stiff.
+    # Second order in the step: Richardson from two steps leaves fourth order, far under the tolerance. Dry friction is
+    # stiff.
     coarse, fine = kernel_state(p, 1 / 2000, q0), kernel_state(p, 1 / 4000, q0)
     extrapolated = (4 * fine - coarse) / 3
     scale = np.array([1, 1, 1, 20, 20, 20.0])

@@ -17,7 +17,7 @@ def energy(arm, p, q, q_rate):
     from affine_model.arm import active_effects
     from affine_model.dynamics import balance
 
-    n, L, rule, section = arm.order, arm.specimen.length, arm.rule, arm.specimen.section
+    L, rule, section = arm.specimen.length, arm.rule, arm.specimen.section
     z, z_rate = q @ arm.from_monomial.T, q_rate @ arm.from_monomial.T
     zeros = np.zeros((len(z), 2))
     u, v = np.concatenate([z, zeros], 1), np.concatenate([z_rate, zeros], 1)
@@ -39,16 +39,17 @@ def test_energy_is_constant_over_ten_seconds(parameters, order):
     p = parameters(elasticity__E=2e5)
     q0 = np.zeros((order, 1))
     q0[0] = 0.3
-    h = 1 / 16000
-    batch = simulate(arm, p[:, None], np.repeat(STILL, round(10 / h), 1), h, q=q0, stride=1600, iterations=3)
+    h = 1 / 8000
+    batch = simulate(arm, p[:, None], np.repeat(STILL, round(10 / h), 1), h, q=q0, stride=800, iterations=2)
     total, kinetic = energy(arm, p, batch.q[..., 0], batch.q_rate[..., 0])
     exchanged = kinetic.max()
     assert exchanged > 1e-5  # joule: it does move
-    assert np.max(np.abs(total - total[0])) < 1e-6 * np.abs(total[0])
+    assert np.max(np.abs(total - total[0])) < 1e-6 * exchanged  # measured: 2e-7 at this step
 
 
 def test_terminal_speed_on_the_rail(parameters):
-    # A rigid straight arm held across the rail (theta = 90 degrees) sinks along y: drag 1/2 rho C_perp A v^2 balances the weight.
+    # A rigid straight arm held across the rail (theta = 90 degrees) sinks along y: drag 1/2 rho C_perp A v^2 balances
+    # the weight.
     arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), WATER, Gravity(0.0), order=1)
     p = parameters(elasticity__E=1e9, damping__eta=1e6, drag__C_perp=1.25)
     h, steps = 0.01, 2000
@@ -61,8 +62,8 @@ def test_terminal_speed_on_the_rail(parameters):
 
 
 def test_quadratic_drag_slows_as_one_over_time(parameters):
-    # m v' = -b v^2: 1/v = 1/v0 + b t / m. Here through a stiff arm across the rail, started by the current: seen from the
-    # water, that moves at U past an arm at rest, the arm's speed is U - v. 2e-3: the arm bends.
+    # m v' = -b v^2: 1/v = 1/v0 + b t / m. Here through a stiff arm across the rail, started by the current: seen from
+    # the water, that moves at U past an arm at rest, the arm's speed is U - v. 2e-3: the arm bends.
     arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), Fluid(998.0), Gravity(0.0, 0.0), order=1)
     U, h, steps = 0.3, 0.005, 2000
     p = parameters(elasticity__E=1e9, damping__eta=1e6, drag__C_perp=1.25, current__U_y=U)

@@ -1,4 +1,6 @@
-"""The paper's regression and the weak form on the model's own motion: exact without noise, and what noise does to them."""
+"""The paper's regression and the weak form on the model's own motion: exact without noise,
+and what noise does to them.
+"""
 
 import numpy as np
 import pytest

@@ -43,8 +43,8 @@ def test_a_tip_moment_bends_the_beam_into_an_arc(parameters):
 
 
 def test_own_weight_of_the_horizontal_cone(parameters):
-    # Reference: an Euler-Bernoulli elastica at g = 9.81 m/s^2 (standard gravity would give a drop of .024270), six digits.
-    # The coordinates converge from 218 um too much (order 2) to 1 um (order 8).
+    # Reference: an Euler-Bernoulli elastica at g = 9.81 m/s^2 (standard gravity would give a drop of .024270), six
+    # digits. The coordinates converge from 218 um too much (order 2) to 1 um (order 8).
     specimen = Specimen(Cone(0.0125, 0.001), 0.14, 1070.0)
     arm = Arm(specimen, AIR, Gravity(np.pi / 2, 9.81), order=8, nodes=16)
     q = equilibrium(arm, parameters(elasticity__E=2e5))

@@ -38,7 +38,9 @@ def test_torch_steps_as_the_kernel_does(parameters, extra):
     np.testing.assert_allclose(found.q.numpy(), truth.q, atol=2e-8)
     np.testing.assert_allclose(found.q_rate.numpy(), truth.q_rate, atol=2e-6)
     np.testing.assert_allclose(found.t.numpy(), truth.t, atol=1e-12)
-    np.testing.assert_allclose(found.fluid_force.numpy(), truth.fluid_force, atol=1e-6 * np.abs(truth.fluid_force).max())
+    np.testing.assert_allclose(
+        found.fluid_force.numpy(), truth.fluid_force, atol=1e-6 * np.abs(truth.fluid_force).max()
+    )
     np.testing.assert_allclose(found.mean_thrust.numpy(), truth.mean_thrust, rtol=1e-5)
 
 

@@ -31,7 +31,7 @@ def compiler() -> None:
 
 
 @pytest.fixture
-def emulator(tmp_path: Path, compiler: None) -> Iterator[Emulator]:
+def emulator(tmp_path: Path, compiler: None) -> Iterator[Emulator]:  # noqa: ARG001 (asked for: it skips)
     with Emulator(tmp_path / "emulator", EmulatorSettings(seed=3)) as running:
         yield running
 

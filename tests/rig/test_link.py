@@ -78,7 +78,8 @@ def test_frames_go_there_and_back(url: str) -> None:
 
 
 def test_rfc2217_is_taken_as_a_port() -> None:
-    # pyserial's own class: the server side needs a real port, so here only that the url reaches it and fails in one line.
+    # pyserial's own class: the server side needs a real port, so here only that the url reaches it and fails in one
+    # line.
     assert rfc2217.Serial is not None
     with socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
@@ -100,6 +101,5 @@ def test_a_port_that_goes_is_a_lost_link() -> None:
     os.close(near)
     os.close(far)
     with pytest.raises(Fault, match="has gone"):
-        for _ in range(3):
-            link.receive(0.01)
+        collect(link, 1)
     assert not link.is_open

@@ -51,8 +51,8 @@ def test_any_frame_survives_the_wire_in_any_pieces(kind: int, sequence: int, bod
 
 
 def test_damaged_frames_are_not_accepted() -> None:
-    # 20 000 mutated sample frames. CRC-32 lets one in 4e9 damaged frames through: none is expected here. A double damage
-    # that undoes itself is no damage, hence the comparison with the original.
+    # 20 000 mutated sample frames. CRC-32 lets one in 4e9 damaged frames through: none is expected here. A double
+    # damage that undoes itself is no damage, hence the comparison with the original.
     source = random.Random(7)
     wrong = 0
     for number in range(20_000):

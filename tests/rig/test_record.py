@@ -115,7 +115,8 @@ from tentacle.waveform import Sine
 setup = read_setup(Path(sys.argv[1]))
 with connected(setup) as board:
     motion = motion_of(Sine(0.5, 1.0), 30.0, setup, {})
-    record(setup, board, None, motion, Path(sys.argv[2]), name="killed", progress=lambda phase, share: print(phase, flush=True))
+    say = lambda phase, share: print(phase, flush=True)
+    record(setup, board, None, motion, Path(sys.argv[2]), name="killed", progress=say)
 """
 
 
@@ -200,3 +201,18 @@ def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
     (tmp_path / "text.rrd").write_text("no recording")
     with pytest.raises(InputError):
         read_run(tmp_path / "text.rrd")
+
+
+def test_a_replayed_run_is_the_run(setup: RigSetup, tmp_path: Path) -> None:
+    from rig.replay import drive
+
+    with connected(setup) as board:
+        record(setup, board, None, motion_of(WAVE, 2.0, setup, TABLE), tmp_path / "run.rrd", name="first")
+        result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
+    assert result.outcome == "complete"
+    assert difference.seconds > 1.9
+    # Chords of the motion 20 ms apart, twice: each up to (2 pi)^2 0.5 0.02^2 / 8 = 1e-3 rad; the thrust's noise is 0.33 mN.
+    assert difference.command < 2e-3
+    assert difference.angle < 5e-3
+    assert difference.thrust is not None
+    assert difference.thrust < 2e-3

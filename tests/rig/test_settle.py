@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rig.settle import Settling, SettleRule
+from rig.settle import SettleRule, Settling
 from tentacle.errors import InputError
 
 

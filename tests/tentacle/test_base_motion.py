@@ -104,8 +104,13 @@ def test_rest_stays_at_rest_and_six_samples_are_enough() -> None:
         fit_samples(np.linspace(0, 1, 5), np.zeros(5))
 
 
-def test_times_outside_the_samples_are_refused_but_for_a_margin() -> None:
+def test_outside_the_samples_the_base_comes_to_rest_and_far_outside_it_is_unknown() -> None:
     line = fit_samples(np.linspace(0, 1, 60), 2.0 * np.linspace(0, 1, 60))
-    np.testing.assert_allclose(line(1.04), [2.08, 2.0, 0.0], atol=1e-9)
-    with pytest.raises(InputError, match=r"asked for from 0 to 1\.2 s; expected times from 0 to 1 s"):
-        line([0.0, 1.2])
+    t, h = np.array([-0.9, -0.1, -0.01, 1.01, 1.1, 1.9]), 1e-5
+    before, now, after = line(t - h), line(t), line(t + h)
+    # Central differences of exponentials of 0.05 s: h^2 / 6 times 2 / 0.05^2 = 1e-8, and 3e-7 for the second.
+    np.testing.assert_allclose((after[0] - before[0]) / (2 * h), now[1], atol=1e-7)
+    np.testing.assert_allclose((after[1] - before[1]) / (2 * h), now[2], atol=1e-5)
+    np.testing.assert_allclose(line(1.9), [2.1, 0.0, 0.0], atol=1e-5)  # exp(-18) of 40 rad/s^2
+    with pytest.raises(InputError, match=r"asked for from 0 to 2\.2 s; expected times from 0 to 1 s"):
+        line([0.0, 2.2])

@@ -17,11 +17,6 @@ from tentacle.signals import ShapeTrack, Video
 from tests.tentacle.test_import_folder import assert_equal_recordings, random_recording
 
 
-@pytest.fixture(autouse=True)
-def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TENTACLE_CACHE", str(tmp_path / "cache"))
-
-
 def full_recording() -> Recording:
     rng = np.random.default_rng(4)
     coefficients = rng.normal(size=(30, 3))
@@ -68,6 +63,19 @@ def test_a_video_comes_back_with_its_own_bytes(tmp_path: Path) -> None:
     assert "cut_off" not in again.notes
 
 
+def test_a_cut_that_takes_the_video_says_so(tmp_path: Path) -> None:
+    video = Video(small_video(tmp_path / "video.mp4"))
+    bare = random_recording()
+    only_filmed = Recording(bare.name, bare.declaration, video=video)
+    write_rrd(only_filmed, tmp_path / "whole.rrd")
+    content = (tmp_path / "whole.rrd").read_bytes()
+    start = content.index(b"ftypisom")
+    (tmp_path / "cut.rrd").write_bytes(content[: start + 100])
+    again = tentacle.read_recording(tmp_path / "cut.rrd")
+    assert again.video is None
+    assert "camera 0 of 1" in again.notes["cut_off"]
+
+
 def test_frames_come_back_with_their_own_bytes(tmp_path: Path, png_frames: Path) -> None:
     write_rrd(replace(full_recording(), video=Video(png_frames)), tmp_path / "run.rrd")
     again = tentacle.read_recording(tmp_path / "run.rrd")
@@ -92,7 +100,7 @@ def test_a_cut_off_file_is_recovered_up_to_the_cut(tmp_path: Path) -> None:
         np.testing.assert_array_equal(again.motor.t, motor.t[:rows])
         np.testing.assert_array_equal(again.motor.angle, motor.angle[:rows])
         assert "the file is cut off" in again.notes["cut_off"]
-        assert f"motor {rows} of 4001 rows" in again.notes["cut_off"]
+        assert f"motor {rows} of 4001" in again.notes["cut_off"]
         assert again.declaration == recording.declaration
         kept.append(rows)
     # Forty blocks of one second, of about the same size, and the manifest at the end.

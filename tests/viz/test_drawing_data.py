@@ -60,7 +60,7 @@ def test_the_residual_map_puts_time_and_arc_length_where_it_says(case):
     assert scene.residual_mm(scene.models[0])[instant, point] == pytest.approx(5.0)
     drawn = heat_map(scene, scene.models[0], limit=5.0)
     bright = np.argwhere(drawn.picture[..., 0].astype(int) - drawn.picture[..., 2] > 100)
-    assert bright[:, 0].min() == 40 * 8  # the tip is the last band of rows
+    assert bright[:, 0].min() == 40 * 8  # 41 bands of 320/41 = 8 rows, and the tip's is the last
     assert abs(bright[:, 1].mean() - drawn.column(run.t[instant])) < 2  # one sample is 600/180 columns wide
     gap = np.flatnonzero((drawn.picture == GAP).all(axis=(0, 2)))
     assert abs(gap.mean() - drawn.column(run.t[20:24].mean())) < 2

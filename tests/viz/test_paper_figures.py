@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tentacle.errors import InputError
+from tentacle.waveform import Chirp
 from viz.figures.extremes import extremes_figure, mean_square_error
 from viz.figures.period import fundamental_period, period_average, period_figure
 from viz.figures.pipeline import Still, pipeline_figure
@@ -15,7 +16,7 @@ from viz.figures.regression import regression_figure
 from viz.figures.speeds import Swim, speeds_figure
 from viz.figures.style import save, svg
 from viz.figures.thrust_map import ThrustMap, thrust_map_figure
-from viz.midline import midline_points
+from viz.midline import affine_projection, midline_points
 from viz.palette import MEASURED
 from viz.scene import scene_of
 
@@ -27,6 +28,8 @@ def test_the_period_of_the_papers_sine_is_found():
     assert fundamental_period(t, 0.6 * np.sin(2 * np.pi * t * 0.633)) == pytest.approx(1 / 0.633, rel=1e-3)
     with pytest.raises(InputError, match="no period"):
         fundamental_period(t, np.zeros_like(t))
+    with pytest.raises(InputError, match="does not repeat"):
+        fundamental_period(t, Chirp(0.5, 0.3, 2.0, 39.0)(t)[0])
 
 
 def test_folding_gives_the_mean_and_the_deviation_over_cycles():
@@ -48,6 +51,13 @@ def test_an_arc_is_an_arc():
     drawn = midline_points(np.array([0.0]), np.array([[1.2, 0.0]]), 0.14, s)[0]
     exact = 0.14 / 1.2 * np.stack([np.cos(1.2 * s) - 1, np.sin(1.2 * s)], -1)
     np.testing.assert_allclose(drawn, exact, atol=1e-12)
+
+
+def test_a_third_coordinate_aliases_as_measured():
+    projection = affine_projection(3)
+    np.testing.assert_allclose(projection[:, :2], np.eye(2), atol=1e-12)
+    legendre = np.array([1.0, -6.0, 6.0])  # a third coordinate that curves as 1 - 6 s + 6 s^2
+    np.testing.assert_allclose(projection @ legendre, [0.46, -1.50], atol=0.005)  # measured, to two digits
 
 
 def test_the_error_is_table_ones_mean_square(case):

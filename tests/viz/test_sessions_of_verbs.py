@@ -11,13 +11,14 @@ from rerun.chunk import RrdReader
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
+from tentacle.recording_rrd import write_rrd
 from tentacle.signals import LoadCellSignal, MotorSignal
 from viz.compare import Motion, model_markdown, motions_scene, write_comparison
 from viz.live import LiveSession
 from viz.optimise import Search, write_optimisation
 from viz.topics.events import Event
-from viz.track import track_scene, write_track
-from viz.viewer import require_recordings, screenshot
+from viz.track import track_scene, write_recording_view, write_track
+from viz.viewer import holds_recording, require_recordings, screenshot
 
 
 def entities(path: Path) -> set[str]:
@@ -46,6 +47,22 @@ def test_what_was_not_tracked_cannot_be_shown_as_tracked(case, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_recording_is_shown_with_whatever_it_has(case, tmp_path):
+    whole = replace(case.recordings[0], shape=None)
+    film = replace(whole, midline=None)
+    found = entities(write_recording_view(whole, tmp_path / "midline.rrd"))
+    assert "/runs/chirp\\ 1/camera/measured" in found
+    found = entities(write_recording_view(film, tmp_path / "film.rrd"))
+    assert {"/runs/chirp\\ 1/camera", "/runs/chirp\\ 1/theta", "/runs/chirp\\ 1/thrust/measured"} <= found
+
+
+def test_a_session_is_told_from_a_recording(case, tmp_path):
+    session = write_track(replace(case.recordings[0], video=None), tmp_path / "session.rrd")
+    assert not holds_recording(session)
+    write_rrd(replace(case.recordings[0], video=None), tmp_path / "recording.rrd")
+    assert holds_recording(tmp_path / "recording.rrd")
+
+
 def test_two_models_are_held_against_one_another(case, tmp_path):
     run = case.diagnosis.runs[0]
     motions = {"MuJoCo reference": Motion(run.augmented), "affine/2": Motion(run.base, run.q_base)}
@@ -58,7 +75,7 @@ def test_two_models_are_held_against_one_another(case, tmp_path):
 
 
 def test_the_best_so_far_never_falls_and_failed_trials_do_not_count(tmp_path):
-    search = Search(np.array([0.1, np.nan, 0.05, 0.3, 0.2]), np.array([0.0, 1.0]), np.array([0.0, 0.1]))
+    search = Search(np.arange(5), np.array([0.1, np.nan, 0.05, 0.3, 0.2]), np.array([0.0, 1.0]), np.array([0.0, 0.1]))
     np.testing.assert_array_equal(search.best_so_far, [0.1, 0.1, 0.1, 0.3, 0.3])
     found = entities(write_optimisation({"CMA-ES": search}, "mean thrust [N]", tmp_path / "optimise.rrd"))
     assert {"/search/CMA-ES/best", "/search/CMA-ES/trials", "/motion"} <= found

@@ -18,6 +18,8 @@ class Shown:
     name: str
     declaration: Declaration
     models: tuple[tuple[str, str], ...]
+    arms: bool
+    coordinates: bool
     camera: bool
     thrust: bool
     events: bool
@@ -32,23 +34,27 @@ def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
 def run_page(shown: Shown) -> rrb.Container:
     """The views of one run."""
     path = run_path(shown.name)
-    seen: list[rrb.View] = [space_view(path, shown.declaration)]
-    if shown.camera:
-        seen.insert(0, camera_view(path))
-    signals = [lines_view(f"{path}/q1", "q1 [rad]"), lines_view(f"{path}/q2", "q2 [rad]")]
+    seen: list[rrb.View] = [camera_view(path)] if shown.camera else []
+    if shown.arms:
+        seen.append(space_view(path, shown.declaration))
+    signals = [lines_view(f"{path}/theta", "servo angle [rad]")]
+    if shown.coordinates:
+        signals = [lines_view(f"{path}/q1", "q1 [rad]"), lines_view(f"{path}/q2", "q2 [rad]")]
     if shown.models:
         signals.append(lines_view(f"{path}/error", "distance, rms along the arm [mm]"))
     if shown.thrust:
         signals.append(lines_view(f"{path}/thrust", "thrust [N]"))
-    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")]
+    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")] if shown.coordinates else []
     if shown.events:
         last.insert(0, events_view(path))
-    right: list[rrb.View | rrb.Container] = [
-        rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip"),
-        rrb.Tabs(*last),
-    ]
+    right: list[rrb.View | rrb.Container] = []
+    if shown.arms:
+        right.append(rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip"))
+    if last:
+        right.append(rrb.Tabs(*last))
     if shown.models:
         right.insert(0, rrb.Tabs(*(residual_view(path, key, f"residual, {name}") for key, name in shown.models)))
+    columns = [(rrb.Vertical(*views), share) for views, share in ((seen, 5), (signals, 5), (right, 4)) if views]
     return rrb.Horizontal(
-        rrb.Vertical(*seen), rrb.Vertical(*signals), rrb.Vertical(*right), column_shares=[5, 5, 4], name=shown.name
+        *(column for column, _ in columns), column_shares=[share for _, share in columns], name=shown.name
     )

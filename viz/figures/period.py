@@ -12,12 +12,14 @@ from viz.palette import BASE, MEASURED
 from viz.spectrum import amplitude_spectrum
 
 BINS = 50
+APERIODIC = 0.1  # of the variance; a sine cut into 50 bins leaves 0.1 %, a chirp 90 %
 
 
 def fundamental_period(t: Array, theta: Array) -> float:
     """Period [s] of the base motion theta (T,) at t (T,): the strongest line, refined by the parabola through its log.
 
-    Raises InputError where the motion has no period that fits at least twice into the recording.
+    Raises InputError where the motion does not repeat itself twice or more: folded by the period, its mean must explain
+    all but APERIODIC of its variance.
     """
     frequency, amplitude = amplitude_spectrum(t, theta)
     peak = int(np.argmax(amplitude)) if len(amplitude) else 0
@@ -25,7 +27,11 @@ def fundamental_period(t: Array, theta: Array) -> float:
         raise InputError("no period can be seen in the motion", field="motor", expected="at least two cycles of a sine")
     low, middle, high = np.log(amplitude[peak - 1 : peak + 2])
     shift = 0.5 * (low - high) / (low - 2 * middle + high)
-    return float(1.0 / (frequency[peak] + shift * (frequency[1] - frequency[0])))
+    period = float(1.0 / (frequency[peak] + shift * (frequency[1] - frequency[0])))
+    _, _, deviation = period_average(t, theta[:, None], period)
+    if not np.nanmean(deviation**2) <= APERIODIC * np.nanvar(theta):
+        raise InputError("the motion does not repeat itself", field="motor", expected="a periodic base motion")
+    return period
 
 
 def period_average(t: Array, q: Array, period: float, bins: int = BINS) -> tuple[Array, Array, Array]:

@@ -75,6 +75,7 @@ int main(int count, char** words) {
   TraceState truth;
   truth.rate = number(given, "--rate", 1) * (1.0 + 1e-6 * number(given, "--skew-ppm", 0));
   truth.boot_offset_us = 1e6 * number(given, "--boot-s", 3);
+  plant->advance(0, 0, false);  // it may have to compile first; time starts when it has answered
   truth.host_zero_s = host_seconds();
   double time_us = 0;
   hardware.now_us = truth.boot_offset_us;

@@ -1,0 +1,76 @@
+"""The catalogue in words and formulas, printed from the very laws that are computed (docs/catalogue.md)."""
+
+from __future__ import annotations
+
+import sympy
+
+from affine_model.effect import ARM_QUANTITIES, NODE_QUANTITIES, STATE_QUANTITIES, Effect
+from affine_model.effects import catalogue
+from affine_model.kernel.trace import symbols_for, traced
+
+LAWS = {
+    "stiffness": "stiffness k [N m/rad]",
+    "bending_moment": "bending moment [N m]",
+    "force": "force (normal, tangential) [N/m]",
+    "couple": "couple [N]",
+    "line_inertia": "inertia [kg/m]",
+    "normal_inertia": "inertia along the normal [kg/m]",
+    "rotary_inertia": "rotary inertia [kg m]",
+    "weight": "weight, as mass [kg/m]",
+    "water_velocity": "velocity of the water (x, y) [m/s]",
+    "tip_mass": "mass at the tip [kg]",
+    "hung_mass": "hung mass [kg], reach beyond the tip [m]",
+    "gravity_tilt": "tilt of gravity [rad]",
+    "relaxation_time": "relaxation time [s]",
+}
+
+
+def formulas(effect: Effect) -> list[tuple[str, str]]:
+    """(what, formula) for every law of the effect, parameters under their own names."""
+    _, p = symbols_for(effect)
+    names = {symbol: sympy.Symbol(name, real=True) for name, symbol in vars(p).items()}
+    return [
+        (words, ", ".join(str(expression.subs(names).evalf(5)) for expression in traced(effect, kind)))
+        for kind, words in LAWS.items()
+        if getattr(effect, kind) is not None
+    ]
+
+
+def _section(effect: Effect) -> list[str]:
+    text = [f"## {effect.name}", "", f"{effect.title} ({effect.family}). Source: {effect.source}.", ""]
+    text += [f"- {words}: `{formula}`" for words, formula in formulas(effect)]
+    outside = {
+        "the base's signal": effect.base,
+        "the measurement": effect.measurement,
+        "curvature coordinates added": effect.extra_order or None,
+    }
+    text += [f"- {words}: {value}" for words, value in outside.items() if value is not None]
+    if effect.parameters:
+        text += ["", "| parameter | unit | nominal | bounds | meaning |", "|---|---|---|---|---|"]
+    for q in effect.parameters:
+        low, high = q.bounds
+        words = q.words.replace("|", r"\|")
+        text.append(f"| {q.name} | {q.unit} | {q.nominal:g} | {low:g} .. {high:g} | {words} |")
+    return [*text, ""]
+
+
+def catalogue_page() -> str:
+    """The page docs/catalogue.md."""
+    text = [
+        "# The catalogue of effects",
+        "",
+        "Printed by `python -m affine_model.formulas > docs/catalogue.md` from the laws themselves.",
+        "",
+        "| quantity | meaning |",
+        "|---|---|",
+    ]
+    for quantities in (NODE_QUANTITIES, ARM_QUANTITIES, STATE_QUANTITIES):
+        text += [f"| {name} | {words} |" for name, words in quantities.items()]
+    text.append("")
+    for effect in catalogue().values():
+        text += _section(effect)
+    return "\n".join(text).rstrip() + "\n"
+
+
+if __name__ == "__main__":
+    print(catalogue_page(), end="")

@@ -1,0 +1,77 @@
+"""Least squares within bounds for problems whose residuals cost little in batches: Levenberg-Marquardt, eight dampings at once.
+
+The kernel simulates sixteen individuals for the price of one, so every damping of a whole ladder is tried in the same
+batch and the best is taken: no step is refused, and a fit takes about half the rounds of a trust region that tries one.
+Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.curvature import Array
+
+LADDER = 10.0 ** np.arange(-3.0, 5.0)  # dampings tried, times the current one
+SMALLEST, LARGEST = 1e-9, 1e9
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """Where the search ended: unknowns (P,), the Jacobian there (N, P), rounds taken, whether it converged."""
+
+    unknowns: Array
+    jacobian: Array
+    rounds: int
+    converged: bool
+
+
+def minimise(
+    residuals: Callable[[Array], Array],
+    jacobian: Callable[[Array], Array],
+    start: Array,
+    low: Array,
+    high: Array,
+    *,
+    tolerance: float,
+    most: int,
+) -> Minimum:
+    """Minimise 1/2 |r(x)|^2 over low <= x <= high.
+
+    residuals maps (P, B) to (N, B), jacobian (P,) to (N, P); x is scaled so that its natural steps are about 1. It ends when a
+    round lowers the sum by less than `tolerance` of itself (converged), or after `most` rounds.
+    """
+    x, damping = np.clip(start, low, high), 1e-3
+    value = residuals(x[:, None])[:, 0]
+    cost = 0.5 * float(value @ value)
+    for round_number in range(most):
+        slope = jacobian(x)
+        gradient, curvature = slope.T @ value, slope.T @ slope
+        # A variable on its bound that wants to leave the box stays where it is in this round.
+        free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
+        if not free.any():
+            return Minimum(x, slope, round_number, True)
+        ladder = np.clip(damping * LADDER, SMALLEST, LARGEST)
+        trials = np.repeat(x[:, None], ladder.size, axis=1)
+        trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder)
+        trials = np.clip(trials, low[:, None], high[:, None])
+        values = residuals(trials)
+        costs = 0.5 * np.einsum("nb,nb->b", values, values)
+        best = int(np.argmin(costs))
+        if not costs[best] < cost:
+            return Minimum(x, slope, round_number, True)
+        gained = cost - costs[best]
+        x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
+        if gained <= tolerance * cost:
+            return Minimum(x, jacobian(x), round_number + 1, True)
+    return Minimum(x, jacobian(x), most, False)
+
+
+def _steps(curvature: Array, gradient: Array, ladder: Array) -> Array:
+    """Damped Gauss-Newton steps (F, B), one a damping, by one eigendecomposition in the diagonal's scale."""
+    size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
+    values, vectors = np.linalg.eigh(curvature / np.outer(size, size))
+    turned = vectors.T @ (gradient / size)
+    return -(vectors @ (turned[:, None] / (np.maximum(values, 0.0)[:, None] + ladder[None, :]))) / size[:, None]

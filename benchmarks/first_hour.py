@@ -1,0 +1,138 @@
+"""A newcomer's first hour (issue 9): import and help time, size of what is written, minutes from clone to a verdict.
+
+    python benchmarks/first_hour.py --json FILE [--short]
+
+The video is not the tool's own picture of itself: the MuJoCo reference moves the arm in a current that the declaration
+leaves out, and the renderer films it. Downloads are left out: the fresh environment sees this one's libraries.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PAPER_SECONDS = 39.0
+
+
+def seconds_of(command: list[str], cwd: Path, environment: dict[str, str]) -> float:
+    """How long a command takes [s]; what it said is shown where it fails."""
+    start = time.perf_counter()
+    done = subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise SystemExit(f"{' '.join(command)}\n{done.stdout}\n{done.stderr}")
+    return time.perf_counter() - start
+
+
+def film(folder: Path, seconds: float) -> Path:
+    """An import folder: video, motor log and declaration of an arm in a current that nobody declares."""
+    import numpy as np
+
+    from mujoco_ref.simulate import simulate
+    from tentacle.model import Estimate, Model
+    from tentacle.recording import Camera, Declaration, Recording
+    from tentacle.signals import MotorSignal, Video
+    from tentacle.specimen import WATER, Cone, Specimen
+    from tentacle.waveform import Chirp
+    from tentacle.write_folder import write_folder
+    from vision.encode import write_video
+    from vision.looks import CLEAN
+    from vision.render import render
+
+    arm = Specimen(Cone(0.0125, 0.003), 0.14, 1070.0)
+    parameters = {
+        "elasticity": {"E": Estimate.exact(2.0e5, "Pa")},
+        "damping": {"eta": Estimate.exact(2.0e3, "Pa s")},
+        "drag": {"C_perp": Estimate.exact(1.1)},
+        "added_mass": {"C_a": Estimate.exact(1.0)},
+    }
+    waveform = Chirp(0.45, 0.3, 1.5, seconds)
+    hidden = {"current": {"U_x": 0.06, "U_y": 0.0}}
+    moved = simulate(Model(arm, WATER, parameters=parameters), waveform, seconds, 30.0, hidden=hidden)
+    camera = Camera(30.0, 0.0006, (320.0, 40.0), (0.0, 1.0))
+    midline = moved.midline
+    video = folder.parent / f"{folder.name}.mp4"
+    write_video(video, render(midline, arm, camera, (640, 360), CLEAN, seed=1), midline.t, crf=18)
+    t = np.arange(0.0, seconds + 1.0, 0.01)
+    angle = waveform(t)[0]
+    recording = Recording(
+        folder.name, Declaration(arm, WATER, camera=camera), motor=MotorSignal(t, angle, angle), video=Video(video)
+    )
+    write_folder(recording, folder)
+    return folder
+
+
+def fresh_environment(folder: Path) -> tuple[Path, float]:
+    """This checkout's clone, installed in a new environment that sees the present libraries; and how long it took."""
+    start = time.perf_counter()
+    clone, place = folder / "clone", folder / "environment"
+    ask = dict(os.environ)
+    seconds_of(["git", "clone", "--quiet", "--depth", "1", ROOT.as_uri(), str(clone)], folder, ask)
+    seconds_of([sys.executable, "-m", "venv", str(place)], folder, ask)
+    python = place / "bin" / "python"
+    where = "import sysconfig; print(sysconfig.get_path('purelib'))"
+    inside = Path(subprocess.run([python, "-c", where], capture_output=True, text=True, check=True).stdout.strip())
+    outside = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, check=True).stdout
+    (inside / "libraries.pth").write_text(outside)
+    quiet = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--disable-pip-version-check"]
+    seconds_of([str(python), *quiet, str(clone)], folder, ask)
+    return place / "bin", time.perf_counter() - start
+
+
+def measure(folder: Path, short: bool) -> dict[str, float]:
+    """All figures of issue 9."""
+    seconds = 8.0 if short else PAPER_SECONDS
+    programs, set_up = fresh_environment(folder)
+    ask = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    python, tentacle = str(programs / "python"), str(programs / "tentacle")
+    seconds_of([tentacle, "--help"], folder, ask)  # the first run writes bytecode
+    imports = [seconds_of([python, "-c", "import tentacle"], folder, ask) for _ in range(5)]
+    helps = [seconds_of([tentacle, "--help"], folder, ask) for _ in range(5)]
+    film(folder / "elsewhere", seconds)
+    steps = {
+        "import": [tentacle, "import", "elsewhere", "--out", "elsewhere.rrd"],
+        "diagnose": [tentacle, "diagnose", "elsewhere.rrd", "--out", "answer"],
+    }
+    took = {name: seconds_of(command, folder, ask) for name, command in steps.items()}
+    verdict = json.loads((folder / "answer" / "verdict.json").read_text())
+    before, after = (verdict["error"][which]["midline_mm"] for which in ("before", "after"))
+    print(f"verdict: {verdict['verdict']} {verdict['effects']}, {before:.2f} mm before, {after:.2f} mm after")
+    print(f"set-up {set_up:.1f} s, " + ", ".join(f"{name} {value:.1f} s" for name, value in took.items()))
+    session = (folder / "answer" / "session.rrd").stat().st_size / 1e6
+    if short:
+        print(f"session of {seconds:.0f} s: {session:.2f} MB, scaled to {PAPER_SECONDS:.0f} s below")
+    return {
+        "import_s": statistics.median(imports),
+        "help_s": statistics.median(helps),
+        "rrd_mb_39s": session * PAPER_SECONDS / seconds,
+        "report_mb": (folder / "answer" / "report.html").stat().st_size / 1e6,
+        "path_minutes": (set_up + sum(took.values())) / 60.0,
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", type=Path, required=True, metavar="FILE")
+    parser.add_argument("--short", action="store_true", help="an 8 s video in place of 39 s")
+    arguments = parser.parse_args()
+    sys.path.insert(0, str(ROOT))
+    folder = Path(tempfile.mkdtemp(prefix="first-hour-"))
+    try:
+        figures = measure(folder, arguments.short)
+    finally:
+        shutil.rmtree(folder)
+    for name, value in figures.items():
+        print(f"{name} {value:.3g}")
+    arguments.json.write_text(json.dumps({"figures": figures}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

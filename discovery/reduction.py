@@ -1,0 +1,109 @@
+"""What the affine reduction itself loses: the declared model's fit to a MuJoCo chain with the very same parameters.
+
+The chain knows nothing missing, so what the reduced model cannot follow of it is the reduction's own error, and no physics.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.curvature import Array, midline
+from affine_model.identify.experiment import Experiment, predict
+from affine_model.identify.observation import ShapeObservation, fit_shapes
+from affine_model.identify.trajectory import Fit, Problem, fit
+from mujoco_ref.simulate import simulate
+from tentacle.errors import InputError
+from tentacle.model import Estimate, Model
+from tentacle.recording import Declaration
+from tentacle.signals import Midline
+from tentacle.waveform import Waveform
+
+LONGEST = 40.0  # s of each recording that the chain is run for
+POINTS = np.linspace(0.0, 1.0, 41)
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch that was
+    fitted and over the one held out; millimetres: rms on the midline, over both."""
+
+    structure: float
+    judged: float
+    millimetres: float
+
+
+@dataclass(frozen=True)
+class _Later:
+    """A base motion counted from another zero of time."""
+
+    motion: Waveform
+    t0: float
+
+    def __call__(self, t: Array) -> Array:
+        """theta, rate, acceleration (3, ...)."""
+        return self.motion(np.asarray(t) + self.t0)
+
+
+def reduction_error(declaration: Declaration, problem: Problem, fitted: Fit) -> Reduction | None:
+    """The reduction's error at the fitted parameters; None where no recording shows shapes of a moving base, or where the chain
+    cannot be run with these parameters (then nothing is known of it)."""
+    names = {name: float(value) for name, value in zip(fitted.free, fitted.values, strict=True)}
+    tables: dict[str, dict[str, Estimate]] = {}
+    for (effect, parameter), value in names.items():
+        tables.setdefault(effect, {})[parameter] = Estimate.exact(value)
+    model = Model(declaration.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
+    fitted_rows, judged_rows, distances = [], [], []
+    for place, experiment in enumerate(problem.experiments):
+        if not isinstance(experiment.observation, ShapeObservation) or experiment.release is not None:
+            continue
+        try:
+            rows, used, distance = _against_chain(model, problem, fitted, place)
+        except InputError:
+            return None
+        fitted_rows.append(rows[used])
+        judged_rows.append(rows[~used] if (~used).any() else rows[used])
+        distances.append(distance)
+    if not distances:
+        return None
+    return Reduction(_rms(fitted_rows), _rms(judged_rows), 1e3 * float(np.sqrt(np.mean(np.square(distances)))))
+
+
+def _rms(parts: list[Array]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+
+
+def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, Array, float]:
+    """Whitened residuals (T, K) of the reduced model fitted to the chain, which frames were fitted, and the midlines' rms distance [m]."""
+    experiment = problem.experiments[place]
+    observation = experiment.observation
+    assert isinstance(observation, ShapeObservation)
+    interval = float(np.median(np.diff(observation.t)))
+    duration = min(experiment.duration - 0.3, LONGEST)
+    chain = simulate(model, _Later(experiment.base, experiment.t0), duration, 1.0 / interval, s=POINTS)
+    virtual = _virtual(experiment, observation, chain.midline)
+    start = fitted.nuisances[place].copy()
+    order = problem.arm.order
+    start[: 2 * order] = 0.0
+    alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
+    again = fit(alone, (start,), most=12)
+    shown = predict(problem.arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
+    points = midline(shown.q[:, :, 0], shown.theta[:, 0], problem.arm.specimen.length, POINTS)
+    points = points + shown.shift[:, 0]
+    distance = np.sqrt(np.mean(np.sum((points - chain.midline.xy) ** 2, axis=2)))
+    return again.residuals[0], virtual.used, float(distance)
+
+
+def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midline) -> Experiment:
+    """The chain's midline as if it had been measured without noise by this recording's camera."""
+    t = experiment.t0 + seen.t
+    theta = experiment.base(t)[0]
+    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, 1e-4)
+    fitted_until = observation.t[experiment.used].max()
+    live = np.flatnonzero(observation.root[:, -1, -1] > 0)
+    typical = observation.root[live[live.size // 2]]
+    shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
+    return replace(
+        experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=t <= fitted_until
+    )

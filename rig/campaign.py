@@ -1,0 +1,132 @@
+"""A campaign: a list of runs in a TOML file, done one after the other, resumed where it stopped.
+
+| field | meaning |
+|---|---|
+| name | goes before each run's name |
+| [[run]] name | the recording's name; NAME.rrd in the campaign's folder, NAME-2.rrd and so on where it is repeated |
+| [[run]] duration_s, repeat = 1 | how long, how often |
+| [run.waveform] | a table as tentacle.waveform_file describes it |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rig.board import Board
+from rig.camera import Camera
+from rig.fault import Fault
+from rig.interrupts import Interrupts
+from rig.record import Motion, RunResult, motion_of, record
+from rig.run_file import read_run
+from rig.setup_file import RigSetup
+from tentacle.errors import InputError
+from tentacle.toml_table import Table, read_toml
+from tentacle.waveform import Waveform
+from tentacle.waveform_file import parse_waveform, waveform_table
+
+
+@dataclass(frozen=True)
+class CampaignRun:
+    """One recording to be made: its name, and the motion, checked against the limits."""
+
+    name: str
+    motion: Motion
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """name, and runs in the order in which they are made."""
+
+    name: str
+    runs: tuple[CampaignRun, ...]
+
+
+def read_campaign(file: Path, setup: RigSetup) -> Campaign:
+    """The campaign in a TOML file, every run within the setup's limits. InputError before anything moves."""
+    text, values = read_toml(file)
+    document = Table(values, file=file, text=text)
+    name = document.string("name", file.stem)
+    tables = document.raw("run", "one or more [[run]] tables")
+    if not isinstance(tables, list) or not tables:
+        raise document.error("is no list of tables", "run", "one or more [[run]] tables")
+    document.finish()
+    runs: list[CampaignRun] = []
+    for number, entry in enumerate(tables, start=1):
+        runs += _parse_run(Table(entry, file=file, name=f"run {number}"), setup)
+    names = [run.name for run in runs]
+    for run in names:
+        if names.count(run) > 1:
+            raise InputError(
+                f"{run!r} is the name of two runs", file=file, field="run.name", expected="names that differ"
+            )
+    return Campaign(name, tuple(runs))
+
+
+def _parse_run(table: Table, setup: RigSetup) -> list[CampaignRun]:
+    name = table.string("name")
+    if not name or any(c in name for c in "/\\\0") or name.startswith("."):
+        raise table.error(f"{name!r} is no file name", "name", "a plain name")
+    duration = table.number("duration_s", above=0)
+    repeat = table.whole_number("repeat", 1, least=1)
+    waveform = parse_waveform(table.required_table("waveform"))
+    table.finish()
+    try:
+        motion = motion_of(waveform, duration, setup, described(waveform))
+    except InputError as error:
+        raise table.error(error.problem, "waveform", error.expected) from None
+    return [CampaignRun(name if k == 1 else f"{name}-{k}", motion) for k in range(1, repeat + 1)]
+
+
+def described(waveform: Waveform) -> dict[str, Any]:
+    """A waveform as plain data, for the start record."""
+    try:
+        return waveform_table(waveform)
+    except TypeError:  # a spline through samples has no table; the set points are in the recording
+        return {"kind": "samples"}
+
+
+def run_campaign(
+    setup: RigSetup,
+    board: Board,
+    camera: Camera | None,
+    campaign: Campaign,
+    folder: Path,
+    *,
+    interrupts: Interrupts | None = None,
+    progress: Callable[[str, float], None] = lambda _phase, _share: None,
+    viewer: str | None = None,
+) -> Iterator[RunResult]:
+    """Makes the runs that are not complete in `folder` yet, yielding each; a run that ended otherwise is set aside
+    first.
+
+    Fault where a run does not complete: the next start goes on from there.
+    """
+    for run in campaign.runs:
+        path = folder / f"{run.name}.rrd"
+        if path.exists() and _set_aside(path) is None:
+            continue
+        if interrupts is not None and interrupts.pause:
+            return
+        name = f"{campaign.name} {run.name}"
+        result = record(setup, board, camera, run.motion, path, name=name, interrupts=interrupts, progress=progress,
+                        viewer=viewer)  # fmt: skip
+        yield result
+        if result.outcome == "interrupted":
+            return
+        if result.outcome != "complete":
+            raise Fault("no_answer", f"{path}: {result.outcome}: {result.words}")
+
+
+def _set_aside(path: Path) -> Path | None:
+    """Where an unfinished recording was moved to; None where it is complete."""
+    with suppress(InputError):
+        if read_run(path).outcome == "complete":
+            return None
+    number = 1
+    while (aside := path.with_name(f"{path.stem}.unfinished-{number}{path.suffix}")).exists():
+        number += 1
+    return path.rename(aside)

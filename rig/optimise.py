@@ -1,0 +1,259 @@
+"""Optimising gaits on the rig: a Gaussian process over noisy trials, started from a model's best, resumable at any
+moment.
+
+A study is a folder: study.journal (every step, fsynced), trial-0000.rrd and so on (each trial's recording, and the
+source of its value). Killed at any point, the next start cuts a torn last line, fails what was running and tries it
+again.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import optuna
+from optuna.storages import JournalStorage
+from optuna.storages.journal import JournalFileBackend
+from optuna.trial import TrialState
+
+from rig.fault import Fault
+from rig.gait_space import GaitSpace, TrialPlan
+from rig.interrupts import Interrupts
+from rig.run_file import Run, read_run
+from tentacle.errors import InputError
+from tentacle.waveform import Waveform
+
+NAME = "gaits"
+FAULTS_IN_A_ROW = 3  # then someone has to look at the rig
+JOURNAL = "study.journal"
+
+
+# Tries a gait for so many seconds and records it at the path, with the description in the start record. It raises nothing
+# for a fault of the rig: the recording says how the run ended.
+TrialRunner = Callable[[Waveform, float, Path, dict[str, Any]], None]
+Proposer = Callable[[Sequence[Path]], Sequence[Mapping[str, float]]]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A finished trial: its number, point, propulsion [N] (mean, minus thrust along +y) and where it came from."""
+
+    number: int
+    point: dict[str, float]
+    propulsion: float
+    source: str
+    recording: Path
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """How long, and how. trials: finished ones in all; reidentify_every: 0 for never; seed: of the sampler."""
+
+    space: GaitSpace
+    trials: int
+    plan: TrialPlan = field(default_factory=TrialPlan)
+    reidentify_every: int = 0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.trials < 1:
+            raise InputError(f"{self.trials!r} is not usable", field="trials", expected="at least 1")
+
+
+def optimise(
+    folder: Path,
+    study: StudyPlan,
+    run_trial: TrialRunner,
+    first: Sequence[Mapping[str, float]] = (),
+    *,
+    propose: Proposer | None = None,
+    interrupts: Interrupts | None = None,
+) -> Iterator[Trial]:
+    """Runs trials until `study.trials` are finished, yielding each; those of an earlier start are yielded first.
+
+    first: points to try first (a model's best). propose: given the recordings so far, points of a model identified
+    anew, every study.reidentify_every trials. Fault after FAULTS_IN_A_ROW trials that did not complete; InputError
+    where the folder is in use or holds another study.
+    """
+    with _owned(folder):
+        opened = _open(folder, study)
+        for number, point in _unfinished(opened):
+            _settle_unfinished(opened, folder, study, number, point)
+        finished = _finished(opened, folder)
+        yield from finished
+        if not opened.trials:
+            for point in first:
+                opened.enqueue_trial(dict(point), user_attrs={"source": "model"})
+        done, faults = len(finished), 0
+        while done < study.trials:
+            if interrupts is not None and interrupts.pause:
+                return
+            if propose is not None and study.reidentify_every and done and done % study.reidentify_every == 0:
+                _enqueue_proposals(opened, propose, [t.recording for t in _finished(opened, folder)], done)
+            trial = _one_trial(opened, folder, study, run_trial)
+            if trial is None:
+                faults += 1
+                if interrupts is not None and interrupts.pause:
+                    return
+                if faults == FAULTS_IN_A_ROW:
+                    raise Fault("no_answer", f"{faults} trials in a row did not complete; the last says why: {folder}")
+                continue
+            done, faults = done + 1, 0
+            yield trial
+
+
+def best(trials: Sequence[Trial]) -> Trial:
+    """The trial of the highest measured propulsion; InputError where there is none."""
+    if not trials:
+        raise InputError("no trial has finished", expected="at least one")
+    return max(trials, key=lambda trial: trial.propulsion)
+
+
+def propulsion(run: Run, begin: float, end: float) -> float:
+    """Minus the mean thrust along +y [N] over [begin, end) [s] of the waveform's time, less the reading at rest.
+
+    Means over time (trapezoids between samples): conversions are not spaced evenly. InputError where the run is not
+    whole.
+    """
+    if run.outcome != "complete" or run.stop is None:
+        raise InputError(f"ended as {run.outcome!r}", file=run.path, expected="a complete run")
+    cell = run.start["load_cell"]
+    thrust = (run.load - cell["offset_counts"]) / cell["counts_per_newton"] - float(run.stop["rest_n"])
+    t = run.load_t - run.zero
+    if t.size < 2 or t[0] > begin or t[-1] < end - 0.1:
+        raise InputError(f"was not sampled from {begin:.2f} to {end:.2f} s", file=run.path)
+    grid = np.linspace(begin, min(end, float(t[-1])), 4096)
+    return -float(np.trapezoid(np.interp(grid, t, thrust), grid) / (grid[-1] - grid[0]))
+
+
+def cut_torn_line(journal: Path) -> int:
+    """Cuts what follows the last newline: a line torn by a crash would make every later start fail. Bytes cut."""
+    if not journal.exists():
+        return 0
+    data = journal.read_bytes()
+    whole = data.rfind(b"\n") + 1
+    while whole and not _is_json(
+        data[data.rfind(b"\n", 0, whole - 1) + 1 : whole]
+    ):  # blocks of zeros after a power cut
+        whole = data.rfind(b"\n", 0, whole - 1) + 1
+    if whole < len(data):
+        with journal.open("rb+") as file:
+            file.truncate(whole)
+    return len(data) - whole
+
+
+def _is_json(line: bytes) -> bool:
+    try:
+        json.loads(line)
+    except ValueError:
+        return False
+    return True
+
+
+@contextmanager
+def _owned(folder: Path) -> Iterator[None]:
+    """One process a study; the lock goes with the process, however it ends."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise InputError(
+                "is in use by another process", file=folder, expected="one optimisation a folder"
+            ) from None
+        for left in folder.glob(f"{JOURNAL}*.lock*"):  # Optuna's own lock outlives a killed process
+            left.unlink()
+        yield
+
+
+def _open(folder: Path, study: StudyPlan) -> optuna.Study:
+    journal = folder / JOURNAL
+    cut_torn_line(journal)
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    storage = JournalStorage(JournalFileBackend(str(journal)))
+    sampler = optuna.samplers.GPSampler(
+        seed=study.seed + (journal.stat().st_size if journal.exists() else 0),  # a resumed study must not repeat itself
+        n_startup_trials=8,
+        deterministic_objective=False,
+    )
+    opened = optuna.create_study(
+        storage=storage, sampler=sampler, study_name=NAME, direction="maximize", load_if_exists=True
+    )
+    bounds = {name: list(pair) for name, pair in study.space.bounds.items()}
+    known = opened.user_attrs.get("bounds")
+    if known is None:
+        opened.set_user_attr("bounds", bounds)
+    elif known != json.loads(json.dumps(bounds)):
+        raise InputError("holds a study of other bounds", file=folder, expected="a folder of its own for each study")
+    return opened
+
+
+def _unfinished(opened: optuna.Study) -> list[tuple[int, dict[str, float]]]:
+    return [(t.number, dict(t.params)) for t in opened.get_trials(deepcopy=False, states=(TrialState.RUNNING,))]
+
+
+def _settle_unfinished(
+    opened: optuna.Study, folder: Path, study: StudyPlan, number: int, point: dict[str, float]
+) -> None:
+    """A trial that was running when the process died: its recording counts if it is whole, else it is tried again."""
+    path = _recording(folder, number)
+    if path.exists() and set(point) == set(study.space.bounds):
+        try:
+            begin, end = study.plan.window(point["frequency_hz"])
+            opened.tell(number, propulsion(read_run(path), begin, end))
+            return
+        except InputError:
+            pass
+    opened.tell(number, state=TrialState.FAIL)
+    if set(point) == set(study.space.bounds):
+        opened.enqueue_trial(point, user_attrs={"source": "again"})
+
+
+def _one_trial(opened: optuna.Study, folder: Path, study: StudyPlan, run_trial: TrialRunner) -> Trial | None:
+    asked = opened.ask()
+    point = {name: asked.suggest_float(name, low, high) for name, (low, high) in study.space.bounds.items()}
+    source = str(asked.user_attrs.get("source", "search"))
+    path = _recording(folder, asked.number)
+    path.unlink(missing_ok=True)
+    description = {"kind": "gait", "trial": asked.number, "source": source, **point}
+    run_trial(study.space.gait(point), study.plan.duration(point["frequency_hz"]), path, description)
+    try:
+        value = propulsion(read_run(path), *study.plan.window(point["frequency_hz"]))
+    except InputError:
+        opened.tell(asked, state=TrialState.FAIL)
+        opened.enqueue_trial(point, user_attrs={"source": "again"})
+        return None
+    opened.tell(asked, value)
+    return Trial(asked.number, point, value, source, path)
+
+
+def _enqueue_proposals(opened: optuna.Study, propose: Proposer, recordings: Sequence[Path], done: int) -> None:
+    if opened.user_attrs.get("reidentified_at") == done:
+        return  # a trial has failed since, or the process was started again
+    opened.set_user_attr("reidentified_at", done)
+    for point in propose(recordings):
+        opened.enqueue_trial(dict(point), user_attrs={"source": f"model after {done}"})
+
+
+def _finished(opened: optuna.Study, folder: Path) -> list[Trial]:
+    found = opened.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
+    return [
+        Trial(
+            t.number,
+            dict(t.params),
+            float(t.values[0]),
+            str(t.user_attrs.get("source", "search")),
+            _recording(folder, t.number),
+        )
+        for t in found
+    ]
+
+
+def _recording(folder: Path, number: int) -> Path:
+    return folder / f"trial-{number:04d}.rrd"

@@ -1,0 +1,95 @@
+"""Both models of one arm under one base motion, from the same start: what `compare` and `reproduce` hold side by
+side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from tentacle.model import Model
+    from tentacle.signals import Array
+    from tentacle.waveform import Waveform
+
+AFFINE_STEP = 2e-3  # s; halving it moves mean thrust by less than 1e-3
+S = np.linspace(0.0, 1.0, 41)
+
+
+@dataclass(frozen=True)
+class Twin:
+    """One model's motion: t (T,) [s], theta (T,) [rad], xy (T, 41, 2) [m], q (T, 2) [rad], load (T,) [N] at the base
+    along +y.
+
+    load is less its reading at rest; over whole periods its mean is the mean thrust (eq. 17).
+    """
+
+    t: Array
+    theta: Array
+    xy: Array
+    q: Array
+    load: Array
+
+    def mean_load(self, window: float) -> float:
+        """Mean load over the last `window` seconds [N]."""
+        inside = self.t > self.t[-1] - window + 1e-9
+        return float(np.mean(self.load[inside]))
+
+
+def reference_twin(
+    model: Model, waveform: Waveform, duration: float, fps: float, links: int = 20, start: Array | None = None
+) -> Twin:
+    """The MuJoCo reference, from the shape start (K,) at rest (default: straight)."""
+    from mujoco_ref.simulate import simulate
+
+    initial = np.zeros(2) if start is None else start
+    run = simulate(model, waveform, duration, fps, links=links, s=S, initial_q=initial)
+    s = np.arange(links + 1) / links
+    basis = np.stack([s, 0.5 * s**2], axis=1)  # alpha = q1 s + q2 s^2 / 2 (eq. 2)
+    q = np.linalg.lstsq(basis, (run.angles - run.theta[:, None]).T, rcond=None)[0].T
+    # Whatever shape it started from, the load is told less that of the straight arm at rest.
+    return Twin(run.t, run.theta, run.midline.xy, np.asarray(q, dtype=float), run.load_cell)
+
+
+def affine_twin(
+    model: Model, order: int, waveform: Waveform, duration: float, fps: float, start: Array | None = None
+) -> Twin:
+    """The reduced model with that many coordinates, from the same start."""
+    from affine_model.arm import arm_of, parameter_vector
+    from affine_model.curvature import midline
+    from affine_model.simulate import simulate
+
+    model = replace(model, order=order)
+    arm, parameters = arm_of(model), parameter_vector(model)
+    stride = int(np.ceil(1.0 / (fps * AFFINE_STEP) - 1e-9))
+    step = 1.0 / (fps * stride)
+    steps = (int(np.floor(duration * fps + 1e-9)) + 1) * stride
+    middles = (np.arange(steps) + 0.5) * step
+    q = np.zeros((order, 1))
+    if start is not None:
+        q[: min(order, start.size), 0] = start[:order]
+    run = simulate(arm, parameters[:, None], waveform(middles)[:, :, None], step, q=q, stride=stride)
+    frames = len(run.t) - 1
+    load = run.load[:frames, 0]
+    # A reading at a frame is the mean of those over the intervals beside it.
+    at_frames = np.concatenate([load[:1], 0.5 * (load[1:] + load[:-1])])
+    xy = midline(run.q[:frames, :, 0], run.theta[:frames, 0], model.specimen.length, S)
+    return Twin(run.t[:frames], run.theta[:frames, 0], xy, run.q[:frames, :2, 0], at_frames - net_weight(model))
+
+
+def net_weight(model: Model) -> float:
+    """Weight less buoyancy along +y [N], which a load cell at the base carries at rest."""
+    specimen, fluid = model.specimen, model.fluid
+    carried = specimen.mass * (1.0 - fluid.density / specimen.density) + specimen.tip_mass
+    return float(carried * model.gravity.magnitude * np.cos(model.gravity.angle))
+
+
+def shape_error(one: Twin, reference: Twin, window: float) -> tuple[float, float]:
+    """Distance of two midlines, rms over points and the last `window` seconds: [mm], and relative to the tip's rms
+    motion."""
+    inside = reference.t > reference.t[-1] - window + 1e-9
+    apart = np.sqrt(np.mean(np.sum((one.xy[inside] - reference.xy[inside]) ** 2, axis=2)))
+    tip = reference.xy[inside, -1]
+    moved = np.sqrt(np.mean(np.sum((tip - tip.mean(axis=0)) ** 2, axis=1)))
+    return 1e3 * float(apart), float(apart / moved)

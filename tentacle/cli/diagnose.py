@@ -1,0 +1,77 @@
+"""`tentacle diagnose`: find what the declared model lacks, add it, and report the error before and after."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tentacle.diagnosis import Diagnosis
+    from tentacle.recording import Recording
+
+HELP = "trace the residual of recordings to an effect that the model lacks; report the error before and after"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments: the contract of docs/contracts.md."""
+    parser.add_argument("recordings", nargs="+", metavar="RECORDING", type=Path, help="an import folder or an .rrd file")
+    parser.add_argument(
+        "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING",
+        help="recordings whose declaration is complete: the base parameters come from there and stay",
+    )  # fmt: skip
+    parser.add_argument(
+        "--held-out", nargs="+", default=[], type=Path, metavar="RECORDING",
+        help="recordings that judge and are not fitted (without any: the last third of each RECORDING)",
+    )  # fmt: skip
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ...")
+    parser.add_argument("--json", action="store_true", help="print verdict.json on standard output")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Diagnose and write; 0 with any verdict."""
+    import json
+    import sys
+
+    from tentacle.cli._outcome import written
+    from tentacle.cli._progress import stages
+    from tentacle.cli._tracked import read_tracked
+
+    with stages() as stage:
+        groups = [arguments.recordings, arguments.baseline, arguments.held_out]
+        recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
+        from discovery.diagnose import diagnose
+
+        diagnosis = diagnose(recordings, baseline, held_out, seed=arguments.seed, progress=stage)
+        stage("writing the report")
+        command = " ".join(["tentacle", *sys.argv[1:]])
+        with written(arguments.out) as folder:
+            write_answer(diagnosis, [*recordings, *held_out], folder, command, [*arguments.recordings, *arguments.held_out])
+    if arguments.json:
+        print(json.dumps(diagnosis.verdict_json(), indent=1))
+    else:
+        print(diagnosis.headline)
+        for sentence in diagnosis.words:
+            print(f"  {sentence}")
+        print(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
+    return 0
+
+
+def write_answer(
+    diagnosis: Diagnosis, recordings: list[Recording], folder: Path, command: str, inputs: list[Path]
+) -> None:
+    """verdict.json, model.toml, report.html and session.rrd of a diagnosis, into the folder."""
+    import json
+
+    from tentacle.cli._provenance import input_hashes, versions
+    from tentacle.model_file import write_model
+    from viz.diagnosis_report import diagnosis_report
+    from viz.report import write_report
+    from viz.session import write_session
+
+    (folder / "verdict.json").write_text(json.dumps(diagnosis.verdict_json(), indent=1) + "\n")
+    write_model(diagnosis.augmented_model, folder / "model.toml")
+    page = diagnosis_report(diagnosis, recordings, command, versions(), input_hashes(inputs))
+    write_report(page, folder / "report.html")
+    write_session(diagnosis, recordings, folder / "session.rrd")

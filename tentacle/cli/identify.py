@@ -1,0 +1,92 @@
+"""`tentacle identify`: the declared model's parameters from recordings, with intervals, the paper's regression beside them."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from discovery.identify import Identification
+
+HELP = "fit the declared model's parameters to recordings, with intervals; the paper's regression beside"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("recordings", nargs="+", metavar="RECORDING", type=Path, help="an import folder or an .rrd file")
+    parser.add_argument(
+        "--check", nargs="+", default=[], type=Path, metavar="RECORDING",
+        help="recordings that only judge (the paper fits a chirp and checks a sine)",
+    )  # fmt: skip
+    parser.add_argument("--order", type=int, choices=range(2, 7), help="curvature coordinates (default: what the data need)")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for model.toml, report.html, ...")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Identify and write."""
+    import json
+    import sys
+
+    from tentacle.cli._outcome import written
+    from tentacle.cli._progress import stages
+    from tentacle.cli._provenance import input_hashes, versions
+    from tentacle.cli._tracked import read_tracked
+    from tentacle.model_file import write_model
+    from viz.compare import model_markdown, write_comparison
+    from viz.report import Origin, write_report
+    from viz.scene import scene_of
+    from viz.verb_reports import model_report
+
+    with stages() as stage:
+        recordings = [read_tracked(path, stage) for path in arguments.recordings]
+        check = [read_tracked(path, stage) for path in arguments.check]
+        stage("fitting")
+        from discovery.identify import identify
+
+        found = identify(recordings, check, order=arguments.order)
+        summary, lines = _as_json(found), _lines(found)
+        scenes = [scene_of(run) for run in found.runs]
+        paths = [*arguments.recordings, *arguments.check]
+        command = " ".join(["tentacle", *sys.argv[1:]])
+        origin = Origin(command, None, versions(), input_hashes(paths))
+        with written(arguments.out) as folder:
+            (folder / "identification.json").write_text(json.dumps(summary, indent=1) + "\n")
+            write_model(found.model, folder / "model.toml")
+            page = model_report("identify", "Identified model", lines[0], found.model, scenes, lines[1:], origin)
+            write_report(page, folder / "report.html")
+            shown = (check or recordings)[0]
+            write_comparison(scenes[0], shown, model_markdown(found.model, tuple(lines)), folder / "session.rrd")
+    print(json.dumps(summary, indent=1) if arguments.json else "\n".join([*lines, f"written to {arguments.out}"]))
+    return 0
+
+
+def _as_json(found: Identification) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    return {
+        "order": found.model.order,
+        "parameters": {
+            effect: {name: asdict(estimate) for name, estimate in values.items()}
+            for effect, values in found.model.parameters.items()
+        },
+        "regression": found.regression,
+        "error": asdict(found.errors),
+        "held_out": found.held_out,
+        "correlation": {"names": list(found.free), "matrix": found.correlation.tolist()},
+        "at_bound": list(found.at_bound),
+        "words": list(found.words),
+    }
+
+
+def _lines(found: Identification) -> list[str]:
+    error = found.errors.midline_mm
+    where = "recordings that were not fitted" if found.held_out else "the recordings that were fitted"
+    lines = [f"{found.model.order} curvature coordinates; error {error:.2f} mm on {where}."]
+    for effect, values in found.model.parameters.items():
+        for name, e in values.items():
+            paper = found.regression.get(f"{effect}.{name}")
+            beside = "" if paper is None else f"; the paper's regression {paper:.4g}"
+            lines.append(f"{effect}.{name} = {e.value:.4g} {e.unit} (95 %: {e.low:.4g} to {e.high:.4g}{beside})")
+    return [*lines, *found.words]

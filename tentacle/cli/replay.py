@@ -1,0 +1,60 @@
+"""tentacle replay: from a log alone, run tracking, identification and diagnosis again, or drive an emulated rig with it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "from a recorded .rrd alone: track and diagnose it again, or drive an emulated rig with its commands"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("recording", type=Path, metavar="FILE.rrd")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="verdict.json, report.html, ... go there")
+    parser.add_argument("--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as for diagnose")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Diagnose again, or drive; 3 where the rig did not complete the run."""
+    if arguments.drive is not None:
+        return _drive(arguments)
+    from tentacle.cli import diagnose
+
+    plan = argparse.Namespace(
+        recordings=[arguments.recording],
+        baseline=arguments.baseline,
+        held_out=[],
+        seed=arguments.seed,
+        out=arguments.out,
+        json=False,
+    )
+    return diagnose.run(plan)
+
+
+def _drive(arguments: argparse.Namespace) -> int:
+    import sys
+
+    from rig.fault import Fault
+    from rig.interrupts import Interrupts
+    from rig.record import connected
+    from rig.replay import drive
+    from rig.setup_file import read_setup
+
+    setup = read_setup(arguments.drive)
+    out = arguments.out / f"{arguments.recording.stem}-replayed.rrd"
+    try:
+        with connected(setup) as board, Interrupts(lambda words: print(words, file=sys.stderr)) as interrupts:
+            result, difference = drive(arguments.recording, setup, board, out, interrupts=interrupts)
+    except Fault as fault:
+        print(f"tentacle: {fault.kind}: {fault}", file=sys.stderr)
+        return 3
+    thrust = "not measured" if difference.thrust is None else f"{1e3 * difference.thrust:.2f} mN"
+    print(f"{result.outcome}: {difference.seconds:.1f} s replayed into {out}")
+    print(
+        f"rms difference: command {1e3 * difference.command:.2f} mrad, angle {1e3 * difference.angle:.2f} mrad, "
+        f"thrust {thrust}"
+    )
+    return 0 if result.outcome == "complete" else 3

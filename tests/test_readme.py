@@ -1,0 +1,35 @@
+"""What the README shows runs, and gives what it says."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_example_finds_the_current(tmp_path: Path) -> None:
+    code = re.search(r"<!-- run -->\n```python\n(.*?)\n```", README, re.DOTALL)
+    assert code is not None
+    (tmp_path / "example.py").write_text(code.group(1), encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, "example.py"], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "lacks current" in done.stdout
+    value = re.search(r"value=([0-9.e-]+)", done.stdout)
+    assert value is not None
+    assert abs(float(value.group(1)) - 0.03) < 0.001  # the interval is 0.0002; the reduction may cost as much again
+
+
+def test_the_verbs_that_it_shows_exist() -> None:
+    from tentacle.cli import verb_names
+
+    shown = set(re.findall(r"^tentacle ([a-z]+)", README, re.MULTILINE))
+    assert shown
+    assert shown <= set(verb_names())
