@@ -17,7 +17,7 @@ from vision.validate import as_json, false_accepts, judge_disturbed, judge_look,
 def test_limit_has_its_closed_form():
     sigma = np.sqrt(np.diag(straight_arm_limit(2, 1.0, 500.0)))
     expected = np.sqrt([720.0, 9072.0]) / (500.0 * np.sqrt(1000.0))
-    np.testing.assert_allclose(sigma, expected, rel=1e-3)  # 500 rows stand for the integral
+    np.testing.assert_allclose(sigma, expected, rtol=1e-3)  # 500 rows stand for the integral
     covariance = straight_arm_limit(2, 1.0, 500.0)
     assert covariance[0, 1] / np.prod(np.sqrt(np.diag(covariance))) == pytest.approx(-0.987, abs=1e-3)
     np.testing.assert_allclose(shape_limit(np.zeros(2), 0.3, 1.0, 500.0), covariance, rtol=1e-4)
@@ -49,10 +49,10 @@ def test_an_arm_that_leaves_the_picture_is_flagged(tmp_path):
 
 
 def test_report_of_a_look_with_a_lens():
-    result = judge_look(TANK_LENS, (3,), 24, (640, 360))
+    result = judge_look(TANK_LENS, (3,), 20, (960, 540))
     assert result.false_accepts == 0
     assert result.missed < 0.2
-    assert result.rms[0] < 4e-3  # rad; the paper's method is off by more than its own grid here
+    assert result.rms[0] < 4e-3  # rad; some ten times the limit: bubbles are large beside an arm of 356 px
     assert result.rms[0] < 0.1 * result.paper_rms[0]
     assert "tank_lens" in table([result])
     assert as_json([result])[0]["look"] == "tank_lens"
