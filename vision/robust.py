@@ -14,7 +14,6 @@ LEAP = 0.2  # of the contrast around: something else
 NEIGHBOURS = 8  # stations beside a disturbed edge that go with it
 AROUND = 30  # stations to either side that make up the usual
 STRIDE = 15  # stations between two looks at the usual
-MEAN_REACH = 15  # stations to either side over which the greys beside the edges are averaged
 
 
 @njit(cache=True, nogil=True)
@@ -82,15 +81,15 @@ def disturbed(
 
 
 @njit(cache=True, nogil=True)
-def neighbours_mean(kind: Array, values: Array, weight: Array) -> tuple[Array, Array]:
+def neighbours_mean(kind: Array, values: Array, weight: Array, reach: int) -> tuple[Array, Array]:
     """Running weighted mean (E,) of values along each side, and the weight behind it."""
     smooth, support = np.zeros(len(kind)), np.zeros(len(kind))
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
         count = len(index)
         total, share = 0.0, 0.0
-        for k in range(-MEAN_REACH, count):
-            enters, leaves = k + MEAN_REACH, k - MEAN_REACH - 1
+        for k in range(-reach, count):
+            enters, leaves = k + reach, k - reach - 1
             if enters < count:
                 total += weight[index[enters]] * values[index[enters]]
                 share += weight[index[enters]]
