@@ -1,4 +1,6 @@
-"""The base motion as the kernel takes it: tables of theta and its derivatives, bent by the servo effects where they act."""
+"""The base motion as the kernel takes it: tables of theta and its derivatives, bent by the servo effects where they
+act.
+"""
 
 from __future__ import annotations
 

@@ -14,10 +14,14 @@ from discovery.score import absorbed_basis
 from tentacle.diagnosis import Gate
 
 SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fit, false alarms well under 1 %
-MATERIAL = 0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
+MATERIAL = (
+    0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
+)
 ALLOWANCE = 1.5  # times the reduction's error as measured: another simulator, or an arm, differs by as much again
 LAGS = 20
-LIKE_BASELINE = 2.0  # times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
+LIKE_BASELINE = (
+    2.0  # times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
+)
 
 
 @dataclass(frozen=True)
@@ -34,7 +38,9 @@ class Adequacy:
 
 
 def judged_rows(experiment: Experiment, residuals: Array, held_out: bool) -> Array:
-    """Whitened residuals (T', K) of the frames that were fitted, or of those that were held out; unseen frames dropped."""
+    """Whitened residuals (T', K) of the frames that were fitted, or of those that were held out; unseen frames
+    dropped.
+    """
     chosen = residuals[~experiment.used if held_out else experiment.used]
     return chosen[np.any(chosen != 0.0, axis=1)]
 
@@ -102,7 +108,9 @@ def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool
 
 
 def _drift(experiments: tuple[Experiment, ...], fitted: Fit, allowed: float) -> Gate:
-    """Whether parameters that grow or fall in time would explain more: sensitivities times time, freed of the model's own."""
+    """Whether parameters that grow or fall in time would explain more: sensitivities times time, freed of the model's
+    own.
+    """
     times = []
     for experiment, residuals in zip(experiments, fitted.residuals, strict=True):
         t = experiment.observation.t[experiment.used]
@@ -117,7 +125,9 @@ def _drift(experiments: tuple[Experiment, ...], fitted: Fit, allowed: float) -> 
     columns = fitted.jacobian[:, : len(fitted.values)] * weight[:, None]
     basis = absorbed_basis(fitted)
     columns = columns - basis @ (basis.T @ columns)
-    left, singular, _ = np.linalg.svd(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False)
+    left, singular, _ = np.linalg.svd(
+        columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False
+    )
     left = left[:, singular > 1e-6 * max(singular[0], 1e-300)]
     gain = 0.5 * float(np.sum((left.T @ fitted.used_residuals) ** 2))
     limit = 0.5 * float(chi_square.isf(SIGNIFICANCE, left.shape[1])) + 0.5 * fitted.count * allowed

@@ -52,17 +52,21 @@ class Setting:
 
 
 def needed_order(setting: Setting) -> int:
-    """How many curvature coordinates the data need: seen in the shapes themselves, or, of markers, by fits of each order."""
+    """How many curvature coordinates the data need: seen in the shapes themselves, or, of markers, by fits of each
+    order.
+    """
     if not setting.sees_shapes():
         return _order_by_fits(setting)
-    return max(_visible_order(e.observation) for e in setting.experiments if isinstance(e.observation, ShapeObservation))
+    return max(
+        _visible_order(e.observation) for e in setting.experiments if isinstance(e.observation, ShapeObservation)
+    )
 
 
 def _visible_order(observation: ShapeObservation) -> int:
     """The highest coordinate that is seen, from the top down, without any dynamics.
 
-    The last row of the whitening root belongs to the highest coordinate alone: where that coordinate is zero, its whitened
-    value is pure noise, whose size is known from the frame-to-frame differences.
+    The last row of the whitening root belongs to the highest coordinate alone: where that coordinate is zero, its
+    whitened value is pure noise, whose size is known from the frame-to-frame differences.
     """
     seen = observation.root[:, -1, -1] > 0
     for order in range(observation.order, 2, -1):
@@ -130,7 +134,9 @@ def _starts(setting: Setting) -> Array:
 
 
 def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Fit, tuple[Experiment, ...]]:
-    """The base effects alone at that order, from many starts (or from a fit at another order), noise recalibrated once."""
+    """The base effects alone at that order, from many starts (or from a fit at another order), noise recalibrated
+    once.
+    """
     arm = setting.arm(order)
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = Problem(arm, setting.experiments, setting.base_free(), neutral_parameters(), setting.step)

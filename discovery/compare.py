@@ -26,7 +26,9 @@ SHOWN = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
 
 @dataclass(frozen=True)
 class Seen:
-    """One model at one recording's frames: points (T, P, 2) [m], z (T, 3) first Legendre coordinates, angle (T, P), load."""
+    """One model at one recording's frames: points (T, P, 2) [m], z (T, 3) first Legendre coordinates, angle (T, P),
+    load.
+    """
 
     points: Array
     q: Array
@@ -35,10 +37,11 @@ class Seen:
 
 
 def restricted(observation: ShapeObservation, coefficients: Array, order: int) -> Array:
-    """The shape of `order` coordinates, clamped as declared, nearest to given coefficients (T, K) in the measurement's own metric.
+    """The shape of `order` coordinates, clamped as declared, nearest to given coefficients (T, K) in the
+    measurement's own metric.
 
-    z (T, order). With order 2 it is the paper's fit of (q1, q2) to a contour; models and measurement are reduced alike, so that
-    a third coordinate aliases into both in the same way ((+.46, -1.50) q3, closing the loop).
+    z (T, order). With order 2 it is the paper's fit of (q1, q2) to a contour; models and measurement are reduced
+    alike, so that a third coordinate aliases into both in the same way ((+.46, -1.50) q3, closing the loop).
     """
     root = observation.root
     columns = root[:, :, POSE : POSE + order]
@@ -117,7 +120,9 @@ def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
     """Frames on which errors are stated: those that were not fitted (or, without any, all that were)."""
     times = experiment.observation.t
     within = times <= times[experiment.used].max() if experiment.used.any() else np.zeros_like(experiment.used)
-    end = experiment.t0 + experiment.duration if experiment.release is None else experiment.release + experiment.duration
+    end = (
+        experiment.t0 + experiment.duration if experiment.release is None else experiment.release + experiment.duration
+    )
     return (times <= end) & ~within if held_out else experiment.used
 
 
@@ -155,9 +160,7 @@ def _rms(parts: list[Array]) -> float | None:
     return float(np.sqrt(np.mean(values**2))) if values.size else None
 
 
-def errors(
-    runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], *, augmented: bool
-) -> ErrorMeasure:
+def errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], *, augmented: bool) -> ErrorMeasure:
     """The rms errors over the judged frames of all recordings."""
     distance, angle, first, second, thrust = [], [], [], [], []
     for (run, base, final), source in zip(runs, prepared, strict=True):
@@ -181,7 +184,9 @@ def errors(
     return ErrorMeasure(_rms(distance), _rms(angle), _rms(first), _rms(second), _rms(thrust))
 
 
-def floor_errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], reduction_mm: float) -> ErrorMeasure:
+def floor_errors(
+    runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], reduction_mm: float
+) -> ErrorMeasure:
     """What noise alone (as found), and the reduction, would leave in the same measures."""
     distance, angle, first, second = [], [], [], []
     for (run, _, _), source in zip(runs, prepared, strict=True):

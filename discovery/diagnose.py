@@ -13,8 +13,8 @@ from affine_model.identify.experiment import Experiment
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order
 from discovery.compare import errors, floor_errors, run_comparison
-from discovery.next_experiment import ServoLimits, propose
-from discovery.prepare import Prepared, prepare
+from discovery.next_experiment import DURATION, Proposal, propose
+from discovery.prepare import CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
 from discovery.search import Search, estimates, hypothesis, looseness, search
@@ -23,8 +23,11 @@ from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffec
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.recording import Recording
+from tentacle.servo_limits import ServoLimits
+from tentacle.waveform_file import waveform_table
 
 Progress = Callable[[str], None]
+LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
 
@@ -52,7 +55,9 @@ def _same_arm(recordings: Sequence[Recording]) -> None:
 
 @dataclass(frozen=True)
 class Baseline:
-    """What recordings with a complete declaration taught: the base fit, what it leaves a channel, and over how many frames."""
+    """What recordings with a complete declaration taught: the base fit, what it leaves a channel, and over how many
+    frames.
+    """
 
     fitted: Fit
     left: Array
@@ -99,12 +104,54 @@ def diagnose(
 ) -> Diagnosis:
     """Find the residual of the declared model, the effect behind it, and the error before and after.
 
-    baseline: recordings whose declaration is complete; the base parameters come from there, with their covariance. held_out:
-    recordings that only judge; without any, the last third of each recording does. Raises InputError on unusable input.
+    baseline: recordings whose declaration is complete; the base parameters come from there, with their covariance.
+    held_out: recordings that only judge; without any, the last third of each recording does. Raises InputError on
+    unusable input.
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
     _same_arm([*recordings, *held_out])
+    try:
+        return _diagnosed(recordings, baseline, held_out, seed, progress)
+    except CannotTellError as reason:
+        return _cannot_tell(recordings[0], str(reason), seed)
+
+
+def _cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
+    """Unknown, for the data show too little; with no error, no ranking and no parameters, since none can be stated."""
+    d = recording.declaration
+    model = Model(d.specimen, d.fluid, d.gravity)
+    nothing = ErrorMeasure()
+    return Diagnosis(
+        verdict="unknown",
+        effects=(),
+        confidence=0.0,
+        parameters={},
+        before=nothing,
+        after=nothing,
+        floor=nothing,
+        held_out=False,
+        ranking=(),
+        next_experiment=None,
+        budget=ErrorBudget(0.0, 0.0, 0.0, 0.0),
+        base_model=model,
+        augmented_model=model,
+        gates=(),
+        twin_names=(),
+        twin_cosines=np.zeros((0, 0)),
+        runs=(),
+        words=("These data cannot tell.", reason),
+        seed=seed,
+    )
+
+
+def _diagnosed(
+    recordings: Sequence[Recording],
+    baseline: Sequence[Recording],
+    held_out: Sequence[Recording],
+    seed: int,
+    progress: Progress,
+) -> Diagnosis:
     progress("reading shapes")
     prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
     prepared += [_held_out(prepare(recording, hold_out=False)) for recording in held_out]
@@ -177,7 +224,11 @@ def _assembled(
     effects, verdict = decision.effects, decision.verdict
     if order > 2:
         words = (*words, f"The measured shapes show {order} curvature coordinates; the paper's model has two.")
-        improved = before.midline_mm is not None and after.midline_mm is not None and before.midline_mm > 1.1 * after.midline_mm
+        improved = (
+            before.midline_mm is not None
+            and after.midline_mm is not None
+            and before.midline_mm > 1.1 * after.midline_mm
+        )
         if verdict == "nothing_missing" and improved:
             effects, verdict = ("third_curvature",), "effect"
         elif verdict in ("effect", "group"):
@@ -186,8 +237,9 @@ def _assembled(
     d = prepared[0].recording.declaration
     base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
     augmented = Model(d.specimen, d.fluid, d.gravity, order, parameters)
-    limits = ServoLimits()
-    proposal = propose(chosen, found.rivals, limits, seed) if verdict in ("group", "unknown") else None
+    proposal = propose(chosen, found.rivals, LIMITS, seed) if found.rivals else None
+    if proposal is not None:
+        words = (*words, _proposal_words(proposal))
     candidates = list(found.candidates[:12])
     return Diagnosis(
         verdict=verdict,
@@ -199,7 +251,7 @@ def _assembled(
         floor=floor,
         held_out=is_held_out,
         ranking=_ranking(found, prepared, paper, is_held_out),
-        next_experiment=None if proposal is None else proposal.table,
+        next_experiment=None if proposal is None else waveform_table(proposal.waveform),
         budget=_budget(before, after, floor, lost),
         base_model=base_model,
         augmented_model=augmented,
@@ -209,6 +261,18 @@ def _assembled(
         runs=tuple(run for run, _, _ in runs),
         words=(*words, *decision.words),
         seed=seed,
+    )
+
+
+def _proposal_words(proposal: Proposal) -> str:
+    if proposal.nats < 5.0:
+        return (
+            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
+            f"the best of those tried would give {proposal.nats:.1f} nats."
+        )
+    return (
+        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment, would split "
+        f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
     )
 
 

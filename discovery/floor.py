@@ -17,9 +17,7 @@ def noise_deviation(series: Array) -> Array:
     2 Hz and 60 frames/s. Columns with fewer than 12 usable differences give NaN.
     """
     flat = series.reshape(series.shape[0], -1)
-    differences = sum(
-        weight * flat[k : flat.shape[0] - 4 + k] for k, weight in enumerate(FOURTH_DIFFERENCE)
-    )
+    differences = sum(weight * flat[k : flat.shape[0] - 4 + k] for k, weight in enumerate(FOURTH_DIFFERENCE))
     result = np.full(flat.shape[1], np.nan)
     for column in range(flat.shape[1]):
         values = np.asarray(differences)[:, column]

@@ -28,9 +28,9 @@ ILL = 0.99  # two parameters whose estimates correlate by more than this are not
 class Identification:
     """An identified model and how well it is known.
 
-    regression: the paper's values by eq. 18-19 (effect.parameter -> value), empty where q was not measured or the base has no
-    motor log; errors on the judged frames; correlation (F, F) of the estimates in the order of free; at_bound: parameters that ended on
-    a bound; words: remarks.
+    regression: the paper's values by eq. 18-19 (effect.parameter -> value), empty where q was not measured or the
+    base has no motor log; errors on the judged frames; correlation (F, F) of the estimates in the order of free;
+    at_bound: parameters that ended on a bound; words: remarks.
     """
 
     model: Model
@@ -44,8 +44,11 @@ class Identification:
     words: tuple[str, ...]
 
 
-def identify(recordings: Sequence[Recording], check: Sequence[Recording] = (), *, order: int | None = None) -> Identification:
-    """Fit the base effects to the recordings; check: recordings that only judge (the paper: chirp to fit, sine to check).
+def identify(
+    recordings: Sequence[Recording], check: Sequence[Recording] = (), *, order: int | None = None
+) -> Identification:
+    """Fit the base effects to the recordings; check: recordings that only judge (the paper: chirp to fit, sine to
+    check).
 
     order: number of curvature coordinates, else as many as the data need. Raises InputError on unusable recordings.
     """
@@ -86,7 +89,9 @@ def _initial_states(setting: Setting, problem: Problem, judges: list[Prepared]) 
 
 
 def _paper_regression(arm: Arm, problem: Problem, prepared: list[Prepared]) -> dict[str, float]:
-    """Eq. 18-19 on the first recording whose q was measured under a moving base; the paper differentiates numerically."""
+    """Eq. 18-19 on the first recording whose q was measured under a moving base; the paper differentiates
+    numerically.
+    """
     for p in prepared:
         observation = p.experiment.observation
         if not isinstance(observation, ShapeObservation) or p.experiment.release is not None:
@@ -106,5 +111,7 @@ def _remarks(judged: Hypothesis, correlation: Array) -> tuple[str, ...]:
         if abs(correlation[i, j]) > ILL:
             words.append(f"{names[i]} and {names[j]} are not known apart (correlation {correlation[i, j]:.4f}).")
     words += [f"{'.'.join(name)} ended on a bound." for name in judged.fitted.at_bound]
-    words += [f"{gate.name}: {gate.words}; the model is not complete." for gate in judged.train.gates if not gate.passed]
+    words += [
+        f"{gate.name}: {gate.words}; the model is not complete." for gate in judged.train.gates if not gate.passed
+    ]
     return tuple(words)

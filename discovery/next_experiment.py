@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from affine_model.identify.observation import POSE, ShapeObservation
 from affine_model.identify.trajectory import Problem, evaluate
 from discovery.score import absorbed_basis
 from discovery.search import Hypothesis
+from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 
 DURATION = 15.0  # s: long against every relaxation of an arm in water, short against a working day
@@ -20,56 +20,40 @@ FRAMES = 30.0  # 1/s at which a proposal is judged
 
 
 @dataclass(frozen=True)
-class ServoLimits:
-    """What the servo may be asked for: angle [rad], speed [rad/s]."""
-
-    angle: float = 0.8
-    speed: float = 6.0
-
-
-@dataclass(frozen=True)
 class Proposal:
-    """A base motion, the nats by which it would split the rivals, and its waveform table."""
+    """A base motion, the effects that it is to split, and the nats by which it would split the nearest two."""
 
     waveform: Waveform
+    splits: tuple[str, ...]
     nats: float
-    table: dict[str, Any]
 
 
-def candidates(limits: ServoLimits, seed: int) -> list[tuple[Waveform, dict[str, Any]]]:
+def candidates(limits: ServoLimits, seed: int) -> list[Waveform]:
     """Base motions within the limits: sines over the band, chirps up and down, multisines with random phases."""
     random = np.random.default_rng(seed)
-    found: list[tuple[Waveform, dict[str, Any]]] = []
+    found: list[Waveform] = []
     for frequency in (0.2, 0.5, 0.8, 1.2, 1.7, 2.3, 3.0):
-        for share in (0.3, 1.0):
-            amplitude = share * min(limits.angle, limits.speed / (2 * np.pi * frequency))
-            found.append(
-                (
-                    Sine(amplitude, frequency),
-                    {"kind": "sine", "amplitude_rad": amplitude, "frequency_hz": frequency, "duration_s": DURATION},
-                )
-            )
+        largest = _amplitude(limits, np.array([frequency]))
+        found += [Sine(share * largest, frequency) for share in (0.3, 1.0)]
     for start, stop in ((0.1, 1.5), (0.3, 3.0), (2.5, 0.2)):
-        amplitude = min(limits.angle, limits.speed / (2 * np.pi * max(start, stop)))
-        table = {
-            "kind": "chirp", "amplitude_rad": amplitude, "start_hz": start, "stop_hz": stop, "duration_s": DURATION,
-        }  # fmt: skip
-        found.append((Chirp(amplitude, start, stop, DURATION), table))
+        found.append(Chirp(_amplitude(limits, np.array([max(start, stop)])), start, stop, DURATION))
     for _ in range(6):
         frequencies = np.sort(random.uniform(0.15, 3.0, 4))
         phases = random.uniform(0.0, 2 * np.pi, 4)
-        amplitude = min(limits.angle / 4, limits.speed / float(np.sum(2 * np.pi * frequencies)))
-        wave = Multisine((amplitude,) * 4, tuple(frequencies.tolist()), tuple(phases.tolist()))
-        table = {
-            "kind": "multisine", "amplitudes_rad": list(wave.amplitudes), "frequencies_hz": list(wave.frequencies),
-            "phases_rad": list(wave.phases), "duration_s": DURATION,
-        }  # fmt: skip
-        found.append((wave, table))
+        each = _amplitude(limits, frequencies)
+        found.append(Multisine((each,) * 4, tuple(frequencies.tolist()), tuple(phases.tolist())))
     return found
 
 
-def _virtual(experiment: Experiment, waveform: Waveform, order: int, start: Array) -> Experiment:
-    """A run that has not been made yet: this camera and noise, another base motion, starting from rest at `start`."""
+def _amplitude(limits: ServoLimits, frequencies: Array) -> float:
+    """The largest amplitude [rad] of each of these sines [Hz] together, whatever their phases."""
+    omega = 2 * np.pi * frequencies
+    ratios = limits.angle / omega.size, limits.speed / omega.sum(), limits.acceleration / (omega**2).sum()
+    return float(0.999 * min(ratios))
+
+
+def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
+    """A run that has not been made yet: this camera and noise, another base motion, starting from rest."""
     t = np.arange(0.0, DURATION, 1.0 / FRAMES)
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
@@ -86,26 +70,28 @@ def _virtual(experiment: Experiment, waveform: Waveform, order: int, start: Arra
 
 
 def propose(chosen: Hypothesis, rivals: tuple[Hypothesis, ...], limits: ServoLimits, seed: int) -> Proposal | None:
-    """The motion with the largest gap, in nats, between the chosen model's motion and the nearest that a rival can come to it.
+    """The motion with the largest gap, in nats, between the chosen model's motion and the nearest that a rival can
+    come to it.
 
-    A rival is allowed to refit all its parameters and initial states (to first order). None where there is no rival, or
-    where the recordings have no motor or no midline: then no base motion can be commanded or judged.
+    A rival is allowed to refit all its parameters and initial states (to first order). None where there is no rival,
+    or where the recordings have no motor or no midline: then no base motion can be commanded or judged.
     """
     source = chosen.problem.experiments[0]
     if not rivals or source.release is not None or not isinstance(source.observation, ShapeObservation):
         return None
+    splits = tuple(sorted({name for h in (chosen, *rivals) for name in h.effects}))
     best: Proposal | None = None
-    for waveform, table in candidates(limits, seed):
+    for waveform in candidates(limits, seed):
         gap = min(_gap(chosen, rival, source, waveform) for rival in rivals)
         if best is None or gap > best.nats:
-            best = Proposal(waveform, gap, {**table, "splits": sorted({chosen.effects[-1], *(r.effects[-1] for r in rivals)}), "expected_nats": gap})
+            best = Proposal(waveform, splits, gap)
     return best
 
 
 def _gap(chosen: Hypothesis, rival: Hypothesis, source: Experiment, waveform: Waveform) -> float:
     order = chosen.problem.arm.order
     start = np.concatenate([np.zeros(2 * order), np.zeros(2)])
-    experiment = _virtual(source, waveform, order, start)
+    experiment = _virtual(source, waveform)
     shown = predict(
         chosen.problem.arm, experiment, chosen.fitted.parameters[:, None], start[:, None], chosen.problem.step
     )

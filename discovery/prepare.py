@@ -26,12 +26,18 @@ from tentacle.waveform import Rest, Waveform
 MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
 LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
+LEAST_MOTION = 2.0  # noise sigmas
+
+
+class CannotTellError(Exception):
+    """A recording is readable, but shows too little to judge a model by; the message says why, in a sentence."""
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """A recording with its experiment; points (T, P, 2) [m] of its midline in the standing frame (None without a midline);
-    sigma [m] of a coordinate where the midline states none; and in words what had to be decided on the way."""
+    """A recording with its experiment; points (T, P, 2) [m] of its midline in the standing frame (None without a
+    midline); sigma [m] of a coordinate where the midline states none; and in words what had to be decided on the way.
+    """
 
     recording: Recording
     experiment: Experiment
@@ -70,11 +76,11 @@ def _turns_with_base(recording: Recording, theta: Array) -> bool:
     near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
     if not near.size:
         return False
-    direction = np.nanmean(np.arctan2(-data.xy[:, near, 0], data.xy[:, near, 1]), axis=1)
-    seen = np.isfinite(direction)
+    seen = np.isfinite(data.xy[:, near]).all(axis=(1, 2))
     if seen.sum() < 10:
         return False
-    slope = np.polyfit(theta[seen] - theta[seen].mean(), np.unwrap(direction[seen]), 1)[0]
+    direction = np.arctan2(-data.xy[seen][:, near, 0], data.xy[seen][:, near, 1]).mean(axis=1)
+    slope = np.polyfit(theta[seen] - theta[seen].mean(), np.unwrap(direction), 1)[0]
     return bool(slope < 0.35)
 
 
@@ -97,7 +103,7 @@ def _observation(
         points = int(np.median(np.isfinite(data.xy).all(axis=2).sum(axis=1)))
         order = min(MOST_COORDINATES, points - POSE)
         if order < 2:
-            raise InputError(f"{points} points a frame", file="midline.csv", expected="at least 6 points a frame")
+            raise CannotTellError(f"The midline of {recording.name} has {points} points a frame; 6 are the least.")
         sigma = 1e-4
         if not np.isfinite(data.sigma).any():
             free = noise_deviation(data.xy)
@@ -120,7 +126,7 @@ def _observation(
 def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     """The experiment of a recording; with hold_out its last third is kept for judging.
 
-    Raises InputError where the recording holds too little to judge anything.
+    Raises InputError where no shape was measured at all, CannotTellError where too little was.
     """
     base = _base(recording)
     observation, points, sigma, words = _observation(recording, base)
@@ -132,8 +138,10 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         seen = np.isfinite(observation.xy).any(axis=(1, 2))
         channels = 2 * observation.s.size
     if seen.sum() < FEWEST_FRAMES:
-        raise InputError(
-            f"{int(seen.sum())} usable frames", file=recording.name, expected=f"at least {FEWEST_FRAMES} frames"
+        raise CannotTellError(f"{recording.name} has {int(seen.sum())} usable frames; {FEWEST_FRAMES} are the least.")
+    if not _moves(observation, seen):
+        raise CannotTellError(
+            f"{recording.name}: the arm hardly moves beyond the noise; nothing of its dynamics can be seen."
         )
     release = recording.declaration.release_t
     first = times[seen][0]
@@ -158,11 +166,24 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     return Prepared(recording, experiment, points, sigma, tuple(words))
 
 
-def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
-    """The experiment with its noise as found in the residuals of a fit, where the stated noise is too small (or not stated).
+def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) -> bool:
+    """Whether the shape changes, or the base turns it, by more than the noise does."""
+    if isinstance(observation, MarkerObservation):
+        spread = np.nanstd(observation.xy[seen], axis=0)
+        return bool(np.max(spread) > LEAST_MOTION * observation.sigma)
+    if np.ptp(observation.theta[seen]) > 0.02:
+        return True
+    change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
+    whitened = np.einsum("tkl,tl->tk", observation.root[seen], change)
+    return bool(np.mean(whitened**2) > LEAST_MOTION**2)
 
-    A channel noisier than stated by more than 10 % gets the larger value; a quieter one keeps what was stated, for a source
-    that smooths its data looks quiet between frames and is not.
+
+def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
+    """The experiment with its noise as found in the residuals of a fit, where the stated noise is too small (or not
+    stated).
+
+    A channel noisier than stated by more than 10 % gets the larger value; a quieter one keeps what was stated, for a
+    source that smooths its data looks quiet between frames and is not.
     """
     found = noise_deviation(np.where(residuals == 0.0, np.nan, residuals)) * experiment.noise_gain
     gain = np.where(np.isfinite(found) & (found > 1.1), found, 1.0)

@@ -1,6 +1,7 @@
 """What the affine reduction itself loses: the declared model's fit to a MuJoCo chain with the very same parameters.
 
-The chain knows nothing missing, so what the reduced model cannot follow of it is the reduction's own error, and no physics.
+The chain knows nothing missing, so what the reduced model cannot follow of it is the reduction's own error, and no
+physics.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ POINTS = np.linspace(0.0, 1.0, 41)
 
 @dataclass(frozen=True)
 class Reduction:
-    """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch that was
-    fitted and over the one held out; millimetres: rms on the midline, over both."""
+    """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch
+    that was fitted and over the one held out; millimetres: rms on the midline, over both.
+    """
 
     structure: float
     judged: float
@@ -47,8 +49,9 @@ class _Later:
 
 
 def reduction_error(declaration: Declaration, problem: Problem, fitted: Fit) -> Reduction | None:
-    """The reduction's error at the fitted parameters; None where no recording shows shapes of a moving base, or where the chain
-    cannot be run with these parameters (then nothing is known of it)."""
+    """The reduction's error at the fitted parameters; None where no recording shows shapes of a moving base, or where
+    the chain cannot be run with these parameters (then nothing is known of it).
+    """
     names = {name: float(value) for name, value in zip(fitted.free, fitted.values, strict=True)}
     tables: dict[str, dict[str, Estimate]] = {}
     for (effect, parameter), value in names.items():
@@ -75,7 +78,9 @@ def _rms(parts: list[Array]) -> float:
 
 
 def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, Array, float]:
-    """Whitened residuals (T, K) of the reduced model fitted to the chain, which frames were fitted, and the midlines' rms distance [m]."""
+    """Whitened residuals (T, K) of the reduced model fitted to the chain, which frames were fitted, and the midlines'
+    rms distance [m].
+    """
     experiment = problem.experiments[place]
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)

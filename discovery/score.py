@@ -25,8 +25,9 @@ VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by le
 
 @dataclass(frozen=True)
 class Candidate:
-    """An absent effect as the score test sees it: gain [nats], linear estimate of its strengths, the shape values at which the
-    gain is largest, its sensitivity freed of the base (N, S), and the plain one."""
+    """An absent effect as the score test sees it: gain [nats], linear estimate of its strengths, the shape values at
+    which the gain is largest, its sensitivity freed of the base (N, S), and the plain one.
+    """
 
     effect: Effect
     gain: float
@@ -53,8 +54,12 @@ def _trial(problem: Problem, effect: Effect, shapes: tuple[float, ...], strength
     return parameters
 
 
-def sensitivities(problem: Problem, fitted: Fit, effects: tuple[Effect, ...]) -> dict[str, list[tuple[tuple[float, ...], Array]]]:
-    """Per effect and shape variant, d residuals / d strengths (N, S), at the fitted state; differences in one batch each."""
+def sensitivities(
+    problem: Problem, fitted: Fit, effects: tuple[Effect, ...]
+) -> dict[str, list[tuple[tuple[float, ...], Array]]]:
+    """Per effect and shape variant, d residuals / d strengths (N, S), at the fitted state; differences in one batch
+    each.
+    """
     problem = replace(problem, parameters=fitted.parameters)
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
     plan = []
@@ -86,8 +91,9 @@ def sensitivities(problem: Problem, fitted: Fit, effects: tuple[Effect, ...]) ->
 def survey(problem: Problem, fitted: Fit, candidates: list[Candidate]) -> dict[str, tuple[float, Array]]:
     """Where the residual is large a linear estimate misleads: the best of a coarse grid of strengths, per candidate.
 
-    Every strength is tried alone at nominal sizes times SURVEYED (both signs where bounds allow), with the shape values that the
-    score test prefers; base and initial states stay. Gives effect -> (gain in nats, strengths); one batch for all.
+    Every strength is tried alone at nominal sizes times SURVEYED (both signs where bounds allow), with the shape
+    values that the score test prefers; base and initial states stay. Gives effect -> (gain in nats, strengths); one
+    batch for all.
     """
     problem = replace(problem, parameters=fitted.parameters)
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
@@ -155,7 +161,7 @@ def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = No
 
 
 def twin_cosines(candidates: list[Candidate]) -> Array:
-    """Largest canonical cosine between each two candidates' sensitivities: 1 where these data cannot tell them apart."""
+    """Largest canonical cosine between each two candidates' sensitivities: at 1 these data cannot split them."""
     bases = [np.linalg.qr(candidate.sensitivity)[0] for candidate in candidates]
     result = np.eye(len(bases))
     for a, first in enumerate(bases):

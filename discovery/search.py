@@ -1,4 +1,4 @@
-"""The search: which absent effects, added to the model, explain the residual. Forward by refits, backward by removal."""
+"""The search: which absent effects, added to the model, explain the residual. Forward by refits, back by removal."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ MOST_EFFECTS = 3
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out frames, less a
-    penalty for each parameter."""
+    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out
+    frames, less a penalty for each parameter.
+    """
 
     effects: tuple[str, ...]
     problem: Problem
@@ -37,7 +38,12 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Search:
-    """What the search found: the base, the chosen hypothesis, rivals that the data cannot tell from it, and the first ranking."""
+    """What the search found: the base, the chosen hypothesis, rivals that the data cannot tell from it, and the first
+    ranking.
+
+    core: the effects on which the chosen hypothesis and all rivals agree, alone (the chosen one where there is no
+    rival).
+    """
 
     base: Hypothesis
     chosen: Hypothesis
@@ -45,6 +51,7 @@ class Search:
     candidates: tuple[Candidate, ...]
     single: tuple[Hypothesis, ...]
     looseness: float
+    core: Hypothesis
 
 
 def held_out_misfit(problem: Problem, fitted: Fit) -> float:
@@ -56,14 +63,18 @@ def held_out_misfit(problem: Problem, fitted: Fit) -> float:
 
 
 def nats_per_parameter(problem: Problem) -> float:
-    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for less."""
+    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for
+    less.
+    """
     return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
 
 
 def hypothesis(
     effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: tuple[float, float] = (0.0, 0.0)
 ) -> Hypothesis:
-    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing physics."""
+    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing
+    physics.
+    """
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
     train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction[0])
@@ -85,7 +96,9 @@ def _with_candidate(problem: Problem, start: Fit, candidate: Candidate, share: f
 
 
 def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
-    """The current model with the candidate added, fitted from its linear estimate; from half of it where that fails to gain."""
+    """The current model with the candidate added, fitted from its linear estimate; from half of it where that fails
+    to gain.
+    """
     best: Fit | None = None
     used: Problem | None = None
     for share in (1.0, 0.4):
@@ -114,7 +127,8 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
 
 
 def looseness(judged: Hypothesis) -> float:
-    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time in frames.
+    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time
+    in frames.
 
     1 where the rest is white noise of the stated size. It widens ties and intervals where the model is not complete.
     """
@@ -141,13 +155,17 @@ def looseness(judged: Hypothesis) -> float:
 
 
 def material_gain(current: Hypothesis) -> float:
-    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all residuals."""
+    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all
+    residuals.
+    """
     structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2
     return 0.5 * structure * current.fitted.count
 
 
 def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candidate]:
-    """The candidates worth a refit: the best of the score test and, where the residual is large, the best of the survey too."""
+    """The candidates worth a refit: the best of the score test and, where the residual is large, the best of the
+    survey too.
+    """
     price = nats_per_parameter(current.problem)
     best = [c for c in candidates if c.gain > price * len(c.effect.parameters)][:REFITTED]
     if current.train.structure < LINEAR:
@@ -163,7 +181,9 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
 
 
 def search(base: Hypothesis) -> Search:
-    """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is gained."""
+    """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
+    gained.
+    """
     current, alternatives = base, []
     first: list[Candidate] = []
     single: list[Hypothesis] = []
@@ -190,10 +210,20 @@ def search(base: Hypothesis) -> Search:
                 break
     loose = looseness(current)
     rivals = [
-        h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < TIE * loose
+        h
+        for h in alternatives
+        if len(h.effects) == len(current.effects) and current.evidence - h.evidence < TIE * loose
     ]
     rivals += _rivals_of_earlier(current, loose)
-    return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose)
+    return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals))
+
+
+def _agreed(current: Hypothesis, rivals: list[Hypothesis]) -> Hypothesis:
+    core = current
+    for effect in current.effects:
+        if any(effect not in rival.effects for rival in rivals):
+            core = without(core, effect)
+    return core
 
 
 def _rivals_of_earlier(current: Hypothesis, loose: float) -> list[Hypothesis]:

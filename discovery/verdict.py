@@ -10,7 +10,7 @@ from discovery.search import Hypothesis, Search
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: a named effect that leaves no more than this share of the error is still named
-DOMINANT = 0.05
+AGREED = 0.2  # where what all rivals agree on leaves no more than this share, the rest of their difference is a detail
 
 
 @dataclass(frozen=True)
@@ -23,18 +23,22 @@ class Decision:
     words: tuple[str, ...]
 
 
-def structure_share(search: Search) -> float:
-    """How much of the structured error (noise taken off) the chosen model leaves, 0 .. 1, on held-out frames where there are any."""
+def structure_share(search: Search, reached: Hypothesis) -> float:
+    """How much of the structured error (noise taken off) a model leaves, 0 .. 1, on held-out frames where there are
+    any.
+    """
 
     def structure(h: Hypothesis) -> float:
         return h.judged.structure if h.judged.gates else h.train.structure
 
     before = structure(search.base)
-    return structure(search.chosen) / before if before > 0 else 0.0
+    return structure(reached) / before if before > 0 else 0.0
 
 
 def probabilities(search: Search) -> dict[str, float]:
-    """Weights of the single-effect models among themselves, tempered by the looseness; they rank, they are no calibrated odds."""
+    """Weights of the single-effect models among themselves, tempered by the looseness; they rank, they are no
+    calibrated odds.
+    """
     pool = list(search.single)
     if not pool:
         return {}
@@ -45,34 +49,42 @@ def probabilities(search: Search) -> dict[str, float]:
 
 
 def decide(search: Search) -> Decision:
-    """The verdict. An explanation counts where the gates pass with it, or where what it leaves is small beside what it explains."""
+    """The verdict. An explanation counts where the gates pass with it, or where what it leaves is small beside what
+    it explains.
+    """
     base, chosen = search.base, search.chosen
     passed = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
     if not chosen.effects and passed:
         margin = max(gate.statistic / gate.threshold for gate in (*base.train.gates, *base.judged.gates))
         return Decision("nothing_missing", (), float(np.clip(1.0 - 0.5 * max(margin, 0.0) ** 8, 0.5, 0.98)), ())
-    share = structure_share(search)
+    share = structure_share(search, chosen)
     explained = bool(chosen.effects) and (passed or share < NEARLY)
     if not explained:
         words = ["No effect of the catalogue, nor a combination of up to three, brings the residual down to the noise."]
         if chosen.effects:
             words.append(
-                f"The best partial account is {' + '.join(chosen.effects)}: it leaves {100 * share:.0f} % of the structured error."
+                f"The best partial account is {' + '.join(chosen.effects)}: "
+                f"it leaves {100 * share:.0f} % of the structured error."
             )
         return Decision("unknown", (), float(np.clip(1.0 - np.exp(-8.0 * share), 0.5, 0.95)), tuple(words))
     words = []
     if not passed:
         words.append(
-            f"{' + '.join(chosen.effects)} explains all but {100 * share:.0f} % of the structured error; the rest is above the noise "
-            "and has no name here."
+            f"{' + '.join(chosen.effects)} explains all but {100 * share:.0f} % of the structured error; "
+            "the rest is above the noise and has no name here."
         )
-    names = {h.effects for h in search.rivals}
-    if names:
-        alternatives = sorted({name for effects in names for name in effects} | set(chosen.effects))
-        words.append("These data do not split " + ", ".join(alternatives) + ".")
-        ordered = (*chosen.effects, *(name for name in alternatives if name not in chosen.effects))
-        return Decision("group", ordered, 0.9 if passed else 0.7, tuple(words))
-    return Decision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
+    if not search.rivals:
+        return Decision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
+    alternatives = sorted({name for h in (chosen, *search.rivals) for name in h.effects} - set(search.core.effects))
+    agreed = search.core.effects
+    if agreed and structure_share(search, search.core) < AGREED:
+        words.append(
+            f"Beyond {' + '.join(agreed)}, a smaller part is shared by {', '.join(alternatives)}: "
+            "these are not to be told apart here."
+        )
+        return Decision("effect", agreed, _confidence(search, passed, share), tuple(words))
+    words.append("These data do not split " + ", ".join(alternatives) + ".")
+    return Decision("group", (*alternatives, *agreed), 0.9 if passed else 0.7, tuple(words))
 
 
 def _confidence(search: Search, passed: bool, share: float) -> float:

@@ -113,6 +113,8 @@ class Diagnosis:
     @property
     def headline(self) -> str:
         """The verdict in one sentence, with the error before and after."""
+        if self.verdict == "unknown" and not self.runs:
+            return " ".join(self.words)
         error = ""
         if self.before.midline_mm is not None and self.after.midline_mm is not None:
             error = f" Error {self.before.midline_mm:.2f} mm before, {self.after.midline_mm:.2f} mm after"

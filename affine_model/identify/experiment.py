@@ -1,4 +1,6 @@
-"""One recording made ready for fitting: base motion, time window, observation, and what is unknown about this run alone."""
+"""One recording made ready for fitting: base motion, time window, observation, and what is unknown about this run
+alone.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,11 @@ HIGHER_PRIOR = 0.3  # rad: initial curvature beyond what the observation can see
 class Experiment:
     """A recording as the fit sees it.
 
-    base: the recorded base motion; t0, duration [s]: the simulated window; release [s]: the arm is held still
-    until then (None: it moves from the start); used (T,) bool: frames that the fit may use (the others are for judging).
-    noise_gain: factor on the observation's stated standard deviation, found from the data. correlation [frames]: over how many
-    frames that noise hangs together; above 1 where it stands for what a baseline leaves unexplained, which is not white.
+    base: the recorded base motion; t0, duration [s]: the simulated window; release [s]: the arm is held still until
+    then (None: it moves from the start); used (T,) bool: frames that the fit may use (the others are for judging).
+    noise_gain: factor on the observation's stated standard deviation, found from the data. correlation [frames]: over
+    how many frames that noise hangs together; above 1 where it stands for what a baseline leaves unexplained, which
+    is not white.
     """
 
     name: str
@@ -71,7 +74,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Prediction:
-    """A batch at the observation's instants: q (T, n, B), theta (T, B), shift (2, B), and the simulated batch itself."""
+    """A batch at the observation's instants: q (T, n, B), theta (T, B), shift (2, B), and the simulated batch."""
 
     q: Array
     theta: Array
@@ -80,7 +83,9 @@ class Prediction:
 
 
 def _hermite(batch: Batch, values: Array, rates: Array, times: Array) -> Array:
-    """Cubic interpolation of values (T, ..., B) at times (M, B): shape (M, ..., B); constant before the first instant."""
+    """Cubic interpolation of values (T, ..., B) at times (M, B): shape (M, ..., B); constant before the first
+    instant.
+    """
     spacing = batch.t[1] - batch.t[0]
     place = np.clip((times - batch.t[0]) / spacing, 0.0, batch.t.size - 1 - 1e-9)
     index = place.astype(int)

@@ -1,8 +1,9 @@
-"""Least squares within bounds for problems whose residuals cost little in batches: Levenberg-Marquardt, eight dampings at once.
+"""Least squares within bounds for problems whose residuals cost little in batches: Levenberg-Marquardt, eight
+dampings at once.
 
 The kernel simulates sixteen individuals for the price of one, so every damping of a whole ladder is tried in the same
-batch and the best is taken: no step is refused, and a fit takes about half the rounds of a trust region that tries one.
-Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
+batch and the best is taken: no step is refused, and a fit takes about half the rounds of a trust region that tries
+one. Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
 """
 
 from __future__ import annotations
@@ -40,8 +41,8 @@ def minimise(
 ) -> Minimum:
     """Minimise 1/2 |r(x)|^2 over low <= x <= high.
 
-    residuals maps (P, B) to (N, B), jacobian (P,) to (N, P); x is scaled so that its natural steps are about 1. It ends when a
-    round lowers the sum by less than `tolerance` of itself (converged), or after `most` rounds.
+    residuals maps (P, B) to (N, B), jacobian (P,) to (N, P); x is scaled so that its natural steps are about 1. It
+    ends when a round lowers the sum by less than `tolerance` of itself (converged), or after `most` rounds.
     """
     x, damping = np.clip(start, low, high), 1e-3
     value = residuals(x[:, None])[:, 0]
@@ -53,14 +54,17 @@ def minimise(
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
             return Minimum(x, slope, round_number, True)
-        ladder = np.clip(damping * LADDER, SMALLEST, LARGEST)
-        trials = np.repeat(x[:, None], ladder.size, axis=1)
-        trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder)
-        trials = np.clip(trials, low[:, None], high[:, None])
-        values = residuals(trials)
-        costs = 0.5 * np.einsum("nb,nb->b", values, values)
-        best = int(np.argmin(costs))
-        if not costs[best] < cost:
+        for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more, far more cautiously
+            ladder = np.clip(rungs, SMALLEST, LARGEST)
+            trials = np.repeat(x[:, None], ladder.size, axis=1)
+            trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder)
+            trials = np.clip(trials, low[:, None], high[:, None])
+            values = residuals(trials)
+            costs = 0.5 * np.einsum("nb,nb->b", values, values)
+            best = int(np.argmin(costs))
+            if costs[best] < cost:
+                break
+        else:
             return Minimum(x, slope, round_number, True)
         gained = cost - costs[best]
         x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])

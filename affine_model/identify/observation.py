@@ -33,9 +33,9 @@ POSE = 4  # base angle offset [rad], shift x, shift y [m], log of the apparent s
 class ShapeObservation:
     """Shape coefficients of T frames in the order [offset, shift x, shift y, log scale, z_1 .. z_m] (Legendre z).
 
-    t (T,) [s]; theta (T,) [rad] the recorded base angle that the offset is counted from; coefficients (T, K);
-    length [m] of the arm; root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): what the coefficients leave
-    of the frame's points, in units of the stated variance (0, 0 where unknown).
+    t (T,) [s]; theta (T,) [rad] the recorded base angle that the offset is counted from; coefficients (T, K); length
+    [m] of the arm; root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): what the
+    coefficients leave of the frame's points, in units of the stated variance (0, 0 where unknown).
     """
 
     t: Array
@@ -52,7 +52,9 @@ class ShapeObservation:
         return self.coefficients.shape[1] - POSE
 
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
-        """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2, B)."""
+        """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2,
+        B).
+        """
         n = q.shape[1]
         z = np.linalg.solve(legendre_to_monomial(n), q)
         error = np.repeat(self.coefficients[:, :, None], q.shape[2], axis=2)
@@ -66,7 +68,9 @@ class ShapeObservation:
 
 @dataclass(frozen=True)
 class MarkerObservation:
-    """Markers as points: t (T,), s (M,), d (M,) [m], xy (T, M, 2) [m], sigma [m] of each coordinate; NaN rows count nothing."""
+    """Markers as points: t (T,), s (M,), d (M,) [m], xy (T, M, 2) [m], sigma [m] of each coordinate; NaN rows count
+    nothing.
+    """
 
     t: Array
     theta: Array

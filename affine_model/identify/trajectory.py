@@ -1,7 +1,8 @@
 """The trajectory fit: parameters and initial states that bring the simulated motion onto the measured one.
 
-Least squares on whitened residuals over any number of recordings at once, within bounds. All derivatives come from one batch
-of simulations a round, two individuals per unknown; scipy's least_squares finds the same minimum (a test compares).
+Least squares on whitened residuals over any number of recordings at once, within bounds. All derivatives come from
+one batch of simulations a round, two individuals per unknown; scipy's least_squares finds the same minimum (a test
+compares).
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ DEAD = 1e-6  # a parameter whose whole column is shorter than this cannot be see
 class Fit:
     """A fitted model.
 
-    free: the fitted parameters; values, covariance of them alone, all else marginalised; parameters (R,) the whole vector;
-    nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames (nats);
-    count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names
-    of parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests.
+    free: the fitted parameters; values, covariance of them alone, all else marginalised; parameters (R,) the whole
+    vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
+    (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
+    parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests.
     """
 
     free: tuple[ParameterName, ...]
@@ -75,7 +76,10 @@ class Problem:
     def scales(self) -> Array:
         """Size of one unit of each unknown: of a parameter its value or nominal, whichever is larger."""
         nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
-        own = [max(abs(nominal[name]) * 0.1, abs(self.parameters[row])) for name, row in zip(self.free, self.rows(), strict=True)]
+        own = [
+            max(abs(nominal[name]) * 0.1, abs(self.parameters[row]))
+            for name, row in zip(self.free, self.rows(), strict=True)
+        ]
         length = self.arm.specimen.length
         return np.concatenate([own, *(e.nuisance_scales(self.arm.order, length) for e in self.experiments)])
 
@@ -94,7 +98,9 @@ class Problem:
         return np.concatenate([low, -rest]), np.concatenate([high, rest])
 
     def residuals(self, unknowns: Array) -> tuple[Array, list[Array]]:
-        """Residuals (N, B) on the used frames with the priors, and all frames' (T, K, B) a recording; unknowns (P, B)."""
+        """Residuals (N, B) on the used frames with the priors, and all frames' (T, K, B) a recording; unknowns (P,
+        B).
+        """
         parameters = np.repeat(self.parameters[:, None], unknowns.shape[1], axis=1)
         parameters[self.rows()] = unknowns[: len(self.free)]
         return self._compare(parameters, unknowns)
@@ -193,7 +199,9 @@ def evaluate(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
 
 
 def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:
-    """The best of several starts; starts (F, S) are values of the free parameters, screened in one batch, `keep` refined."""
+    """The best of several starts; starts (F, S) are values of the free parameters, screened in one batch, `keep`
+    refined.
+    """
     flat = np.concatenate(nuisances)[:, None]
     unknowns = np.concatenate([starts, np.repeat(flat, starts.shape[1], axis=1)])
     values, _ = problem.residuals(unknowns)

@@ -13,7 +13,9 @@ from tentacle.errors import InputError
 
 @contextmanager
 def written(folder: Path) -> Iterator[Path]:
-    """A folder to write into; on success its files replace those of the same names in `folder`, on failure nothing changes."""
+    """A folder to write into; on success its files replace those of the same names in `folder`, on failure nothing
+    changes.
+    """
     if folder.exists() and not folder.is_dir():
         raise InputError("is a file", file=folder, expected="a folder for the results")
     try:

@@ -127,9 +127,7 @@ def _calibrate_offset(arguments, setup):
         if camera is None:
             raise InputError("no camera is named", file=arguments.rig, field="camera.source")
         found = camera_offset(board, camera, arguments.flashes)
-    print(
-        f"frames arrive {1e3 * found.offset:.2f} +- {1e3 * found.sigma:.2f} ms after exposure ({found.edges} edges)"
-    )
+    print(f"frames arrive {1e3 * found.offset:.2f} +- {1e3 * found.sigma:.2f} ms after exposure ({found.edges} edges)")
     return replace(setup, camera=replace(setup.camera, offset=found.offset, sigma=found.sigma))
 
 

@@ -15,7 +15,9 @@ HELP = "trace the residual of recordings to an effect that the model lacks; repo
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments: the contract of docs/contracts.md."""
-    parser.add_argument("recordings", nargs="+", metavar="RECORDING", type=Path, help="an import folder or an .rrd file")
+    parser.add_argument(
+        "recordings", nargs="+", metavar="RECORDING", type=Path, help="an import folder or an .rrd file"
+    )
     parser.add_argument(
         "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING",
         help="recordings whose declaration is complete: the base parameters come from there and stay",
@@ -25,7 +27,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="recordings that judge and are not fitted (without any: the last third of each RECORDING)",
     )  # fmt: skip
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ...")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ..."
+    )
     parser.add_argument("--json", action="store_true", help="print verdict.json on standard output")
 
 
@@ -47,7 +51,9 @@ def run(arguments: argparse.Namespace) -> int:
         stage("writing the report")
         command = " ".join(["tentacle", *sys.argv[1:]])
         with written(arguments.out) as folder:
-            write_answer(diagnosis, [*recordings, *held_out], folder, command, [*arguments.recordings, *arguments.held_out])
+            write_answer(
+                diagnosis, [*recordings, *held_out], folder, command, [*arguments.recordings, *arguments.held_out]
+            )
     if arguments.json:
         print(json.dumps(diagnosis.verdict_json(), indent=1))
     else:
@@ -61,17 +67,20 @@ def run(arguments: argparse.Namespace) -> int:
 def write_answer(
     diagnosis: Diagnosis, recordings: list[Recording], folder: Path, command: str, inputs: list[Path]
 ) -> None:
-    """verdict.json, model.toml, report.html and session.rrd of a diagnosis, into the folder."""
+    """verdict.json, model.toml, report.html, session.rrd and next_experiment.toml of a diagnosis, into the folder."""
     import json
 
     from tentacle.cli._provenance import input_hashes, versions
     from tentacle.model_file import write_model
+    from tentacle.waveform_file import waveform_from_table, write_waveform
     from viz.diagnosis_report import diagnosis_report
     from viz.report import write_report
     from viz.session import write_session
 
     (folder / "verdict.json").write_text(json.dumps(diagnosis.verdict_json(), indent=1) + "\n")
     write_model(diagnosis.augmented_model, folder / "model.toml")
+    if diagnosis.next_experiment is not None:
+        write_waveform(waveform_from_table(diagnosis.next_experiment), folder / "next_experiment.toml")
     page = diagnosis_report(diagnosis, recordings, command, versions(), input_hashes(inputs))
     write_report(page, folder / "report.html")
     write_session(diagnosis, recordings, folder / "session.rrd")

@@ -1,4 +1,6 @@
-"""`tentacle identify`: the declared model's parameters from recordings, with intervals, the paper's regression beside them."""
+"""`tentacle identify`: the declared model's parameters from recordings, with intervals, the paper's regression beside
+them.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,19 @@ HELP = "fit the declared model's parameters to recordings, with intervals; the p
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
-    parser.add_argument("recordings", nargs="+", metavar="RECORDING", type=Path, help="an import folder or an .rrd file")
+    parser.add_argument(
+        "recordings", nargs="+", metavar="RECORDING", type=Path, help="an import folder or an .rrd file"
+    )
     parser.add_argument(
         "--check", nargs="+", default=[], type=Path, metavar="RECORDING",
         help="recordings that only judge (the paper fits a chirp and checks a sine)",
     )  # fmt: skip
-    parser.add_argument("--order", type=int, choices=range(2, 7), help="curvature coordinates (default: what the data need)")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for model.toml, report.html, ...")
+    parser.add_argument(
+        "--order", type=int, choices=range(2, 7), help="curvature coordinates (default: what the data need)"
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder for model.toml, report.html, ..."
+    )
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 

@@ -11,10 +11,14 @@ HELP = "from a recorded .rrd alone: track and diagnose it again, or drive an emu
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
     parser.add_argument("recording", type=Path, metavar="FILE.rrd")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="verdict.json, report.html, ... go there")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="verdict.json, report.html, ... go there"
+    )
     parser.add_argument("--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as for diagnose")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead")
+    parser.add_argument(
+        "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,0 +1,114 @@
+"""`tentacle demo`: the main job from end to end, on a tank video made now and on a real arm where its data are
+present.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from tentacle.diagnosis import Diagnosis
+
+HELP = "make a tank video with an undeclared current, find it; then trace a real beam's undeclared weight"
+
+DURATION, FPS, SIZE, SEED = 12.0, 30.0, (640, 480), 4
+BEAM_BASELINE, BEAM_LOADED = "beam_gravity_V2_a.csv", "beam_load52_V2_b.csv"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="default: out/demo")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Both parts, each with its folder of results; the second only where the data are."""
+    from tentacle.cli._progress import stages
+
+    with stages() as stage:
+        tank = _tank(arguments.out / "tank", stage)
+    _say(
+        "A tank video, made now, in which a steady current is left out of the declaration", tank, arguments.out / "tank"
+    )
+    beam = _beam_folder()
+    if beam is None:
+        print("The real silicone beam is not here: `tentacle data` says where to get it (TENTACLE_DATA).")
+        return 0
+    with stages() as stage:
+        found = _beam(beam, arguments.out / "beam", stage)
+    _say("A real silicone beam with a weight of 52 g that its declaration leaves out", found, arguments.out / "beam")
+    return 0
+
+
+def _say(title: str, diagnosis: Diagnosis, folder: Path) -> None:
+    print(f"\n{title}:\n  {diagnosis.headline}")
+    for effect, values in diagnosis.parameters.items():
+        for name, e in values.items():
+            print(f"  {effect}.{name} = {e.value:.4g} {e.unit} (95 %: {e.low:.4g} to {e.high:.4g})")
+    for sentence in diagnosis.words:
+        print(f"  {sentence}")
+    print(f"  report: {folder / 'report.html'}   replay: tentacle view {folder / 'session.rrd'}")
+
+
+def _tank(folder: Path, stage: Callable[[str], None]) -> Diagnosis:
+    """Simulate in MuJoCo, film, write the import folder, and diagnose it from what was written."""
+    import tempfile
+
+    from mujoco_ref.undeclared import make
+    from tentacle.cli._film import filmed
+    from tentacle.cli._tracked import read_tracked
+    from tentacle.model import Estimate, Model
+    from tentacle.specimen import WATER, Cone, Gravity, Specimen
+    from tentacle.waveform import Chirp
+    from tentacle.write_folder import write_folder
+
+    stage("simulating the tank in MuJoCo")
+    parameters = {
+        "elasticity": {"E": Estimate.exact(1.6e5, "Pa")},
+        "damping": {"eta": Estimate.exact(1.5e3, "Pa s")},
+        "drag": {"C_perp": Estimate.exact(1.1)},
+    }
+    model = Model(Specimen(Cone(0.0125, 0.004), 0.14, 1070.0), WATER, Gravity(), 2, parameters)
+    hidden = {"current": {"U_x": 0.04, "U_y": 0.02}}
+    recording, _ = make(
+        hidden, model, Chirp(0.5, 0.3, 2.0, DURATION), SEED, DURATION, FPS, name="tank", clean_midline=True
+    )
+    source = folder / "recording"
+    if not source.exists():
+        with tempfile.TemporaryDirectory() as scratch:
+            stage("filming")
+            folder.mkdir(parents=True, exist_ok=True)
+            write_folder(filmed(recording, Path(scratch) / "video.mp4", "tank", SIZE, SEED), source)
+    return _diagnosed([read_tracked(source, stage)], [], folder, [source], stage)
+
+
+def _beam_folder() -> Path | None:
+    from tentacle.external_data import data_folder
+
+    folder = data_folder() / "silicone_beam"
+    return folder if (folder / BEAM_BASELINE).exists() and (folder / BEAM_LOADED).exists() else None
+
+
+def _beam(data: Path, folder: Path, stage: Callable[[str], None]) -> Diagnosis:
+    from tentacle.silicone_beam import read_beam
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [data / BEAM_LOADED, data / BEAM_BASELINE]
+    return _diagnosed([read_beam(files[0])], [read_beam(files[1])], folder, files, stage)
+
+
+def _diagnosed(
+    recordings: list, baseline: list, folder: Path, inputs: list[Path], stage: Callable[[str], None]
+) -> Diagnosis:
+    from discovery.diagnose import diagnose
+    from tentacle.cli._outcome import written
+    from tentacle.cli.diagnose import write_answer
+
+    diagnosis = diagnose(recordings, baseline, progress=stage)
+    stage("writing the report")
+    with written(folder) as partial:
+        write_answer(diagnosis, recordings, partial, "tentacle demo", inputs)
+    return diagnosis

@@ -1,0 +1,106 @@
+"""The loop end to end: a real beam with an undeclared weight, a MuJoCo tank with and without an undeclared current."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from discovery.diagnose import diagnose
+from mujoco_ref.undeclared import make
+from tentacle.cli import main
+from tentacle.external_data import data_folder
+from tentacle.model import Estimate, Model
+from tentacle.reading import read_recording
+from tentacle.recording_rrd import write_rrd
+from tentacle.silicone_beam import read_beam
+from tentacle.specimen import WATER, Cone, Gravity, Specimen
+from tentacle.waveform import Chirp
+from tentacle.write_folder import write_folder
+
+BEAM = data_folder() / "silicone_beam"
+needs_beam = pytest.mark.skipif(not BEAM.exists(), reason="data/silicone_beam is absent (set TENTACLE_DATA)")
+
+
+@pytest.fixture(scope="module")
+def bare_beam():
+    return read_beam(BEAM / "beam_gravity_V2_a.csv")
+
+
+@needs_beam
+def test_the_weight_on_the_real_beam_is_found(bare_beam):
+    answer = diagnose([read_beam(BEAM / "beam_load52_V2_b.csv")], [bare_beam])
+    mass = answer.parameters["tip_mass"]["mass"]
+    assert answer.verdict == "effect"
+    assert answer.effects[0] == "tip_mass"
+    # The truth is 52 g; the issue asks for 15 %.
+    assert mass.value == pytest.approx(0.052, rel=0.15)
+    assert mass.low < 0.052 < mass.high
+    assert answer.held_out
+    assert answer.before.midline_mm > 8.0
+    assert answer.after.midline_mm < 1.0
+
+
+@needs_beam
+def test_nothing_is_found_in_a_repeat_of_the_bare_beam(bare_beam):
+    answer = diagnose([read_beam(BEAM / "beam_gravity_V2_b.csv")], [bare_beam])
+    assert answer.verdict == "nothing_missing"
+    assert "tip_mass" not in answer.augmented_model.parameters
+
+
+def tank(hidden, seed):
+    parameters = {
+        "elasticity": {"E": Estimate.exact(1.6e5, "Pa")},
+        "damping": {"eta": Estimate.exact(1.5e3, "Pa s")},
+        "drag": {"C_perp": Estimate.exact(1.1)},
+    }
+    model = Model(Specimen(Cone(0.0125, 0.004), 0.14, 1070.0), WATER, Gravity(), 2, parameters)
+    return make(hidden, model, Chirp(0.5, 0.3, 2.0, 12.0), seed, 12.0, 30.0, name="tank")[0]
+
+
+@pytest.fixture(scope="module")
+def current_recording():
+    return tank({"current": {"U_x": 0.03, "U_y": 0.02}}, 3)
+
+
+def test_a_current_is_found_and_the_rrd_tells_the_same(current_recording, tmp_path):
+    folder, file = tmp_path / "tank", tmp_path / "tank.rrd"
+    write_folder(current_recording, folder)
+    write_rrd(read_recording(folder), file)
+    assert main(["diagnose", str(folder), "--out", str(tmp_path / "a")]) == 0
+    assert main(["diagnose", str(file), "--out", str(tmp_path / "b")]) == 0
+    first, second = ((tmp_path / name / "verdict.json").read_text() for name in "ab")
+    assert first == second  # complete: the .rrd alone gives the same answer, digit for digit
+    answer = json.loads(first)
+    assert answer["verdict"] == "effect"
+    assert answer["effects"][0] == "current"
+    for name, truth in (("U_x", 0.03), ("U_y", 0.02)):
+        interval = answer["parameters"]["current"][name]
+        # 95 % intervals, and the chain's own discretisation, which moves U by a per cent.
+        assert interval["low"] - 0.02 * abs(truth) < truth < interval["high"] + 0.02 * abs(truth)
+    assert answer["error"]["after"]["midline_mm"] < 1.2 * answer["error"]["floor"]["midline_mm"]
+    for name in ("report.html", "session.rrd", "model.toml"):
+        assert (tmp_path / "a" / name).stat().st_size > 0
+
+
+def test_nothing_is_found_where_nothing_is_hidden():
+    answer = diagnose([tank({}, 5)])
+    # A cone bends in more ways than two coordinates follow; that alone may be named.
+    assert set(answer.effects) <= {"third_curvature"}
+    assert answer.verdict in ("nothing_missing", "effect")
+
+
+def test_an_unseen_arm_is_said_to_be_unseen(current_recording):
+    from dataclasses import replace
+
+    midline = current_recording.midline
+    blind = replace(current_recording, midline=replace(midline, xy=np.full_like(midline.xy, np.nan)))
+    answer = diagnose([blind])
+    assert answer.verdict == "unknown"
+    assert "cannot tell" in answer.headline
+
+
+def test_bad_input_ends_with_one_line_and_nothing_written(tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["diagnose", str(tmp_path / "nowhere"), "--out", str(out)]) == 2
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+    assert not Path(out).exists()
