@@ -8,22 +8,25 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import sys
 import tempfile
 import time
 from pathlib import Path
 
-import numpy as np
+sys.path[0] = str(Path(__file__).resolve().parents[1])  # this file's own name would hide the room that it measures
 
-from tentacle.recording import Declaration
-from tentacle.signals import Array, MotorSignal
-from vision.body import track_body
-from vision.encode import write_video
-from vision.frames import read_frames
-from vision.looks import CLEAN, LOOKS
-from vision.render import render
-from vision.scene import swaying
-from vision.track import stream
-from vision.validate import as_json, judge_disturbed, judge_look, table
+import numpy as np  # noqa: E402
+
+from tentacle.recording import Declaration  # noqa: E402
+from tentacle.signals import Array, MotorSignal  # noqa: E402
+from vision.body import track_body  # noqa: E402
+from vision.encode import write_video  # noqa: E402
+from vision.frames import read_frames  # noqa: E402
+from vision.looks import CLEAN, LOOKS  # noqa: E402
+from vision.render import render  # noqa: E402
+from vision.scene import swaying  # noqa: E402
+from vision.track import stream  # noqa: E402
+from vision.validate import as_json, judge_disturbed, judge_look, table  # noqa: E402
 
 WORM_FPS = 15.0
 
