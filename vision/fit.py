@@ -14,6 +14,9 @@ from vision.kinematics import SHARED, Geometry, Outline, outline
 from vision.robust import MISFIT, disturbed, neighbours_mean, normal_matrix, robust_step
 
 BIWEIGHT = 1.17  # what the biweight takes from the variance of normal residuals, and adds to the estimate's own
+PLAIN = (
+    0.015  # of the contrast: what a codec leaves of an edge is rough by as much, where it has smoothed the noise away
+)
 LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
@@ -87,7 +90,8 @@ def refine(
         usable = edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast)
         usable &= expected.kind < 2  # the ends move with the recording's parameters, hardly with x
         if sharp:
-            usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, 0.5 * _ordinary(edges, usable))
+            floor = max(0.5 * _ordinary(edges, usable), PLAIN * sight.contrast)
+            usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
             usable &= sound if final else True
         if np.count_nonzero(usable) < 4 * order:
             return None

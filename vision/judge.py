@@ -10,7 +10,7 @@ from vision.edges import grey_at
 from vision.fit import FrameFit, Sight
 from vision.kinematics import Geometry
 
-LEAST_FOUND = 0.6  # share of the side edges that must carry weight
+LEAST_FOUND = 0.5  # share of the side edges that must carry weight
 LONGEST_GAP = 0.3  # share of the arm that may be hidden on both sides at once
 MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
 MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
