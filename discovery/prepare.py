@@ -135,7 +135,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         seen = observation.root[:, -1, -1] > 0
         channels = observation.coefficients.shape[1]
     else:
-        seen = np.isfinite(observation.xy).any(axis=(1, 2))
+        seen = np.asarray(np.isfinite(observation.xy).any(axis=(1, 2)))
         channels = 2 * observation.s.size
     if seen.sum() < FEWEST_FRAMES:
         raise CannotTellError(f"{recording.name} has {int(seen.sum())} usable frames; {FEWEST_FRAMES} are the least.")
@@ -146,6 +146,8 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     release = recording.declaration.release_t
     first = times[seen][0]
     last = min(times[seen][-1], first + LONGEST)
+    if times[seen][-1] > last:
+        words.append(f"Of {recording.name} the first {LONGEST:.0f} s are judged.")
     within = seen & (times <= last)
     used = within.copy()
     if hold_out:

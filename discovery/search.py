@@ -17,6 +17,7 @@ from tentacle.model import Estimate
 NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
+HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
 TIE = 5.0  # nats: effects closer than this to the best are not told apart
 MOST_EFFECTS = 3
 
@@ -180,6 +181,18 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
     return list(chosen.values())
 
 
+def _tried(current: Hypothesis, promising: list[Candidate]) -> list[Hypothesis]:
+    """The candidates refitted, best first. In the linear regime those that the score puts far behind are left out."""
+    linear = current.train.structure < LINEAR
+    tried: list[Hypothesis] = []
+    for candidate in promising:
+        gained = max((current.fitted.misfit - h.fitted.misfit for h in tried), default=0.0)
+        if linear and candidate.gain < HOPELESS * gained - 20.0:
+            continue
+        tried.append(refit(current, candidate))
+    return sorted(tried, key=lambda h: -h.evidence)
+
+
 def search(base: Hypothesis) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
     gained.
@@ -195,7 +208,7 @@ def search(base: Hypothesis) -> Search:
         promising = _promising(current, candidates)
         if not promising:
             break
-        tried = sorted((refit(current, candidate) for candidate in promising), key=lambda h: -h.evidence)
+        tried = _tried(current, promising)
         if not current.effects:
             single = tried
         best = tried[0]

@@ -21,6 +21,7 @@ from rig.sequence import SampleSequence
 
 SLOWEST_BOARD = 0.01  # s to answer a command, beside the line's own time
 MAX_TRIES = 40
+BACK_OFF, LONGEST_WAIT = 1.15, 0.08  # each try waits longer than the last, up to so many seconds: 2.5 s in all
 PING_EVERY = 0.05  # s; five within the board's watchdog
 BOOT_WITHIN = 6.0  # s; a Due that is opened resets and starts within 2 s
 
@@ -127,6 +128,7 @@ class Board:
         for attempt in range(MAX_TRIES):
             if attempt:
                 self._counters = replace(self._counters, retries=self._counters.retries + 1)
+                within = min(within * BACK_OFF, LONGEST_WAIT)
             self._answer = None
             self.link.send(Frame(kind, number, body))
             self._listen_until(lambda: self._answered(number, kind), within)

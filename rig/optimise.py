@@ -34,8 +34,8 @@ FAULTS_IN_A_ROW = 3  # then someone has to look at the rig
 JOURNAL = "study.journal"
 
 
-# Tries a gait for so many seconds and records it at the path, with the description in the start record. It raises nothing
-# for a fault of the rig: the recording says how the run ended.
+# Tries a gait for so many seconds and records it at the path, with the description in the start record. It raises
+# nothing for a fault of the rig: the recording says how the run ended.
 TrialRunner = Callable[[Waveform, float, Path, dict[str, Any]], None]
 Proposer = Callable[[Sequence[Path]], Sequence[Mapping[str, float]]]
 

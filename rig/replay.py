@@ -17,6 +17,8 @@ from tentacle.errors import InputError
 from tentacle.reading import read_recording
 from tentacle.signals import Array, MotorSignal
 
+ENDS = 0.2  # s left out at either end, where a run and its replay come from rest and go to it differently
+
 
 @dataclass(frozen=True)
 class ReplayComparison:
@@ -57,7 +59,9 @@ def drive(
     interrupts: Interrupts | None = None,
     progress: Callable[[str, float], None] = lambda _phase, _share: None,
 ) -> tuple[RunResult, ReplayComparison]:
-    """Plays a recording's commands on a rig, records that, and compares. InputError where they are beyond its limits."""
+    """Plays a recording's commands on a rig, records that, and compares. InputError where they are beyond its
+    limits.
+    """
     motion = logged_motion(path)
     result = record(
         setup, board, None, motion, out, name=f"replay of {path.stem}", interrupts=interrupts, progress=progress
@@ -74,7 +78,7 @@ def compare(path: Path, replayed: Run) -> ReplayComparison:
     start, stop = max(logged.motor.t[0], again.t[0]), min(logged.motor.t[-1], again.t[-1])
     if stop - start < 1.0:
         raise InputError(f"only {stop - start:.2f} s in common with its replay", file=path, expected="a second or more")
-    t = np.arange(start, stop, 0.01)
+    t = np.arange(start + ENDS, stop - ENDS, 0.01)
     thrust = None
     if logged.load_cell is not None and len(replayed.load_t):
         cell = replayed.start["load_cell"]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from discovery.diagnose import diagnose
 from mujoco_ref.undeclared import make
 from tentacle.cli import main

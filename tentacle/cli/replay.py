@@ -1,4 +1,6 @@
-"""tentacle replay: from a log alone, run tracking, identification and diagnosis again, or drive an emulated rig with it."""
+"""tentacle replay: from a log alone, run tracking, identification and diagnosis again, or drive an emulated rig with
+it.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
+
 from affine_model.arm import Arm, neutral_parameters, parameter_index
 from affine_model.base_signal import base_table, play_operator, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
@@ -10,8 +13,6 @@ from affine_model.identify.levenberg import minimise
 from affine_model.identify.observation import POSE, fit_shapes, from_track
 from affine_model.identify.trajectory import Problem, fit
 from affine_model.simulate import simulate
-from scipy.interpolate import CubicSpline
-from scipy.optimize import least_squares
 from tentacle.signals import Midline, ShapeTrack
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp

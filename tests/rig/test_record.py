@@ -211,7 +211,8 @@ def test_a_replayed_run_is_the_run(setup: RigSetup, tmp_path: Path) -> None:
         result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert result.outcome == "complete"
     assert difference.seconds > 1.9
-    # Chords of the motion 20 ms apart, twice: each up to (2 pi)^2 0.5 0.02^2 / 8 = 1e-3 rad; the thrust's noise is 0.33 mN.
+    # Chords of the motion 20 ms apart, twice: each up to (2 pi)^2 0.5 0.02^2 / 8 = 1e-3 rad; the thrust's noise is
+    # 0.33 mN.
     assert difference.command < 2e-3
     assert difference.angle < 5e-3
     assert difference.thrust is not None

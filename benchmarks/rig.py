@@ -1,0 +1,72 @@
+"""The rig against faults, over a real pty, with the board's compiled core: figures of issue 8 and a table of faults.
+
+python benchmarks/rig.py --json FILE [--short]: about 25 minutes in full, under 3 in short form.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # before benchmarks/, which holds a rig.py too
+
+from benchmarks._rig_faults import (
+    Outcome,
+    faulty_line,
+    full_disk,
+    fuzz,
+    killed_host,
+    long_run,
+    run_faults,
+    stalled_camera,
+)
+from benchmarks._rig_optimise import optimised
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, required=True)
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--only", choices=("run", "faults", "fuzz", "optimise"), help="one part")
+    arguments = parser.parse_args()
+    short, only = arguments.short, arguments.only
+    figures: dict[str, float] = {}
+    outcomes: list[Outcome] = []
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        if only in (None, "run"):
+            figures |= long_run(folder / "long", 15.0 if short else 600.0)
+        if only in (None, "faults"):
+            line, wrong = faulty_line(folder / "line", 10.0 if short else 120.0)
+            in_run, unplugged = run_faults(folder)
+            killed, back, tail = killed_host(folder / "killed", 1 if short else 10)
+            outcomes += [line, *in_run, killed, full_disk(folder / "disk"), stalled_camera(folder / "camera")]
+            figures |= {"wrong_accepted": float(wrong), "neutral_s": max(back, *unplugged), "tail_lost_s": tail}
+        if only in (None, "fuzz"):
+            outcomes.append(fuzz(20_000 if short else 1_000_000))
+        if only in (None, "optimise"):
+            for reidentify in (0,) if short else (0, 10):
+                place, trials, samples = folder / f"optimise-{reidentify}", 10 if short else 30, 16 if short else 96
+                rate = 4.0 if reidentify == 0 else 1.0  # the emulated camera films no faster than it draws
+                gap, lines = optimised(place, trials, samples, reidentify, rate)
+                print(f"rig optimise, {'without' if reidentify == 0 else 'with'} re-identification")
+                print("\n".join(lines))
+                if reidentify == 0:
+                    figures["gap_after_30"] = gap
+                else:
+                    figures["gap_after_30_reidentified"] = gap
+    if outcomes:
+        figures |= {"faults_tried": len(outcomes), "faults_survived": sum(o.good for o in outcomes)}
+        for outcome in outcomes:
+            print(f"{'ok ' if outcome.good else 'NOT'}  {outcome.fault:48s} {outcome.words}")
+    for name, value in figures.items():
+        print(f"{name} {value:.4g}")
+    arguments.json.write_text(json.dumps({"figures": figures}, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
