@@ -16,7 +16,7 @@ PLAY_SMOOTHING = 0.006  # s: the play operator's corners are rounded over this t
 
 def step_middles(t0: float, step: float, steps: int) -> Array:
     """Times (S,) of the middles of the steps, where the kernel wants the base motion."""
-    return t0 + step * (np.arange(steps) + 0.5)
+    return t0 + step * (np.arange(steps, dtype=np.float64) + 0.5)
 
 
 def _lagged(table: Array, step: float, tau: float) -> Array:

@@ -44,9 +44,10 @@ class Batch:
     t (T,) [s]; q, q_rate (T, n, B) the paper's coordinates; theta, theta_rate (T, B); rail, rail_rate (T, B) [m];
     force_t (T-1,) [s], the middles of the output intervals, and over each the means of: fluid_force (T-1, 2, B) [N],
     load (T-1, B) [N] (what a load cell at the base feels along y, inertia and weight included), torque (T-1, B) [N m]
-    of the servo. mean_thrust (B,) [N] is the y component of eq. 17 averaged from average_from on; mean_power (B,) [W]
-    = torque times base rate; diverged (B,) [s]: when an individual left all bounds, NaN where it did not; its means
-    are NaN. The trajectory arrays are empty (T = 0) where none were asked for.
+    of the servo. mean_thrust (B,) [N] is the y component of eq. 17 averaged from average_from on (added mass's reaction
+    to acceleration included, as in fluid_force); mean_power (B,) [W] = torque times base rate; diverged (B,) [s]: when
+    an individual left all bounds, NaN where it did not; its means are NaN. The trajectory arrays are empty (T = 0)
+    where none were asked for.
     """
 
     t: Array

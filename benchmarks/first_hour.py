@@ -3,7 +3,8 @@
     python benchmarks/first_hour.py --json FILE [--short]
 
 The video is not the tool's own picture of itself: the MuJoCo reference moves the arm in a current that the declaration
-leaves out, and the renderer films it. Downloads are left out: the fresh environment sees this one's libraries.
+leaves out, and the renderer films it. Downloads are left out, but for the build tool: the fresh environment sees the
+libraries of this one.
 """
 
 from __future__ import annotations
@@ -82,7 +83,7 @@ def fresh_environment(folder: Path) -> tuple[Path, float]:
     inside = Path(subprocess.run([python, "-c", where], capture_output=True, text=True, check=True).stdout.strip())
     outside = subprocess.run([sys.executable, "-c", where], capture_output=True, text=True, check=True).stdout
     (inside / "libraries.pth").write_text(outside)
-    quiet = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--disable-pip-version-check"]
+    quiet = ["-m", "pip", "install", "--quiet", "--no-deps", "--disable-pip-version-check"]
     seconds_of([str(python), *quiet, str(clone)], folder, ask)
     return place / "bin", time.perf_counter() - start
 
@@ -104,7 +105,7 @@ def measure(folder: Path, short: bool) -> dict[str, float]:
     took = {name: seconds_of(command, folder, ask) for name, command in steps.items()}
     verdict = json.loads((folder / "answer" / "verdict.json").read_text())
     before, after = (verdict["error"][which]["midline_mm"] for which in ("before", "after"))
-    print(f"verdict: {verdict['verdict']} {verdict['effects']}, {before:.2f} mm before, {after:.2f} mm after")
+    print(f"verdict: {verdict['verdict']} {verdict['effects']}, midline error {before} mm before, {after} mm after")
     print(f"set-up {set_up:.1f} s, " + ", ".join(f"{name} {value:.1f} s" for name, value in took.items()))
     session = (folder / "answer" / "session.rrd").stat().st_size / 1e6
     if short:

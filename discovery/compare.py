@@ -67,7 +67,7 @@ def measured_points(prepared: Prepared) -> tuple[Array, Array]:
     observation, recording = prepared.experiment.observation, prepared.recording
     if not isinstance(observation, ShapeObservation):
         return observation.s, observation.xy
-    if recording.midline is not None:
+    if recording.midline is not None and prepared.points is not None:
         return recording.midline.s, prepared.points
     shape = _shape_points(observation, observation.coefficients[:, POSE:], SHOWN)
     shape[observation.root[:, -1, -1] <= 0] = np.nan
@@ -112,8 +112,8 @@ def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -
 def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) -> tuple[Array, Array]:
     """The paper's q (T, 2) and the tangent angle (T, P) of coefficients, both by `restricted`."""
     q = restricted(observation, coefficients, 2) @ legendre_to_monomial(2).T
-    shape = restricted(observation, coefficients, ANGLE_ORDER)
-    return q, observation.theta[:, None] + shape @ angle_basis(ANGLE_ORDER, s).T
+    order = min(ANGLE_ORDER, observation.order)
+    return q, observation.theta[:, None] + restricted(observation, coefficients, order) @ angle_basis(order, s).T
 
 
 def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
@@ -204,8 +204,9 @@ def floor_errors(
         q = np.linalg.norm(legendre_to_monomial(2) @ two, axis=2)
         first.append(q[:, 0])
         second.append(q[:, 1])
-        several = _deviation(sparse, experiment.noise_gain, ANGLE_ORDER)
-        angle.append(np.linalg.norm(angle_basis(ANGLE_ORDER, run.s) @ several, axis=2))
+        order = min(ANGLE_ORDER, observation.order)
+        several = _deviation(sparse, experiment.noise_gain, order)
+        angle.append(np.linalg.norm(angle_basis(order, run.s) @ several, axis=2))
         if data is not None:
             stated = data.sigma[frames]
             distance.append(1e3 * np.sqrt(2.0) * gain * np.where(np.isfinite(stated), stated, source.sigma))

@@ -12,6 +12,7 @@ from affine_model.effects import catalogue
 from affine_model.identify.experiment import Experiment
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order
+from discovery.calibration import calibrated
 from discovery.compare import errors, floor_errors, run_comparison
 from discovery.next_experiment import DURATION, Proposal, propose
 from discovery.prepare import CannotTellError, Prepared, prepare
@@ -244,7 +245,8 @@ def _assembled(
     return Diagnosis(
         verdict=verdict,
         effects=effects,
-        confidence=decision.confidence,
+        confidence=calibrated(decision.verdict, decision.confidence),
+        uncalibrated=decision.confidence,
         parameters=named,
         before=before,
         after=after,

@@ -76,10 +76,11 @@ def _turns_with_base(recording: Recording, theta: Array) -> bool:
     near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
     if not near.size:
         return False
-    seen = np.isfinite(data.xy[:, near]).all(axis=(1, 2))
+    angles = np.arctan2(-data.xy[:, near, 0], data.xy[:, near, 1])
+    seen = np.isfinite(angles).any(axis=1)
     if seen.sum() < 10:
         return False
-    direction = np.arctan2(-data.xy[seen][:, near, 0], data.xy[seen][:, near, 1]).mean(axis=1)
+    direction = np.nanmean(angles[seen], axis=1)
     slope = np.polyfit(theta[seen] - theta[seen].mean(), np.unwrap(direction), 1)[0]
     return bool(slope < 0.35)
 
@@ -135,7 +136,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         seen = observation.root[:, -1, -1] > 0
         channels = observation.coefficients.shape[1]
     else:
-        seen = np.isfinite(observation.xy).any(axis=(1, 2))
+        seen = np.asarray(np.isfinite(observation.xy).any(axis=(1, 2)))
         channels = 2 * observation.s.size
     if seen.sum() < FEWEST_FRAMES:
         raise CannotTellError(f"{recording.name} has {int(seen.sum())} usable frames; {FEWEST_FRAMES} are the least.")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from affine_model.curvature import Array, midline
 from affine_model.identify.experiment import Experiment, predict
@@ -43,7 +44,7 @@ class _Later:
     motion: Waveform
     t0: float
 
-    def __call__(self, t: Array) -> Array:
+    def __call__(self, t: ArrayLike) -> Array:
         """theta, rate, acceleration (3, ...)."""
         return self.motion(np.asarray(t) + self.t0)
 
@@ -77,7 +78,7 @@ def _rms(parts: list[Array]) -> float:
     return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
 
 
-def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, Array, float]:
+def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, NDArray[np.bool_], float]:
     """Whitened residuals (T, K) of the reduced model fitted to the chain, which frames were fitted, and the midlines'
     rms distance [m].
     """

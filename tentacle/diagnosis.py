@@ -109,6 +109,7 @@ class Diagnosis:
     runs: tuple[RunComparison, ...]
     words: tuple[str, ...]
     seed: int
+    uncalibrated: float | None = None  # the confidence before blind trials corrected it; None: never corrected
 
     @property
     def headline(self) -> str:

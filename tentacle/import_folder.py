@@ -57,11 +57,36 @@ def read_folder(folder: Path) -> Recording:
         video=video,
         notes=declared.notes,
     )
+    _check_clocks(recording, folder)
     if recording.video is None and recording.midline is None and recording.markers is None:
         raise InputError(
             "nothing shows the arm", file=folder, expected="video.mp4, frames/00000.png, midline.csv or markers.csv"
         )
     return recording
+
+
+def _check_clocks(recording: Recording, folder: Path) -> None:
+    """InputError where signals have no time in common (one counts from 1970, say), or the release is after them all."""
+    pictures = recording.midline or recording.markers
+    if pictures is None:
+        return
+    start, stop = float(pictures.t[0]), float(pictures.t[-1])
+    for name, signal in (("motor.csv", recording.motor), ("load_cell.csv", recording.load_cell)):
+        if signal is not None and (signal.t[-1] < start or signal.t[0] > stop):
+            raise InputError(
+                f"from {signal.t[0]:.9g} to {signal.t[-1]:.9g} s, and the arm is seen from {start:.9g} to {stop:.9g} s",
+                file=folder / name,
+                field="t_s",
+                expected="times of one clock",
+            )
+    release = recording.declaration.release_t
+    if release is not None and release >= stop:
+        raise InputError(
+            f"{release:g} s is after the last frame ({stop:g} s)",
+            file=folder / "recording.toml",
+            field="release.t_s",
+            expected="a time in the recording",
+        )
 
 
 def _read_motor(file: Path) -> MotorSignal | None:

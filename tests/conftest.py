@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Videos that come out of .rrd files are put here, not into the user's cache."""
+    """Videos that come out of .rrd files are put here, not into the user's cache; compiled kernels stay in theirs."""
     before = os.environ.get("TENTACLE_CACHE")
+    os.environ.setdefault("TENTACLE_KERNELS", before or str(Path.home() / ".cache"))
     os.environ["TENTACLE_CACHE"] = str(tmp_path_factory.mktemp("cache"))
     yield
     if before is None:

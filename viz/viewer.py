@@ -6,13 +6,20 @@ import shutil
 import socket
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tentacle.errors import InputError
 
+if TYPE_CHECKING:
+    from rerun.experimental import ViewerClient
+
 LOOPBACK = "127.0.0.1"
+PATIENCE = 30.0  # s for the viewer to come up
 INSTALL_VULKAN = "apt-get install mesa-vulkan-drivers (a software Vulkan driver) and try again"
 
 
@@ -58,32 +65,60 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+@contextmanager
+def headless_viewer() -> Iterator[ViewerClient]:
+    """A viewer without a window that listens on this machine only; it ends with the block.
+
+    Raises InputError, saying what to install, where it does not come up.
+    """
+    from rerun.experimental import ViewerClient
+
+    port = free_port()
+    # started here and not by ViewerClient.spawn, which lets it listen on every network (0.0.0.0)
+    quiet = ["--headless", "--hide-welcome-screen", "--bind", LOOPBACK, "--port", str(port)]
+    with tempfile.TemporaryFile() as said:
+        process = subprocess.Popen([viewer_program(), *quiet], stdout=said, stderr=said)
+        try:
+            yield ViewerClient.connect(wait_until_listening(process, port))
+        except (RuntimeError, OSError) as error:
+            said.seek(0)
+            words = "no graphics adapter" if b"adapter" in said.read() else str(error).strip().split("\n")[0]
+            problem = f"no picture could be drawn here ({words})"
+            raise InputError(problem, field="--screenshot", expected=INSTALL_VULKAN) from None
+        finally:
+            process.terminate()
+            process.wait()
+
+
+def wait_until_listening(process: subprocess.Popen[bytes], port: int) -> str:
+    """The viewer's address once it answers on port. Raises ConnectionError where it ended or stays silent."""
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        if process.poll() is not None:
+            raise ConnectionError(f"the viewer ended with status {process.returncode}")
+        with socket.socket() as probe:
+            if probe.connect_ex((LOOPBACK, port)) == 0:
+                return f"rerun+http://{LOOPBACK}:{port}/proxy"
+        time.sleep(0.1)
+    raise ConnectionError(f"the viewer did not answer within {PATIENCE:.0f} s")
+
+
 def screenshot(files: Sequence[Path], picture: Path, at: float | None = None, settle: float = 6.0) -> Path:
     """A PNG of the viewer showing the files, without a screen; at [s] on the time line, settle [s] for it to load.
 
     Raises InputError, saying what to install, where no picture can be drawn on this machine.
     """
-    from rerun.experimental import ViewerClient
-
     from viz.topics.paths import TIMELINE
 
     found = require_recordings(files)
-    try:
-        with ViewerClient.spawn(
-            headless=True, port=free_port(), hide_welcome_screen=True, executable_path=viewer_program()
-        ) as viewer:
-            for file in found:
-                viewer.open(str(file))
-            time.sleep(settle)
-            if at is not None:
-                viewer.set_time(TIMELINE, duration=at, play_state="paused")
-                time.sleep(0.4 * settle)
-            contents = viewer.take_screenshot()
-    except (RuntimeError, OSError, ConnectionError, TimeoutError) as error:
-        first = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
-        raise InputError(
-            f"no picture could be drawn here ({first})", field="--screenshot", expected=INSTALL_VULKAN
-        ) from None
+    with headless_viewer() as viewer:
+        for file in found:
+            viewer.open(str(file))
+        time.sleep(settle)
+        if at is not None:
+            viewer.set_time(TIMELINE, duration=at, play_state="paused")
+            time.sleep(0.4 * settle)
+        contents = viewer.take_screenshot()
     picture.write_bytes(contents)
     return picture
 

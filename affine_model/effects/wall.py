@@ -6,7 +6,7 @@ WALL = Effect(
     name="wall",
     title="Nearness of a wall",
     parameters=(
-        Parameter("B", "1", 20.0, (0.0, 2000.0), "growth of the drag coefficient at a gap of one half-width"),
+        Parameter("B", "1", 20.0, (0.0, 2000.0), "growth of the drag coefficient where the axis meets the wall"),
         Parameter(
             "distance",
             "arm lengths",

@@ -106,6 +106,7 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: fl
     coefficients = np.zeros((frames, count))
     steps = 12
     jacobian = np.zeros((frames, points, 2, count))
+    normal, error = np.zeros((frames, count, count)), np.zeros_like(xy)
     for _ in range(steps):
         q, angle = coefficients[:, POSE:] @ to_monomial.T, theta + coefficients[:, 0]
         shape = midline(q, angle, length, data.s)

@@ -76,12 +76,12 @@ class Problem:
     def scales(self) -> Array:
         """Size of one unit of each unknown: of a parameter its value or nominal, whichever is larger."""
         nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
-        own = [
-            max(abs(nominal[name]) * 0.1, abs(self.parameters[row]))
+        own: list[float] = [
+            max(abs(nominal[name]) * 0.1, float(abs(self.parameters[row])))
             for name, row in zip(self.free, self.rows(), strict=True)
         ]
         length = self.arm.specimen.length
-        return np.concatenate([own, *(e.nuisance_scales(self.arm.order, length) for e in self.experiments)])
+        return np.concatenate([np.array(own), *(e.nuisance_scales(self.arm.order, length) for e in self.experiments)])
 
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of all unknowns."""

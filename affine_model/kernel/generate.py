@@ -12,7 +12,7 @@ import textwrap
 
 import sympy
 
-from affine_model.effect import Effect
+from affine_model.effect import STATE_QUANTITIES, Effect
 from affine_model.effects import catalogue
 from affine_model.kernel.template import TEMPLATE
 from affine_model.kernel.trace import lines, slope_along, traced
@@ -20,6 +20,21 @@ from affine_model.kernel.trace import lines, slope_along, traced
 BLOCK = 16  # individuals a block: two AVX-512 or four AVX2 registers of doubles
 
 _NODE = " " * 16  # inside: for step, for iteration, for node i
+
+# Where the plain sums over effects go.
+SECTION_TARGETS = {
+    "stiffness": ("stiffness[i, b]",),
+    "line_inertia": ("carried[i, b]",),
+    "normal_inertia": ("added[i, b]",),
+    "rotary_inertia": ("rotary[i, b]",),
+    "weight": ("heavy[i, b]",),
+    "couple": ("couple[i, b]",),
+}
+TIP_TARGETS = {
+    "gravity_tilt": ("tilt[b]",),
+    "tip_mass": ("tip_mass[b]",),
+    "hung_mass": ("hung_mass[b]", "hung_reach[b]"),
+}
 
 
 def _guarded(effect: Effect, number: int, body: list[str]) -> list[str]:
@@ -31,15 +46,41 @@ def _guarded(effect: Effect, number: int, body: list[str]) -> list[str]:
     return [*head, f"{indent}for b in range(BLOCK):", *(f"{indent}    {line}" for line in body)]
 
 
-def _section(kind: str, targets: tuple[str, ...]) -> str:
-    """Plain sums `target += law` for every effect that has a law of this kind."""
+def _constant(expressions: tuple[sympy.Expr, ...]) -> bool:
+    """Whether neither the motion nor the time changes the expressions."""
+    changing = set(STATE_QUANTITIES) | {"t"}
+    return not changing & {str(symbol) for value in expressions for symbol in value.free_symbols}
+
+
+def _sums(targets: dict[str, tuple[str, ...]], constant: bool, indent: str) -> str:
+    """Plain sums `target += law` over the effects, of their constant laws or of the others, for every kind in targets.
+
+    Before changing laws are added, in every step, the target is set back to what the constant laws gave.
+    """
     text: list[str] = []
-    for number, effect in enumerate(catalogue().values()):
-        if getattr(effect, kind) is None:
-            continue
-        values = traced(effect, kind)
-        assignments = [(target, "+=", value) for target, value in zip(targets, values, strict=True)]
-        text += _guarded(effect, number, lines(assignments, ""))
+    for kind, names in targets.items():
+        own: list[str] = []
+        for number, effect in enumerate(catalogue().values()):
+            if getattr(effect, kind) is None or _constant(traced(effect, kind)) != constant:
+                continue
+            assignments = [(name, "+=", value) for name, value in zip(names, traced(effect, kind), strict=True)]
+            own += _guarded(effect, number, lines(assignments, ""))
+        if own and not constant:
+            fixed = [f"{name} = fixed_{name}" for name in names]
+            text += [f"{_NODE}for b in range(BLOCK):", *(f"{_NODE}    {line}" for line in fixed)]
+        text += own
+    return textwrap.indent(textwrap.dedent("\n".join(text)), indent)
+
+
+def _copies() -> str:
+    """Copies of what the constant laws gave, for the kinds that changing laws add to."""
+    text: list[str] = []
+    for targets in (SECTION_TARGETS, TIP_TARGETS):
+        for kind, names in targets.items():
+            laws = [traced(effect, kind) for effect in catalogue().values() if getattr(effect, kind) is not None]
+            if not all(_constant(law) for law in laws):
+                arrays = [name.split("[")[0] for name in names]
+                text += [f"    fixed_{array} = {array}.copy()" for array in arrays]
     return "\n".join(text)
 
 
@@ -140,31 +181,29 @@ def kernel_source(nodes: int) -> str:
         "@NODES@": str(nodes),
         "@BLOCK@": str(BLOCK),
         "@STORES@": str(max(1, len(relaxing_effects()))),
-        "@STIFFNESS@": _section("stiffness", ("stiffness[i, b]",)),
-        "@LINE_INERTIA@": _section("line_inertia", ("carried[b]",)),
-        "@NORMAL_INERTIA@": _section("normal_inertia", ("added[b]",)),
-        "@ROTARY_INERTIA@": _section("rotary_inertia", ("rotary[i, b]",)),
-        "@WEIGHT@": _section("weight", ("heavy[b]",)),
-        "@TILT@": _section("gravity_tilt", ("tilt[b]",)),
-        "@COUPLE@": _section("couple", ("couple[i, b]",)),
-        "@TIP_MASS@": _section("tip_mass", ("tip_mass[b]",)),
-        "@HUNG_MASS@": _section("hung_mass", ("hung_mass[b]", "hung_reach[b]")),
+        "@SECTION_CONSTANT@": _sums(SECTION_TARGETS, True, " " * 8),
+        "@SECTION_CHANGING@": _sums(SECTION_TARGETS, False, " " * 16),
+        "@TIP_CONSTANT@": _sums(TIP_TARGETS, True, " " * 4) + "\n" + _copies(),
+        "@TIP_CHANGING@": _sums(TIP_TARGETS, False, " " * 12),
         "@WATER@": _water(),
         "@FORCES@": _forces(),
         "@MOMENTS@": _moments(),
         "@RELAXATION@": _relaxation(),
-        "@SUM_JACOBIAN_X@": _unrolled("LW[i, {k}] * lever_x[j, {k}, b]", nodes),
-        "@SUM_JACOBIAN_Y@": _unrolled("LW[i, {k}] * lever_y[j, {k}, b]", nodes),
-        "@SUM_CENTRIPETAL_X@": _unrolled("LW[i, {k}] * centripetal_x[{k}, b]", nodes),
-        "@SUM_CENTRIPETAL_Y@": _unrolled("LW[i, {k}] * centripetal_y[{k}, b]", nodes),
-        "@SUM_TIP_X@": _unrolled("Lw[{k}] * lever_x[j, {k}, b]", nodes),
-        "@SUM_TIP_Y@": _unrolled("Lw[{k}] * lever_y[j, {k}, b]", nodes),
-        "@SUM_TIP_CENTRIPETAL_X@": _unrolled("Lw[{k}] * centripetal_x[{k}, b]", nodes),
-        "@SUM_TIP_CENTRIPETAL_Y@": _unrolled("Lw[{k}] * centripetal_y[{k}, b]", nodes),
+        "@SUM_JACOBIAN_X@": _unrolled("LWA[j, i, {k}] * normal_x[{k}, b]", nodes),
+        "@SUM_JACOBIAN_Y@": _unrolled("LWA[j, i, {k}] * normal_y[{k}, b]", nodes),
+        "@SUM_SWING_X@": _unrolled("LW[i, {k}] * swing_x[{k}, b]", nodes),
+        "@SUM_SWING_Y@": _unrolled("LW[i, {k}] * swing_y[{k}, b]", nodes),
+        "@SUM_TIP_X@": _unrolled("LwA[j, {k}] * normal_x[{k}, b]", nodes),
+        "@SUM_TIP_Y@": _unrolled("LwA[j, {k}] * normal_y[{k}, b]", nodes),
+        "@SUM_TIP_SWING_X@": _unrolled("Lw[{k}] * swing_x[{k}, b]", nodes),
+        "@SUM_TIP_SWING_Y@": _unrolled("Lw[{k}] * swing_y[{k}, b]", nodes),
+        "@SUM_RAIL@": _unrolled("net_y[{k}, b]", nodes),
         "@SUM_FORCE@": _unrolled("jac_x[j, {k}, b] * net_x[{k}, b] + jac_y[j, {k}, b] * net_y[{k}, b]", nodes),
-        "@SUM_TURN@": _unrolled("A[{k}, j] * couple[{k}, b] - C[{k}, j] * moment[{k}, b]", nodes),
+        "@SUM_TURN@": _unrolled("A[{k}, j] * spin[{k}, b] - C[{k}, j] * moment[{k}, b]", nodes),
         "@SUM_MASS@": _unrolled("push_x[j, {k}, b] * jac_x[l, {k}, b] + push_y[j, {k}, b] * jac_y[l, {k}, b]", nodes),
-        "@SUM_BEND@": _unrolled("A[{k}, j] * A[{k}, l] * rotary[{k}, b] + C[{k}, j] * C[{k}, l] * bend[{k}, b]", nodes),
+        "@SUM_BEND@": _unrolled(
+            "A[{k}, j] * A[{k}, l] * Lw[{k}] * rotary[{k}, b] + C[{k}, j] * C[{k}, l] * bend[{k}, b]", nodes
+        ),
     }
     source = TEMPLATE
     for mark, text in replacements.items():

@@ -21,8 +21,9 @@ __all__ = ["BLOCK", "advance_blocks", "load_kernel"]
 
 
 def _cache_folder() -> Path:
-    """TENTACLE_CACHE, or the user's cache folder; a temporary one where neither can be written."""
-    base = os.environ.get("TENTACLE_CACHE") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    """TENTACLE_KERNELS, or TENTACLE_CACHE, or the user's cache folder; a temporary one where none can be written."""
+    base = os.environ.get("TENTACLE_KERNELS") or os.environ.get("TENTACLE_CACHE") or os.environ.get("XDG_CACHE_HOME")
+    base = base or str(Path.home() / ".cache")
     folder = Path(base) / "tentacle-twin" / "kernels"
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -64,24 +64,31 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
     phi = np.zeros((NODES, BLOCK)); phi_rate = np.zeros((NODES, BLOCK))
     c = np.zeros((NODES, BLOCK)); c_rate = np.zeros((NODES, BLOCK))
     normal_x = np.zeros((NODES, BLOCK)); normal_y = np.zeros((NODES, BLOCK))
-    lever_x = np.zeros((columns, NODES, BLOCK)); lever_y = np.zeros((columns, NODES, BLOCK))
+    LWA = np.zeros((n + 1, NODES, NODES)); LwA = np.zeros((n + 1, NODES))  # what a unit of a coordinate's angle moves
+    for j in range(n + 1):
+        for k in range(NODES):
+            LwA[j, k] = -Lw[k] * A[k, j]
+            for i in range(NODES):
+                LWA[j, i, k] = -LW[i, k] * A[k, j]
     jac_x = np.zeros((columns, NODES, BLOCK)); jac_y = np.zeros((columns, NODES, BLOCK))
     push_x = np.zeros((columns, NODES, BLOCK)); push_y = np.zeros((columns, NODES, BLOCK))
-    centripetal_x = np.zeros((NODES, BLOCK)); centripetal_y = np.zeros((NODES, BLOCK))
+    swing_x = np.zeros((NODES, BLOCK)); swing_y = np.zeros((NODES, BLOCK)); twist = np.zeros((NODES, BLOCK))
     x = np.zeros((NODES, BLOCK)); y = np.zeros((NODES, BLOCK))
     u_n = np.zeros((NODES, BLOCK)); u_t = np.zeros((NODES, BLOCK)); speed = np.zeros((NODES, BLOCK))
     stiffness = np.zeros((NODES, BLOCK)); memory = np.zeros((NODES, BLOCK))
     store = np.zeros((@STORES@, NODES, BLOCK))
     net_x = np.zeros((NODES, BLOCK)); net_y = np.zeros((NODES, BLOCK))
     couple = np.zeros((NODES, BLOCK)); moment = np.zeros((NODES, BLOCK)); bend = np.zeros((NODES, BLOCK))
-    rotary = np.zeros((NODES, BLOCK))
+    rotary = np.zeros((NODES, BLOCK)); spin = np.zeros((NODES, BLOCK))
+    carried = np.zeros((NODES, BLOCK)); added = np.zeros((NODES, BLOCK)); heavy = np.zeros((NODES, BLOCK))
     velocity_x = np.zeros(BLOCK); velocity_y = np.zeros(BLOCK)
     acceleration_x = np.zeros(BLOCK); acceleration_y = np.zeros(BLOCK)
     water_x = np.zeros(BLOCK); water_y = np.zeros(BLOCK); surge_x = np.zeros(BLOCK); surge_y = np.zeros(BLOCK)
     force_n = np.zeros(BLOCK); force_t = np.zeros(BLOCK); slope_n = np.zeros(BLOCK); slope_t = np.zeros(BLOCK)
-    carried = np.zeros(BLOCK); added = np.zeros(BLOCK); heavy = np.zeros(BLOCK); tilt = np.zeros(BLOCK)
+    tilt = np.full(BLOCK, gravity_angle)
     gravity_x = np.zeros(BLOCK); gravity_y = np.zeros(BLOCK)
     point = np.zeros(BLOCK); ahead = np.zeros(BLOCK); tip_phi = np.zeros(BLOCK); tip_rate = np.zeros(BLOCK)
+    tip_twist = np.zeros(BLOCK)
     tip_sine = np.zeros(BLOCK); tip_cosine = np.zeros(BLOCK); hung_mass = np.zeros(BLOCK); hung_reach = np.zeros(BLOCK)
     tip_mass = np.zeros(BLOCK); tip_x = np.zeros((columns, BLOCK)); tip_y = np.zeros((columns, BLOCK))
     fluid_x = np.zeros(BLOCK); fluid_y = np.zeros(BLOCK)
@@ -96,6 +103,13 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
             jac_y[n + 1, i, b] = 1.0
     for b in range(BLOCK):
         tip_y[n + 1, b] = 1.0
+    # Laws that neither the motion nor the time changes: once for all steps.
+    t = t0
+    for i in range(NODES):
+        pass
+@SECTION_CONSTANT@
+    i = NODES - 1
+@TIP_CONSTANT@
     stored = 0
     if stride > 0:
         for j in range(columns):
@@ -130,18 +144,15 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                 for b in range(BLOCK):
                     phi[i, b] = mid[n, b]
                     phi_rate[i, b] = mid_rate[n, b]
+                    twist[i, b] = acc[n, b]
                     c[i, b] = 0.0
                     c_rate[i, b] = 0.0
-                    stiffness[i, b] = 0.0
-                    couple[i, b] = 0.0
-                    moment[i, b] = 0.0
-                    bend[i, b] = 0.0
-                    rotary[i, b] = 0.0
                 for j in range(n):
                     Aij = A[i, j]; Cij = C[i, j]
                     for b in range(BLOCK):
                         phi[i, b] += Aij * mid[j, b]
                         phi_rate[i, b] += Aij * mid_rate[j, b]
+                        twist[i, b] += Aij * acc[j, b]
                         c[i, b] += Cij * mid[j, b]
                         c_rate[i, b] += Cij * mid_rate[j, b]
                 for b in range(BLOCK):
@@ -149,40 +160,26 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                     normal_x[i, b] = cosine
                     normal_y[i, b] = sine
                     square = phi_rate[i, b] * phi_rate[i, b]
-                    centripetal_x[i, b] = sine * square
-                    centripetal_y[i, b] = -cosine * square
-                for j in range(n + 1):
-                    Aij = A[i, j]
-                    for b in range(BLOCK):
-                        lever_x[j, i, b] = -normal_x[i, b] * Aij
-                        lever_y[j, i, b] = -normal_y[i, b] * Aij
+                    swing_x[i, b] = sine * square - cosine * twist[i, b]
+                    swing_y[i, b] = -cosine * square - sine * twist[i, b]
             for i in range(NODES):
                 for j in range(n + 1):
                     for b in range(BLOCK):
                         jac_x[j, i, b] = @SUM_JACOBIAN_X@
                         jac_y[j, i, b] = @SUM_JACOBIAN_Y@
-            for b in range(BLOCK):
-                tilt[b] = gravity_angle
-                tip_mass[b] = 0.0
-                hung_mass[b] = 0.0
-                hung_reach[b] = 0.0
-                fluid_x[b] = 0.0
-                fluid_y[b] = 0.0
-            for i in range(NODES - 1, NODES):
-                pass
-@TILT@
-@TIP_MASS@
-@HUNG_MASS@
+@TIP_CHANGING@
             for b in range(BLOCK):
                 sine, cosine = sincos(tilt[b])
                 gravity_x[b] = gravity * sine
                 gravity_y[b] = gravity * cosine
+                fluid_x[b] = 0.0
+                fluid_y[b] = 0.0
             for i in range(NODES):
                 for b in range(BLOCK):
                     velocity_x[b] = 0.0
-                    velocity_y[b] = 0.0
-                    acceleration_x[b] = @SUM_CENTRIPETAL_X@
-                    acceleration_y[b] = @SUM_CENTRIPETAL_Y@
+                    velocity_y[b] = mid_rate[n + 1, b]
+                    acceleration_x[b] = @SUM_SWING_X@
+                    acceleration_y[b] = acc[n + 1, b] + @SUM_SWING_Y@
                     # The base angle's lever arm is the position itself: dr/d theta = (-y, x).
                     x[i, b] = jac_y[n, i, b]
                     y[i, b] = -jac_x[n, i, b]
@@ -194,15 +191,10 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                     force_t[b] = 0.0
                     slope_n[b] = 0.0
                     slope_t[b] = 0.0
-                    carried[b] = 0.0
-                    added[b] = 0.0
-                    heavy[b] = 0.0
-                for j in range(columns):
+                for j in range(n + 1):
                     for b in range(BLOCK):
                         velocity_x[b] += jac_x[j, i, b] * mid_rate[j, b]
                         velocity_y[b] += jac_y[j, i, b] * mid_rate[j, b]
-                        acceleration_x[b] += jac_x[j, i, b] * acc[j, b]
-                        acceleration_y[b] += jac_y[j, i, b] * acc[j, b]
 @WATER@
                 for b in range(BLOCK):
                     relative_x = velocity_x[b] - water_x[b]
@@ -210,16 +202,11 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                     u_n[i, b] = relative_x * normal_x[i, b] + relative_y * normal_y[i, b]
                     u_t[i, b] = relative_y * normal_x[i, b] - relative_x * normal_y[i, b]
                     speed[i, b] = math.sqrt(u_n[i, b] * u_n[i, b] + u_t[i, b] * u_t[i, b] + 1e-16)
-@STIFFNESS@
-@LINE_INERTIA@
-@NORMAL_INERTIA@
-@ROTARY_INERTIA@
-@WEIGHT@
-@COUPLE@
+@SECTION_CHANGING@
 @FORCES@
                 for b in range(BLOCK):
-                    bend[i, b] += 0.25 * h * h * stiffness[i, b]
-                    moment[i, b] += stiffness[i, b] * c[i, b]
+                    bend[i, b] = 0.25 * h * h * stiffness[i, b]
+                    moment[i, b] = stiffness[i, b] * c[i, b]
 @MOMENTS@
                 wL = Lw[i]
                 for b in range(BLOCK):
@@ -228,36 +215,34 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                     # Added mass: f = -d/dt(m_a u_n n), with the couple m_a u_n u_t (Lighthill 1960).
                     drift_x = acceleration_x[b] - surge_x[b]
                     drift_y = acceleration_y[b] - surge_y[b]
-                    along_n = force_n[b] - added[b] * (drift_x * nx + drift_y * ny + phi_rate[i, b] * u_t[i, b])
-                    along_t = force_t[b] - added[b] * phi_rate[i, b] * u_n[i, b]
+                    along_n = force_n[b] - added[i, b] * (drift_x * nx + drift_y * ny + phi_rate[i, b] * u_t[i, b])
+                    along_t = force_t[b] - added[i, b] * phi_rate[i, b] * u_n[i, b]
                     displaced = fluid_density * area[i]
                     water_force_x = along_n * nx - along_t * ny + displaced * surge_x[b]
                     water_force_y = along_n * ny + along_t * nx + displaced * surge_y[b]
                     fluid_x[b] += wL * water_force_x
                     fluid_y[b] += wL * water_force_y
-                    net_x[i, b] = wL * (water_force_x + heavy[b] * gravity_x[b] - carried[b] * acceleration_x[b])
-                    net_y[i, b] = wL * (water_force_y + heavy[b] * gravity_y[b] - carried[b] * acceleration_y[b])
-                    twist = 0.0
-                    for j in range(n + 1):
-                        twist += A[i, j] * acc[j, b]
-                    couple[i, b] = wL * (couple[i, b] + added[b] * u_n[i, b] * u_t[i, b] - rotary[i, b] * twist)
+                    net_x[i, b] = wL * (water_force_x + heavy[i, b] * gravity_x[b] - carried[i, b] * acceleration_x[b])
+                    net_y[i, b] = wL * (water_force_y + heavy[i, b] * gravity_y[b] - carried[i, b] * acceleration_y[b])
+                    spin[i, b] = wL * (couple[i, b] + added[i, b] * u_n[i, b] * u_t[i, b] - rotary[i, b] * twist[i, b])
                     moment[i, b] *= w[i]
                     bend[i, b] *= w[i]
-                    rotary[i, b] *= wL
-                    across = added[b] + 0.5 * h * slope_n[b]
+                    across = added[i, b] + 0.5 * h * slope_n[b]
                     slip = 0.5 * h * slope_t[b]
-                    force_n[b] = wL * (carried[b] + across * nx * nx + slip * ny * ny)  # the tensor's xx
+                    force_n[b] = wL * (carried[i, b] + across * nx * nx + slip * ny * ny)  # the tensor's xx
                     force_t[b] = wL * (across - slip) * nx * ny  # xy
-                    slope_n[b] = wL * (carried[b] + across * ny * ny + slip * nx * nx)  # yy
+                    slope_n[b] = wL * (carried[i, b] + across * ny * ny + slip * nx * nx)  # yy
                 for d in range(D):
                     j = dynamic[d]
                     for b in range(BLOCK):
                         push_x[j, i, b] = force_n[b] * jac_x[j, i, b] + force_t[b] * jac_y[j, i, b]
                         push_y[j, i, b] = force_t[b] * jac_x[j, i, b] + slope_n[b] * jac_y[j, i, b]
-            for j in range(columns):
+            for j in range(n + 1):
                 for b in range(BLOCK):
                     residual[j, b] = (@SUM_FORCE@)
                     residual[j, b] += @SUM_TURN@
+            for b in range(BLOCK):
+                residual[n + 1, b] = @SUM_RAIL@
             for d in range(D):
                 j = dynamic[d]
                 for e in range(d + 1):
@@ -277,10 +262,12 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                 for b in range(BLOCK):
                     tip_phi[b] = mid[n, b]
                     tip_rate[b] = mid_rate[n, b]
+                    tip_twist[b] = acc[n, b]
                 for j in range(n):
                     for b in range(BLOCK):
                         tip_phi[b] += A_end[j] * mid[j, b]
                         tip_rate[b] += A_end[j] * mid_rate[j, b]
+                        tip_twist[b] += A_end[j] * acc[j, b]
                 for b in range(BLOCK):
                     tip_sine[b], tip_cosine[b] = sincos(tip_phi[b])
                 for j in range(n + 1):
@@ -290,14 +277,12 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                         tip_x[j, b] -= ahead[b] * A_end[j] * tip_cosine[b]
                         tip_y[j, b] -= ahead[b] * A_end[j] * tip_sine[b]
                 for b in range(BLOCK):
-                    acceleration_x[b] = @SUM_TIP_CENTRIPETAL_X@
-                    acceleration_y[b] = @SUM_TIP_CENTRIPETAL_Y@
+                    acceleration_x[b] = @SUM_TIP_SWING_X@
+                    acceleration_y[b] = acc[n + 1, b] + @SUM_TIP_SWING_Y@
+                    acceleration_x[b] -= ahead[b] * tip_cosine[b] * tip_twist[b]
+                    acceleration_y[b] -= ahead[b] * tip_sine[b] * tip_twist[b]
                     acceleration_x[b] += ahead[b] * tip_sine[b] * tip_rate[b] * tip_rate[b]
                     acceleration_y[b] -= ahead[b] * tip_cosine[b] * tip_rate[b] * tip_rate[b]
-                for j in range(columns):
-                    for b in range(BLOCK):
-                        acceleration_x[b] += tip_x[j, b] * acc[j, b]
-                        acceleration_y[b] += tip_y[j, b] * acc[j, b]
                 for j in range(columns):
                     for b in range(BLOCK):
                         residual[j, b] += point[b] * (tip_x[j, b] * (gravity_x[b] - acceleration_x[b])

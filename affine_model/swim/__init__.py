@@ -1,6 +1,6 @@
 """Optimal swimming: the gait of eq. 20 within a servo's limits, searched over the batched model (eq. 21) and beyond."""
 
-from affine_model.swim.limits import Box, ServoLimits, search_box
+from affine_model.swim.limits import HOBBY_SERVO, Box, GaitLimits, search_box
 from affine_model.swim.methods import METHODS
 from affine_model.swim.objectives import OBJECTIVES, Objective, cost_of_transport
 from affine_model.swim.optimise import Promise, Swimming, optimise, promise
@@ -12,6 +12,7 @@ from affine_model.swim.thrust_map import SineMap, best_sine, sine_gaits, sine_ma
 from affine_model.swim.trial import PAPER_RAIL, Outcome, Trial, run, trial_of, within_limits
 
 __all__ = [
+    "HOBBY_SERVO",
     "METHODS",
     "OBJECTIVES",
     "PAPER_RAIL",
@@ -22,7 +23,7 @@ __all__ = [
     "Objective",
     "Outcome",
     "Promise",
-    "ServoLimits",
+    "GaitLimits",
     "SineMap",
     "Swimming",
     "Trial",

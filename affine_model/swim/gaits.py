@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit, prange
 
 from affine_model.curvature import Array
-from tentacle.gait import COEFFICIENT, MULTIPLE, TERM, harmonic_weights
+from tentacle.gait import COEFFICIENT, MULTIPLE, TERM, Gait, harmonic_weights
 
 _BLOCK = 16
 _RENEW = 512  # steps after which phasors are computed anew, so that rounding stays below 1e-13
@@ -87,3 +87,8 @@ def gait_tables(alpha: Array, steps: int, step: float, bandwidth: float, start: 
     table, peaks = np.empty((3, steps, alpha.shape[1])), np.zeros((3, alpha.shape[1]))
     _fill(strength, MULTIPLE[:, None] * omega[TERM], phase[TERM], start, step, table, peaks)
     return table, peaks
+
+
+def gait_of(alpha: Array, bandwidth: float) -> Gait:
+    """One gait (9,) as a waveform."""
+    return Gait(tuple(alpha.tolist()), bandwidth)

@@ -2,36 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from affine_model.curvature import Array
 from tentacle.errors import InputError
+from tentacle.servo_limits import ServoLimits
+
+# A waterproof hobby servo of the paper's class turns 60 degrees in 0.16 s without load and holds about 1 N m: with a
+# margin.
+HOBBY_SERVO = ServoLimits(angle=np.pi / 3.0, speed=6.0, acceleration=120.0)
 
 
 @dataclass(frozen=True)
-class ServoLimits:
-    """angle [rad], speed [rad/s], acceleration [rad/s^2], torque [N m] at the horn; bandwidth [Hz] of what it follows.
+class GaitLimits:
+    """servo: largest angle, speed, acceleration; torque [N m] at the horn; bandwidth [Hz] of what the servo follows.
 
-    lowest_frequency [Hz]: slower fundamentals are not searched (their mean would need a longer run). The defaults are
-    those of a waterproof hobby servo of the paper's class (0.16 s for 60 degrees, about 1 N m in continuous use), with
-    a margin.
+    lowest_frequency, highest_frequency [Hz] bound the fundamentals that are searched. Raises InputError where they
+    cross.
     """
 
-    angle: float = np.pi / 3.0
-    speed: float = 6.0
-    acceleration: float = 120.0
+    servo: ServoLimits = HOBBY_SERVO
     torque: float = 1.0
     bandwidth: float = 5.0
     highest_frequency: float = 2.5
     lowest_frequency: float = 0.25
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for name in ("torque", "bandwidth", "highest_frequency", "lowest_frequency"):
+            value = getattr(self, name)
             if not (np.isfinite(value) and value > 0.0):
-                raise InputError(f"{value!r} is infeasible", field=f"limits.{field.name}", expected="a positive number")
+                raise InputError(f"{value!r} is infeasible", field=f"limits.{name}", expected="a positive number")
         if not self.lowest_frequency < self.highest_frequency <= self.bandwidth:
             raise InputError(
                 f"bounds cross: lowest {self.lowest_frequency:g}, highest {self.highest_frequency:g}, bandwidth "
@@ -43,7 +45,7 @@ class ServoLimits:
     @property
     def kinematic(self) -> Array:
         """Largest |theta|, |theta'|, |theta''| (3,)."""
-        return np.array([self.angle, self.speed, self.acceleration])
+        return np.array([self.servo.angle, self.servo.speed, self.servo.acceleration])
 
     def scale(self, peaks: Array) -> Array:
         """The factor (B,) <= 1 on the amplitudes that brings peaks (3, B) within the limits (gaits are linear)."""
@@ -76,11 +78,11 @@ class Box:
         return (alpha - low) / (high - low)
 
 
-def search_box(limits: ServoLimits) -> Box:
+def search_box(limits: GaitLimits) -> Box:
     """Amplitudes of either sign up to the servo's angle, its frequencies, all phases.
 
     A square wave's fundamental is 4/pi of its level, a saw-tooth's 2/pi: the same amplitude bound serves all three
     terms. Amplitudes need no negative sign: a phase of pi does the same.
     """
     low, high = 2.0 * np.pi * limits.lowest_frequency, 2.0 * np.pi * limits.highest_frequency
-    return Box((0.0,) * 3 + (low,) * 3 + (0.0,) * 3, (limits.angle,) * 3 + (high,) * 3 + (2.0 * np.pi,) * 3)
+    return Box((0.0,) * 3 + (low,) * 3 + (0.0,) * 3, (limits.servo.angle,) * 3 + (high,) * 3 + (2.0 * np.pi,) * 3)

@@ -11,6 +11,7 @@ import numpy as np
 
 from affine_model.curvature import Array
 from affine_model.simulate import Rail
+from affine_model.swim.gaits import gait_of, gait_tables
 from affine_model.swim.limits import Box, search_box
 from affine_model.swim.objectives import IDLE_POWER, Objective, scores
 from affine_model.swim.polish import polish
@@ -136,8 +137,8 @@ def optimise(
         objective=objective.name,
         method=method,
         seed=seed,
-        gait=Gait(tuple(winner.tolist()), bandwidth),
-        sine=Gait(tuple(candidates[:, 0].tolist()), bandwidth),
+        gait=gait_of(winner, bandwidth),
+        sine=gait_of(candidates[:, 0], bandwidth),
         promise=promise(trial, winner, rail),
         sine_promise=promise(trial, candidates[:, 0], rail),
         value=value,
@@ -150,5 +151,5 @@ def optimise(
 
 def _peaks(alpha: Array, trial: Trial) -> Array:
     """Largest |theta|, |theta'|, |theta''| (3,) over the time that limits are made sure for."""
-    t = np.arange(round(_SURE_SECONDS / _SURE_STEP)) * _SURE_STEP
-    return np.abs(Gait(tuple(alpha.tolist()), trial.limits.bandwidth)(t)).max(axis=1)
+    _, peaks = gait_tables(alpha[:, None], round(_SURE_SECONDS / _SURE_STEP), _SURE_STEP, trial.limits.bandwidth)
+    return peaks[:, 0]

@@ -9,24 +9,26 @@ from numpy.typing import NDArray
 
 from affine_model.curvature import Array
 from affine_model.swim.limits import Box
-from affine_model.swim.objectives import weighted
+from affine_model.swim.objectives import scores, weighted
+from affine_model.swim.polish import polish
 from affine_model.swim.search import search
-from affine_model.swim.trial import Trial
+from affine_model.swim.trial import Trial, run
 
 EXPONENTS = (
     0.0,
-    0.25,
-    0.4,
-    0.55,
-    0.7,
-    0.85,
+    0.2,
+    0.35,
+    0.5,
+    0.65,
+    0.8,
+    0.9,
     1.0,
-)  # of the power in speed / power^x, from the fastest gait to the cheapest
+)  # of the power in speed / power^x: from the fastest to the cheapest
 
 
 @dataclass(frozen=True)
 class Front:
-    """alpha (9, P), speed (P,) [m/s] and power (P,) [W], by rising speed."""
+    """alpha (9, P), speed (P,) [m/s] and power (P,) [W], by rising speed; amplitudes within the servo's limits."""
 
     alpha: Array
     speed: Array
@@ -41,16 +43,26 @@ def not_dominated(speed: Array, power: Array) -> NDArray[np.intp]:
     return kept[::-1]
 
 
-def pareto_front(trial: Trial, box: Box, *, evaluations: int, seed: int) -> Front:
-    """Search speed / power^x for several x with `evaluations` each; keep what is not dominated of all gaits."""
-    units, speeds, powers = [], [], []
+def pareto_front(trial: Trial, box: Box, *, known: Array, evaluations: int, seed: int) -> Front:
+    """Search speed / power^x for every x of EXPONENTS, `evaluations` gaits in all, and keep what none of them beats.
+
+    trial on the rail, one parameter sample. known (9, M): gaits that are tried too (the best, the best sine).
+    """
+    tried = [known]
     for number, exponent in enumerate(EXPONENTS):
-        generations = search(trial, weighted(exponent), box, "cmaes", evaluations=evaluations, seed=seed + number)
-        for generation in generations:
-            units.append(generation.unit)
-            speeds.append(np.where(generation.scores > -1.0, generation.speed, -np.inf))
-            powers.append(generation.power)
-    unit, speed, power = np.concatenate(units, axis=1), np.concatenate(speeds), np.concatenate(powers)
+        objective, share = weighted(exponent), evaluations // len(EXPONENTS)
+        best_unit = np.full(9, 0.5)
+        for generation in search(trial, objective, box, "cmaes", evaluations=share, seed=seed + number):
+            best_unit = generation.best_unit
+            tried.append(box.alpha(generation.unit))
+        polished, _ = polish(trial, objective, box, best_unit)
+        # Between two exponents the front is filled by the same gait, weaker and weaker.
+        shares = np.linspace(1.0, 0.6, 9)
+        weaker = np.repeat(run(trial, box.alpha(polished[:, None])).alpha, len(shares), axis=1)
+        weaker[:3] *= shares
+        tried.append(weaker)
+    outcome = run(trial, np.concatenate(tried, axis=1))
+    usable = scores(weighted(0.0), trial, outcome) > 0.0
+    speed, power = outcome.speed[usable, 0], outcome.power[usable, 0]
     kept = not_dominated(speed, power)
-    kept = kept[speed[kept] > 0.0]
-    return Front(box.alpha(unit[:, kept]), speed[kept], power[kept])
+    return Front(outcome.alpha[:, usable][:, kept], speed[kept], power[kept])

@@ -31,7 +31,7 @@ def value_and_gradient(
     return float(values[0]), (values[1 : size + 1] - values[size + 1 :]) / widths
 
 
-def polish(trial: Trial, objective: Objective, box: Box, unit: Array, iterations: int = 25) -> tuple[Array, float]:
+def polish(trial: Trial, objective: Objective, box: Box, unit: Array, evaluations: int = 30) -> tuple[Array, float]:
     """Climb from a point (9,): the best point met and its score, never worse than the start (L-BFGS-B, Byrd et al.
     1995).
     """
@@ -45,6 +45,6 @@ def polish(trial: Trial, objective: Objective, box: Box, unit: Array, iterations
 
     bounds = [(0.0, 1.0)] * 6 + [(None, None)] * 3
     inside = np.concatenate([np.clip(unit[:6], 0.0, 1.0), unit[6:]])
-    minimize(falling, inside, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": iterations})
+    minimize(falling, inside, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxfun": evaluations})
     value, point = max(best, key=lambda pair: pair[0])
     return point, value

@@ -42,21 +42,17 @@ def search(
     evaluations: int,
     seed: int,
     noted: Iterable[Array] = (),
-    start: Array | None = None,
 ) -> Iterator[Generation]:
     """Yield generation after generation until `evaluations` gaits have been tried.
 
     noted: scores of the first generations from an interrupted run of the same search; they are told, not tried again,
-    and the search goes on exactly as it would have. start (9, B): points tried first and kept as the best to beat (not
-    told). Raises InputError where the method is unknown or every gait of a generation diverges.
+    and the search goes on exactly as it would have.
+    Raises InputError where the method is unknown or every gait of a generation diverges.
     """
     if method not in METHODS:
         raise InputError(f"{method!r} is not known", field="method", expected=f"one of {', '.join(METHODS)}")
     searcher, remaining = METHODS[method](seed), iter(noted)
     best_unit, best_score, tried, number = np.full(9, 0.5), -np.inf, 0, 0
-    if start is not None:
-        first = scores(objective, trial, run(trial, box.alpha(start)))
-        best_unit, best_score = start[:, int(np.argmax(first))], float(np.max(first))
     while tried < evaluations:
         unit = searcher.ask()
         values = next(remaining, None)

@@ -18,7 +18,7 @@ from affine_model.arm import Arm, arm_of, parameter_vector, refuse_soft_sections
 from affine_model.curvature import Array
 from affine_model.simulate import Rail, simulate
 from affine_model.swim.gaits import gait_tables
-from affine_model.swim.limits import ServoLimits
+from affine_model.swim.limits import GaitLimits
 from tentacle.errors import InputError
 from tentacle.model import Model
 
@@ -38,7 +38,7 @@ class Trial:
 
     arm: Arm
     parameters: Array
-    limits: ServoLimits = field(default_factory=ServoLimits)
+    limits: GaitLimits = field(default_factory=GaitLimits)
     rail: Rail | None = None
     settle: float = 2.0
     window: float = 6.0
@@ -77,17 +77,17 @@ class Outcome:
     diverged: Array
 
 
-def trial_of(model: Model, limits: ServoLimits | None = None, rail: Rail | None = None, nodes: int = 6) -> Trial:
+def trial_of(model: Model, limits: GaitLimits | None = None, rail: Rail | None = None, nodes: int = 6) -> Trial:
     """The trial of a model at its estimates, augmented models as they are; InputError on unusable stiffness."""
     arm, parameters = replace(arm_of(model), nodes=max(nodes, model.order + 3)), parameter_vector(model)
     refuse_soft_sections(arm, parameters)
     if model.fluid.density == 0.0:
         raise InputError("there is no water to swim in", field="fluid.density_kg_m3", expected="a positive number")
-    trial = Trial(arm, parameters[:, None], limits or ServoLimits())
+    trial = Trial(arm, parameters[:, None], limits or GaitLimits())
     return trial if rail is None else trial.on_rail(rail)
 
 
-def within_limits(alpha: Array, limits: ServoLimits, seconds: float, step: float) -> Array:
+def within_limits(alpha: Array, limits: GaitLimits, seconds: float, step: float) -> Array:
     """Gaits (9, B), amplitudes scaled down where angle, speed or acceleration leave the limits in that time."""
     _, peaks = gait_tables(alpha, round(seconds / step) + 1, step, limits.bandwidth)
     scaled = np.array(alpha, dtype=float)

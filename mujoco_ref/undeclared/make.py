@@ -195,7 +195,7 @@ def make(
         declaration=Declaration(model.specimen, model.fluid, model.gravity, release_t=release_t),
         motor=motor,
         load_cell=LoadCellSignal(run.t, load),
-        midline=Midline(run.t, sampled, observed, np.full(points.shape[:2], spread)),
+        midline=Midline(run.t, sampled, observed, np.full(points.shape[:2], spread if spread > 0.0 else np.nan)),
     )
     known = all(is_catalogued(effect) for effect in hidden)
     truth = {

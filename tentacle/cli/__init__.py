@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import sys
 from collections.abc import Sequence
 from importlib import import_module, metadata
@@ -21,6 +22,14 @@ A RECORDING is an import folder (recording.toml with a video, a midline or marke
 EPILOG = "`tentacle VERB --help` says more. Exit codes: 0 done, 2 bad input (one line says what), 130 stopped (Ctrl-C)."
 
 
+class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
+    """Verbs and what they do side by side, one verb a line where the terminal is wide enough."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=16, width=min(shutil.get_terminal_size().columns, 120))
+        self._action_max_length = 14  # argparse of Python 3.11 forgets that verbs are indented
+
+
 def verb_names() -> list[str]:
     """The verbs, found by listing this folder."""
     return sorted(file.stem for file in Path(__file__).parent.glob("*.py") if not file.stem.startswith("_"))
@@ -32,7 +41,7 @@ def build_parser() -> argparse.ArgumentParser:
         prog="tentacle",
         description=DESCRIPTION,
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=_HelpFormatter,
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"tentacle-twin {_version()}")

@@ -48,13 +48,17 @@ class Rung:
 
 @dataclass(frozen=True)
 class Ladder:
-    """All rungs of one model, and the driven motion for the eye: the reference, then the reduced model by order."""
+    """All rungs of one model, and the driven motion for the eye: the reference, then the reduced model by order.
+
+    third_opinion: first frequency in air [Hz] by PyElastica, where it is installed and knows such an arm.
+    """
 
     rungs: tuple[Rung, ...]
     reference: Twin
     affine: dict[int, Twin]
     amplitude: float
     frequency: float
+    third_opinion: float | None = None
 
 
 def in_air(model: Model, gravity: Gravity) -> Model:
@@ -179,7 +183,17 @@ def climb(model: Model, amplitude: float, frequency: float | None = None) -> Lad
                 {order: 1e3 * twin.mean_load(window) for order, twin in twins.items()},
             )
         )
-    return Ladder(tuple(rungs), best, twins, amplitude, driven)
+    return Ladder(tuple(rungs), best, twins, amplitude, driven, third_opinion(model, rungs[0].best))
+
+
+def third_opinion(model: Model, guess: float) -> float | None:
+    """First frequency in air [Hz] by PyElastica; None where it is not installed, or the arm is no cone of one
+    material."""
+    from mujoco_ref.third_opinion import first_frequency, is_installed
+
+    elasticity = model.parameters.get("elasticity", {})
+    plain = isinstance(model.specimen.section, Cone) and model.specimen.tip_mass == 0.0 and set(elasticity) == {"E"}
+    return first_frequency(model.specimen, elasticity["E"].value, guess) if plain and is_installed() else None
 
 
 def _motion_rung(name: str, model: Model, wave, duration: float, start: np.ndarray) -> Rung:

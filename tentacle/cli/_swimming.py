@@ -1,4 +1,6 @@
-"""What `optimise` and `reproduce table2` share: gaits on the reference's rail, results as plain data, notes of a running search."""
+"""What `optimise` and `reproduce table2` share: gaits on the reference's rail, results as plain data, notes of a
+running search.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from tentacle.gait import Gait
     from tentacle.model import Model
 
-SETTLE_S, WINDOW_S, FPS = 4.0, 16.0, 50.0
+LEAD_IN_S, SETTLE_S, WINDOW_S, FPS = 1.0, 4.0, 16.0, 50.0
 
 
 def reference_speed(model: Model, gait: Gait, rail: Rail | None = None) -> float:
@@ -30,8 +32,8 @@ def reference_speed(model: Model, gait: Gait, rail: Rail | None = None) -> float
 
     rail = rail or PAPER_RAIL
     level = replace(model, gravity=replace(model.gravity, magnitude=0.0))
-    carriage = ReferenceRail(rail.mass, rail.viscous, rail.dry)
-    run = simulate(level, gait, SETTLE_S + WINDOW_S, FPS, rail=carriage)
+    carriage = ReferenceRail(rail.mass, viscous=rail.viscous, dry=rail.dry)
+    run = simulate(level, gait, SETTLE_S + WINDOW_S, FPS, rail=carriage, lead_in=LEAD_IN_S)
     start = round(SETTLE_S * FPS)
     # Forward is -y (affine_model.swim.trial).
     return -float((run.mount[-1, 1] - run.mount[start, 1]) / (run.t[-1] - run.t[start]))
@@ -43,7 +45,7 @@ def reference_thrust(model: Model, gait: Gait) -> float:
 
     from mujoco_ref.simulate import simulate
 
-    run = simulate(model, gait, SETTLE_S + WINDOW_S, FPS)
+    run = simulate(model, gait, SETTLE_S + WINDOW_S, FPS, lead_in=LEAD_IN_S)
     return -float(np.mean(run.thrust[round(SETTLE_S * FPS) :]))
 
 
@@ -96,6 +98,7 @@ class SearchNotes:
         """The generations noted so far; the file is cut to its last whole line, and begun anew for another search."""
         import numpy as np
 
+        self._path.parent.mkdir(parents=True, exist_ok=True)
         text = self._path.read_text(encoding="utf-8") if self._path.exists() else ""
         lines = text[: text.rfind("\n") + 1].splitlines()
         if not lines or lines[0] != json.dumps({"search": self.key}):

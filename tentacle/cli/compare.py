@@ -132,6 +132,9 @@ def _write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], 
         f"Driven motion: {ladder.amplitude:g} rad at {ladder.frequency:.3g} Hz, from rest; the last two of 8."
         " Its error is rms over the arm.",
     )
+    if ladder.third_opinion is not None:
+        opinion = f"PyElastica's Cosserat rod, which also shears: first frequency in air {ladder.third_opinion:.4g} Hz."
+        words = (*words, opinion)
     picture = Picture(shapes_figure(_scene(file.stem, ladder)), "Shapes of the driven motion at some instants.")
     table = Table("reference and reduced model", header, rows, numeric=tuple(range(2, len(header))))
     sections = [Section("Ladder", words, (table,), (picture,))]
@@ -209,5 +212,7 @@ def _print(name: str, ladder: Ladder, maps: list[Validity]) -> None:
     for row in rows:
         table.add_row(*row)
     Console(width=None if Console().is_terminal else 160).print(table)
+    if ladder.third_opinion is not None:
+        print(f"PyElastica: first frequency in air {ladder.third_opinion:.4g} Hz")
     if maps:
         print(headline(maps))

@@ -138,7 +138,10 @@ def stills(recording: Recording, model: Model | None) -> Figure:
 
 
 def thrust(recordings: list[Recording], model: Model) -> Figure:
-    """Figure 9: the model's map, and mean load-cell readings where recordings with a sine at the base give them."""
+    """Figure 9: the model's map, and mean load-cell readings where recordings with a sine at the base give them.
+
+    Forward is base first, against y: the signs of the fluid's force and of the load cell are turned.
+    """
     import numpy as np
 
     from affine_model.arm import arm_of, parameter_vector
@@ -158,16 +161,26 @@ def thrust(recordings: list[Recording], model: Model) -> Figure:
         for (a, f), recording in zip(tried, wave, strict=True):
             assert recording.load_cell is not None
             place = int(np.argmin(np.abs(amplitude - a))), int(np.argmin(np.abs(frequency - f)))
-            measured[place] = recording.load_cell.thrust.mean()
+            measured[place] = -(recording.load_cell.thrust.mean() - rest_load(recording))
     step, seconds = 1.0 / 300.0, 10.0  # the paper averages over 10 s
     middles = (np.arange(round(seconds / step)) + 0.5) * step
     grid = [(a, f) for a in amplitude for f in frequency]
     base = np.stack([Sine(a, f)(middles) for a, f in grid], axis=-1)
     parameters = np.repeat(parameter_vector(model)[:, None], len(grid), axis=1)
     batch = simulate(arm_of(model), parameters, base, step, stride=0)
-    modelled = batch.mean_thrust.reshape(len(amplitude), len(frequency))
+    modelled = -batch.mean_thrust.reshape(len(amplitude), len(frequency))
     name = f"L = {1e3 * model.specimen.length:.0f} mm"
     return thrust_map_figure([ThrustMap(name, amplitude, frequency, modelled, measured)])
+
+
+def rest_load(recording: Recording) -> float:
+    """What the load cell reads of the arm alone [N]: its weight less buoyancy, along the straight arm."""
+    import numpy as np
+
+    declared = recording.declaration
+    arm, gravity = declared.specimen, declared.gravity
+    carried = arm.mass * (1.0 - declared.fluid.density / arm.density) + arm.tip_mass
+    return float(carried * gravity.magnitude * np.cos(gravity.angle))
 
 
 def speeds(file: Path) -> Figure:

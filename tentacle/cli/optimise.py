@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from affine_model.swim import Front, ServoLimits, Swimming
+    from affine_model.swim import Front, GaitLimits, Generation, Swimming, Trial
     from tentacle.model import Model
 
 HELP = "find the base motion that swims best, within the servo's limits"
@@ -16,22 +16,8 @@ HELP = "find the base motion that swims best, within the servo's limits"
 OBJECTIVES = ("thrust", "speed", "transport")
 METHODS = ("cmaes", "ga", "random")
 SILICONES = ("dragon-skin-10", "dragon-skin-20", "ecoflex-00-30")
-PROMISES = {
-    "thrust_n": ("mean thrust, clamped", "mN", 1e3),
-    "speed_m_s": ("speed on the rail", "cm/s", 1e2),
-    "power_w": ("mechanical power", "mW", 1e3),
-    "peak_torque_n_m": ("largest torque", "mN m", 1e3),
-    "transport_j_m": ("cost of transport", "J/m", 1.0),
-}
-LIMITS = {
-    "angle_rad": "angle",
-    "speed_rad_s": "speed",
-    "acceleration_rad_s2": "acceleration",
-    "torque_n_m": "torque",
-    "bandwidth_hz": "bandwidth",
-    "lowest_frequency_hz": "lowest_frequency",
-    "highest_frequency_hz": "highest_frequency",
-}
+SERVO = ("angle_rad", "speed_rad_s", "acceleration_rad_s2")
+DRIVE = ("torque_n_m", "bandwidth_hz", "lowest_frequency_hz", "highest_frequency_hz")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -44,57 +30,75 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=METHODS, default="cmaes", help="ga is the paper's; default: cmaes")
     parser.add_argument("--evaluations", type=int, default=5000, help="gaits tried; default: the paper's 50 x 100")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--limits", type=Path, help=f"TOML with a [limits] table of {', '.join(LIMITS)}")
+    parser.add_argument("--limits", type=Path, help=f"TOML with a [limits] table of {', '.join(SERVO + DRIVE)}")
     parser.add_argument("--silicone", choices=SILICONES, default=SILICONES[0], help="of an arm without a fitted model")
     parser.add_argument("--robust", type=int, default=0, metavar="N", help="over N samples of the model's intervals")
+    parser.add_argument("--restarts", type=int, default=1, metavar="N", help="searches from N seeds side by side")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler for the searches (default: processes)")
     parser.add_argument("--front", action="store_true", help="also trace the front of speed against power")
     parser.add_argument("--no-reference", action="store_true", help="leave out the check on the MuJoCo reference")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, check, write; an interrupted search goes on where it stopped when called again."""
-    import json
-
-    import tomli_w
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
-    from affine_model.swim import optimise, robust_trial, trial_of
-    from tentacle.cli._swimming import SearchNotes, result_tables, write_whole
+    from affine_model.swim import robust_trial, trial_of
+    from tentacle.cli._outcome import written
+    from tentacle.cli._swim_work import best_of_restarts
+    from tentacle.cli._swimming import result_tables
     from tentacle.errors import InputError
-    from tentacle.model_file import model_tables
     from tentacle.waveform_file import waveform_table
 
     if arguments.evaluations < 50:
         raise InputError(f"{arguments.evaluations} is too few", field="--evaluations", expected="50 or more")
     if arguments.robust < 0 or arguments.robust == 1:
         raise InputError(f"{arguments.robust} is not usable", field="--robust", expected="2 or more samples")
+    if arguments.restarts < 1:
+        raise InputError(f"{arguments.restarts} is not usable", field="--restarts", expected="1 or more")
     model, limits = read_arm(arguments.arm, arguments.silicone), read_limits(arguments.limits)
-    trial = trial_of(model, limits)
-    if arguments.robust:
-        trial = robust_trial(trial, model, arguments.robust, arguments.seed)
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    names = ("objective", "method", "evaluations", "seed", "robust")
-    inputs = {
-        "model": model_tables(model),
-        "limits": vars(limits),
-        **{name: getattr(arguments, name) for name in names},
-    }
+    at_estimates = trial_of(model, limits)
+    trial = robust_trial(at_estimates, model, arguments.robust, seed=0) if arguments.robust else at_estimates
+    if arguments.restarts > 1 or arguments.cluster:
+        settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "robust")}
+        seeds = range(arguments.seed, arguments.seed + arguments.restarts)
+        found = best_of_restarts(model, limits, settings, seeds, arguments.out / "searches", arguments.cluster)
+    else:
+        found = search_with_progress(arguments, trial, model)
+    tables = result_tables(found, waveform_table)
+    if not arguments.no_reference:
+        tables["reference"] = check_on_reference(model, found)
+    front = trace_front(model, limits, found) if arguments.front else None
+    with written(arguments.out) as folder:
+        write_answer(arguments, at_estimates, found, tables, front, folder)
+    for line in summary(tables):
+        print(line)
+    print(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
+    return 0
+
+
+def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Model) -> Swimming:
+    """The search with a bar on standard error, noted generation by generation in OUT/search.jsonl."""
+    from dataclasses import asdict
+
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
+    from affine_model.swim import optimise
+    from tentacle.cli._swimming import SearchNotes
+    from tentacle.model_file import model_tables
+
+    settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
+    inputs = {"model": model_tables(model), "limits": asdict(trial.limits), **settings}
     notes = SearchNotes(arguments.out / "search.jsonl", inputs)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:.0f} gaits"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, transient=True) as progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"))
+    with Progress(*columns, TimeRemainingColumn(), transient=True, console=Console(stderr=True)) as progress:
         task = progress.add_task(f"{arguments.method}, {arguments.objective}", total=arguments.evaluations)
 
-        def watch(generation: Any) -> None:
+        def watch(generation: Generation) -> None:
             notes.note(generation)
             progress.update(task, completed=generation.evaluations)
 
-        found = optimise(
+        return optimise(
             trial,
             OBJECTIVE_TABLE[arguments.objective],
             method=arguments.method,
@@ -103,53 +107,38 @@ def run(arguments: argparse.Namespace) -> int:
             noted=notes.scores(),
             watch=watch,
         )
-    tables = result_tables(found, waveform_table)
-    if not arguments.no_reference:
-        tables["reference"] = check_on_reference(model, found)
-    details: dict[str, Any] = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}
-    if arguments.front:
-        details["front"] = front_table(trace_front(model, limits, arguments.seed))
-    write_whole(arguments.out / "result.toml", tomli_w.dumps(tables))
-    write_whole(arguments.out / "result.json", json.dumps({**tables, "course": details}, indent=1))
-    lines = summary(tables)
-    show(found, tables, lines, arguments.out)
-    for line in lines:
-        print(line)
-    print(f"written to {arguments.out}")
-    return 0
 
 
-def show(found: Swimming, tables: dict[str, Any], lines: list[str], out: Path) -> None:
-    """Write session.rrd and report.html: the search's course, the motion found and the best sine, what they promise."""
+def write_answer(
+    arguments: argparse.Namespace,
+    trial: Trial,
+    found: Swimming,
+    tables: dict[str, Any],
+    front: Front | None,
+    folder: Path,
+) -> None:
+    """gait.toml (for simulate and the rig), result.toml, result.json with the course, session.rrd and report.html."""
+    import json
     import shlex
     import sys
 
-    import numpy as np
+    import tomli_w
 
-    from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
-    from viz.optimise import Search, write_optimisation
-    from viz.report import Origin, write_report
-    from viz.verb_reports import optimisation_report
-    from viz.words import number
+    from tentacle.cli._provenance import input_hashes, versions
+    from tentacle.cli._swimming_report import write_film, write_page
+    from tentacle.waveform_file import write_waveform
+    from viz.report import Origin
 
-    t = np.linspace(0.0, 5.0, 501)
-    ends, level = found.evaluations[[0, -1]], np.full(2, found.sine_value)
-    searches = {
-        found.method: Search(found.evaluations, found.best, t, found.gait(t)[0]),
-        "best sine": Search(ends, level, t, found.sine(t)[0]),
-    }
-    promise, sine = tables["promise"], tables["sine"]["promise"]
-    rows = [
-        (name, unit, number(scale * promise[key]), number(scale * sine[key]) if key in sine else "-")
-        for key, (name, unit, scale) in PROMISES.items()
-        if key in promise
-    ]
-    objective = OBJECTIVE_TABLE[found.objective]
-    quantity = f"{objective.words} [{objective.unit}]"
+    course = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}
+    everything = {**tables, "course": course} | ({} if front is None else {"front": front_table(front)})
+    write_waveform(found.gait, folder / "gait.toml")
+    (folder / "result.toml").write_text(tomli_w.dumps(tables), encoding="utf-8", newline="\n")
+    (folder / "result.json").write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
+    write_film(trial, found, folder / "session.rrd")
+    files = [path for path in (arguments.arm, arguments.limits) if path is not None]
     command = shlex.join(["tentacle", *sys.argv[1:]])
-    page = optimisation_report(searches, quantity, rows, lines[0], Origin(command, found.seed))
-    write_optimisation(searches, quantity, out / "session.rrd")
-    write_report(page, out / "report.html")
+    origin = Origin(command, arguments.seed, versions(), input_hashes(files))
+    write_page(trial, found, tables, front, origin, folder / "report.html")
 
 
 def read_arm(path: Path, silicone: str) -> Model:
@@ -169,20 +158,30 @@ def read_arm(path: Path, silicone: str) -> Model:
     return assumed_model(declaration.specimen, silicone, fluid, declaration.gravity)
 
 
-def read_limits(path: Path | None) -> ServoLimits:
+def read_limits(path: Path | None) -> GaitLimits:
     """The servo's limits in a TOML file, defaults where it says nothing; InputError names what is wrong."""
-    from affine_model.swim import ServoLimits
+    from dataclasses import replace
+
+    from affine_model.swim import HOBBY_SERVO, GaitLimits
     from tentacle.toml_table import Table, read_toml
 
     if path is None:
-        return ServoLimits()
+        return GaitLimits()
     text, values = read_toml(path)
     document = Table(values, file=path, text=text)
     table = document.required_table("limits")
-    given = {field: table.number(name, above=0) for name, field in LIMITS.items() if name in table}
+    servo = {name: table.number(name, above=0) for name in SERVO if name in table}
+    drive = {name: table.number(name, above=0) for name in DRIVE if name in table}
     table.finish()
     document.finish()
-    return ServoLimits(**given)
+
+    def field(name: str) -> str:  # bandwidth_hz -> bandwidth
+        return next(
+            name.removesuffix(unit) for unit in ("_rad_s2", "_rad_s", "_rad", "_n_m", "_hz") if name.endswith(unit)
+        )
+
+    limited = replace(HOBBY_SERVO, **{field(name): value for name, value in servo.items()})
+    return GaitLimits(limited, **{field(name): value for name, value in drive.items()})
 
 
 def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
@@ -201,11 +200,15 @@ def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
     }
 
 
-def trace_front(model: Model, limits: ServoLimits, seed: int) -> Front:
+def trace_front(model: Model, limits: GaitLimits, found: Swimming) -> Front:
     """The front of speed against power at the model's estimates."""
+    import numpy as np
+
     from affine_model.swim import PAPER_RAIL, pareto_front, search_box, trial_of
 
-    return pareto_front(trial_of(model, limits, PAPER_RAIL), search_box(limits), evaluations=1500, seed=seed)
+    known = np.array([found.gait.alpha, found.sine.alpha]).T
+    trial = trial_of(model, limits, PAPER_RAIL)
+    return pareto_front(trial, search_box(limits), known=known, evaluations=8000, seed=found.seed)
 
 
 def front_table(front: Front) -> dict[str, list[Any]]:

@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="act, but do not declare: tip_mass, tip_mass=faint, tip_mass=0.002, current=U_x:0.05,U_y:0",
     )
     parser.add_argument("--truth", type=Path, metavar="FILE.json", help="where to write what is hidden (not in --out)")
-    parser.add_argument("--video", metavar="LOOK", help="a rendered video instead of the midline: clean, tank, ...")
+    parser.add_argument("--video", metavar="LOOK", help="a video instead of the midline: clean, tank, ... or mujoco")
     parser.add_argument("--size", nargs=2, type=int, default=(960, 720), metavar=("W", "H"), help="of the video [px]")
     parser.add_argument("--trials", type=int, metavar="N", help="N blind recordings in --out, effects drawn at random")
     parser.add_argument("--sealed", type=Path, metavar="FILE.jsonl", help="with --trials: the answers, a line each")
@@ -51,7 +51,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Read the model and the motion, simulate, write."""
     import json
+    import os
 
+    if arguments.video == "mujoco":
+        os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
     from mujoco_ref.undeclared import Noise, Plan, make
     from tentacle.errors import InputError
     from tentacle.model_file import read_model

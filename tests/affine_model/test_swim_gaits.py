@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from affine_model.swim.gaits import gait_tables
-from affine_model.swim.limits import Box, ServoLimits, search_box
+from affine_model.swim.gaits import gait_of, gait_tables
+from affine_model.swim.limits import Box, GaitLimits, search_box
 from affine_model.swim.trial import within_limits
 from tentacle.errors import InputError
 from tentacle.gait import Gait
 from tentacle.waveform import Sine
 
-LIMITS = ServoLimits()
+LIMITS = GaitLimits()
 
 
 def random_gaits(count, seed=0):
@@ -22,7 +22,7 @@ def test_batch_table_equals_the_gait():
     table, peaks = gait_tables(alpha, 1500, 1 / 150, LIMITS.bandwidth, start=0.25)
     t = 0.25 + np.arange(1500) / 150
     for b in range(21):
-        one = Gait(tuple(alpha[:, b]), LIMITS.bandwidth)(t)
+        one = gait_of(alpha[:, b], LIMITS.bandwidth)(t)
         # Phasors are turned at most 512 times between renewals: rounding of 512 eps on accelerations of some 1e3
         # rad/s^2.
         assert np.max(np.abs(table[:, :, b] - one)) < 1e-9
@@ -30,7 +30,7 @@ def test_batch_table_equals_the_gait():
 
 
 def test_derivatives_are_those_of_the_angle():
-    wave = Gait(tuple(random_gaits(1)[:, 0]), LIMITS.bandwidth)
+    wave = gait_of(random_gaits(1)[:, 0], LIMITS.bandwidth)
     t, h = np.linspace(0.0, 3.0, 200), 1e-4
     ahead, behind, here = wave(t + h), wave(t - h), wave(t)
     # Central differences: h^2/6 times the next two derivatives, at most (2 pi 5 Hz)^3 rad/s^3, leaves 1e-4 of the rate.
@@ -60,7 +60,7 @@ def test_nothing_moves_above_the_band():
     # Fundamentals at whole fractions of the window, so that every harmonic is one line of the spectrum.
     alpha = np.array([0.2, 0.4, 0.3, 2 * np.pi * 0.5, 2 * np.pi * 0.75, 2 * np.pi * 1.25, 0.1, 0.7, 1.9])
     t = np.arange(4000) / 100.0
-    spectrum = np.abs(np.fft.rfft(Gait(tuple(alpha), 5.0)(t)[0]))
+    spectrum = np.abs(np.fft.rfft(gait_of(alpha, 5.0)(t)[0]))
     frequency = np.fft.rfftfreq(4000, 0.01)
     assert np.max(spectrum[frequency >= 5.0]) < 1e-12 * np.max(spectrum)
 
@@ -89,15 +89,15 @@ def test_unit_cube_and_back():
 @pytest.mark.parametrize(
     ("limits", "field"),
     [
-        ({"speed": 0.0}, "limits.speed"),
-        ({"angle": float("nan")}, "limits.angle"),
+        ({"torque": 0.0}, "limits.torque"),
+        ({"bandwidth": float("nan")}, "limits.bandwidth"),
         ({"lowest_frequency": 3.0}, "limits"),
         ({"bandwidth": 1.0}, "limits"),
     ],
 )
 def test_infeasible_limits_are_one_line(limits, field):
     with pytest.raises(InputError) as error:
-        ServoLimits(**limits)
+        GaitLimits(**limits)
     assert error.value.field == field
     assert "\n" not in str(error.value)
 

@@ -5,11 +5,11 @@ cannot do.
 import numpy as np
 import pytest
 
-from affine_model.swim import METHODS, OBJECTIVES, ServoLimits, assumed_model, paper_cone, search, search_box, trial_of
+from affine_model.swim import METHODS, OBJECTIVES, GaitLimits, assumed_model, paper_cone, search, search_box, trial_of
 from affine_model.swim.pareto import not_dominated
 from tentacle.errors import InputError
 
-TRIAL = trial_of(assumed_model(paper_cone(0.21), "dragon-skin-10"), ServoLimits())
+TRIAL = trial_of(assumed_model(paper_cone(0.21), "dragon-skin-10"), GaitLimits())
 BOX = search_box(TRIAL.limits)
 CENTRE = np.array([0.3, 0.6, 0.5, 0.2, 0.7, 0.4, 0.9, 0.1, 0.5])
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import random
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -246,6 +247,11 @@ BAD = {
     "nan cell": (good(motor__csv=MOTOR.replace("0.15", "nan")), "motor.csv:3: angle_rad: 'nan' is no finite number"),
     "inf cell": (good(load_cell__csv=LOAD_CELL.replace("0.02", "-inf")), "load_cell.csv:3: thrust_n: '-inf' is no"),
     "too large": (good(motor__csv=MOTOR.replace("0.02,", "1e999,")), "motor.csv:4: t_s: '1e999' is no finite number"),
+    "two clocks": (
+        good(motor__csv="t_s,command_rad,angle_rad\n1.7e9,0,0\n1.7000001e9,0,0\n"),
+        "motor.csv: t_s: from 1.7e+09 to 1.7000001e+09 s, and the arm is seen from 0 to 0.1 s; expected times of one",
+    ),
+    "late release": (good(recording__toml=CONE + "[release]\nt_s = 5"), "release.t_s: 5 s is after the last frame"),
     "underscore": (good(motor__csv=MOTOR.replace("0.15", "1_5")), "motor.csv:3: angle_rad: '1_5' is no finite number"),
     "text cell": (good(motor__csv=MOTOR.replace("0.15", "off")), "motor.csv:3: angle_rad: 'off' is no finite number"),
     "blank cell": (good(motor__csv=MOTOR.replace("0.15", "")), "motor.csv:3: angle_rad: blank cell"),
@@ -290,6 +296,33 @@ def test_bad_input_is_one_line_that_names_file_row_and_field(name: str, tmp_path
     assert said in str(caught.value)
     assert str(folder) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_whatever_is_in_the_files_is_read_or_refused_in_one_line(tmp_path: Path) -> None:
+    """Files with bytes deleted, changed and put in, at random but the same every time."""
+    declared = CONE + CAMERA + "[release]\nt_s = 0.05\n[markers]\ntip = {s = 1, d = 0}\n"
+    files = {"recording.toml": declared, "motor.csv": MOTOR, "midline.csv": MIDLINE, "markers.csv": MARKERS}
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    rng = random.Random(11)
+    pieces = [b"nan", b",", b"\n", b"\x00", b"\xff", b"1e999", b"[", b"=", b"{", b'"', b"-1", b"#", b"\r", b"_", b"0x1"]
+    refused = []
+    for _ in range(300):
+        name = rng.choice(list(files))
+        content = bytearray(files[name].encode())
+        for _ in range(rng.randint(1, 3)):
+            place = rng.randrange(len(content))
+            content[place : place + rng.randint(0, 5)] = rng.choice(pieces)
+        (folder / name).write_bytes(content)
+        try:
+            read_folder(folder)
+        except InputError as error:
+            refused.append(str(error))
+        (folder / name).write_text(files[name])
+    assert not any("\n" in line for line in refused)
+    assert 200 < len(refused) < 300  # most changes are faults, and a few (in a comment's place, a digit) are none
 
 
 def test_bytes_that_are_no_text_are_refused(tmp_path: Path) -> None:

@@ -23,9 +23,9 @@ from viz.scene import scene_of
 
 def test_the_period_of_the_papers_sine_is_found():
     t = np.arange(0, 39, 1 / 30)
-    # 24 cycles in 39 s; the parabola through a Hann line's logarithm is good to 2 % of a bin, a bin is 1/24 of it
-    assert fundamental_period(t, 0.6 * np.sin(2 * np.pi * t * 24 / 39 + 0.3)) == pytest.approx(39 / 24, rel=1e-3)
-    assert fundamental_period(t, 0.6 * np.sin(2 * np.pi * t * 0.633)) == pytest.approx(1 / 0.633, rel=1e-3)
+    # 24 cycles in 39 s; the finest step of the search is 5e-4 of a bin, and a bin is 1/24 of the frequency
+    assert fundamental_period(t, 0.6 * np.sin(2 * np.pi * t * 24 / 39 + 0.3)) == pytest.approx(39 / 24, rel=3e-5)
+    assert fundamental_period(t, 0.6 * np.sin(2 * np.pi * t * 0.633)) == pytest.approx(1 / 0.633, rel=3e-5)
     with pytest.raises(InputError, match="no period"):
         fundamental_period(t, np.zeros_like(t))
     with pytest.raises(InputError, match="does not repeat"):

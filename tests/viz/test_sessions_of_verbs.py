@@ -18,7 +18,7 @@ from viz.live import LiveSession
 from viz.optimise import Search, write_optimisation
 from viz.topics.events import Event
 from viz.track import track_scene, write_recording_view, write_track
-from viz.viewer import holds_recording, require_recordings, screenshot
+from viz.viewer import headless_viewer, holds_recording, open_native, require_recordings, screenshot, serve_web
 
 
 def entities(path: Path) -> set[str]:
@@ -99,6 +99,24 @@ def test_only_recordings_are_opened(tmp_path):
         require_recordings([text])
     with pytest.raises(InputError, match="no such file"):
         require_recordings([tmp_path / "absent.rrd"])
+
+
+def test_the_viewer_listens_on_this_machine_only(monkeypatch):
+    """The headless viewer's own command line says 127.0.0.1, and so does that of the window and of the web page."""
+    asked = []
+
+    def note(command, **_):
+        asked.append(command)
+        raise OSError("not started in this test")
+
+    monkeypatch.setattr("viz.viewer.subprocess.Popen", note)
+    monkeypatch.setattr("viz.viewer.subprocess.run", note)
+    with pytest.raises(OSError, match="not started"), headless_viewer():
+        pass
+    for start in (open_native, serve_web):
+        with pytest.raises(OSError, match="not started"):
+            start([])
+    assert [command[command.index("--bind") + 1] for command in asked] == ["127.0.0.1"] * 3
 
 
 def test_a_picture_without_a_screen_or_a_line_that_says_what_to_install(case, tmp_path):

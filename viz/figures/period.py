@@ -16,7 +16,7 @@ APERIODIC = 0.1  # of the variance; a sine cut into 50 bins leaves 0.1 %, a chir
 
 
 def fundamental_period(t: Array, theta: Array) -> float:
-    """Period [s] of the base motion theta (T,) at t (T,): the strongest line, refined by the parabola through its log.
+    """Period [s] of the base motion theta (T,) at t (T,): that of the sine which fits best, near the strongest line.
 
     Raises InputError where the motion does not repeat itself twice or more: folded by the period, its mean must explain
     all but APERIODIC of its variance.
@@ -25,13 +25,23 @@ def fundamental_period(t: Array, theta: Array) -> float:
     peak = int(np.argmax(amplitude)) if len(amplitude) else 0
     if not len(frequency) or amplitude[peak] <= 1e-9 or peak < 1 or peak >= len(frequency) - 1:
         raise InputError("no period can be seen in the motion", field="motor", expected="at least two cycles of a sine")
-    low, middle, high = np.log(amplitude[peak - 1 : peak + 2])
-    shift = 0.5 * (low - high) / (low - 2 * middle + high)
-    period = float(1.0 / (frequency[peak] + shift * (frequency[1] - frequency[0])))
+    bin_width = float(frequency[1] - frequency[0])
+    best = float(frequency[peak])
+    for reach in (bin_width, 0.1 * bin_width, 0.01 * bin_width):
+        tried = best + np.linspace(-reach, reach, 41)
+        best = float(tried[np.argmin([sine_misfit(t, theta, one) for one in tried])])
+    period = 1.0 / best
     _, _, deviation = period_average(t, theta[:, None], period)
     if not np.nanmean(deviation**2) <= APERIODIC * np.nanvar(theta):
         raise InputError("the motion does not repeat itself", field="motor", expected="a periodic base motion")
     return period
+
+
+def sine_misfit(t: Array, values: Array, frequency: float) -> float:
+    """Sum of squares that a sine of that frequency [Hz] with an offset, fitted to values (T,) at t (T,), leaves."""
+    columns = np.stack([np.sin(2 * np.pi * frequency * t), np.cos(2 * np.pi * frequency * t), np.ones_like(t)], axis=1)
+    solution, *_ = np.linalg.lstsq(columns, values, rcond=None)
+    return float(np.sum((values - columns @ solution) ** 2))
 
 
 def period_average(t: Array, q: Array, period: float, bins: int = BINS) -> tuple[Array, Array, Array]:

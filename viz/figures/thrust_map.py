@@ -54,5 +54,5 @@ def thrust_map_figure(arms: Sequence[ThrustMap]) -> Figure:
                 panels[0, column].set_axis_off()
             draw_map(panels[-1, column], arm, arm.modelled, limits, f"{arm.name}, model")
         colours = panels[-1, 0].collections[0]
-        figure.colorbar(colours, ax=list(panels.flat), label="mean thrust [mN]")
+        figure.colorbar(colours, ax=list(panels.flat), label="mean forward thrust [mN]")
         return figure

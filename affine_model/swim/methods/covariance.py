@@ -13,8 +13,8 @@ from affine_model.curvature import Array
 from tentacle.gait import GAIT_PARAMETERS
 
 _GOES_AROUND = 3  # the phases are the last three coordinates: no bound, they are taken modulo 1
-_PATIENCE = 12  # generations over which the best must rise ...
-_RISE = 2e-3  # ... by this share
+_PATIENCE = 20  # generations over which the best must rise ...
+_RISE = 1e-3  # ... by this share
 
 
 class CovarianceEvolution:

@@ -1,0 +1,237 @@
+"""The reduced model's speed, errors and identification, beside MuJoCo with 20 links in fluid on the same cores.
+
+python benchmarks/affine.py --json FILE [--short]. Speeds are taken in turns, best of several, so that other
+work on the machine touches both sides alike. --short: fewer and shorter runs, for a smoke test; its figures are no
+measurement.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from affine_model.arm import Arm, neutral_parameters, parameter_index  # noqa: E402
+from affine_model.identify.experiment import Experiment  # noqa: E402
+from affine_model.identify.observation import from_track  # noqa: E402
+from affine_model.identify.trajectory import Problem, fit  # noqa: E402
+from affine_model.simulate import simulate  # noqa: E402
+from affine_model.swim.limits import ServoLimits, search_box  # noqa: E402
+from affine_model.swim.objectives import weighted  # noqa: E402
+from affine_model.swim.search import search  # noqa: E402
+from affine_model.swim.trial import Trial  # noqa: E402
+from benchmarks.mujoco_chain import chain_model, roll  # noqa: E402
+from tentacle.signals import Array, ShapeTrack  # noqa: E402
+from tentacle.specimen import WATER, Cone, Gravity, Specimen  # noqa: E402
+from tentacle.waveform import Chirp  # noqa: E402
+
+SPECIMEN = Specimen(Cone(0.0125, 0.001), 0.14, 1070.0)
+ARM = Arm(SPECIMEN, WATER, Gravity(0.0), order=2, nodes=6)
+STEP = 1 / 150  # s: the coarsest at which the median mean thrust is right to 0.1 % (thrust_error below)
+FIT_STEP = 1 / 500  # s: a fit whose intervals are to be believed needs errors well below the noise, not 0.1 %
+MUJOCO_STEP = 2e-3  # s: 10 ms is stable too; both are printed with their errors
+FREE = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"), ("added_mass", "C_a"))
+TRUTH = (2.0e5, 2.0e3, 1.1, 1.0)
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def parameters() -> Array:
+    vector = neutral_parameters()
+    for (effect, name), value in zip(FREE, TRUTH, strict=True):
+        vector[parameter_index(effect, name)] = value
+    return vector
+
+
+def motions(count: int, seconds: float, step: float) -> Array:
+    """theta and derivatives (3, S, B) at the middles of the steps: two sines each, as a gait has them, seed 0."""
+    rng = np.random.default_rng(0)
+    amplitude, frequency = rng.uniform(0.2, 0.8, count), rng.uniform(0.4, 2.0, count)
+    second, phase = rng.uniform(0.0, 0.15, count), rng.uniform(0.0, 6.28, count)
+    t = (np.arange(round(seconds / step)) + 0.5)[:, None] * step
+    w = 2.0 * np.pi * frequency
+    angle, other = w * t, 2.0 * w * t + phase
+    return np.stack(
+        [
+            amplitude * np.sin(angle) + second * np.sin(other),
+            w * (amplitude * np.cos(angle) + 2.0 * second * np.cos(other)),
+            -(w**2) * (amplitude * np.sin(angle) + 4.0 * second * np.sin(other)),
+        ]
+    )
+
+
+def ours(base: Array, step: float, arm: Arm = ARM, average_from: float = 0.0) -> Array:
+    rows = np.repeat(parameters()[:, None], base.shape[2], axis=1)
+    return simulate(arm, rows, base, step, stride=0, average_from=average_from).mean_thrust
+
+
+def timed(work, repeats: int) -> float:
+    """Best of several wall times [s]."""
+    best = np.inf
+    for _ in range(repeats):
+        start = time.perf_counter()
+        work()
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
+def ratios(short: bool, figures: dict[str, float]) -> None:
+    """Simulated seconds per second, ours over MuJoCo's; peak arithmetic beside it."""
+    seconds, mujoco_count = (1.0, 4) if short else (10.0, 50)
+    model = chain_model(SPECIMEN, *TRUTH[:2], WATER.density, MUJOCO_STEP)
+    command = motions(mujoco_count, seconds if short else 4.0, MUJOCO_STEP)[0].T
+    for count in (50, 4096):
+        base = motions(count, seconds, STEP)
+        ours(base, STEP)  # compiled, or loaded from the cache
+        rounds = 2 if short else 3
+        pairs = []
+        for _ in range(rounds):  # in turns
+            pairs.append((timed(lambda b=base: ours(b, STEP), 2), timed(lambda: roll(model, command, CORES), 1)))
+        own, other = (min(pair[k] for pair in pairs) for k in (0, 1))
+        speed, reference = count * seconds / own, command.size * MUJOCO_STEP / other
+        figures[f"ratio_mujoco_{count}"] = speed / reference
+        print(f"batch {count}: ours {speed:.0f}, MuJoCo (2 ms) {reference:.1f} simulated s per s", end="")
+        print(f": ratio {speed / reference:.0f}")
+        figures[f"simulated_s_per_s_{count}"] = speed
+    coarse = chain_model(SPECIMEN, *TRUTH[:2], WATER.density, 1e-2)
+    slow = timed(lambda: roll(coarse, motions(mujoco_count, seconds, 1e-2)[0].T, CORES), 2)
+    print(f"MuJoCo at 10 ms: {mujoco_count * seconds / slow:.1f} simulated s per s")
+    half = timed(lambda: ours(motions(2048, seconds, STEP), STEP), 2)
+    short_run = timed(lambda: ours(motions(4096, 0.5 * seconds, STEP), STEP), 2)
+    whole = timed(lambda: ours(motions(4096, seconds, STEP), STEP), 2)
+    print(f"time over half the batch {whole / half:.2f}, over half the duration {whole / short_run:.2f} (linear: 2)")
+    matrix = np.ones((1500, 1500))
+    peak = 2.0 * 1500**3 / timed(lambda: matrix @ matrix, 5)
+    done = operations_per_step(ARM.nodes, ARM.order) * figures["simulated_s_per_s_4096"] / STEP
+    figures["fraction_of_peak"] = done / peak
+    print(f"arithmetic: {done / 1e9:.1f} of {peak / 1e9:.0f} GFLOP/s that a matrix product reaches: {done / peak:.0%}")
+
+
+def operations_per_step(nodes: int, order: int) -> float:
+    """Floating-point operations of one step of one individual, counted in the kernel's text (with added mass)."""
+    angles = 4 * 2 * order + 2 * order + 45 + 8
+    jacobian = (order + 1) * 4 * nodes
+    motion = 4 * nodes + 4 * (order + 1) + 12
+    forces = 25 + 12 + 55 + 6 * order
+    sums = (order + 1) * 8 + order * (order + 1) // 2 * 11
+    return nodes * (angles + jacobian + motion + forces + sums) + 20 * order + order**3
+
+
+def errors(short: bool, figures: dict[str, float]) -> None:
+    """Error of each side against its own converged solution, on the same motions."""
+    count, seconds = (8, 4.0) if short else (50, 10.0)
+    fine = Arm(SPECIMEN, WATER, Gravity(0.0), order=2, nodes=8)
+    truth = ours(motions(count, seconds, 1 / 3000), 1 / 3000, fine, 0.4 * seconds)
+    error = np.abs(ours(motions(count, seconds, STEP), STEP, ARM, 0.4 * seconds) / truth - 1.0)
+    figures["thrust_error"] = float(np.median(error))
+    print(f"mean thrust, median error {np.median(error):.1e}, worst {error.max():.1e} (where thrust is near zero)")
+    few, span = 2 if short else 4, 0.5 if short else 2.0
+    finest = 1e-4
+    model = chain_model(SPECIMEN, *TRUTH[:2], WATER.density, finest)
+    exact = roll(model, motions(few, span, finest)[0].T, CORES)
+    for step in (MUJOCO_STEP, 1e-2):
+        angle = roll(chain_model(SPECIMEN, *TRUTH[:2], WATER.density, step), motions(few, span, step)[0].T, CORES)
+        gap = angle - exact[:, round(step / finest) - 1 :: round(step / finest)]
+        share = np.sqrt(np.mean(gap**2)) / np.std(exact)
+        print(f"MuJoCo at {1e3 * step:g} ms: tip angle, rms error {share:.1e} of its rms")
+
+
+def paper_search(short: bool, figures: dict[str, float]) -> None:
+    """The paper's optimisation: 50 gaits, 100 generations, 10 s each."""
+    trial = Trial(ARM, parameters()[:, None], settle=4.0, window=6.0, step=STEP)
+    generations = 4 if short else 100
+    start = time.perf_counter()
+    for _ in search(trial, weighted(0.0), search_box(ServoLimits()), "ga", evaluations=50 * generations, seed=0):
+        pass
+    figures["paper_ga_s"] = (time.perf_counter() - start) * 100 / generations
+    print(f"the paper's GA, 50 x 100 evaluations of 10 s: {figures['paper_ga_s']:.2f} s")
+
+
+def peak_memory(figures: dict[str, float]) -> None:
+    """Peak resident memory of a process of its own that runs 4096 x 10 s and keeps no trajectories."""
+    code = "import benchmarks.affine as a; print(a.own_peak())"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    figures["peak_gb_4096"] = float(done.stdout.split()[-1])
+    print(f"peak memory, 4096 x 10 s: {figures['peak_gb_4096']:.2f} GB, base motions of 0.15 GB and libraries included")
+
+
+def own_peak() -> float:
+    """GB."""
+    ours(motions(4096, 10.0, STEP), STEP)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
+
+
+def recorded(seconds: float, fps: float, seed: int) -> tuple[Problem, tuple[Array, ...]]:
+    """A video's shape track of the model's own motion with the vision's noise, and where a fit of it starts."""
+    wave = Chirp(0.5, 0.3, 2.0, seconds)
+    h = 1.0 / (fps * 16)
+    base = wave((np.arange(round(seconds / h)) + 0.5) * h)
+    clean = simulate(ARM, parameters()[:, None], base[:, :, None], h, stride=16)
+    sigma = np.array([1e-3, 1.7e-3, 6.0e-3])
+    link = np.array([[1, 0, 0], [0, 1, -0.987], [0, -0.987, 1.0]])
+    covariance = link * np.outer(sigma, sigma)
+    noise = np.random.default_rng(seed).multivariate_normal(np.zeros(3), covariance, clean.t.size)
+    coefficients = np.concatenate([np.zeros((clean.t.size, 1)), clean.q[:, :, 0]], axis=1) + noise
+    track = ShapeTrack(
+        clean.t, coefficients, np.tile(covariance, (clean.t.size, 1, 1)), np.ones(clean.t.size, bool),
+        ("",) * clean.t.size, 1.0, 1e-3, np.zeros(2),
+    )  # fmt: skip
+    observation = from_track(track, wave(clean.t)[0], SPECIMEN.length)
+    used = np.ones(clean.t.size, bool)
+    gain = np.ones(observation.coefficients.shape[1])
+    experiment = Experiment("own", observation, wave, 0.0, seconds, None, used, gain)
+    given = parameters()
+    for (effect, name), factor in zip(FREE, (0.7, 1.5, 0.8, 0.7), strict=True):
+        given[parameter_index(effect, name)] *= factor
+    nuisances = np.zeros(len(experiment.nuisance_names(ARM.order)))
+    nuisances[: ARM.order] = coefficients[0, 1:]
+    return Problem(ARM, (experiment,), FREE, given, FIT_STEP), (nuisances,)
+
+
+def identification(short: bool, figures: dict[str, float]) -> None:
+    """Time of a fit of 39 s at 25 fps, and how often its 95 % intervals hold the truth."""
+    problem, nuisances = recorded(8.0 if short else 39.0, 25.0, 0)
+    fit(problem, nuisances)
+    start = time.perf_counter()
+    found = fit(problem, nuisances)
+    figures["identify_s"] = time.perf_counter() - start
+    print(f"identification: {figures['identify_s']:.2f} s, {found.evaluations} evaluations")
+    for (effect, name), value, truth in zip(FREE, found.values, TRUTH, strict=True):
+        print(f"  {effect}.{name} {value:.5g}, truth {truth:g}")
+    inside, seeds = 0, 5 if short else 200
+    for seed in range(seeds):
+        found = fit(*recorded(12.0, 25.0, 100 + seed))
+        away = np.abs(found.values - np.array(TRUTH)) / np.sqrt(np.diag(found.covariance))
+        inside += int(np.sum(away < 1.96))
+    figures["coverage_95"] = inside / (seeds * len(FREE))
+    print(f"95 % intervals hold the truth in {figures['coverage_95']:.1%} of {seeds} x {len(FREE)}")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, required=True)
+    parser.add_argument("--short", action="store_true")
+    arguments = parser.parse_args()
+    figures: dict[str, float] = {}
+    print(f"{CORES} cores, step {STEP:.5f} s, {ARM.nodes} nodes, order {ARM.order}")
+    errors(arguments.short, figures)
+    ratios(arguments.short, figures)
+    paper_search(arguments.short, figures)
+    peak_memory(figures)
+    identification(arguments.short, figures)
+    arguments.json.write_text(json.dumps({"figures": figures}, indent=2) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

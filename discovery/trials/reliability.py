@@ -1,0 +1,94 @@
+"""Stated confidence against the hit rate: the reliability curve, and the monotone map that corrects it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from discovery.calibration import Calibration
+from discovery.trials.outcome import Outcome
+from discovery.trials.scores import Share
+from tentacle.signals import Array
+
+BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
+DOUBT = 4.0  # imaginary trials, right as often as stated, that a verdict's map starts from
+
+
+@dataclass(frozen=True)
+class Bin:
+    """Trials whose stated confidence lies within low .. high: its mean, and the share that was right."""
+
+    low: float
+    high: float
+    stated: float
+    right: Share
+
+    @property
+    def gap(self) -> float:
+        """Stated less the share that was right."""
+        return self.stated - self.right.value
+
+    @property
+    def gap_beyond_chance(self) -> float:
+        """How far the stated confidence lies outside the share's 95 % interval; 0 within it."""
+        low, high = self.right.interval
+        return max(low - self.stated, self.stated - high, 0.0)
+
+
+def reliability(outcomes: Sequence[Outcome]) -> tuple[Bin, ...]:
+    """The bins of BINS that hold a trial."""
+    stated = np.array([o.confidence for o in outcomes])
+    right = np.array([o.hit for o in outcomes], dtype=bool)
+    place = np.clip(np.searchsorted(BINS, stated, side="right") - 1, 0, len(BINS) - 2)
+    return tuple(
+        Bin(
+            BINS[k],
+            BINS[k + 1],
+            float(stated[place == k].mean()),
+            Share(int(right[place == k].sum()), int((place == k).sum())),
+        )
+        for k in range(len(BINS) - 1)
+        if (place == k).any()
+    )
+
+
+def calibration_gap(bins: Sequence[Bin]) -> float:
+    """Largest |stated - right| over the bins; NaN without any."""
+    return max((abs(b.gap) for b in bins), default=float("nan"))
+
+
+def pooled(values: Array, weights: Array) -> Array:
+    """The rising sequence nearest to values (N,) in weighted squares: pool adjacent violators (Ayer et al. 1955)."""
+    blocks: list[list[float]] = []  # value, weight, count
+    for value, weight in zip(values, weights, strict=True):
+        blocks.append([float(value), float(weight), 1.0])
+        while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
+            upper, lower = blocks.pop(), blocks.pop()
+            total = lower[1] + upper[1]
+            blocks.append([(lower[0] * lower[1] + upper[0] * upper[1]) / total, total, lower[2] + upper[2]])
+    return np.concatenate([np.full(int(count), value) for value, _, count in blocks]) if blocks else np.zeros(0)
+
+
+def fit_calibration(outcomes: Sequence[Outcome]) -> Calibration:
+    """A map a verdict, from the uncalibrated confidence to the hit rate.
+
+    Isotonic regression on the trials together with DOUBT imaginary ones spread over the stated range, which are right
+    as often as they state: few trials move the map little, many of them make it.
+    """
+    tables = {}
+    for verdict in sorted({o.verdict for o in outcomes}):
+        chosen = [o for o in outcomes if o.verdict == verdict]
+        stated = np.array([o.uncalibrated for o in chosen])
+        ends = np.unique(np.concatenate([[0.0, 1.0], np.round(stated, 3)]))
+        raw = np.concatenate([stated, ends])
+        right = np.concatenate([[float(o.hit) for o in chosen], ends])
+        weights = np.concatenate([np.ones(stated.size), np.full(ends.size, DOUBT / ends.size)])
+        order = np.argsort(raw, kind="stable")
+        knots, place = np.unique(np.round(raw[order], 3), return_inverse=True)
+        # Ties pooled first, so that the map is a function of the stated value.
+        total: Array = np.bincount(place, weights[order]).astype(float)
+        means = np.bincount(place, weights[order] * right[order]) / total
+        tables[verdict] = (tuple(knots.tolist()), tuple(np.round(pooled(means, total), 4).tolist()), len(chosen))
+    return Calibration(tables)

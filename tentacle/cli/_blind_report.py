@@ -1,0 +1,227 @@
+"""The report of a series of blind trials, and its results as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from discovery.trials.outcome import Outcome
+from discovery.trials.reliability import Bin, calibration_gap, reliability
+from discovery.trials.scores import VISIBLE, Scores, Share, baseline_hit, confusion, scores, share
+from viz.figures.confusion import confusion_figure
+from viz.figures.error_drop import error_drop_figure
+from viz.figures.reliability import reliability_figure
+from viz.report import Origin, Picture, Report, Section, Table, render
+from viz.words import effect_name, number
+
+METHODS = (
+    ("regression", "the paper's regression (eq. 18-19), best column"),
+    ("weak_form", "weak form of the same columns, best column"),
+    ("score_test", "trajectory score test alone, its first"),
+)
+
+
+def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
+    """The benchmark's figures; None where no trial tells."""
+    found, bins = scores(outcomes), reliability(outcomes)
+    values = {
+        "top1": found.top1.value,
+        "exact": found.exact.value,
+        "false_alarm": found.false_alarm.value,
+        "unknown_recall": found.unknown_recall.value,
+        "pairs": found.pairs.value,
+        "needless_groups": found.needless_groups.value,
+        "calibration_gap": calibration_gap(bins),
+        "calibration_gap_beyond_chance": max((b.gap_beyond_chance for b in bins), default=float("nan")),
+        "after_over_floor": found.after_over_floor,
+        "trials": float(len(outcomes)),
+        **{f"{method}_top1": share(outcomes, "single", _hits(method), VISIBLE).value for method, _ in METHODS},
+    }
+    return {name: value if value == value else None for name, value in values.items()}
+
+
+def _hits(method: str) -> Any:
+    return lambda o: baseline_hit(o, method)
+
+
+def results(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]]) -> dict[str, Any]:
+    """results.json: the figures, every trial's truth beside its answer, and the trials that could not be run."""
+    trials = [
+        {
+            "trial": o.index, "kind": o.kind, "hidden": list(o.hidden), "r": [_plain(value) for value in o.r],
+            "seen": o.seen, "verdict": o.verdict, "named": list(o.named), "confidence": o.confidence,
+            "uncalibrated": o.uncalibrated,
+            "right": o.hit, "before_mm": _plain(o.before), "after_mm": _plain(o.after), "floor_mm": _plain(o.floor),
+            "baselines": {method: list(names) for method, names in o.baselines.items()},
+        }
+        for o in outcomes
+    ]  # fmt: skip
+    return {"figures": figures(outcomes), "trials": trials, "refused": [{"trial": k, "why": why} for k, why in refused]}
+
+
+def _plain(value: float) -> float | None:
+    return value if value == value else None
+
+
+def page(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], origin: Origin) -> str:
+    """report.html as text."""
+    found = scores(outcomes)
+    headline = (
+        f"{len(outcomes)} recordings with hidden effects, diagnosed without the answer: of single effects with "
+        f"R >= {VISIBLE:g} {_percent(found.top1)} named first or in the group; false alarms on nulls "
+        f"{_percent(found.false_alarm)}; effects outside the catalogue called unknown "
+        f"{_percent(found.unknown_recall)}; both of a pair {_percent(found.pairs)}."
+    )
+    sections = [
+        _score_section(found),
+        _confusion_section(outcomes),
+        _reliability_section(reliability(outcomes)),
+        _error_section(outcomes),
+        _baseline_section(outcomes),
+        _trial_section(outcomes, refused),
+    ]
+    merits = [
+        ("top-1", _percent(found.top1)),
+        ("false alarms", _percent(found.false_alarm)),
+        ("unknown recall", _percent(found.unknown_recall)),
+        ("after / floor", number(found.after_over_floor)),
+    ]
+    return render(Report("blind-trial", "Blind trials", headline, sections, origin, merits))
+
+
+def _percent(part: Share) -> str:
+    return f"{100 * part.value:.0f} %" if part.count else "no trial"
+
+
+def _row(words: str, part: Share, target: str) -> tuple[str, ...]:
+    low, high = part.interval
+    return (words, _percent(part), f"{100 * low:.0f} to {100 * high:.0f} %", f"{part.hits} of {part.count}", target)
+
+
+def _score_section(found: Scores) -> Section:
+    visible = f"R >= {VISIBLE:g}"
+    rows = [
+        _row(f"single effect, {visible}: named first, or in the named group", found.top1, ">= 95 %"),
+        _row(f"single effect, {visible}: named and nothing else", found.exact, ""),
+        _row("nothing hidden: something named or unknown (false alarm)", found.false_alarm, "<= 2 %"),
+        _row("effect outside the catalogue: called unknown", found.unknown_recall, ">= 95 %"),
+        _row(f"pair, both {visible}: both named", found.pairs, ">= 80 %"),
+        _row("group where |cos| <= 0.9", found.needless_groups, "0"),
+        *(_row(f"single effect, R {low:g} to {high:g}", part, "") for low, high, part in found.by_r),
+        *(_row(f"right, all kinds, seen as {seen}", part, "") for seen, part in found.by_seen),
+    ]
+    words = (
+        "R is the rms of the residual that refitting the base parameters cannot absorb, in standard deviations of the "
+        "noise; every effect of the catalogue is sized to an R drawn between 0.3 and 10. Median time of a diagnosis: "
+        f"{number(found.seconds)} s of a processor."
+    )
+    header = ("trials", "share", "95 % interval", "count", "target")
+    return Section("Scores", [words], [Table("What was asked, and what came", header, rows, numeric=(1, 2, 3))])
+
+
+def _confusion_section(outcomes: Sequence[Outcome]) -> Section:
+    truths, answers, counts = confusion(outcomes)
+    if not truths:
+        return Section("Confusion matrix", ["No trial with one effect, none, or an unknown one."])
+    caption = "Rows: what was hidden; columns: what was answered (a group that holds the truth counts as the truth)."
+    words = "Singles of every size, nulls (row: nothing) and effects outside the catalogue (row: unknown)."
+    return Section("Confusion matrix", [words], (), [Picture(confusion_figure(truths, answers, counts), caption)])
+
+
+def _reliability_section(bins: Sequence[Bin]) -> Section:
+    if not bins:
+        return Section("Is the stated confidence true?", ["No trial."])
+    rows = []
+    for b in bins:
+        interval = f"{b.right.interval[0]:.2f} to {b.right.interval[1]:.2f}"
+        row = (f"{b.low:g} to {b.high:g}", f"{b.stated:.3f}", f"{b.right.value:.3f}", interval, str(b.right.count))
+        rows.append(row)
+    ends = np.array([b.right.interval for b in bins])
+    picture = reliability_figure(
+        np.array([b.stated for b in bins]), np.array([b.right.value for b in bins]), ends[:, 0], ends[:, 1],
+        np.array([b.right.count for b in bins]),
+    )  # fmt: skip
+    header = ("confidence", "stated", "right", "95 % interval", "trials")
+    return Section(
+        "Is the stated confidence true?",
+        [f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points."],
+        [Table("Reliability", header, rows, numeric=(1, 2, 3, 4))],
+        [
+            Picture(
+                picture, "A bin a point, with its number of trials; on the line the stated confidence is the hit rate."
+            )
+        ],
+    )
+
+
+def _error_section(outcomes: Sequence[Outcome]) -> Section:
+    shown = [o for o in outcomes if o.kind in ("single", "pair") and o.floor > 0 and o.before > 0 and o.after > 0]
+    if not shown:
+        return Section("Error before and after", ["No trial with a hidden effect and a midline."])
+    columns = [np.array([getattr(o, name) for o in shown]) for name in ("before", "after", "floor", "hit")]
+    caption = (
+        "Held-out midline error over its floor (noise and the reduction); solid line: the floor; dotted: 1.2 times it."
+    )
+    return Section("Error before and after", (), (), [Picture(error_drop_figure(*columns), caption)])
+
+
+def _baseline_section(outcomes: Sequence[Outcome]) -> Section:
+    rows = [("this loop", *_shares(outcomes, lambda o: o.hit and (o.kind != "unknown")))]
+    rows += [(words, *_shares(outcomes, _hits(method))) for method, words in METHODS]
+    header = ("method", f"single, R >= {VISIBLE:g}: right", "null: nothing named", "unknown: nothing named")
+    words = (
+        "The baselines name one effect or none, and cannot call an effect unknown; servo and camera effects are no "
+        "columns of the regression. A pair is left out: none of them names two."
+    )
+    rows[0] = (*rows[0][:3], _percent(share(outcomes, "unknown", lambda o: o.hit)))
+    return Section(
+        "Other methods on the same recordings", [words], [Table("Share right", header, rows, numeric=(1, 2, 3))]
+    )
+
+
+def _shares(outcomes: Sequence[Outcome], right: Any) -> tuple[str, ...]:
+    return (
+        _percent(share(outcomes, "single", right, VISIBLE)),
+        _percent(share(outcomes, "null", right)),
+        _percent(share(outcomes, "unknown", right)),
+    )
+
+
+def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]]) -> Section:
+    rows = []
+    for o in outcomes:
+        hidden = ", ".join(
+            effect_name(name) + (f" ({value:.1f})" if value == value else "")
+            for name, value in zip(o.hidden, o.r, strict=True)
+        )
+        answer = ", ".join(map(effect_name, o.named)) or o.verdict.replace("_", " ")
+        errors = tuple(number(value) for value in (o.before, o.after, o.floor))
+        rows.append(
+            (
+                str(o.index),
+                o.seen,
+                hidden or "nothing",
+                answer,
+                o.verdict.replace("_", " "),
+                f"{o.confidence:.2f}",
+                *errors,
+            )
+        )
+    wrong = tuple(k for k, o in enumerate(outcomes) if not o.hit)
+    header = (
+        "trial",
+        "seen",
+        "hidden (R)",
+        "named",
+        "verdict",
+        "confidence",
+        "before [mm]",
+        "after [mm]",
+        "floor [mm]",
+    )
+    tables = [Table("Every trial; marked: wrong", header, rows, numeric=(5, 6, 7, 8), warned=wrong)]
+    if refused:
+        tables.append(Table("Not run", ("trial", "why"), [(str(k), why) for k, why in refused]))
+    return Section("Trials", ["`--only N` with the same seed makes trial N again and keeps its recording."], tables)

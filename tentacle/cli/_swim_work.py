@@ -1,0 +1,83 @@
+"""Searches that run elsewhere: the work that tentacle.runner hands to processes or a Dask cluster, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from affine_model.swim import GaitLimits, Swimming
+    from tentacle.model import Model
+
+VERSION = "1"  # of what a search computes
+
+
+def search_tasks(
+    model: Model, limits: GaitLimits, settings: Mapping[str, Any], seeds: Sequence[int]
+) -> list[dict[str, Any]]:
+    """One task a seed; settings hold objective, method, evaluations and robust (samples, 0: at the estimates)."""
+    from tentacle.model_file import model_tables
+
+    common = {"model": model_tables(model), "limits": asdict(limits), **settings}
+    return [{**common, "seed": seed} for seed in seeds]
+
+
+def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
+    """One whole search; plain data of its Swimming. The samples of a robust search are the same for every seed."""
+    from affine_model.swim import OBJECTIVES, GaitLimits, optimise, robust_trial, trial_of
+    from tentacle.model_file import parse_model
+    from tentacle.servo_limits import ServoLimits
+    from tentacle.toml_table import Table
+
+    model = parse_model(Table(dict(task["model"]), file=None, name="model"))
+    limits = dict(task["limits"])
+    trial = trial_of(model, GaitLimits(ServoLimits(**limits.pop("servo")), **limits))
+    if task["robust"]:
+        trial = robust_trial(trial, model, task["robust"], seed=0)
+    objective = OBJECTIVES[task["objective"]]
+    found = optimise(trial, objective, method=task["method"], evaluations=task["evaluations"], seed=task["seed"])
+    return {
+        "gait": list(found.gait.alpha),
+        "sine": list(found.sine.alpha),
+        "promise": asdict(found.promise),
+        "sine_promise": asdict(found.sine_promise),
+        "value": found.value,
+        "sine_value": found.sine_value,
+        "evaluations": found.evaluations,
+        "best": found.best,
+        "peaks": found.peaks,
+    }
+
+
+def best_of_restarts(
+    model: Model,
+    limits: GaitLimits,
+    settings: Mapping[str, Any],
+    seeds: Sequence[int],
+    folder: Path,
+    cluster: str | None,
+) -> Swimming:
+    """Search once a seed, on this machine's processes or a cluster; the best. Finished searches in folder are kept."""
+    from affine_model.swim import Promise, Swimming
+    from tentacle.gait import Gait
+    from tentacle.runner import Runner
+
+    tasks = search_tasks(model, limits, settings, seeds)
+    results = Runner(folder, scheduler=cluster).run(search_work, tasks, version=VERSION, words="searches")
+    seed, best = max(zip(seeds, results, strict=True), key=lambda pair: pair[1]["value"])
+    return Swimming(
+        objective=settings["objective"],
+        method=settings["method"],
+        seed=seed,
+        gait=Gait(tuple(best["gait"]), limits.bandwidth),
+        sine=Gait(tuple(best["sine"]), limits.bandwidth),
+        promise=Promise(**best["promise"]),
+        sine_promise=Promise(**best["sine_promise"]),
+        value=best["value"],
+        sine_value=best["sine_value"],
+        evaluations=best["evaluations"],
+        best=best["best"],
+        peaks=best["peaks"],
+    )

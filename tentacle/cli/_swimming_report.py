@@ -1,0 +1,133 @@
+"""report.html and session.rrd of `optimise`: what was found, how, beside the best sine, and what the reference says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from affine_model.swim import Front, Swimming, Trial
+    from viz.report import Origin, Picture, Section, Table
+
+FILM_S = 10.0
+NAMES = ("optimised gait", "best sine")
+
+
+def write_film(trial: Trial, found: Swimming, path: Path) -> None:
+    """The gait and the best sine swimming side by side, as a Rerun session."""
+    from affine_model.swim import PAPER_RAIL
+    from affine_model.swim.film import film
+    from viz.swimming import Swimmer, write_swimming
+
+    level = trial.on_rail(PAPER_RAIL)
+    films = [film(level, gait, FILM_S) for gait in (found.gait, found.sine)]
+    swimmers = [Swimmer(name, one.theta, one.travel, one.xy) for name, one in zip(NAMES, films, strict=True)]
+    specimen = trial.arm.specimen
+    write_swimming(swimmers, films[0].t, films[0].s, specimen, found.evaluations, found.best, path)
+
+
+def write_page(
+    trial: Trial, found: Swimming, tables: dict[str, Any], front: Front | None, origin: Origin, path: Path
+) -> None:
+    """report.html: headline, what each gait does, convergence, gait over a period, thrust map, front."""
+    from affine_model.swim import OBJECTIVES
+    from viz.report import Report, Section, render, write_report
+
+    objective = OBJECTIVES[found.objective]
+    sections = [
+        Section("What it does", (objective.words + ".",), (_promise_table(tables),)),
+        Section("The gait", _limits_words(trial, found), (), (_motion_picture(found),)),
+        _map_section(trial, found),
+        Section(
+            "The search",
+            (f"{found.evaluations[-1]} gaits by {found.method}, seed {found.seed}; then a quasi-Newton polish.",),
+            (),
+            (_convergence_picture(found, objective.unit),),
+        ),
+    ]
+    if front is not None:
+        sections.append(_front_section(found, front))
+    headline = f"{found.gain:.2f} times the {found.objective} of the best sine that this servo can follow."
+    page = render(Report("optimise", "Optimal swimming", headline, sections, origin))
+    write_report(page, path)
+
+
+def _promise_table(tables: dict[str, Any]) -> Table:
+    from viz.report import Table
+
+    rows = []
+    for name, promise in ((NAMES[0], tables["promise"]), (NAMES[1], tables["sine"]["promise"])):
+        cost = f"{promise['transport_j_m']:.2f}" if "transport_j_m" in promise else "-"
+        numbers = (1e3 * promise["thrust_n"], 100 * promise["speed_m_s"], 1e3 * promise["power_w"])
+        torque = 1e3 * promise["peak_torque_n_m"]
+        rows.append((name, "model", *(f"{number:.2f}" for number in numbers), f"{torque:.1f}", cost))
+    if "reference" in tables:
+        measured = tables["reference"]
+        for name, prefix in zip(NAMES, ("", "sine_"), strict=True):
+            thrust, speed = 1e3 * measured[f"{prefix}thrust_n"], 100 * measured[f"{prefix}speed_m_s"]
+            rows.append((name, "MuJoCo", f"{thrust:.2f}", f"{speed:.2f}", "-", "-", "-"))
+    header = ("motion", "by", "thrust [mN]", "speed [cm/s]", "power [mW]", "peak torque [mN m]", "energy per way [J/m]")
+    return Table("Forward thrust with the base clamped; all else swimming on the rail.", header, rows, (2, 3, 4, 5, 6))
+
+
+def _limits_words(trial: Trial, found: Swimming) -> tuple[str, ...]:
+    servo = trial.limits.servo
+    angle, speed, acceleration = found.peaks.tolist()
+    return (
+        f"It turns by at most {angle:.3f} of {servo.angle:.3f} rad, {speed:.2f} of {servo.speed:.2f} rad/s and "
+        f"{acceleration:.0f} of {servo.acceleration:.0f} rad/s2, over 300 s; harmonics end at "
+        f"{trial.limits.bandwidth:g} Hz.",
+        "alpha = " + ", ".join(f"{value:.4g}" for value in found.gait.alpha),
+    )
+
+
+def _motion_picture(found: Swimming) -> Picture:
+    import numpy as np
+
+    from viz.figures.motion import motion_figure
+    from viz.report import Picture
+
+    strongest = int(np.argmax(np.abs(found.gait.alpha[:3])))
+    t = np.linspace(0.0, 3.0 * 2.0 * np.pi / found.gait.alpha[3 + strongest], 600)
+    motions = {NAMES[0]: (t, found.gait(t)[0]), NAMES[1]: (t, found.sine(t)[0])}
+    return Picture(motion_figure(motions), "Angle of the servo over three periods of the gait's strongest wave.")
+
+
+def _map_section(trial: Trial, found: Swimming) -> Section:
+    """Mean thrust of sines over amplitude and frequency, as far as the servo goes (the paper's Fig. 9)."""
+    import numpy as np
+
+    from affine_model.swim import OBJECTIVES, sine_map
+    from viz.figures.thrust_map import ThrustMap, thrust_map_figure
+    from viz.report import Picture, Section
+
+    limits = trial.limits
+    amplitudes = np.round(np.linspace(0.15, 1.0, 7) * limits.servo.angle, 3)
+    frequencies = np.round(np.linspace(limits.lowest_frequency, limits.highest_frequency, 10), 3)
+    mapped = sine_map(trial, OBJECTIVES["thrust"], amplitudes, frequencies)
+    name = f"{100 * trial.arm.specimen.length:.0f} cm arm, sines"
+    figure = thrust_map_figure([ThrustMap(name, amplitudes, frequencies, mapped.values)])
+    words = f"The gait gives {1e3 * found.promise.thrust:.1f} mN. Where the map is empty the servo cannot follow."
+    return Section("Thrust of sines", (words,), (), (Picture(figure, "Mean forward thrust of plain sines."),))
+
+
+def _convergence_picture(found: Swimming, unit: str) -> Picture:
+    import numpy as np
+
+    from viz.figures.search import search_figure
+    from viz.report import Picture
+
+    sine = (found.evaluations[[0, -1]], np.full(2, found.sine_value))
+    courses = {found.method: (found.evaluations, found.best), NAMES[1]: sine}
+    figure = search_figure(courses, f"{found.objective} [{unit}]")
+    return Picture(figure, "Best so far, over the gaits tried, beside the best sine.")
+
+
+def _front_section(found: Swimming, front: Front) -> Section:
+    from viz.figures.front import front_figure
+    from viz.report import Picture, Section
+
+    promises = zip(NAMES, (found.promise, found.sine_promise), strict=True)
+    marks = {name: (promise.speed, promise.power) for name, promise in promises}
+    picture = Picture(front_figure(front.speed, front.power, marks), "No gait tried is both faster and cheaper.")
+    return Section("Speed against power", (), (), (picture,))

@@ -1,0 +1,94 @@
+"""Gates, search, verdict and next experiment on recordings whose truth is in the model."""
+
+import numpy as np
+import pytest
+
+from discovery.adequacy import ljung_box
+from discovery.next_experiment import candidates, propose
+from discovery.score import score
+from discovery.search import looseness, parameter_interval, refit, search, without
+from discovery.verdict import decide, probabilities, structure_share
+from tentacle.servo_limits import ServoLimits
+
+
+@pytest.fixture(scope="module")
+def found(with_current):
+    return search(with_current)
+
+
+def test_ljung_box_of_white_noise_is_its_degrees_of_freedom():
+    random = np.random.default_rng(0)
+    white = random.standard_normal((800, 5))
+    statistic, freedom = ljung_box(white)
+    assert freedom == 100
+    assert abs(statistic - freedom) < 5.0 * np.sqrt(2.0 * freedom)
+    # A first-order process with rho = .2 alone adds N rho^2 = 32 a channel at lag 1.
+    coloured = white.copy()
+    for k in range(1, 800):
+        coloured[k] += 0.2 * coloured[k - 1]
+    assert ljung_box(coloured)[0] > freedom + 5 * 32 * 0.5
+
+
+def test_the_gates_pass_what_is_complete_and_fail_what_is_not(plain, with_current):
+    assert plain.train.passed
+    assert plain.judged.passed
+    assert not with_current.train.passed
+    assert with_current.train.structure > 1.0 > plain.train.structure
+
+
+def test_nothing_hidden_nothing_named(plain):
+    outcome = search(plain)
+    decision = decide(outcome)
+    assert outcome.chosen is plain
+    assert (decision.verdict, decision.effects) == ("nothing_missing", ())
+    assert probabilities(outcome) == {}
+
+
+def test_a_hidden_current_is_named_and_measured(found):
+    decision = decide(found)
+    assert decision.verdict in ("effect", "group")
+    assert "current" in decision.effects
+    place = found.chosen.problem.free.index(("current", "U_x"))
+    low, high = parameter_interval(found.chosen, place, found.looseness)
+    # A 95 % interval, taken twice as wide: it holds the truth with a chance of 0.9999.
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    assert abs(middle - 0.03) < 2.0 * half
+    assert half < 0.003
+    assert structure_share(found, found.chosen) < 0.12
+    assert looseness(found.chosen) == pytest.approx(1.0, abs=0.3)
+
+
+def test_probabilities_sum_to_one(found):
+    weights = probabilities(found)
+    assert sum(weights.values()) == pytest.approx(1.0)
+    assert max(weights, key=lambda name: weights[name]) == "current"
+
+
+def test_adding_and_removing_an_effect_comes_back(with_current):
+    candidate = next(c for c in score(with_current.problem, with_current.fitted) if c.effect.name == "current")
+    added = refit(with_current, candidate)
+    assert added.evidence > with_current.evidence + 100.0
+    back = without(added, "current")
+    assert back.effects == ()
+    # The same least-squares problem again: its minimum to the fit's tolerance.
+    assert back.fitted.misfit == pytest.approx(with_current.fitted.misfit, rel=1e-4)
+
+
+def test_proposals_keep_the_servo_s_limits_and_split_rivals(with_current):
+    limits = ServoLimits(angle=0.5, speed=4.0, acceleration=40.0)
+    t = np.linspace(0.0, 15.0, 6001)
+    for waveform in candidates(limits, 0):
+        theta, rate, acceleration = np.abs(waveform(t))
+        assert theta.max() <= limits.angle
+        assert rate.max() <= limits.speed
+        assert acceleration.max() <= limits.acceleration * 1.02  # a chirp's own term, small beside omega^2
+    ranked = {c.effect.name: c for c in score(with_current.problem, with_current.fitted)}
+    chosen, rival = refit(with_current, ranked["current"]), refit(with_current, ranked["gravity_tilt"])
+    proposal = propose(chosen, (rival,), limits, 0)
+    assert proposal is not None
+    assert proposal.nats > 5.0
+    assert propose(chosen, (), limits, 0) is None
+    # A rival that is the model itself cannot be split from it by any motion (Gauss-Newton: to a thousandth of a nat).
+    same = propose(chosen, (chosen,), limits, 0)
+    assert same is not None
+    assert same.nats < 1e-3

@@ -1,0 +1,101 @@
+"""Designs of blind trials, and how their hidden effects are sized."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from discovery.trials.design import DURATIONS, FASTEST, Design, designs
+from tentacle.cli import _blind_recording as maker
+from tentacle.errors import InputError
+
+INSIDE, OUTSIDE = ("wall", "current", "buoyancy", "added_mass"), ("magnet", "thread")
+
+
+def test_a_longer_series_begins_with_the_shorter_one():
+    assert designs(40, 5, INSIDE, OUTSIDE)[:17] == designs(17, 5, INSIDE, OUTSIDE)
+    assert designs(5, 5, INSIDE, OUTSIDE) != designs(5, 6, INSIDE, OUTSIDE)
+
+
+def test_a_design_survives_json():
+    import json
+
+    for design in designs(8, 1, INSIDE, OUTSIDE):
+        assert Design.of(json.loads(json.dumps(design.table()))) == design
+
+
+def test_kinds_effects_and_videos_come_in_their_shares():
+    found = designs(160, 2, INSIDE, OUTSIDE)
+    kinds = Counter(design.kind for design in found)
+    assert kinds == {"single": 90, "null": 20, "unknown": 20, "pair": 30}
+    singles = Counter(design.effects[0] for design in found if design.kind == "single")
+    assert max(singles.values()) - min(singles.values()) <= 1  # shuffled decks deal evenly
+    assert sum(design.seen == "video" for design in found) == 40
+    assert all(
+        len(set(design.effects)) == {"single": 1, "pair": 2, "null": 0, "unknown": 1}[design.kind] for design in found
+    )
+    assert {design.kind for design in designs(6, 2, INSIDE, OUTSIDE, kinds=["null", "pair"])} == {"null", "pair"}
+
+
+def test_motions_keep_within_the_servo_s_speed():
+    for design in designs(30, 3, INSIDE, OUTSIDE):
+        theta, rate, _ = design.waveform()(np.linspace(0.0, design.duration, 20001))
+        assert np.abs(rate).max() <= FASTEST * 1.001
+        assert np.abs(theta).max() > 0.05
+        assert DURATIONS[0] <= design.duration <= DURATIONS[1]
+        assert 0.1 <= design.arm["tip_ratio"] <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("field", "options"), [("kinds", {"kinds": ["triple"]}), ("video share", {"video_share": 1.5})]
+)
+def test_bad_options_are_refused(field, options):
+    with pytest.raises(InputError, match=field):
+        designs(3, 0, INSIDE, OUTSIDE, **options)
+
+
+def of_kind(effect, **changed):
+    design = designs(1, 4, (effect,), OUTSIDE, kinds=["single"], video_share=0.0)[0]
+    return Design.of({**design.table(), "duration": 12.0, **changed})
+
+
+def test_r_is_linear_in_a_faint_effect_and_reached_as_asked():
+    """R is an rms of a linear response where the effect is small, and the sizing inverts it."""
+    design = of_kind("buoyancy", r=[0.5])
+    model = design.model()
+    hidden, reached = maker.sized(model, design, design.noise)
+    assert reached == pytest.approx([0.5], rel=1e-6)
+    strength = hidden["buoyancy"]["density_error"]
+    problem, nuisances = maker._bare_problem(model, design, design.noise)
+    variants = [{"density_error": factor * strength} for factor in (0.0, 0.5, 1.0, 2.0)]
+    sizes = maker.visible_size(problem, nuisances, "buoyancy", variants)
+    assert sizes[0] == pytest.approx(0.0, abs=1e-9)
+    # Interpolated on a grid of 1.29 in log-log: curvature of R between two knots stays below 2 %.
+    np.testing.assert_allclose(sizes[1:], [0.25, 0.5, 1.0], rtol=0.05)
+
+
+def test_what_refitting_absorbs_has_no_r():
+    """A drag coefficient's change is what the base refits: R of it is of second order."""
+    design = of_kind("buoyancy")
+    problem, nuisances = maker._bare_problem(design.model(), design, design.noise)
+    changed = [{"C_perp": design.arm["C_perp"] * factor} for factor in (1.02, 1.04)]
+    small, twice = maker.visible_size(problem, nuisances, "drag", changed)
+    assert twice == pytest.approx(4.0 * small, rel=0.3)
+
+
+def test_an_effect_that_cannot_reach_r_keeps_within_its_limit():
+    design = of_kind("skin_drag", r=[1e4])
+    hidden, reached = maker.sized(design.model(), design, design.noise)
+    assert hidden["skin_drag"]["C_t"] <= 3.0
+    assert reached[0] < 1e3
+
+
+def test_a_recording_tells_nothing_of_its_truth_and_is_the_same_again():
+    design = of_kind("time_offset", r=[3.0])
+    recording, truth = maker.trial_recording(design)
+    again, _ = maker.trial_recording(design)
+    assert recording.name == "trial_0000"
+    assert truth["kind"] == "single"
+    assert set(truth["effects"]) == {"time_offset"}
+    np.testing.assert_array_equal(recording.midline.xy, again.midline.xy)
+    assert recording.midline.t[-1] == pytest.approx(12.0, abs=1 / 60)

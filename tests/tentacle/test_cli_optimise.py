@@ -1,0 +1,116 @@
+"""`tentacle optimise` from a file to its answer: it resumes, repeats itself, and refuses what it cannot use."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from affine_model.swim import METHODS, OBJECTIVES, SILICONES, assumed_model, paper_cone
+from tentacle.cli import main
+from tentacle.cli import optimise as verb
+from tentacle.cli._swim_work import search_tasks, search_work
+from tentacle.gait import Gait
+from tentacle.model import Estimate
+from tentacle.model_file import write_model
+from tentacle.waveform_file import read_waveform
+
+SPECIMEN = """[specimen]
+section = "cone"
+length_m = 0.21
+base_radius_m = 0.0125
+tip_radius_m = 0.001
+density_kg_m3 = 1070
+"""
+
+
+@pytest.fixture
+def arm(tmp_path):
+    file = tmp_path / "arm.toml"
+    file.write_text(SPECIMEN)
+    return file
+
+
+def optimise(arm, out, *more):
+    quick = ("--evaluations", "96", "--no-reference", "--seed", "5")
+    return main(["optimise", str(arm), "--out", str(out), *quick, *more])
+
+
+def test_names_are_the_packages_own():
+    assert set(verb.OBJECTIVES) == set(OBJECTIVES)
+    assert set(verb.METHODS) == set(METHODS)
+    assert set(verb.SILICONES) == set(SILICONES)
+
+
+def test_answer_repeats_resumes_and_can_be_read(arm, tmp_path, capsys):
+    assert optimise(arm, tmp_path / "one") == 0
+    assert "times the best sine" in capsys.readouterr().out
+    written = {file.name for file in (tmp_path / "one").iterdir()}
+    assert written == {"gait.toml", "result.toml", "result.json", "session.rrd", "report.html", "search.jsonl"}
+    gait = read_waveform(tmp_path / "one" / "gait.toml")
+    assert isinstance(gait, Gait)
+    result = tomllib.loads((tmp_path / "one" / "result.toml").read_text())
+    assert result["waveform"]["alpha"] == list(gait.alpha)
+    peaks = np.max(np.abs(gait(np.arange(0.0, 30.0, 1e-3))), axis=1)
+    assert np.all(peaks <= np.array([np.pi / 3, 6.0, 120.0]) * 1.001)  # sampled at 2 ms when the limits were made sure
+
+    # Killed while it wrote its second generation: the first is kept, the torn line cut, and the answer is the same.
+    (tmp_path / "two").mkdir()
+    lines = (tmp_path / "one" / "search.jsonl").read_text().splitlines()
+    (tmp_path / "two" / "search.jsonl").write_text("\n".join([lines[0], lines[1], lines[2][:40]]))
+    assert optimise(arm, tmp_path / "two") == 0
+    for name in ("result.toml", "gait.toml", "search.jsonl"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
+def test_augmented_model_and_own_limits(tmp_path):
+    model = assumed_model(paper_cone(0.14), "ecoflex-00-30").with_effect("skin_drag", C_t=Estimate.exact(0.05))
+    write_model(model, tmp_path / "model.toml")
+    (tmp_path / "limits.toml").write_text("[limits]\nangle_rad = 0.3\nhighest_frequency_hz = 1.5\n")
+    limits = ("--limits", str(tmp_path / "limits.toml"), "--method", "ga", "--objective", "speed", "--robust", "2")
+    assert optimise(tmp_path / "model.toml", tmp_path / "out", *limits) == 0
+    result = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert result["peaks"]["angle_rad"] <= 0.3 * 1.001
+    assert max(result["waveform"]["alpha"][3:6]) <= 2 * np.pi * 1.5 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("limits", "says"),
+    [
+        ("[limits]\nangle_rad = -1\n", "angle_rad"),
+        ("[limits]\nlowest_frequency_hz = 3\n", "bounds cross"),
+        ("[limits]\nspeed_deg_s = 3\n", "speed_deg_s"),
+        ("[limit]\nangle_rad = 1\n", "limits"),
+    ],
+)
+def test_bad_limits_are_one_line(arm, tmp_path, capsys, limits, says):
+    (tmp_path / "limits.toml").write_text(limits)
+    assert optimise(arm, tmp_path / "out", "--limits", str(tmp_path / "limits.toml")) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert says in message
+    assert not (tmp_path / "out").exists()
+
+
+def test_soft_arm_is_refused_in_one_line(tmp_path, capsys):
+    model = assumed_model(paper_cone(0.14), "dragon-skin-10").with_effect("elasticity", E=Estimate.exact(-1.0, "Pa"))
+    write_model(model, tmp_path / "model.toml")
+    assert optimise(tmp_path / "model.toml", tmp_path / "out") == 2
+    assert "k(s) > 0" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_robust_restarts_on_two_dask_workers_equal_those_here(arm, tmp_path):
+    from distributed import LocalCluster
+
+    settings = ("--robust", "2", "--restarts", "2")
+    with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster:
+        address = ("--cluster", cluster.scheduler_address)
+        assert optimise(arm, tmp_path / "dask", *settings, *address) == 0
+    found = json.loads((tmp_path / "dask" / "result.json").read_text())
+    assert found["search"]["seed"] in (5, 6)
+    # Each worker is its own process with its own seed: this process finds the winner's gait to the last digit.
+    model, limits = verb.read_arm(arm, verb.SILICONES[0]), verb.read_limits(None)
+    common = {"objective": "thrust", "method": "cmaes", "evaluations": 96, "robust": 2}
+    (task,) = search_tasks(model, limits, common, [found["search"]["seed"]])
+    assert search_work(task)["gait"] == found["waveform"]["alpha"]
