@@ -1,4 +1,6 @@
-"""Recordings made by the reduced model itself, with white noise: the loop's arithmetic is tested where the truth is in the model."""
+"""Recordings made by the reduced model itself, with white noise: the loop's arithmetic is tested where the truth is
+in the model.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
