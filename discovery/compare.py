@@ -41,7 +41,7 @@ def restricted(observation: ShapeObservation, coefficients: Array, order: int) -
     measurement's own metric.
 
     z (T, order). With order 2 it is the paper's fit of (q1, q2) to a contour; models and measurement are reduced
-    alike, so that a third coordinate aliases into both in the same way ((+.46, -1.50) q3, closing the loop).
+    alike, so that a third coordinate aliases into both in the same way (a small q3 as (-5/56, +3/4) q3).
     """
     root = observation.root
     columns = root[:, :, POSE : POSE + order]

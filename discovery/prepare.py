@@ -76,11 +76,10 @@ def _turns_with_base(recording: Recording, theta: Array) -> bool:
     near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
     if not near.size:
         return False
-    angles = np.arctan2(-data.xy[:, near, 0], data.xy[:, near, 1])
-    seen = np.isfinite(angles).any(axis=1)
+    seen = np.isfinite(data.xy[:, near]).all(axis=(1, 2))
     if seen.sum() < 10:
         return False
-    direction = np.nanmean(angles[seen], axis=1)
+    direction = np.arctan2(-data.xy[seen][:, near, 0], data.xy[seen][:, near, 1]).mean(axis=1)
     slope = np.polyfit(theta[seen] - theta[seen].mean(), np.unwrap(direction), 1)[0]
     return bool(slope < 0.35)
 
@@ -101,7 +100,8 @@ def _observation(
         if _turns_with_base(recording, theta):
             words.append("The midline turns with the base: it is taken as given in the base's own turning frame.")
             data = type(data)(data.t, data.s, _turned(data.xy, theta), data.sigma)
-        points = int(np.median(np.isfinite(data.xy).all(axis=2).sum(axis=1)))
+        counts = np.isfinite(data.xy).all(axis=2).sum(axis=1)
+        points = int(np.median(counts[counts > 0])) if counts.any() else 0
         order = min(MOST_COORDINATES, points - POSE)
         if order < 2:
             raise CannotTellError(f"The midline of {recording.name} has {points} points a frame; 6 are the least.")

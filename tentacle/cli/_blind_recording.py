@@ -12,7 +12,7 @@ import numpy as np
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, midline
 from affine_model.identify.experiment import Experiment, predict
-from affine_model.identify.observation import POSE, ShapeObservation, fit_shapes
+from affine_model.identify.observation import POSE, ShapeObservation, fit_shapes, from_track
 from affine_model.identify.trajectory import Problem, evaluate
 from discovery.score import absorbed_basis
 from discovery.trials.design import Design
@@ -33,8 +33,12 @@ PICTURE = (960, 540)
 FREE = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"))
 
 
-def _bare_problem(model: Model, design: Design, noise: float) -> tuple[Problem, Array]:
-    """A trajectory problem at the truth without hidden effects, seen without noise, and its nuisances."""
+def _bare_problem(model: Model, design: Design, noise: float, root: Array | None = None) -> tuple[Problem, Array]:
+    """A trajectory problem at the truth without hidden effects, seen without noise, and its nuisances.
+
+    What is seen is whitened as a midline with that noise [m], or by a track's own root (K, K).
+    """
+    order = SEEN_ORDER if root is None else root.shape[0] - POSE
     arm = arm_of(replace(model, order=SIZED_ORDER))
     parameters = neutral_parameters()
     for effect, name in FREE:
@@ -42,16 +46,18 @@ def _bare_problem(model: Model, design: Design, noise: float) -> tuple[Problem, 
     t = np.arange(0.0, min(design.duration, SIZED_FOR), 1.0 / SIZED_AT)
     base = design.waveform()
     theta, length = base(t)[0], model.specimen.length
-    blank = np.zeros((t.size, POSE + SEEN_ORDER))
-    root = np.zeros((t.size, blank.shape[1], blank.shape[1]))
-    observation = ShapeObservation(t, theta, length, blank, root, np.zeros(t.size), np.zeros(t.size))
+    blank = np.zeros((t.size, POSE + order))
+    unseen = np.zeros((t.size, blank.shape[1], blank.shape[1]))
+    observation = ShapeObservation(t, theta, length, blank, unseen, np.zeros(t.size), np.zeros(t.size))
     used = t > 2.0  # the start from rest is not what a recording shows
     experiment = Experiment("sizing", observation, base, 0.0, float(t[-1]) + 0.2, None, used, np.ones(blank.shape[1]))
     nuisances = np.zeros(2 * SIZED_ORDER + 2)
     shown = predict(arm, experiment, parameters[:, None], nuisances[:, None], STEP)
     s = np.linspace(0.0, 1.0, 41)
     points = midline(shown.q[:, :, 0], shown.theta[:, 0], length, s)
-    seen = fit_shapes(Midline(t, s, points, np.full(points.shape[:2], noise)), theta, length, SEEN_ORDER, noise)
+    seen = fit_shapes(Midline(t, s, points, np.full(points.shape[:2], noise)), theta, length, order, noise)
+    if root is not None:
+        seen = replace(seen, root=np.repeat(root[None], t.size, axis=0))
     return Problem(arm, (replace(experiment, observation=seen),), FREE, parameters, STEP), nuisances
 
 
@@ -108,7 +114,26 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
     )
     if design.seen == "video":
         recording = _filmed(recording, model, design, truth["effects"])
+        reached = _tracked_size(recording, model, design, truth["effects"])
     return recording, {"kind": design.kind, "r": reached, **truth}
+
+
+def _tracked_size(
+    recording: Recording, model: Model, design: Design, hidden: dict[str, dict[str, float]]
+) -> list[float]:
+    """R of each effect by the covariance that the tracker states; NaN outside the catalogue."""
+    track = recording.shape
+    assert track is not None
+    observation = from_track(track, design.waveform()(track.t)[0], model.specimen.length)
+    seen = np.flatnonzero(observation.root[:, -1, -1] > 0)
+    if not seen.size:
+        return [0.0 for _ in hidden]
+    problem, nuisances = _bare_problem(model, design, VIDEO_NOISE, observation.root[seen[seen.size // 2]])
+    sizes = []
+    for effect, values in hidden.items():
+        known = is_catalogued(effect)
+        sizes.append(float(visible_size(problem, nuisances, effect, [values])[0]) if known else float("nan"))
+    return sizes
 
 
 def _filmed(recording: Recording, model: Model, design: Design, hidden: dict[str, dict[str, float]]) -> Recording:

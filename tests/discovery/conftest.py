@@ -1,4 +1,4 @@
-"""Recordings made by the reduced model itself, with white noise: the loop's arithmetic is tested where the truth is in the model."""
+"""Recordings made by the reduced model itself, with white noise: there the truth is in the model."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,6 +8,7 @@ import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import midline
+from affine_model.identify.trajectory import Problem
 from affine_model.simulate import simulate
 from discovery.base_fit import Setting, fit_base
 from discovery.prepare import prepare
@@ -52,8 +53,6 @@ def base_of(recording: Recording) -> Hypothesis:
     """The declared model's fit to a recording, judged."""
     setting = Setting(recording.declaration, (prepare(recording, hold_out=True).experiment,), 2)
     fitted, experiments = fit_base(setting, 2)
-    from affine_model.identify.trajectory import Problem
-
     problem = Problem(setting.arm(), experiments, setting.base_free(), fitted.parameters, setting.step)
     return hypothesis((), problem, fitted)
 

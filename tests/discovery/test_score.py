@@ -1,4 +1,4 @@
-"""The score test: to first order it knows how strong an absent effect is, and that nothing is there where nothing is."""
+"""The score test: to first order it knows how strong an absent effect is, and where there is none."""
 
 import numpy as np
 
