@@ -151,6 +151,8 @@ def run_comparison(
         judged=judged_frames(experiment, held_out),
         theta=observation.theta,
         points="midline" if d is None else "markers",
+        thrust_base=first.load,
+        thrust_augmented=last.load,
     )
     return run, first, last
 
