@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/set-up-from-pyproject-and-constraints
 
-.PHONY: setup test demo lint clean
+.PHONY: setup test demo lint clean firmware-check
 
 setup: $(STAMP)
 
@@ -25,3 +25,6 @@ lint: setup
 
 clean:
 	rm -rf $(VENV)
+
+firmware-check:  # the board's core for a Cortex-M3, where arm-none-eabi-g++ is installed
+	$(MAKE) -C rig/firmware firmware-check

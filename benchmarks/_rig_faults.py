@@ -194,7 +194,11 @@ def run_faults(folder: Path) -> tuple[list[Outcome], list[float]]:
             gaps = int(np.sum(np.diff(numbers) != 1))
             events = ", ".join(sorted({f"{s.code}" for s in samples if isinstance(s, Event)}))
             good = end.outcome in expected and after < 1.0 and wrong_samples(samples, start, 4.0) == 0
-            outcomes.append(Outcome(name, f"{end.outcome}; gaps {gaps}; events {events}; at neutral", good))
+            outcomes.append(
+                Outcome(
+                    name, f"{end.outcome}; gaps {gaps}; events {events}; at neutral {after:.2f} s after the end", good
+                )
+            )
             board.close()
 
     def unplug(emulator: Emulator) -> None:

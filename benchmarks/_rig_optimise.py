@@ -19,7 +19,7 @@ from tentacle.model import Estimate, Model
 from tentacle.model_file import write_model
 from tentacle.specimen import WATER
 
-# Declared: the base effects and added mass. Not declared: a softer outer half and a payload (the truth that moves).
+# Declared: the base effects and added mass. Not declared: a payload at the tip, a fifth of the arm's own mass.
 DECLARED = Model(
     SPECIMEN,
     WATER,
@@ -30,7 +30,7 @@ DECLARED = Model(
         "added_mass": {"C_a": Estimate.exact(1.0)},
     },
 )
-HIDDEN = {"tip_mass": {"mass": 0.004}}
+HIDDEN = {"tip_mass": {"mass": 0.006}}
 
 
 def best_known(space: GaitSpace, plan: TrialPlan, samples: int) -> tuple[dict[str, float], float]:
@@ -81,19 +81,23 @@ def optimised(folder: Path, trials: int, samples: int, reidentify: int, rate: fl
     settings = EmulatorSettings(
         seed=17, rate=rate, plant="arm", plant_options=(str(folder / "model.toml"), str(folder / "hidden.json"))
     )
-    lines = [f"best known gait of the arm: {1e3 * top:.2f} mN"]
+    lines: list[str] = []
     with Emulator(folder / "emulator", settings) as emulator:
         setup = setup_for(emulator, camera=CameraSettings("emulated") if reidentify else None)
         study = StudyPlan(space, trials, plan, reidentify, seed=5)
         propose = proposer(space, plan, told=lambda d: lines.append(f"  {d.headline}")) if reidentify else None
         with connected(setup) as board, opened_camera(setup, board.time) as camera:
             done = list(optimise(folder / "study", study, trial_runner(setup, board, camera), first, propose=propose))
-    for count in (5, 10, 20, trials):
+    true = {trial.number: true_propulsion(space, plan, trial.point) for trial in done}
+    top = max(top, *true.values())  # the best known is the best of all that was ever tried on this arm
+    lines.append(
+        f"best known gait of the arm: {1e3 * top:.2f} mN; declared model's first: {1e3 * true[done[0].number]:.2f} mN"
+    )
+    for count in sorted({min(n, trials) for n in (1, 5, 10, 20, trials)}):
         chosen = best(done[:count])
-        gap = 1.0 - true_propulsion(space, plan, chosen.point) / top
+        gap = 1.0 - true[chosen.number] / top
         lines.append(
             f"  after {count:3d} trials: {1e3 * chosen.propulsion:.2f} mN measured ({chosen.source}), "
             f"gap {100 * gap:.1f} %"
         )
-    chosen = best(done)
-    return 1.0 - true_propulsion(space, plan, chosen.point) / top, lines
+    return 1.0 - true[best(done).number] / top, lines

@@ -26,7 +26,7 @@ from affine_model.identify.experiment import Experiment  # noqa: E402
 from affine_model.identify.observation import from_track  # noqa: E402
 from affine_model.identify.trajectory import Problem, fit  # noqa: E402
 from affine_model.simulate import simulate  # noqa: E402
-from affine_model.swim.limits import ServoLimits, search_box  # noqa: E402
+from affine_model.swim.limits import GaitLimits, search_box  # noqa: E402
 from affine_model.swim.objectives import weighted  # noqa: E402
 from affine_model.swim.search import search  # noqa: E402
 from affine_model.swim.trial import Trial  # noqa: E402
@@ -150,7 +150,7 @@ def paper_search(short: bool, figures: dict[str, float]) -> None:
     trial = Trial(ARM, parameters()[:, None], settle=4.0, window=6.0, step=STEP)
     generations = 4 if short else 100
     start = time.perf_counter()
-    for _ in search(trial, weighted(0.0), search_box(ServoLimits()), "ga", evaluations=50 * generations, seed=0):
+    for _ in search(trial, weighted(0.0), search_box(GaitLimits()), "ga", evaluations=50 * generations, seed=0):
         pass
     figures["paper_ga_s"] = (time.perf_counter() - start) * 100 / generations
     print(f"the paper's GA, 50 x 100 evaluations of 10 s: {figures['paper_ga_s']:.2f} s")

@@ -41,7 +41,7 @@ def restricted(observation: ShapeObservation, coefficients: Array, order: int) -
     measurement's own metric.
 
     z (T, order). With order 2 it is the paper's fit of (q1, q2) to a contour; models and measurement are reduced
-    alike, so that a third coordinate aliases into both in the same way ((+.46, -1.50) q3, closing the loop).
+    alike, so that a third coordinate aliases into both in the same way (a small q3 as (-5/56, +3/4) q3).
     """
     root = observation.root
     columns = root[:, :, POSE : POSE + order]
@@ -151,6 +151,8 @@ def run_comparison(
         judged=judged_frames(experiment, held_out),
         theta=observation.theta,
         points="midline" if d is None else "markers",
+        thrust_base=first.load,
+        thrust_augmented=last.load,
     )
     return run, first, last
 

@@ -23,7 +23,7 @@ from tentacle.model import Model
 from tentacle.model_file import read_model
 from tentacle.signals import Array
 
-STEP = 0.004  # s; LONGEST_STEP of mujoco_ref.simulate
+STEP = 0.002  # s; half of mujoco_ref.simulate.LONGEST_STEP: a servo that is told a step jerks the arm
 LINKS = 12
 SERVO_PACE = 25.0  # 1/s: a critically damped position servo, as the built-in stand-in has it
 SERVO_SPEED = 12.0  # rad/s, of a fast waterproof servo

@@ -19,6 +19,7 @@ from tentacle.signals import Array
 
 AHEAD = 150  # set points kept on the board: 3 s at 50 Hz
 RECONNECT_WITHIN = 5.0  # s
+OVERDUE = 5.0  # s after which a run whose end was not heard of is given up
 CLEAN_LINE = 3  # damaged frames and retries, no more than which a line is taken as good
 _ENDS: dict[int, Kind] = {
     EventCode.UNDERRUN: "underrun",
@@ -76,14 +77,18 @@ def play(
     start_us = 0
     try:
         start_us, sent = _begin(board, urad, period)
+        asked_us = start_us - round(1e6 * _ahead(board)) - 50_000  # what happened before belongs to an earlier run
+        latest = board.time.now() + len(urad) * period + _ahead(board) + OVERDUE * board.time.rate
         yield PlayStart(start_us)
         stopping = False
         while True:
             board.service()
+            if board.time.now() > latest:
+                raise Fault("no_answer", "the board has not said that the run has ended")
             batch = board.take()
             if batch:
                 yield batch
-            end = _end_of(batch, start_us, stopping)
+            end = _end_of(batch, asked_us, start_us, stopping)
             if end is not None:
                 break
             if interrupts is not None and interrupts.stop_now and not stopping:
@@ -104,9 +109,14 @@ def _begin(board: Board, urad: list[int], period: float) -> tuple[int, int]:
     while sent < min(AHEAD, len(urad)):
         sent = _top_up(board, urad, sent)
     clock = board.synchronise()
-    start_us = round(1e6 * (clock.to_board(board.time.now()) + 0.3 * max(1.0, board.time.rate)))
+    start_us = round(1e6 * (clock.to_board(board.time.now()) + _ahead(board)))
     board.command(Type.START, protocol.start(start_us, round(1e6 * period), len(urad)))
     return start_us, sent
+
+
+def _ahead(board: Board) -> float:
+    """How long after START the run begins [s]: the command must arrive before it."""
+    return 0.3 * max(1.0, board.time.rate)
 
 
 def _top_up(board: Board, urad: list[int], sent: int) -> int:
@@ -119,9 +129,9 @@ def _top_up(board: Board, urad: list[int], sent: int) -> int:
     return sent + len(chunk)
 
 
-def _end_of(batch: Sequence[Sample], start_us: int, stopping: bool) -> PlayEnd | None:
+def _end_of(batch: Sequence[Sample], asked_us: int, start_us: int, stopping: bool) -> PlayEnd | None:
     for sample in batch:
-        if not isinstance(sample, Event) or sample.board_us < start_us - 400_000:
+        if not isinstance(sample, Event) or sample.board_us < asked_us:
             continue
         if sample.code == EventCode.COMPLETE:
             return PlayEnd("complete", "", start_us)

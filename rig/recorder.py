@@ -172,7 +172,8 @@ class Recorder:
         self._text(STOP, {"outcome": outcome, **record})
         self._declare(outcome)
         counts = {name: count for name, count in self._rows.items() if count}
-        self._stream.log("/rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)
+        if counts:
+            self._stream.log("/rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)
         try:
             self._stream.flush(timeout_sec=5.0)
         finally:

@@ -14,7 +14,7 @@ from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
 
 LONGEST = 256  # samples that a profile may have
-GROUND = 4  # samples of the ground, 1 px apart, that tell its slope
+GROUND = 6  # samples of the ground, 1 px apart, that tell its slope
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ def _sharp(
         # the ground's slope from what lies beyond the blur, which a wrong blur cannot bend
         rise, seen = 0.0, True
         for k in range(GROUND):
-            d = delta + math.ceil(2.0 * blur + half[e]) + k
+            d = delta + math.ceil(2.6 * blur + half[e]) + k
             u, v = bend_point(points[e, 0] + d * normals[e, 0], points[e, 1] + d * normals[e, 1], lens)
             value = _grey(image, u, v)
             seen = seen and not np.isnan(value)

@@ -43,7 +43,8 @@ def write_video(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable
 
 def _encode(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable[float], crf: int) -> int:
     count, previous = 0, -1
-    with av.open(str(path), "w", options={"video_track_timescale": str(TICKS)}) as container:
+    fine = {"video_track_timescale": str(TICKS)} if path.suffix in (".mp4", ".mov") else {}
+    with av.open(str(path), "w", options=fine) as container:
         stream = None
         try:
             for frame, time in zip(frames, times, strict=True):

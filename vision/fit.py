@@ -14,10 +14,14 @@ from vision.kinematics import SHARED, Geometry, Outline, outline
 from vision.robust import MISFIT, disturbed, neighbours_mean, normal_matrix, robust_step
 
 BIWEIGHT = 1.17  # what the biweight takes from the variance of normal residuals, and adds to the estimate's own
+PLAIN = (
+    0.015  # of the contrast: what a codec leaves of an edge is rough by as much, where it has smoothed the noise away
+)
 LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
 ENDS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
+LEVEL_REACH, SLOPE_REACH = 20, 35  # stations to either side over which the greys beside the edges are averaged
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
 SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
 
@@ -86,7 +90,8 @@ def refine(
         usable = edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast)
         usable &= expected.kind < 2  # the ends move with the recording's parameters, hardly with x
         if sharp:
-            usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, 0.5 * _ordinary(edges, usable))
+            floor = max(0.5 * _ordinary(edges, usable), PLAIN * sight.contrast)
+            usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
             usable &= sound if final else True
         if np.count_nonzero(usable) < 4 * order:
             return None
@@ -95,7 +100,9 @@ def refine(
         if final:
             return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends)
         if sharp:
-            around, sound = _surroundings(expected, edges, weight)
+            # the profile's outside level is the ground's at the middle of its outer part, not at the edge
+            middle = 0.5 * (np.ceil(reach + 2.0 * sight.blur + 0.5 * smear) + 0.5)
+            around, sound = _surroundings(expected, edges, weight, middle)
         x = x + step
     return None
 
@@ -105,12 +112,17 @@ def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
     return max(float(np.median(edges.misfit[usable])), 0.3) if usable.any() else 0.3
 
 
-def _surroundings(expected: Outline, edges: Edges, weight: Array) -> tuple[Surroundings, NDArray[np.bool_]]:
-    """The greys beside the edges, averaged along each side, and where (E,) enough sound edges stand behind them."""
-    level, support = neighbours_mean(expected.kind, edges.level, weight)
-    contrast, _ = neighbours_mean(expected.kind, edges.contrast, weight)
-    slope, _ = neighbours_mean(expected.kind, edges.slope, weight)
-    return Surroundings(level, contrast, slope), (support > 3.0) & (weight > 0)
+def _surroundings(
+    expected: Outline, edges: Edges, weight: Array, middle: Array
+) -> tuple[Surroundings, NDArray[np.bool_]]:
+    """The greys beside the edges, averaged along each side, and where (E,) enough sound edges stand behind them.
+
+    middle (E,) [px]: how far out the profiles' outside level was measured.
+    """
+    level, support = neighbours_mean(expected.kind, edges.level, weight, LEVEL_REACH)
+    contrast, _ = neighbours_mean(expected.kind, edges.contrast, weight, LEVEL_REACH)
+    slope, _ = neighbours_mean(expected.kind, edges.slope, weight, SLOPE_REACH)
+    return Surroundings(level, contrast - slope * middle, slope), (support > 3.0) & (weight > 0)
 
 
 def _trust(edges: Edges, usable: NDArray[np.bool_]) -> Array:

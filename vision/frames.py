@@ -9,7 +9,10 @@ from pathlib import Path
 import av
 import cv2
 import numpy as np
+from av.container import InputContainer
 from av.error import FFmpegError
+from av.video.frame import VideoFrame
+from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
@@ -62,24 +65,33 @@ def _read_video(path: Path) -> Iterator[Frame]:
             raise InputError("its codec is not known", file=path, expected="H.264, HEVC, AV1, VP9, FFV1, MJPEG")
         stream.thread_type = "AUTO"
         last = -np.inf
-        packets = container.demux(stream)
-        while True:
-            try:
-                packet = next(packets)
-                pictures = packet.decode()
-            except StopIteration:
-                return
-            except FFmpegError:  # a broken packet costs its frames, not the video
+        for picture in _pictures(container, stream):
+            time = picture.time
+            if time is None or time <= last:  # without a usable stamp a frame says nothing
                 continue
-            for picture in pictures:
-                time = picture.time
-                if time is None or time <= last:  # without a usable stamp a frame says nothing
-                    continue
-                last = float(time)
-                yield Frame(last, _luma(picture))
+            last = float(time)
+            yield Frame(last, _luma(picture))
 
 
-def _luma(picture: av.VideoFrame) -> Grey:
+def _pictures(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
+    """The decoded pictures: a broken packet costs its own, and a file that breaks off costs what comes after."""
+    packets = container.demux(stream)
+    while True:
+        try:
+            packet = next(packets)
+        except (StopIteration, FFmpegError):
+            break
+        try:
+            yield from packet.decode()
+        except FFmpegError:
+            continue
+    try:
+        yield from stream.codec_context.decode(None)  # what the decoder's threads still hold
+    except (FFmpegError, EOFError):
+        return
+
+
+def _luma(picture: VideoFrame) -> Grey:
     """The luma plane as it stands, where there is one (its range does not matter for edges), turned as declared."""
     if picture.format.name.startswith(("yuv420p", "yuv422p", "yuv444p", "yuvj", "gray", "nv12")) and (
         picture.format.components[0].bits == 8

@@ -18,7 +18,7 @@ from vision.kinematics import SHARED
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
-PENALTY = 2.0  # per coordinate and frame: Akaike's, which minimises the shape's error
+PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
 
 
 @dataclass(frozen=True)
@@ -87,10 +87,10 @@ def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
         solutions[chosen] = _solve(stack, chosen, start)
     solution = solutions[chosen]
     x, covariance = _update(stack, solution, chosen)
-    # a coordinate that the data need and the caller leaves out makes the rest uncertain by what it takes from the fit
+    # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
     dropped = fitted - chosen
-    if dropped and evidence.get(chosen, 0.0) > dropped * PENALTY:
-        covariance = covariance * max(evidence[chosen] / dropped, 1.0)
+    if dropped:
+        covariance = covariance * max(evidence.get(chosen, 0.0) / dropped, 1.0)
     result_x = np.full((len(seen), chosen + 1), np.nan)
     result_covariance = np.full((len(seen), chosen + 1, chosen + 1), np.nan)
     result_x[accepted], result_covariance[accepted] = x, covariance

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from tentacle.signals import Array
 
 TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)
-MISFIT = 2.0  # times the usual profile residual: no plain step
+MISFIT = 2.5  # times the usual profile residual: no plain step
 LEAP = 0.2  # of the contrast around: something else
+TOGETHER = 3  # strange profiles among five neighbours that make a disturbance
 NEIGHBOURS = 8  # stations beside a disturbed edge that go with it
 AROUND = 30  # stations to either side that make up the usual
 STRIDE = 15  # stations between two looks at the usual
-MEAN_REACH = 15  # stations to either side over which the greys beside the edges are averaged
 
 
 @njit(cache=True, nogil=True)
@@ -67,6 +67,7 @@ def disturbed(
         index = np.flatnonzero((kind == side) & usable)
         count = len(index)
         usual_contrast, usual_misfit = 0.0, 0.0
+        strange = np.zeros(count, dtype=np.bool_)
         for k in range(count):
             if k % STRIDE == 0:
                 around = index[max(k - AROUND, 0) : min(k + AROUND + STRIDE, count) : 2]
@@ -75,22 +76,25 @@ def disturbed(
             e = index[k]
             # a profile's contrast scatters by about its residual: what noise does is no leap
             leaps = abs(abs(contrast[e]) - usual_contrast) > max(LEAP * usual_contrast, 4.0 * usual_misfit)
-            if leaps or misfit[e] > MISFIT * usual_misfit:
+            strange[k] = leaps or misfit[e] > MISFIT * usual_misfit
+        for k in range(count):  # a bubble is wider than one profile: a lone strange one is noise
+            if strange[k] and np.count_nonzero(strange[max(k - 2, 0) : k + 3]) >= TOGETHER:
+                e = index[k]
                 for neighbour in range(max(e - NEIGHBOURS, 0), min(e + NEIGHBOURS + 1, len(kind))):
                     odd[neighbour] = odd[neighbour] or kind[neighbour] == side
     return odd
 
 
 @njit(cache=True, nogil=True)
-def neighbours_mean(kind: Array, values: Array, weight: Array) -> tuple[Array, Array]:
+def neighbours_mean(kind: Array, values: Array, weight: Array, reach: int) -> tuple[Array, Array]:
     """Running weighted mean (E,) of values along each side, and the weight behind it."""
     smooth, support = np.zeros(len(kind)), np.zeros(len(kind))
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
         count = len(index)
         total, share = 0.0, 0.0
-        for k in range(-MEAN_REACH, count):
-            enters, leaves = k + MEAN_REACH, k - MEAN_REACH - 1
+        for k in range(-reach, count):
+            enters, leaves = k + reach, k - reach - 1
             if enters < count:
                 total += weight[index[enters]] * values[index[enters]]
                 share += weight[index[enters]]

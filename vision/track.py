@@ -16,7 +16,7 @@ from vision.follow import Follower, Seen, follow
 from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
-from vision.pool import Pooled, pool
+from vision.pool import PENALTY, Pooled, pool
 
 ORDERS = (1, 2, 3, 4, 5)
 
@@ -122,7 +122,7 @@ def _remarks(seen: list[Seen], pooled: Pooled) -> tuple[str, ...]:
         if dropped > 0:
             remarks.append(f"{dropped} frames are missing between the time stamps")
     left = pooled.evidence.get(pooled.order, 0.0)
-    if left > 4.0:
+    if left > PENALTY * (len(seen[0].x) - 1 - pooled.order):
         remarks.append(
             f"order {pooled.order} leaves curvature that the video shows: chi-square {left:.0f} a frame above it"
         )

@@ -27,10 +27,10 @@ FALSE_SIGMAS, FALSE_ANGLE = 6.0, 0.02  # an accepted q1 this far off, in its own
 
 @dataclass(frozen=True)
 class LookResult:
-    """One look, all its videos together. rms, limit [rad] and their ratio for q1 and q2; paper_rms by the paper's method.
+    """One look, all its videos together: rms, limit [rad] and their ratio for q1, q2; paper_rms by the paper's method.
 
-    z_rms: errors of (offset, q) whitened by the stated covariance. missed: share of the sound frames that were rejected.
-    false_accepts: frames accepted with an error far beyond the stated one. order: the orders chosen.
+    z_rms: errors of (offset, q) whitened by the stated covariance. missed: share of sound frames that were rejected.
+    false_accepts: frames accepted with an error far beyond the stated one. orders: those chosen, one a seed.
     """
 
     look: str

@@ -1,4 +1,4 @@
-"""The score test: to first order it knows how strong an absent effect is, and where there is none."""
+"""The score test: to first order it knows how strong an absent effect is, and that nothing is where nothing is."""
 
 import numpy as np
 

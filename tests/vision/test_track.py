@@ -138,3 +138,17 @@ def test_no_arm_in_view_is_one_clear_line(tmp_path):
 def test_no_camera_declared(tmp_path):
     with pytest.raises(InputError, match="camera"):
         track(tmp_path / "x.mp4", Declaration(swaying(seed=1, frames=2).specimen), None)
+
+
+def test_a_video_that_a_codec_has_smoothed_is_tracked(tmp_path):
+    scene = swaying(seed=1, frames=20, size=(640, 360))
+    frames = render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1)
+    write_video(tmp_path / "video.mp4", frames, scene.t, crf=18)
+    shape = track(
+        tmp_path / "video.mp4",
+        Declaration(scene.specimen, camera=scene.camera),
+        MotorSignal(scene.t, scene.theta, scene.theta),
+    )
+    assert shape.accepted.mean() > 0.9
+    error, _ = errors(scene, shape)
+    assert np.sqrt(np.mean(error[:, 1] ** 2)) < 5e-3  # rad; the codec's own errors go with its blocks, far above noise

@@ -1,0 +1,114 @@
+"""Vision's figures: errors against the Cramer-Rao limit over all looks, the real worm video, frames per second.
+
+python benchmarks/vision.py --json FILE [--short]. The real video is read from TENTACLE_DATA (default ../shared/data).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path[0] = str(Path(__file__).resolve().parents[1])  # this file's own name would hide the room that it measures
+
+import numpy as np  # noqa: E402
+
+from tentacle.recording import Declaration  # noqa: E402
+from tentacle.signals import Array, MotorSignal  # noqa: E402
+from vision.body import track_body  # noqa: E402
+from vision.encode import write_video  # noqa: E402
+from vision.frames import read_frames  # noqa: E402
+from vision.looks import CLEAN, LOOKS  # noqa: E402
+from vision.render import render  # noqa: E402
+from vision.scene import swaying  # noqa: E402
+from vision.track import stream  # noqa: E402
+from vision.validate import as_json, judge_disturbed, judge_look, table  # noqa: E402
+
+WORM_FPS = 15.0
+
+
+def distances(points: Array, line: Array) -> Array:
+    """Distance (N,) of points (N, 2) from a polyline (P, 2)."""
+    start, along = line[:-1], np.diff(line, axis=0)
+    share = np.clip(np.sum((points[:, None] - start) * along, axis=2) / np.sum(along**2, axis=1), 0.0, 1.0)
+    return np.linalg.norm(points[:, None] - start - share[:, :, None] * along, axis=2).min(axis=1)
+
+
+def worm(short: bool) -> dict[str, float]:
+    """Median distance to the outside reference [px], share of its frames accepted, of the others rejected."""
+    folder = Path(os.environ.get("TENTACLE_DATA", "../shared/data")) / "worm_crops"
+    if not (folder / "reference_midlines.npz").exists():
+        print(f"worm video: skipped, {folder} is not there")
+        return {}
+    reference = np.load(folder / "reference_midlines.npz")["midline_px"]
+    frames = list(read_frames(folder / "frames", WORM_FPS))
+    step = 5 if short else 1
+    body, reference = track_body(frames[::step]), reference[::step]
+    known = np.isfinite(reference).all(axis=(1, 2))
+    both = np.flatnonzero(known & body.accepted)
+    per_frame = [np.median(distances(reference[k], body.midline[k])) for k in both]
+    print(f"worm: {len(both)} of {known.sum()} frames with a reference accepted, {body.words()}")
+    return {
+        "worm_median_px": float(np.median(per_frame)),
+        "worm_accepted": float(body.accepted[known].mean()),
+        "worm_flagged_without_reference": float((~body.accepted[~known]).mean()),
+    }
+
+
+def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
+    """Tracking rate with decoding, past the first frames, on a clip that runs to and fro until it has length frames."""
+    scene = swaying(seed=1, frames=frames, size=size)
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1))
+    there_and_back = [*range(frames), *range(frames - 2, 0, -1)]
+    order = [there_and_back[k % len(there_and_back)] for k in range(length)]
+    times = np.arange(length) / scene.camera.fps
+    with tempfile.TemporaryDirectory() as folder:
+        video = Path(folder) / "video.mp4"
+        write_video(video, (pictures[k] for k in order), times, crf=18)
+        motor = MotorSignal(times, scene.theta[order], scene.theta[order])
+        _, results = stream(video, Declaration(scene.specimen, camera=scene.camera), motor)
+        begin, accepted = 0.0, 0
+        for k, seen in enumerate(results):
+            accepted += seen.accepted
+            if k == length // 3:
+                begin = time.perf_counter()
+        rate = (length - length // 3 - 1) / (time.perf_counter() - begin)
+    print(f"{size[0]}x{size[1]}: {rate:.0f} frames/s, {accepted} of {length} accepted")
+    return rate
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, required=True)
+    parser.add_argument("--short", action="store_true", help="few frames, few looks: does it run, not how good is it")
+    arguments = parser.parse_args()
+    short = arguments.short
+    figures: dict[str, float] = {}
+    figures |= worm(short)
+    figures["fps_720p"] = frames_per_second((1280, 720), 30 if short else 120, 90 if short else 600)
+    figures["fps_4k"] = frames_per_second((3840, 2160), 10 if short else 30, 45 if short else 150)
+    looks = ["clean", "tank"] if short else list(LOOKS)
+    results = []
+    for name in looks:
+        size = (640, 360) if short else (1280, 720)
+        results.append(judge_look(LOOKS[name], (1,) if short else (1, 2, 3), 30 if short else 150, size))
+        print(table(results[-1:]) if len(results) == 1 else table(results[-1:]).splitlines()[-1], flush=True)
+    figures["rms_over_limit_max"] = max(result.rms_over_limit for result in results)
+    figures["z_rms_min"] = min(result.z_rms for result in results)
+    figures["z_rms_max"] = max(result.z_rms for result in results)
+    figures["false_accepts"] = float(sum(result.false_accepts for result in results))
+    for disturb in ("hand", "second_arm"):
+        tracked, wrong = judge_disturbed(disturb, 3, 30 if short else 90, (640, 360) if short else (1280, 720))
+        figures[f"false_accepts_{disturb}"] = float(wrong)
+        print(f"{disturb}: {tracked.shape.accepted.mean():.0%} accepted, {wrong} wrongly; {'; '.join(tracked.remarks)}")
+    arguments.json.write_text(json.dumps({"figures": figures, "looks": as_json(results)}, indent=1), encoding="utf-8")
+    for name, value in figures.items():
+        print(f"{name:32s} {value:.4g}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,102 @@
+"""Videos as labs have them: every kind of file is read, or refused in one clear line."""
+
+import av
+import cv2
+import numpy as np
+import pytest
+
+from tentacle.errors import InputError
+from vision.ahead import read_ahead
+from vision.encode import write_video
+from vision.frames import read_frames, read_picture
+
+
+def ramp(shape=(48, 64)):
+    return np.linspace(0, 255, shape[0] * shape[1]).reshape(shape).astype(np.uint8)
+
+
+def test_missing_empty_and_no_video(tmp_path):
+    with pytest.raises(InputError, match="no such file"):
+        list(read_frames(tmp_path / "no.mp4"))
+    (tmp_path / "empty.mp4").touch()
+    with pytest.raises(InputError, match="the file is empty"):
+        list(read_frames(tmp_path / "empty.mp4"))
+    (tmp_path / "text.mp4").write_text("this is no video " * 100)
+    with pytest.raises(InputError, match="not a video"):
+        list(read_frames(tmp_path / "text.mp4"))
+
+
+def test_truncated_video_gives_what_is_there_or_says_so(tmp_path):
+    noise = np.random.default_rng(0)
+    frames = [noise.integers(0, 256, (96, 128), dtype=np.uint8) for _ in range(40)]
+    write_video(tmp_path / "whole.mkv", frames, np.arange(40) / 20)
+    data = (tmp_path / "whole.mkv").read_bytes()
+    (tmp_path / "cut.mkv").write_bytes(data[: len(data) // 2])
+    assert 1 <= len(list(read_frames(tmp_path / "cut.mkv"))) < 40
+    write_video(tmp_path / "whole.mp4", frames, np.arange(40) / 20)
+    data = (tmp_path / "whole.mp4").read_bytes()
+    (tmp_path / "cut.mp4").write_bytes(data[: len(data) // 2])  # its index is at the end, and is lost
+    with pytest.raises(InputError, match=r"cut\.mp4"):
+        list(read_frames(tmp_path / "cut.mp4"))
+
+
+def test_sound_without_pictures(tmp_path):
+    with av.open(str(tmp_path / "sound.wav"), "w") as container:
+        stream = container.add_stream("pcm_s16le", rate=8000)
+        sound = av.AudioFrame.from_ndarray(np.zeros((1, 800), np.int16), layout="mono")
+        sound.sample_rate = 8000
+        container.mux(stream.encode(sound))
+    with pytest.raises(InputError, match="no video stream"):
+        list(read_frames(tmp_path / "sound.wav"))
+
+
+def test_one_frame(tmp_path):
+    write_video(tmp_path / "one.mp4", [ramp()], [0.0])
+    (frame,) = read_frames(tmp_path / "one.mp4")
+    np.testing.assert_array_equal(frame.image, ramp())
+
+
+def test_colour_becomes_luma(tmp_path):
+    red = np.zeros((48, 64, 3), np.uint8)
+    red[:, 32:, 0] = 255
+    write_video(tmp_path / "red.mp4", [red], [0.0])
+    (frame,) = read_frames(tmp_path / "red.mp4")
+    assert frame.image.shape == (48, 64)
+    assert frame.image[24, 50] > frame.image[24, 10] + 40  # red's luma is about 0.3 of white's
+
+
+@pytest.mark.parametrize("kind", ["grey", "sixteen", "alpha", "colour"])
+def test_pictures_of_every_depth(tmp_path, kind):
+    grey = ramp()
+    picture = {
+        "grey": grey,
+        "sixteen": grey.astype(np.uint16) * 257,
+        "alpha": np.dstack([grey, grey, grey, np.full_like(grey, 255)]),
+        "colour": np.dstack([grey, grey, grey]),
+    }[kind]
+    cv2.imwrite(str(tmp_path / "00000.png"), picture)
+    np.testing.assert_allclose(read_picture(tmp_path / "00000.png").astype(int), grey.astype(int), atol=1)
+    (frame,) = read_frames(tmp_path, fps=10.0)
+    assert frame.t == 0.0
+
+
+def test_folder_without_rate_or_pictures(tmp_path):
+    with pytest.raises(InputError, match="no pictures"):
+        list(read_frames(tmp_path, 10.0))
+    cv2.imwrite(str(tmp_path / "00000.png"), ramp())
+    with pytest.raises(InputError, match="fps"):
+        list(read_frames(tmp_path))
+    (tmp_path / "00001.png").write_bytes(b"\x89PNG broken")
+    with pytest.raises(InputError, match=r"00001\.png"):
+        list(read_frames(tmp_path, 10.0))
+
+
+def test_read_ahead_keeps_order_and_raises_in_place():
+    def items():
+        yield from range(10)
+        raise InputError("the tenth is bad")
+
+    ahead = read_ahead(items(), 3)
+    assert [next(ahead) for _ in range(10)] == list(range(10))
+    with pytest.raises(InputError, match="tenth"):
+        next(ahead)

@@ -1,0 +1,89 @@
+"""Silhouettes: mean axes of known curves, real video against an outside reference, the paper's pipeline, the board."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tentacle.signals import ShapeTrack
+from vision.body import polynomial_rms, track_body
+from vision.calibrate import Board, calibrate
+from vision.frames import Frame, read_frames
+from vision.guess import guess_camera
+from vision.lens_file import format_lens, read_lens
+from vision.looks import CLEAN
+from vision.paper_pipeline import paper_axis
+from vision.period import base_frequency, period_average
+from vision.render import render
+from vision.scene import swaying
+from vision.silhouette import Axis
+
+DATA = Path(os.environ.get("TENTACLE_DATA", "../shared/data")) / "worm_crops"
+
+
+def clean_frame(seed=1):
+    scene = swaying(seed=seed, frames=1, size=(640, 360))
+    return scene, next(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 0))
+
+
+def test_paper_axis_lies_on_the_true_midline():
+    scene, image = clean_frame()
+    axis = paper_axis(image, scene.camera)
+    assert axis is not None
+    truth = scene.midline.xy[0]
+    distance = np.linalg.norm(axis[5:-5, None] - truth[None], axis=2).min(axis=1) / scene.camera.metres_per_px
+    # the truth's points are 6 px apart, so that a point between them is up to 3 px from the next one
+    assert np.median(distance) < 2.5
+
+
+def test_camera_is_guessed_from_a_plain_picture():
+    scene, image = clean_frame(seed=4)
+    camera = guess_camera(image, scene.specimen, 60.0)
+    off = np.hypot(camera.base_px[0] - scene.camera.base_px[0], camera.base_px[1] - scene.camera.base_px[1])
+    assert off < 25.0  # px: half the base's width; tracking takes it from there
+    assert camera.metres_per_px == pytest.approx(scene.camera.metres_per_px, rel=0.08)
+
+
+def test_a_curve_of_affine_curvature_is_fitted_exactly():
+    scene = swaying(seed=3, frames=1)
+    points = scene.midline.xy[0] / scene.camera.metres_per_px
+    length = float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    assert polynomial_rms(Axis(points, np.ones(len(points)), length), 2) < 0.02  # px: the curve's own chords
+
+
+@pytest.mark.skipif(not (DATA / "reference_midlines.npz").exists(), reason=f"real video is not in {DATA}")
+def test_worm_against_the_outside_reference():
+    reference = np.load(DATA / "reference_midlines.npz")["midline_px"][::12]
+    frames = list(read_frames(DATA / "frames", 15.0))[::12]
+    body = track_body(frames)
+    known = np.isfinite(reference).all(axis=(1, 2))
+    assert body.accepted[known].mean() > 0.95
+    distances = []
+    for k in np.flatnonzero(known & body.accepted):
+        fine = np.stack([np.interp(np.linspace(0, 51, 500), np.arange(52), body.midline[k][:, i]) for i in (0, 1)], 1)
+        distances.append(np.median(np.linalg.norm(reference[k][:, None] - fine[None], axis=2).min(axis=1)))
+    assert np.median(distances) < 0.8  # px; a plain skeleton lies at 0.66
+    assert (~body.accepted[~known]).any()  # coils are among the frames without a reference
+    assert "affine fit is bad" in body.words()
+
+
+def test_period_average_of_a_sine():
+    t = np.arange(400) / 50.0
+    q = np.column_stack([np.zeros(400), np.sin(2 * np.pi * 0.75 * t), np.cos(2 * np.pi * 0.75 * t)])
+    nothing = np.zeros((400, 3, 3))
+    shape = ShapeTrack(t, q, nothing, np.ones(400, bool), ("",) * 400, 1.0, 0.0, np.zeros(2))
+    assert base_frequency(t, q[:, 1]) == pytest.approx(0.75, rel=5e-3)  # 6 periods, window and padding by 8
+    average = period_average(shape, 0.75, bins=20)
+    # within a bin of 1/20 period the sine moves by up to .31, uniform: a spread of .09, and a mean within half of that
+    np.testing.assert_allclose(average.mean[:, 1], np.sin(2 * np.pi * average.phase), atol=0.08)
+    assert np.nanmax(average.spread) < 0.12
+
+
+def test_board_gives_its_scale_and_a_lens_survives_its_file(tmp_path):
+    board = Board()
+    found = calibrate([Frame(0.0, board.picture(100))], board)
+    assert found.lens.metres_per_px == pytest.approx(0.02 / 100, rel=1e-3)
+    assert abs(found.lens.k1) < 1e-3  # a drawn board is seen through no lens
+    (tmp_path / "lens.toml").write_text(format_lens(found.lens, rms_px=found.rms_px))
+    assert read_lens(tmp_path / "lens.toml") == found.lens

@@ -1,0 +1,58 @@
+"""The validation's own parts, and what must never be accepted with a small sigma."""
+
+import numpy as np
+import pytest
+
+from tentacle.recording import Declaration
+from tentacle.signals import MotorSignal
+from vision.encode import write_video
+from vision.limit import edge_sigma, shape_limit, straight_arm_limit
+from vision.looks import CLEAN, TANK_LENS
+from vision.render import render
+from vision.scene import swaying
+from vision.track import track
+from vision.validate import as_json, false_accepts, judge_disturbed, judge_look, table
+
+
+def test_limit_has_its_closed_form():
+    sigma = np.sqrt(np.diag(straight_arm_limit(2, 1.0, 500.0)))
+    expected = np.sqrt([720.0, 9072.0]) / (500.0 * np.sqrt(1000.0))
+    np.testing.assert_allclose(sigma, expected, rtol=1e-3)  # 500 rows stand for the integral
+    covariance = straight_arm_limit(2, 1.0, 500.0)
+    assert covariance[0, 1] / np.prod(np.sqrt(np.diag(covariance))) == pytest.approx(-0.987, abs=1e-3)
+    np.testing.assert_allclose(shape_limit(np.zeros(2), 0.3, 1.0, 500.0), covariance, rtol=1e-4)
+    assert edge_sigma(1.0, 1.0) == pytest.approx(1.88, abs=5e-3)
+
+
+@pytest.mark.parametrize("disturb", ["hand", "second_arm"])
+def test_what_is_in_the_way_is_flagged_and_never_believed(disturb):
+    tracked, wrong = judge_disturbed(disturb, seed=3, frames=24, size=(640, 360))
+    assert wrong == 0
+    if disturb == "hand":
+        assert not tracked.shape.accepted.all()
+    assert tracked.shape.accepted.mean() > 0.4
+
+
+def test_an_arm_that_leaves_the_picture_is_flagged(tmp_path):
+    scene = swaying(seed=5, frames=90, size=(640, 360), amplitude=1.2)
+    tips = scene.camera.to_pixels(scene.midline.xy[:, -1])[:, 0]
+    right = int(np.quantile(tips, 0.7))  # the tip is beyond this column in 3 of 10 frames
+    frames = [f[:, :right] for f in render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1)]
+    write_video(tmp_path / "video.mp4", [np.ascontiguousarray(f[:, : right - right % 2]) for f in frames], scene.t)
+    motor = MotorSignal(scene.t, scene.theta, scene.theta)
+    shape = track(tmp_path / "video.mp4", Declaration(scene.specimen, camera=scene.camera), motor)
+    outside = tips > right + 15.0
+    assert outside.any()
+    assert not shape.accepted[outside].any()
+    assert shape.accepted[tips < right - 10.0].mean() > 0.9
+    assert false_accepts(scene, shape) == 0
+
+
+def test_report_of_a_look_with_a_lens():
+    result = judge_look(TANK_LENS, (3,), 20, (960, 540))
+    assert result.false_accepts == 0
+    assert result.missed < 0.2
+    assert result.rms[0] < 4e-3  # rad; some ten times the limit: bubbles are large beside an arm of 356 px
+    assert result.rms[0] < 0.1 * result.paper_rms[0]
+    assert "tank_lens" in table([result])
+    assert as_json([result])[0]["look"] == "tank_lens"
