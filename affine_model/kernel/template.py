@@ -348,7 +348,13 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                 for b in range(BLOCK):
                     acc[j, b] += residual[j, b]
         for i in range(NODES):
-            pass
+            # The rate at the corrected middle of the step: with the predicted one a stiff branch would feed back.
+            for b in range(BLOCK):
+                c_rate[i, b] = 0.0
+            for j in range(n):
+                Cij = C[i, j]
+                for b in range(BLOCK):
+                    c_rate[i, b] += Cij * (v[j, b] + 0.5 * h * acc[j, b])
 @RELAXATION@
         for d in range(D):
             j = dynamic[d]
