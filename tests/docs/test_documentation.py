@@ -81,7 +81,7 @@ def test_marked_blocks_run(page, tmp_path):
 
 def test_every_verb_that_is_named_exists():
     verbs = {file.stem for file in (ROOT / "tentacle" / "cli").glob("[a-z]*.py")}
-    named = {verb for page in PAGES for verb in re.findall(r"`?tentacle ([a-z]+)", code_of(page))}
+    named = {verb for page in PAGES for verb in re.findall(r"`?tentacle ([a-z]+(?:-[a-z]+)*)", code_of(page))}
     assert named - verbs == set()
 
 

@@ -98,6 +98,8 @@ def test_ctrl_c_ends_with_130() -> None:
         "sys.exit(cli.main([]))\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    # A background job of a shell is started with SIGINT ignored, and its children inherit that.
+    script = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n" + script
     with subprocess.Popen(
         [sys.executable, "-c", script], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
