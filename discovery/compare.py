@@ -67,10 +67,11 @@ def measured_points(prepared: Prepared) -> tuple[Array, Array]:
     observation, recording = prepared.experiment.observation, prepared.recording
     if not isinstance(observation, ShapeObservation):
         return observation.s, observation.xy
+    unseen = observation.root[:, -1, -1] <= 0
     if recording.midline is not None and prepared.points is not None:
-        return recording.midline.s, prepared.points
+        return recording.midline.s, np.where(unseen[:, None, None], np.nan, prepared.points)
     shape = _shape_points(observation, observation.coefficients[:, POSE:], SHOWN)
-    shape[observation.root[:, -1, -1] <= 0] = np.nan
+    shape[unseen] = np.nan
     return SHOWN, shape
 
 

@@ -15,7 +15,7 @@ from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_orde
 from discovery.calibration import calibrated
 from discovery.compare import errors, floor_errors, run_comparison
 from discovery.next_experiment import DURATION, Proposal, propose
-from discovery.prepare import CannotTellError, Prepared, prepare
+from discovery.prepare import CannotTellError, Prepared, prepare, recalibrated
 from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
 from discovery.search import Search, estimates, hypothesis, looseness, search
@@ -180,6 +180,12 @@ def _diagnosed(
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)
+    # A large misfit shows between frames too: the noise is stated as the final model leaves it.
+    final = zip(prepared, found.chosen.fitted.residuals, strict=True)
+    prepared = [
+        replace(p, experiment=recalibrated(p.experiment, rows)) if p.experiment.correlation == 1.0 else p
+        for p, rows in final
+    ]
     progress("comparing")
     return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import maximum_filter, median_filter
 
 from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
@@ -26,6 +27,7 @@ from tentacle.waveform import Rest, Waveform
 MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
 LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
+NEIGHBOURS, JUMP = 15, 10.0
 LEAST_MOTION = 2.0  # noise sigmas
 
 
@@ -133,6 +135,9 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     observation, points, sigma, words = _observation(recording, base)
     times = observation.t
     if isinstance(observation, ShapeObservation):
+        observation, jumps = without_jumps(observation)
+        if jumps:
+            words.append(f"{jumps} frames of {recording.name} jump out of the motion (shown twice, misread): left out.")
         seen = observation.root[:, -1, -1] > 0
         channels = observation.coefficients.shape[1]
     else:
@@ -179,6 +184,35 @@ def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) 
     change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
     whitened = np.einsum("tkl,tl->tk", observation.root[seen], change)
     return bool(np.mean(whitened**2) > LEAST_MOTION**2)
+
+
+def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:
+    """Frames (T,) that jump out of the motion: shown twice, stamped wrongly, or misread.
+
+    Each is held against the cubic through the two frames before and the two after it, base angle included, in units of
+    its own noise. An arm's motion strays from that alike over many frames; a frame that is JUMP times as far off as
+    those around it, and the farthest of its neighbours, is none.
+    """
+    total = observation.coefficients.copy()
+    total[:, 0] += observation.theta
+    between = (4.0 * (total[1:-3] + total[3:-1]) - total[:-4] - total[4:]) / 6.0
+    stray = np.einsum("tkl,tl->tk", observation.root[2:-2], total[2:-2] - between)
+    squares = np.zeros(total.shape[0])
+    seen = observation.root[:, -1, -1] > 0
+    whole = seen[2:-2] & seen[:-4] & seen[1:-3] & seen[3:-1] & seen[4:]
+    squares[2:-2] = np.where(whole, np.sum(stray**2, axis=1), 0.0)
+    around = median_filter(squares, size=NEIGHBOURS, mode="nearest")
+    farthest = squares >= maximum_filter(squares, size=5, mode="nearest")
+    return farthest & (squares > JUMP**2 * np.maximum(around, 2.0 * total.shape[1]))
+
+
+def without_jumps(observation: ShapeObservation) -> tuple[ShapeObservation, int]:
+    """The observation with jumping frames left out (they weigh nothing), and how many they are."""
+    if observation.t.size < NEIGHBOURS:
+        return observation, 0
+    jumping = jumping_frames(observation)
+    root = np.where(jumping[:, None, None], 0.0, observation.root)
+    return replace(observation, root=root), int(jumping.sum())
 
 
 def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
