@@ -68,7 +68,7 @@ def _visible_order(observation: ShapeObservation) -> int:
     The last row of the whitening root belongs to the highest coordinate alone: where that coordinate is zero, its
     whitened value is pure noise, whose size is known from the frame-to-frame differences.
     """
-    seen = observation.root[:, -1, -1] > 0
+    seen = observation.seen
     for order in range(observation.order, 2, -1):
         # Where the higher coordinates are zero, this row of the whitened data is R_kk z_k plus unit noise.
         value = np.einsum("tl,tl->t", observation.root[seen, POSE + order - 1], observation.coefficients[seen])
@@ -96,7 +96,7 @@ def initial_nuisances(experiment: Experiment, order: int) -> Array:
     q = np.zeros(order)
     rates = np.zeros(order)
     if isinstance(observation, ShapeObservation):
-        seen = np.flatnonzero(observation.root[:, -1, -1] > 0)
+        seen = np.flatnonzero(observation.seen)
         z = observation.coefficients[:, POSE:]
         kept = min(order, observation.order)
         to_monomial = legendre_to_monomial(order)[:, :kept]

@@ -26,8 +26,8 @@ SHOWN = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
 
 @dataclass(frozen=True)
 class Seen:
-    """One model at one recording's frames: points (T, P, 2) [m], z (T, 3) first Legendre coordinates, angle (T, P),
-    load.
+    """One model at one recording's frames: points (T, P, 2) [m], the paper's q (T, 2), tangent angle (T, P), load (T,)
+    [N].
     """
 
     points: Array
@@ -47,7 +47,7 @@ def restricted(observation: ShapeObservation, coefficients: Array, order: int) -
     columns = root[:, :, POSE : POSE + order]
     target = np.einsum("tkl,tl->tk", root, coefficients)
     normal = np.einsum("tkj,tkl->tjl", columns, columns)
-    unseen = root[:, -1, -1] <= 0
+    unseen = ~observation.seen
     normal[unseen] = np.eye(order)
     z = np.linalg.solve(normal, np.einsum("tkj,tk->tj", columns, target)[..., None])[..., 0]
     z[unseen] = np.nan
@@ -58,7 +58,7 @@ def _deviation(observation: ShapeObservation, gain: Array, order: int) -> Array:
     """Square root (T, order, order) of the covariance of `restricted`."""
     columns = observation.root[:, :, POSE : POSE + order] / gain[:, None]
     normal = np.einsum("tkj,tkl->tjl", columns, columns)
-    normal[observation.root[:, -1, -1] <= 0] = np.eye(order)
+    normal[~observation.seen] = np.eye(order)
     return np.linalg.cholesky(np.linalg.inv(normal))
 
 
@@ -67,7 +67,7 @@ def measured_points(prepared: Prepared) -> tuple[Array, Array]:
     observation, recording = prepared.experiment.observation, prepared.recording
     if not isinstance(observation, ShapeObservation):
         return observation.s, observation.xy
-    unseen = observation.root[:, -1, -1] <= 0
+    unseen = ~observation.seen
     if recording.midline is not None and prepared.points is not None:
         return recording.midline.s, np.where(unseen[:, None, None], np.nan, prepared.points)
     shape = _shape_points(observation, observation.coefficients[:, POSE:], SHOWN)
@@ -94,7 +94,6 @@ def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -
     shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)
     points = scale * shape + prediction.shift[:, 0]
     z = q @ problem.arm.from_monomial.T
-    coefficients = np.zeros((z.shape[0], z.shape[1]))
     q_shown, angle = np.full((z.shape[0], 2), np.nan), np.full((z.shape[0], s.size), np.nan)
     observation = experiment.observation
     if isinstance(observation, ShapeObservation):
@@ -173,7 +172,7 @@ def errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared
         observation = source.experiment.observation
         if isinstance(observation, ShapeObservation):
             _, seen_angle = reduced_shape(observation, observation.coefficients, run.s)
-            valid = chosen & (observation.root[:, -1, -1] > 0)
+            valid = chosen & observation.seen
             angle.append((seen_angle - model.angle)[valid])
             first.append((run.q_measured - model.q)[valid, 0])
             second.append((run.q_measured - model.q)[valid, 1])
@@ -199,7 +198,7 @@ def floor_errors(
         if not isinstance(observation, ShapeObservation):
             distance.append(np.full(10, 1e3 * np.sqrt(2.0) * observation.sigma * gain))
             continue
-        frames = np.flatnonzero(run.judged & (observation.root[:, -1, -1] > 0))
+        frames = np.flatnonzero(run.judged & observation.seen)
         frames = frames[:: max(1, frames.size // 50)]
         data = source.recording.midline
         sparse = replace(observation, root=observation.root[frames])

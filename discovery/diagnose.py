@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.effects import catalogue
 from affine_model.identify.experiment import Experiment
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order
@@ -159,11 +158,13 @@ def _diagnosed(
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
     words = [sentence for p in prepared for sentence in p.words]
     known: Baseline | None = None
-    order = needed_order(setting)
     if baseline:
         progress("fitting the baseline")
-        known, order = _learn_baseline(baseline, order if setting.sees_shapes() else None)
+        # Markers show their order by fits only, and those are then the baseline's to make.
+        known, order = _learn_baseline(baseline, needed_order(setting) if setting.sees_shapes() else None)
         setting = _with_baseline(setting, known)
+    else:
+        order = needed_order(setting)
     setting = replace(setting, order=order)
 
     progress("fitting the declared model")
@@ -317,8 +318,3 @@ def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost
         missing_mm=apart(before.midline_mm, after.midline_mm),
         rest_mm=apart(after.midline_mm, floor.midline_mm),
     )
-
-
-def known_effects() -> tuple[str, ...]:
-    """Names of all effects that a diagnosis can give."""
-    return tuple(name for name, effect in catalogue().items() if effect.family != "base")

@@ -57,7 +57,7 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
     t = np.arange(0.0, DURATION, 1.0 / FRAMES)
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
-    live = np.flatnonzero(observation.root[:, -1, -1] > 0)
+    live = np.flatnonzero(observation.seen)
     root = np.repeat(observation.root[live[live.size // 2]][None], t.size, axis=0)
     coefficients = np.zeros((t.size, POSE + observation.order))
     virtual = ShapeObservation(

@@ -138,7 +138,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         observation, jumps = without_jumps(observation)
         if jumps:
             words.append(f"{jumps} frames of {recording.name} jump out of the motion (shown twice, misread): left out.")
-        seen = observation.root[:, -1, -1] > 0
+        seen = observation.seen
         channels = observation.coefficients.shape[1]
     else:
         seen = np.asarray(np.isfinite(observation.xy).any(axis=(1, 2)))
@@ -198,7 +198,7 @@ def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:
     between = (4.0 * (total[1:-3] + total[3:-1]) - total[:-4] - total[4:]) / 6.0
     stray = np.einsum("tkl,tl->tk", observation.root[2:-2], total[2:-2] - between)
     squares = np.zeros(total.shape[0])
-    seen = observation.root[:, -1, -1] > 0
+    seen = observation.seen
     whole = seen[2:-2] & seen[:-4] & seen[1:-3] & seen[3:-1] & seen[4:]
     squares[2:-2] = np.where(whole, np.sum(stray**2, axis=1), 0.0)
     around = median_filter(squares, size=NEIGHBOURS, mode="nearest")

@@ -107,7 +107,7 @@ def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midlin
     theta = experiment.base(t)[0]
     shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, 1e-4)
     fitted_until = observation.t[experiment.used].max()
-    live = np.flatnonzero(observation.root[:, -1, -1] > 0)
+    live = np.flatnonzero(observation.seen)
     typical = observation.root[live[live.size // 2]]
     shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
     return replace(

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.curvature import (
     Array,
@@ -50,6 +51,11 @@ class ShapeObservation:
     def order(self) -> int:
         """How many curvature coordinates were measured."""
         return self.coefficients.shape[1] - POSE
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """Frames (T,) that weigh anything: those whose shape was found and trusted."""
+        return self.root[:, -1, -1] > 0
 
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
         """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2,

@@ -19,7 +19,6 @@ from affine_model.identify.levenberg import minimise
 ParameterName = tuple[str, str]  # effect, parameter
 DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
 PRIOR_REACH = 3.0
-DEAD = 1e-6  # a parameter whose whole column is shorter than this cannot be seen
 
 
 @dataclass(frozen=True)

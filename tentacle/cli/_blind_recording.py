@@ -159,7 +159,7 @@ def _tracked_size(
     track = recording.shape
     assert track is not None
     observation = from_track(track, design.waveform()(track.t)[0], model.specimen.length)
-    seen = np.flatnonzero(observation.root[:, -1, -1] > 0)
+    seen = np.flatnonzero(observation.seen)
     if not seen.size:
         return [0.0 for _ in hidden]
     problem, nuisances = _bare_problem(model, design, VIDEO_NOISE, observation.root[seen[seen.size // 2]])
