@@ -18,6 +18,7 @@ from discovery.prepare import CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
 from discovery.search import Search, estimates, hypothesis, looseness, search
+from discovery.unnamed import Rest, unnamed_rest
 from discovery.verdict import Decision, decide, probabilities
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
 from tentacle.errors import InputError
@@ -180,10 +181,11 @@ def _diagnosed(
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)
+    rest = None if found.chosen.train.passed else unnamed_rest(found.chosen)
     final = found.chosen.problem.experiments  # with the noise as the final model leaves it
     prepared = [replace(p, experiment=experiment) for p, experiment in zip(prepared, final, strict=True)]
     progress("comparing")
-    return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
+    return _assembled(found, decision, rest, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 
 
 def _base_hypothesis(
@@ -223,6 +225,7 @@ def _reduced_enough(
 def _assembled(
     found: Search,
     decision: Decision,
+    rest: Rest | None,
     paper: tuple[Problem, Fit],
     prepared: list[Prepared],
     order: int,
@@ -230,7 +233,7 @@ def _assembled(
     seed: int,
     reduction: Reduction | None,
 ) -> Diagnosis:
-    chosen = found.chosen
+    chosen = found.chosen if rest is None else rest.refitted
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
     final = (chosen.problem, chosen.fitted)
     runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
@@ -254,7 +257,9 @@ def _assembled(
     d = prepared[0].recording.declaration
     base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
     augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
-    proposal = propose(chosen, found.rivals, LIMITS, seed) if found.rivals else None
+    if rest is not None:
+        words = (*words, _rest_words(rest))
+    proposal = propose(found.chosen, found.rivals, LIMITS, seed) if found.rivals else None
     if proposal is not None:
         words = (*words, _proposal_words(proposal))
     candidates = list(found.candidates[:12])
@@ -291,6 +296,14 @@ def _proposal_words(proposal: Proposal) -> str:
     return (
         f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment, would split "
         f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
+    )
+
+
+def _rest_words(rest: Rest) -> str:
+    terms = ", ".join(rest.terms)
+    return (
+        f"A small force without a name ({terms}; the effect `unnamed` of the augmented model) leaves "
+        f"{100 * rest.share:.0f} % of what stood above the noise on the held-out frames; it is no explanation."
     )
 
 
