@@ -1,6 +1,7 @@
 """A step's predictor, the motion of all sections at mid-step, and the assembly of residual and matrix over them."""
 
-MOTION = """    for step in range(steps):
+MOTION = """\
+    for step in range(steps):
         t = t0 + (step + 0.5) * h
         # Predictor: the mean acceleration of the step, extrapolated from the two before.
         for j in range(columns):

@@ -1,6 +1,7 @@
 """The end of a step: memories, the new state, divergence, means and what is kept of the trajectory."""
 
-OUTCOME = """        for i in range(NODES):
+OUTCOME = """\
+        for i in range(NODES):
             # The rate at the corrected middle of the step: with the predicted one a stiff branch would feed back.
             for b in range(BLOCK):
                 c_rate[i, b] = 0.0

@@ -1,6 +1,7 @@
 """Point masses at the tip, servo and rail, and the solution for the correction of the accelerations."""
 
-SOLUTION = """            # Point masses: the payload at s = 1, and what hangs from the tip at a reach along its tangent.
+SOLUTION = """\
+            # Point masses: the payload at s = 1, and what hangs from the tip at a reach along its tangent.
             for body in range(2):
                 heaviest = 0.0
                 for b in range(BLOCK):
