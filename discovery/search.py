@@ -78,8 +78,8 @@ def hypothesis(
     """
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
-    train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction[0])
-    judged = adequacy(problem.experiments, fitted, held_out=True, reduction=reduction[1])
+    train = adequacy(problem, fitted, held_out=False, reduction=reduction[0])
+    judged = adequacy(problem, fitted, held_out=True, reduction=reduction[1])
     return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction)
 
 
@@ -96,6 +96,22 @@ def _with_candidate(problem: Problem, start: Fit, candidate: Candidate, share: f
     return replace(problem, free=(*problem.free, *candidate.free), parameters=parameters)
 
 
+def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, tuple[Array, ...]]:
+    """The problem with the memory at the start of each run among its unknowns where an effect relaxes, else without."""
+    wanted = any(catalogue()[effect].relaxation_time is not None for effect, _ in problem.free)
+    order = problem.arm.order
+    experiments, kept = [], []
+    for experiment, values in zip(problem.experiments, nuisances, strict=True):
+        changed = replace(experiment, remembers=wanted)
+        memory = experiment.memory(order, values)
+        memory = np.zeros(order) if memory is None else memory
+        memory = memory if changed.begins_with_memory else memory[:0]
+        moving = order if experiment.release is None else 1
+        experiments.append(changed)
+        kept.append(np.concatenate([values[: order + moving], memory, values[-2:]]))
+    return replace(problem, experiments=tuple(experiments)), tuple(kept)
+
+
 def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     """The current model with the candidate added, fitted from its linear estimate; from half of it where that fails
     to gain.
@@ -104,7 +120,8 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     used: Problem | None = None
     for share in (1.0, 0.4):
         problem = _with_candidate(current.problem, current.fitted, candidate, share)
-        fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
+        problem, nuisances = _remembering(problem, current.fitted.nuisances)
+        fitted = fit(problem, nuisances, tolerance=1e-6, most=20)
         if best is None or fitted.misfit < best.misfit:
             best, used = fitted, problem
         if current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
@@ -122,7 +139,8 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
     free = tuple(name for name in current.problem.free if name[0] != effect)
     problem = replace(current.problem, free=free, parameters=parameters)
-    fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
+    problem, nuisances = _remembering(problem, current.fitted.nuisances)
+    fitted = fit(problem, nuisances, tolerance=1e-6, most=20)
     rest = tuple(name for name in current.effects if name != effect)
     return hypothesis(rest, replace(problem, parameters=fitted.parameters), fitted, current.reduction)
 

@@ -9,7 +9,7 @@ OUTCOME = """\
                 Cij = C[i, j]
                 for b in range(BLOCK):
                     c_rate[i, b] += Cij * (v[j, b] + 0.5 * h * acc[j, b])
-@RELAXATION@
+@REMEMBERED@
         for d in range(D):
             j = dynamic[d]
             for b in range(BLOCK):
