@@ -4,64 +4,67 @@ MOTION = """\
     for step in range(steps):
         t = t0 + (step + 0.5) * h
         # Predictor: the mean acceleration of the step, extrapolated from the two before.
-        for j in range(columns):
-            for b in range(BLOCK):
+        for b in range(BLOCK):
+            for j in unrolled(n + 2):
                 acc[j, b] = 2.0 * last[j, b] - before[j, b]
+        if own_base:
+            for b in range(BLOCK):
+                for k in unrolled(3):
+                    command[k, b] = base[k, step, first + b]
+        else:
+            for b in range(BLOCK):
+                for k in unrolled(3):
+                    command[k, b] = base[k, step, base_lane[b]]
         if not free_theta:
             for b in range(BLOCK):
-                mid[n, b] = base[0, step, base_lane[b]]
-                mid_rate[n, b] = base[1, step, base_lane[b]]
-                acc[n, b] = base[2, step, base_lane[b]]
-        if not free_rail:
-            for b in range(BLOCK):
-                acc[n + 1, b] = 0.0
+                mid[n, b] = command[0, b]
+                mid_rate[n, b] = command[1, b]
+                acc[n, b] = command[2, b]
         rounds = iterations if step > 1 else iterations + 3
         for iteration in range(rounds):
-            for d in range(D):
-                j = dynamic[d]
-                for b in range(BLOCK):
+            for b in range(BLOCK):
+                for j in unrolled(n):
                     mid[j, b] = u[j, b] + 0.5 * h * v[j, b] + 0.25 * h * h * acc[j, b]
                     mid_rate[j, b] = v[j, b] + 0.5 * h * acc[j, b]
+            if free_theta:
+                for b in range(BLOCK):
+                    mid[n, b] = u[n, b] + 0.5 * h * v[n, b] + 0.25 * h * h * acc[n, b]
+                    mid_rate[n, b] = v[n, b] + 0.5 * h * acc[n, b]
+            if free_rail:
+                for b in range(BLOCK):
+                    mid_rate[n + 1, b] = v[n + 1, b] + 0.5 * h * acc[n + 1, b]
             for i in range(NODES):
                 for b in range(BLOCK):
-                    phi[i, b] = mid[n, b]
-                    phi_rate[i, b] = mid_rate[n, b]
-                    twist[i, b] = acc[n, b]
-                    c[i, b] = 0.0
-                    c_rate[i, b] = 0.0
-                for j in range(n):
-                    Aij = A[i, j]; Cij = C[i, j]
-                    for b in range(BLOCK):
-                        phi[i, b] += Aij * mid[j, b]
-                        phi_rate[i, b] += Aij * mid_rate[j, b]
-                        twist[i, b] += Aij * acc[j, b]
-                        c[i, b] += Cij * mid[j, b]
-                        c_rate[i, b] += Cij * mid_rate[j, b]
-                for b in range(BLOCK):
-                    sine, cosine = sincos(phi[i, b])
+                    angle = mid[n, b] + total(A[i, j] * mid[j, b] for j in unrolled(n))
+                    turning = mid_rate[n, b] + total(A[i, j] * mid_rate[j, b] for j in unrolled(n))
+                    twisting = acc[n, b] + total(A[i, j] * acc[j, b] for j in unrolled(n))
+                    sine, cosine = sincos(angle)
+                    phi[i, b] = angle
+                    phi_rate[i, b] = turning
+                    twist[i, b] = twisting
+                    c[i, b] = total(C[i, j] * mid[j, b] for j in unrolled(n))
+                    c_rate[i, b] = total(C[i, j] * mid_rate[j, b] for j in unrolled(n))
                     normal_x[i, b] = cosine
                     normal_y[i, b] = sine
-                    square = phi_rate[i, b] * phi_rate[i, b]
-                    swing_x[i, b] = sine * square - cosine * twist[i, b]
-                    swing_y[i, b] = -cosine * square - sine * twist[i, b]
-            for i in range(NODES):
-                for j in range(n + 1):
-                    for b in range(BLOCK):
-                        jac_x[j, i, b] = @SUM_JACOBIAN_X@
-                        jac_y[j, i, b] = @SUM_JACOBIAN_Y@
+                    swing_x[i, b] = sine * turning * turning - cosine * twisting
+                    swing_y[i, b] = -cosine * turning * turning - sine * twisting
 @TIP_CHANGING@
             for b in range(BLOCK):
-                sine, cosine = sincos(tilt[b])
-                gravity_x[b] = gravity * sine
-                gravity_y[b] = gravity * cosine
                 fluid_x[b] = 0.0
                 fluid_y[b] = 0.0
+                for j in unrolled(n + 2):
+                    residual[j, b] = 0.0
+                    for l in unrolled(j + 1):
+                        matrix[j, l, b] = 0.0
             for i in range(NODES):
                 for b in range(BLOCK):
-                    velocity_x[b] = 0.0
-                    velocity_y[b] = mid_rate[n + 1, b]
-                    acceleration_x[b] = @SUM_SWING_X@
-                    acceleration_y[b] = acc[n + 1, b] + @SUM_SWING_Y@
+                    for j in unrolled(n + 1):
+                        jac_x[j, i, b] = total(LWA[j, i, k] * normal_x[k, b] for k in unrolled(NODES))
+                        jac_y[j, i, b] = total(LWA[j, i, k] * normal_y[k, b] for k in unrolled(NODES))
+                    velocity_x[b] = total(jac_x[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1))
+                    velocity_y[b] = mid_rate[n + 1, b] + total(jac_y[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1))
+                    acceleration_x[b] = total(LW[i, k] * swing_x[k, b] for k in unrolled(NODES))
+                    acceleration_y[b] = acc[n + 1, b] + total(LW[i, k] * swing_y[k, b] for k in unrolled(NODES))
                     # The base angle's lever arm is the position itself: dr/d theta = (-y, x).
                     x[i, b] = jac_y[n, i, b]
                     y[i, b] = -jac_x[n, i, b]
@@ -69,14 +72,6 @@ MOTION = """\
                     water_y[b] = 0.0
                     surge_x[b] = 0.0
                     surge_y[b] = 0.0
-                    force_n[b] = 0.0
-                    force_t[b] = 0.0
-                    slope_n[b] = 0.0
-                    slope_t[b] = 0.0
-                for j in range(n + 1):
-                    for b in range(BLOCK):
-                        velocity_x[b] += jac_x[j, i, b] * mid_rate[j, b]
-                        velocity_y[b] += jac_y[j, i, b] * mid_rate[j, b]
 @WATER@
                 for b in range(BLOCK):
                     relative_x = velocity_x[b] - water_x[b]
@@ -84,13 +79,16 @@ MOTION = """\
                     u_n[i, b] = relative_x * normal_x[i, b] + relative_y * normal_y[i, b]
                     u_t[i, b] = relative_y * normal_x[i, b] - relative_x * normal_y[i, b]
                     speed[i, b] = math.sqrt(u_n[i, b] * u_n[i, b] + u_t[i, b] * u_t[i, b] + 1e-16)
+                    force_n[b] = 0.0
+                    force_t[b] = 0.0
+                    slope_n[b] = 0.0
+                    slope_t[b] = 0.0
 @SECTION_CHANGING@
 @FORCES@
                 for b in range(BLOCK):
                     bend[i, b] = 0.25 * h * h * stiffness[i, b]
                     moment[i, b] = stiffness[i, b] * c[i, b]
 @MOMENTS@
-                wL = Lw[i]
                 for b in range(BLOCK):
                     nx = normal_x[i, b]
                     ny = normal_y[i, b]
@@ -102,34 +100,40 @@ MOTION = """\
                     displaced = fluid_density * area[i]
                     water_force_x = along_n * nx - along_t * ny + displaced * surge_x[b]
                     water_force_y = along_n * ny + along_t * nx + displaced * surge_y[b]
-                    fluid_x[b] += wL * water_force_x
-                    fluid_y[b] += wL * water_force_y
-                    net_x[i, b] = wL * (water_force_x + heavy[i, b] * gravity_x[b] - carried[i, b] * acceleration_x[b])
-                    net_y[i, b] = wL * (water_force_y + heavy[i, b] * gravity_y[b] - carried[i, b] * acceleration_y[b])
-                    spin[i, b] = wL * (couple[i, b] + added[i, b] * u_n[i, b] * u_t[i, b] - rotary[i, b] * twist[i, b])
-                    moment[i, b] *= w[i]
-                    bend[i, b] *= w[i]
+                    fluid_x[b] += Lw[i] * water_force_x
+                    fluid_y[b] += Lw[i] * water_force_y
+                    net_x = Lw[i] * (water_force_x + heavy[i, b] * gravity_x[b] - carried[i, b] * acceleration_x[b])
+                    net_y = Lw[i] * (water_force_y + heavy[i, b] * gravity_y[b] - carried[i, b] * acceleration_y[b])
+                    spin = Lw[i] * (couple[i, b] + added[i, b] * u_n[i, b] * u_t[i, b] - rotary[i, b] * twist[i, b])
                     across = added[i, b] + 0.5 * h * slope_n[b]
                     slip = 0.5 * h * slope_t[b]
-                    force_n[b] = wL * (carried[i, b] + across * nx * nx + slip * ny * ny)  # the tensor's xx
-                    force_t[b] = wL * (across - slip) * nx * ny  # xy
-                    slope_n[b] = wL * (carried[i, b] + across * ny * ny + slip * nx * nx)  # yy
-                for d in range(D):
-                    j = dynamic[d]
+                    xx = Lw[i] * (carried[i, b] + across * nx * nx + slip * ny * ny)
+                    xy = Lw[i] * (across - slip) * nx * ny
+                    yy = Lw[i] * (carried[i, b] + across * ny * ny + slip * nx * nx)
+                    for j in unrolled(n):
+                        residual[j, b] += (jac_x[j, i, b] * net_x + jac_y[j, i, b] * net_y
+                                           + A[i, j] * spin - C[i, j] * (w[i] * moment[i, b]))
+                        push_x = xx * jac_x[j, i, b] + xy * jac_y[j, i, b]
+                        push_y = xy * jac_x[j, i, b] + yy * jac_y[j, i, b]
+                        for l in unrolled(j + 1):
+                            matrix[j, l, b] += (push_x * jac_x[l, i, b] + push_y * jac_y[l, i, b]
+                                                + (A[i, j] * A[i, l]) * (Lw[i] * rotary[i, b])
+                                                + (C[i, j] * C[i, l]) * (w[i] * bend[i, b]))
+                    residual[n, b] += jac_x[n, i, b] * net_x + jac_y[n, i, b] * net_y + spin
+                    residual[n + 1, b] += net_y
+                    tensor_xx[b] = xx
+                    tensor_xy[b] = xy
+                    tensor_yy[b] = yy
+                if free_theta:
                     for b in range(BLOCK):
-                        push_x[j, i, b] = force_n[b] * jac_x[j, i, b] + force_t[b] * jac_y[j, i, b]
-                        push_y[j, i, b] = force_t[b] * jac_x[j, i, b] + slope_n[b] * jac_y[j, i, b]
-            for j in range(n + 1):
-                for b in range(BLOCK):
-                    residual[j, b] = (@SUM_FORCE@)
-                    residual[j, b] += @SUM_TURN@
-            for b in range(BLOCK):
-                residual[n + 1, b] = @SUM_RAIL@
-            for d in range(D):
-                j = dynamic[d]
-                for e in range(d + 1):
-                    l = dynamic[e]
+                        push_x = tensor_xx[b] * jac_x[n, i, b] + tensor_xy[b] * jac_y[n, i, b]
+                        push_y = tensor_xy[b] * jac_x[n, i, b] + tensor_yy[b] * jac_y[n, i, b]
+                        for l in unrolled(n + 1):
+                            matrix[n, l, b] += (push_x * jac_x[l, i, b] + push_y * jac_y[l, i, b]
+                                                + A[i, l] * (Lw[i] * rotary[i, b]))
+                if free_rail:
                     for b in range(BLOCK):
-                        matrix[d, e, b] = (@SUM_MASS@)
-                        matrix[d, e, b] += @SUM_BEND@
+                        for l in unrolled(n + 1):
+                            matrix[n + 1, l, b] += tensor_xy[b] * jac_x[l, i, b] + tensor_yy[b] * jac_y[l, i, b]
+                        matrix[n + 1, n + 1, b] += tensor_yy[b]
 """
