@@ -101,7 +101,9 @@ def test_kernel_equals_assembly_where_a_memory_yields():
     q0 = np.array([0.4, -0.6, 0.3])
     scale = np.array([1, 1, 1, 20, 20, 20.0])
     truth, free = stepped_state(p, 1 / 8000, q0), kernel_state(base_parameters(), 1 / 8000, q0)
-    assert np.max(np.abs(kernel_state(p, 1 / 8000, q0) - truth) / scale) < 2e-4  # kinks cost the order: first, not second
+    assert (
+        np.max(np.abs(kernel_state(p, 1 / 8000, q0) - truth) / scale) < 2e-4
+    )  # kinks cost the order: first, not second
     assert np.max(np.abs(free - truth) / scale) > 1e-2  # and the friction does matter
 
 
