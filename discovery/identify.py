@@ -130,8 +130,8 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
     words = [f"Condition of the parameters' information: {known.condition:.3g}."]
     for experiment, dead in zip(problem.experiments, known.dead, strict=True):
         shapes = isinstance(experiment.observation, ShapeObservation)
-        # A pose's channels answer to the camera alone where the base is fixed: only dead curvatures say something.
-        curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and k >= POSE]
+        # Pose answers to the camera alone, and curvatures beyond the model's order to nothing, as they should.
+        curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < POSE + problem.arm.order]
         markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes]
         if curvatures or markers:
             words.append(f"{experiment.name}: {', '.join(curvatures + markers)} say nothing about any parameter.")
