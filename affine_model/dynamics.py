@@ -68,9 +68,9 @@ def balance(
 ) -> Balance:
     """Assemble the equations at one state.
 
-    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates; t [s]; memory (..., S, N): a slot for
-    each of remembering(effects), all 0 if None. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n, with the
-    couple m_a u_n u_t).
+    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates; t [s]; memory (..., S, N): a slot for each
+    of remembering(effects), all 0 if None. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n,
+    with the couple m_a u_n u_t).
     """
     xp = sys.modules[type(u).__module__.split(".")[0]]
     n, L = arm.order, arm.specimen.length
@@ -182,8 +182,8 @@ def remembering(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
 def advanced_memory(
     arm: Arm, effects: tuple[Effect, ...], parameters: Any, memory: Any, c_rate: Any, duration: float
 ) -> Any:
-    """Memory (..., S, N), a slot for each of remembering(effects), after `duration` [s] at the rates of curvature c_rate
-    (..., N).
+    """Memory (..., S, N), a slot for each of remembering(effects), after `duration` [s] at the rates of curvature
+    c_rate (..., N).
 
     Of a Maxwell branch exactly memory' = c' - memory / tau; of a friction element memory' = c', held at the yield
     curvature.

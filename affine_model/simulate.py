@@ -86,9 +86,10 @@ def simulate(
     """Integrate B individuals over S steps of `step` seconds.
 
     parameters (R, B), columns as in arm.parameter_vector. base (3, S, B) or (3, S, 1): theta and its two derivatives
-    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command. q, q_rate (n, B): initial state in the
-    paper's coordinates, zero if None; memory (n, B): the curvature that a Maxwell branch remembers then, likewise. stride: keep every stride-th step, 0 keeps none. average_from [s] after t0:
-    start of the means. iterations: Newton iterations a step; 1 suffices unless exact energy is wanted.
+    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command. q, q_rate (n, B): initial state in
+    the paper's coordinates, zero if None; memory (n, B): the curvature that a Maxwell branch remembers then,
+    likewise. stride: keep every stride-th step, 0 keeps none. average_from [s] after t0: start of the means.
+    iterations: Newton iterations a step; 1 suffices unless exact energy is wanted.
     """
     parameters = np.ascontiguousarray(parameters, dtype=float)
     base = np.ascontiguousarray(base, dtype=float)

@@ -168,9 +168,8 @@ def others(short: bool) -> None:
             continue
         gap = np.array(found.tip_angle) - np.array(exact.tip_angle)
         share = np.sqrt(np.mean(gap**2) / np.mean(np.square(exact.tip_angle)))
-        print(
-            f"{package} ({name} {coarse:g}): {found.speed:.3g} simulated s per s; tip angle off by {share:.1e} of its rms"
-        )
+        print(f"{package} ({name} {coarse:g}): {found.speed:.3g} simulated s per s", end="")
+        print(f"; tip angle off by {share:.1e} of its rms")
 
 
 def paper_search(short: bool, figures: dict[str, float]) -> None:
@@ -223,7 +222,7 @@ def recorded(seconds: float, fps: float, seed: int) -> tuple[Problem, tuple[Arra
     for (effect, name), factor in zip(FREE, (0.7, 1.5, 0.8, 0.7), strict=True):
         given[parameter_index(effect, name)] *= factor
     nuisances = np.zeros(len(experiment.nuisance_names(ARM.order)))
-    nuisances[: ARM.order] = coefficients[0, 1:]
+    nuisances[: ARM.order] = ARM.from_monomial @ coefficients[0, 1:]
     return Problem(ARM, (experiment,), FREE, given, FIT_STEP), (nuisances,)
 
 

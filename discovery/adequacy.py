@@ -112,9 +112,7 @@ def _drift(problem: Problem, fitted: Fit, allowed: float) -> Gate:
     own.
     """
     times, order = [], problem.arm.order
-    for experiment, residuals, nuisances in zip(
-        problem.experiments, fitted.residuals, fitted.nuisances, strict=True
-    ):
+    for experiment, residuals, nuisances in zip(problem.experiments, fitted.residuals, fitted.nuisances, strict=True):
         t = experiment.observation.t[experiment.used]
         centred = (t - t.mean()) / max(np.ptp(t), 1e-9)
         times.append(np.repeat(centred, residuals.shape[1]))

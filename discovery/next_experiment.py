@@ -64,8 +64,8 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
         t, waveform(t)[0], observation.length, coefficients, root, np.zeros(t.size), np.zeros(t.size)
     )
     return replace(
-        experiment, name="proposal", observation=virtual, base=waveform, t0=0.0, duration=DURATION, release=None, remembers=False,
-        used=np.ones(t.size, dtype=bool),
+        experiment, name="proposal", observation=virtual, base=waveform, t0=0.0, duration=DURATION, release=None,
+        remembers=False, used=np.ones(t.size, dtype=bool),
     )  # fmt: skip
 
 
