@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks._rig_faults import LIMITS, SPECIMEN, setup_for
+from benchmarks._rig_scene import LIMITS, SPECIMEN, setup_for
+from rig.connection import connected, opened_camera
 from rig.emulator import Emulator, EmulatorSettings
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits
 from rig.optimise import StudyPlan, best, optimise
-from rig.record import connected, opened_camera, trial_runner
+from rig.record import trial_runner
 from rig.reidentify import proposer
 from rig.setup_file import CameraSettings
 from tentacle.model import Estimate, Model

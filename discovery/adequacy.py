@@ -112,11 +112,11 @@ def _drift(experiments: tuple[Experiment, ...], fitted: Fit, allowed: float) -> 
     own.
     """
     times = []
-    for experiment, residuals in zip(experiments, fitted.residuals, strict=True):
+    for experiment, residuals, own in zip(experiments, fitted.residuals, fitted.nuisances, strict=True):
         t = experiment.observation.t[experiment.used]
         centred = (t - t.mean()) / max(np.ptp(t), 1e-9)
         times.append(np.repeat(centred, residuals.shape[1]))
-        nuisances = fitted.nuisances[len(times) - 1].size
+        nuisances = own.size
         order = (nuisances - 3) if experiment.release is not None else (nuisances - 2) // 2
         priors = experiment.prior_residuals(order, 1.0, np.ones((nuisances, 1))).shape[0]
         times.append(np.zeros(priors))

@@ -8,6 +8,7 @@ import warnings
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,8 @@ from tentacle.declaration_file import parse_recording_file
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, MotorSignal, Video
+
+TICKS = 90_000  # 1/s, of a video's time stamps
 
 
 @dataclass(frozen=True)
@@ -154,24 +157,20 @@ def write_video(run: Run, path: Path) -> None:
     kept = [(t, data) for t, data in zip(times, run.frames, strict=True) if t >= 0]
     if not kept:
         raise InputError("no frame was taken during the run", file=run.path)
+    spacing = float(np.median(np.diff([t for t, _ in kept]))) if len(kept) > 1 else 1.0
     with av.open(str(path), mode="w") as container:
-        stream = container.add_stream("libx264", rate=1000)
+        # x264 spends the fewer bits on a frame the more there are a second, by the nominal rate, not by the stamps.
+        stream = container.add_stream("libx264", rate=max(round(1.0 / spacing), 1))
         stream.options = {"crf": "10", "preset": "veryfast"}
-        stream.codec_context.time_base = stream.time_base = _milliseconds()
+        stream.codec_context.time_base = stream.time_base = Fraction(1, TICKS)
         for k, (t, data) in enumerate(kept):
             with av.open(io.BytesIO(data), mode="r", format="mjpeg") as still:
                 picture = next(still.decode(video=0)).reformat(format="yuv420p")
             if k == 0:
                 stream.width, stream.height, stream.pix_fmt = picture.width, picture.height, "yuv420p"
-            picture.pts, picture.time_base = round(1000 * t), _milliseconds()
+            picture.pts, picture.time_base = round(TICKS * t), Fraction(1, TICKS)
             container.mux(stream.encode(picture))
         container.mux(stream.encode(None))
-
-
-def _milliseconds() -> Any:
-    from fractions import Fraction
-
-    return Fraction(1, 1000)
 
 
 def _read_columns(path: Path) -> dict[str, list[dict[str, Any]]]:

@@ -29,7 +29,7 @@ def check(arguments: argparse.Namespace) -> int:
     from dataclasses import asdict
 
     from rig.check import check as findings
-    from rig.record import connected, opened_camera
+    from rig.connection import connected, opened_camera
     from rig.setup_file import read_setup
 
     setup = read_setup(arguments.rig)
@@ -64,7 +64,7 @@ def _calibrate_load_cell(arguments, setup):
     import numpy as np
 
     from rig.calibrate import fit_line, load_cell_calibration, read_cell
-    from rig.record import connected
+    from rig.connection import connected
     from tentacle.specimen import STANDARD_GRAVITY
 
     sign = -1.0 if arguments.pulls_back else 1.0
@@ -91,8 +91,8 @@ def _calibrate_servo(arguments, setup):
     import numpy as np
 
     from rig.calibrate import servo_calibration
+    from rig.connection import connected
     from rig.play import play
-    from rig.record import connected
     from rig.safety import set_points
     from tentacle.waveform import Rest
 
@@ -121,7 +121,7 @@ def _calibrate_scale(arguments, setup):
 
 def _calibrate_offset(arguments, setup):
     from rig.calibrate import camera_offset
-    from rig.record import connected, opened_camera
+    from rig.connection import connected, opened_camera
 
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
         if camera is None:

@@ -18,20 +18,21 @@ VIEWER_PORT = 9876
 def record(arguments: argparse.Namespace) -> int:
     """One run; exit code 3 where it did not complete."""
     from rig import record as rig_record
-    from rig.campaign import described
+    from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
+    from rig.motion import described, motion_of
     from rig.setup_file import read_setup
     from tentacle.waveform_file import read_waveform
 
     setup = read_setup(arguments.rig)
     waveform = read_waveform(arguments.waveform)
-    motion = rig_record.motion_of(waveform, arguments.seconds, setup, described(waveform))
+    motion = motion_of(waveform, arguments.seconds, setup.limits, described(waveform))
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
     with (
         _viewer(arguments.view) as viewer,
-        rig_record.connected(setup) as board,
-        rig_record.opened_camera(setup, board.time) as camera,
+        connected(setup) as board,
+        opened_camera(setup, board.time) as camera,
         _progress() as progress,
         Interrupts(_say) as interrupts,
     ):
@@ -47,16 +48,16 @@ def record(arguments: argparse.Namespace) -> int:
 
 def campaign(arguments: argparse.Namespace) -> int:
     """All runs that are not complete yet."""
-    from rig import record as rig_record
     from rig.campaign import read_campaign, run_campaign
+    from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
     from rig.setup_file import read_setup
 
     setup = read_setup(arguments.rig)
     runs = read_campaign(arguments.campaign, setup)
     with (
-        rig_record.connected(setup) as board,
-        rig_record.opened_camera(setup, board.time) as camera,
+        connected(setup) as board,
+        opened_camera(setup, board.time) as camera,
         _progress() as progress,
         Interrupts(_say) as interrupts,
     ):
@@ -71,12 +72,13 @@ def campaign(arguments: argparse.Namespace) -> int:
 
 def optimise(arguments: argparse.Namespace) -> int:
     """Trials until there are enough; the best gait as a waveform file beside them."""
-    from rig import record as rig_record
+    from rig.connection import connected, opened_camera
     from rig.gait_space import GaitSpace, TrialPlan
     from rig.interrupts import Interrupts
     from rig.model_gaits import best_gaits
     from rig.optimise import StudyPlan, best
     from rig.optimise import optimise as trials_of
+    from rig.record import trial_runner
     from rig.reidentify import proposer
     from rig.setup_file import read_setup
     from tentacle.model_file import read_model
@@ -96,12 +98,12 @@ def optimise(arguments: argparse.Namespace) -> int:
         propose = proposer(space, plan.plan, seed=arguments.seed, told=lambda found: print(found.headline, flush=True))
     trials = []
     with (
-        rig_record.connected(setup) as board,
-        rig_record.opened_camera(setup, board.time) as camera,
+        connected(setup) as board,
+        opened_camera(setup, board.time) as camera,
         _progress() as progress,
         Interrupts(_say) as interrupts,
     ):
-        runner = rig_record.trial_runner(setup, board, camera, interrupts, progress)
+        runner = trial_runner(setup, board, camera, interrupts, progress)
         for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts):
             trials.append(trial)
             top = best(trials)

@@ -60,7 +60,7 @@ int main(int count, char** words) {
   if (given.count("--plant-in") != 0)
     plant = std::make_unique<PipePlant>(static_cast<int>(number(given, "--plant-in", 0)),
                                         static_cast<int>(number(given, "--plant-out", 0)),
-                                        number(given, "--plant-step-s", 0.005));
+                                        number(given, "--plant-step-s", 0.002));
   else
     plant = std::make_unique<Paddle>();
 
