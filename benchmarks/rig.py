@@ -23,7 +23,7 @@ from benchmarks._rig_faults import (
     run_faults,
     stalled_camera,
 )
-from benchmarks._rig_optimise import optimised
+from benchmarks._rig_optimise import side_by_side
 
 
 def main() -> int:
@@ -61,17 +61,8 @@ def main() -> int:
         if only in (None, "fuzz"):
             outcomes.append(fuzz(20_000 if short else 1_000_000))
         if only in (None, "optimise"):
-            for reidentify in (0,) if short else (0, 10):
-                place, trials, samples = folder / f"optimise-{reidentify}", 10 if short else 30, 16 if short else 96
-                # Faster, and the board's watchdog bites before a busy computer's host is back.
-                rate = 2.0 if reidentify == 0 else 1.0
-                gap, lines = optimised(place, trials, samples, reidentify, rate)
-                print(f"rig optimise, {'without' if reidentify == 0 else 'with'} re-identification")
-                print("\n".join(lines))
-                if reidentify == 0:
-                    figures["gap_after_30"] = gap
-                else:
-                    figures["gap_after_30_reidentified"] = gap
+            trials, samples, every = (10, 16, 0) if short else (30, 96, 10)
+            figures |= side_by_side(folder / "optimise", trials, samples, every)
     if outcomes:
         figures |= {"faults_tried": len(outcomes), "faults_survived": sum(o.good for o in outcomes)}
         for outcome in outcomes:

@@ -25,6 +25,7 @@ BACK_OFF, LONGEST_WAIT = 1.15, 0.08  # each try waits longer than the last, up t
 PING_EVERY = 0.05  # s; five within the board's watchdog
 PING_EVERY_BAD_LINE = 0.02  # s; where 3 % of bytes are damaged five pings are all lost once in 350 times, twelve never
 CLEAN_LINE = 3  # damaged frames and retries, no more than which a line is taken as good
+LONGEST_NEGLECT = 2.0  # s; the board holds its samples for 7 s, at an emulator's double rate for half as long
 BOOT_WITHIN = 6.0  # s; a Due that is opened resets and starts within 2 s
 
 
@@ -61,6 +62,7 @@ class Board:
         self._ping_token = 0
         self._pings: dict[int, float] = {}
         self._pinged_at = -1e9
+        self._serviced_at = time.monotonic()
         self._reset = False
 
     # ---- connecting ----
@@ -160,6 +162,11 @@ class Board:
         return SLOWEST_BOARD + 2 * (size + 20) * 10 / BAUD + 4 * self.clock.quickest
 
     @property
+    def neglected(self) -> bool:
+        """Whether it was not served for so long that what it said meanwhile is lost: it must be greeted anew."""
+        return time.monotonic() - self._serviced_at > LONGEST_NEGLECT
+
+    @property
     def line_is_good(self) -> bool:
         """Whether enough has been said over the line, and hardly any of it twice."""
         counters = self.counters
@@ -171,6 +178,7 @@ class Board:
 
         Fault("board_reset") once after the board has started anew; Fault("link_lost") when the port is gone.
         """
+        self._serviced_at = time.monotonic()
         now = self.time.now()
         if now - self._pinged_at >= (
             PING_EVERY if self.link.bad_frames + self._board_bad_frames <= CLEAN_LINE else PING_EVERY_BAD_LINE

@@ -19,6 +19,8 @@ from rig.setup_file import LoadCellCalibration
 from tentacle.errors import InputError
 from tentacle.signals import Array
 
+WORST_RMS = 0.03  # of the range; a load cell of the cheapest kind is within 0.1 %
+
 
 @dataclass(frozen=True)
 class LineFit:
@@ -64,6 +66,11 @@ def fit_line(values: Array, readings: Array) -> LineFit:
         raise InputError(f"the readings do not follow the loads (slope {slope:.4g} +- {slope_sigma:.2g})")
     in_units = (readings - offset) / slope - values
     rms = float(np.sqrt(np.mean(in_units[keep] ** 2)))
+    if rms > WORST_RMS * np.ptp(values[keep]):
+        raise InputError(
+            f"the readings stray from a line by {100 * rms / np.ptp(values[keep]):.0f} % of the range",
+            expected=f"at most {100 * WORST_RMS:g} %: did it come to rest at each, and was each put on?",
+        )
     return LineFit(float(offset), float(slope), offset_sigma, slope_sigma, in_units, rms, int((~keep).sum()))
 
 

@@ -19,11 +19,11 @@ FEWEST_FRAMES = 10
 
 @dataclass(frozen=True)
 class CameraOffset:
-    """offset [s]: arrival minus the middle of exposure; sigma [s] of it; edges that were used."""
+    """offset [s]: arrival minus the middle of exposure; sigma [s] of it; how many edges or frames were used."""
 
     offset: float
     sigma: float
-    edges: int
+    used: int
 
 
 def lit_frames(thumbnails: Array, frame_times: Array, on: Array, off: Array) -> np.ndarray:
@@ -97,7 +97,7 @@ def combined(now: CameraOffset, calibrated: CameraOffset | None) -> CameraOffset
         return now
     weight = np.array([now.sigma, calibrated.sigma]) ** -2.0
     offset = float(weight @ [now.offset, calibrated.offset] / weight.sum())
-    return CameraOffset(offset, float(weight.sum() ** -0.5), now.edges)
+    return CameraOffset(offset, float(weight.sum() ** -0.5), now.used)
 
 
 def _between(early: Array, late: Array, jitter: float) -> Array:

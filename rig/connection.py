@@ -12,7 +12,7 @@ from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.host_time import HostTime
 from rig.link import Link
 from rig.play import arm
-from rig.setup_file import RigSetup
+from rig.setup_file import EMULATED, RigSetup
 
 
 @contextmanager
@@ -28,8 +28,8 @@ def connected(setup: RigSetup) -> Iterator[Board]:
 
 
 def connect_again(setup: RigSetup, board: Board) -> None:
-    """A board whose link was lost between runs, greeted and armed anew; nothing where it still stands."""
-    if not board.link.is_open:
+    """Greets and arms anew a board whose link was lost between runs, or that was not listened to for long."""
+    if not board.link.is_open or board.neglected:
         board.connect()
         arm(board, setup.limits, setup.servo)
 
@@ -52,7 +52,7 @@ def _source(setup: RigSetup, host_time: HostTime) -> FrameSource:
     source = setup.camera.source
     if source.isdigit():
         return WebcamSource(int(source), host_time)
-    if source == "emulated":
+    if source == EMULATED:
         optics = EmulatedOptics.of(setup.recording.declaration)
         return EmulatedSource(Path(setup.port).parent / "truth", optics, host_time)
     return FileSource(Path(source), host_time)

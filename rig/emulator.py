@@ -23,7 +23,7 @@ POINTS = 24
 _STATE = struct.Struct(f"<Q{10 + 3 + 2 * POINTS}d")  # TraceState in firmware/host/trace.hpp
 _PAST = (512, 1 + 2 * POINTS)  # after it, TracePast: board_us and points
 Plant = Literal["paddle", "arm"]
-Said = Literal["unplug", "replug", "reset", "line", "mute", "cell_off", "cell_glitch", "jam"]
+Said = Literal["unplug", "replug", "reset", "line", "mute", "cell_off", "cell_glitch", "jam", "load"]
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ class Emulator:
 
     def say(self, verb: Said, *numbers: float) -> None:
         """Brings about a fault: unplug, replug, reset, line CORRUPT DROP DOUBLE (shares of bytes), mute SECONDS,
-        cell_off 0|1, cell_glitch, jam 0|1.
+        cell_off 0|1, cell_glitch, jam 0|1, load NEWTONS (hung on the load cell).
         """
         assert self._board is not None
         assert self._board.stdin is not None

@@ -90,12 +90,10 @@ def optimise(arguments: argparse.Namespace) -> int:
     if arguments.reidentify and setup.camera is None:
         raise InputError("needs a camera", field="--reidentify", expected="[camera] in rig.toml")
     first: list[dict[str, float]] = []
-    if arguments.model is not None:
+    model = None if arguments.model is None else read_model(arguments.model)
+    if model is not None:
         print("asking the model for its best gaits", flush=True)
-        first = best_gaits(read_model(arguments.model), space, plan.plan, arguments.first, arguments.seed)
-    propose = None
-    if arguments.reidentify:
-        propose = proposer(space, plan.plan, seed=arguments.seed, told=lambda found: print(found.headline, flush=True))
+        first = best_gaits(model, space, plan.plan, arguments.first, arguments.seed)
     trials = []
     with (
         connected(setup) as board,
@@ -104,6 +102,18 @@ def optimise(arguments: argparse.Namespace) -> int:
         Interrupts(_say) as interrupts,
     ):
         runner = trial_runner(setup, board, camera, interrupts, progress)
+
+        def diagnosing(step: str) -> None:
+            if interrupts.pause:  # a diagnosis takes minutes, and the arm stands at neutral: it can be left at once
+                raise KeyboardInterrupt
+            progress(f"diagnosis: {step}", 0.0)
+
+        propose = None
+        if arguments.reidentify:
+            propose = proposer(
+                space, plan.plan, believed=model, seed=arguments.seed, progress=diagnosing,
+                told=lambda found: print(found.headline, flush=True),
+            )  # fmt: skip
         for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts):
             trials.append(trial)
             top = best(trials)
