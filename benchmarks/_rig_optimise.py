@@ -70,7 +70,7 @@ def true_propulsion(space: GaitSpace, plan: TrialPlan, point: dict[str, float]) 
 
 
 def optimised(
-    folder: Path, space: GaitSpace, plan: TrialPlan, trials: int, reidentify: int
+    folder: Path, space: GaitSpace, plan: TrialPlan, trials: int, reidentify: int, rate: float
 ) -> tuple[list[Trial], list[str]]:
     """`rig optimise` from a model that lacks what the arm has: its trials, and what the diagnoses said."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -78,7 +78,7 @@ def optimised(
     (folder / "hidden.json").write_text(json.dumps(HIDDEN))
     first = best_gaits(DECLARED, space, plan, 5, seed=1)
     words = (str(folder / "model.toml"), str(folder / "hidden.json"))
-    settings = EmulatorSettings(seed=17, plant="arm", plant_options=words)
+    settings = EmulatorSettings(seed=17, rate=rate, plant="arm", plant_options=words)
     verdicts: list[str] = []
     with Emulator(folder / "emulator", settings) as emulator:
         setup = setup_for(emulator, camera=CameraSettings("emulated") if reidentify else None)
@@ -91,15 +91,15 @@ def optimised(
             return list(optimise(folder / "study", study, runner, first, propose=propose)), verdicts
 
 
-def side_by_side(folder: Path, trials: int, samples: int, every: int) -> dict[str, float]:
+def side_by_side(folder: Path, trials: int, samples: int, every: int, rate: float) -> dict[str, float]:
     """The gap of the best gait found to the best known, by truth, without re-identification and with it every so many
-    trials (0: without only), as a printed table.
+    trials (0: without only), as a printed table. rate: emulated seconds a second; a busy computer wants less than 1.
     """
     space, plan = GaitSpace(LIMITS, (0.4, 3.0), harmonics=1), TrialPlan(5, 2)
     _, top = best_known(space, plan, samples)
-    courses = {"without": optimised(folder / "without", space, plan, trials, 0)}
+    courses = {"without": optimised(folder / "without", space, plan, trials, 0, rate)}
     if every:
-        courses[f"with, every {every}"] = optimised(folder / "with", space, plan, trials, every)
+        courses[f"with, every {every}"] = optimised(folder / "with", space, plan, trials, every, rate)
     true = {name: [true_propulsion(space, plan, trial.point) for trial in done] for name, (done, _) in courses.items()}
     top = max(top, *(max(values) for values in true.values()))  # of all that was ever tried on this arm
     print(f"rig optimise, re-identification side by side; best known gait of the arm {1e3 * top:.2f} mN")

@@ -31,6 +31,7 @@ def main() -> int:
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--only", choices=("run", "faults", "fuzz", "optimise"), help="one part")
+    parser.add_argument("--rate", type=float, default=1.0, help="emulated seconds a second while it optimises")
     arguments = parser.parse_args()
     short, only = arguments.short, arguments.only
     figures: dict[str, float] = {}
@@ -62,7 +63,7 @@ def main() -> int:
             outcomes.append(fuzz(20_000 if short else 1_000_000))
         if only in (None, "optimise"):
             trials, samples, every = (10, 16, 0) if short else (30, 96, 10)
-            figures |= side_by_side(folder / "optimise", trials, samples, every)
+            figures |= side_by_side(folder / "optimise", trials, samples, every, arguments.rate)
     if outcomes:
         figures |= {"faults_tried": len(outcomes), "faults_survived": sum(o.good for o in outcomes)}
         for outcome in outcomes:

@@ -88,7 +88,7 @@ class LiveRun:
                 next_flash = now + 1e-3 * FLASH_MS + float(spacing.uniform(*FLASH_EVERY))
             self.progress("settling", min((now - begun) / rule.timeout, 1.0))
             if self.interrupts is not None and self.interrupts.pause:
-                raise Fault("not_settled", "stopped by hand before the run")
+                raise Fault("interrupted", "stopped by hand before the run")
             if now - begun > rule.timeout:
                 raise Fault(
                     "not_settled",

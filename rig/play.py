@@ -18,6 +18,7 @@ from rig.safety import SERVO_FRAME, SafetyLimits, ServoCalibration, check_limits
 from rig.upload import AHEAD, Upload
 from tentacle.signals import Array
 
+LONGEST_AHEAD = 2.0  # s
 RECONNECT_WITHIN = 5.0  # s
 OVERDUE = 5.0  # s after which a run whose end was not heard of is given up
 _ENDS: dict[int, Kind] = {
@@ -75,8 +76,7 @@ def play(
     urad = np.round(1e6 * points).astype(int).tolist()
     start_us = 0
     try:
-        upload, start_us = _begin(board, urad, period)
-        asked_us = start_us - round(1e6 * _ahead(board)) - 50_000  # what happened before belongs to an earlier run
+        upload, asked_us, start_us = _begin(board, urad, period)
         latest = board.time.now() + len(urad) * period + _ahead(board) + OVERDUE * board.time.rate
         yield PlayStart(start_us)
         stopping = False
@@ -102,16 +102,27 @@ def play(
     yield end
 
 
-def _begin(board: Board, urad: list[int], period: float) -> tuple[Upload, int]:
+def _begin(board: Board, urad: list[int], period: float) -> tuple[Upload, int, int]:
+    """The upload, and board times [us]: that before which all belongs to an earlier run, and that of set point 0."""
     board.command(Type.CLEAR)
     upload = Upload(board, urad)
     while upload.arrived < min(AHEAD, len(urad)):
         upload.service()
         board.service(0.002)
-    clock = board.synchronise()
-    start_us = round(1e6 * (clock.to_board(board.time.now()) + _ahead(board)))
-    board.command(Type.START, protocol.start(start_us, round(1e6 * period), len(urad)))
-    return upload, start_us
+    ahead = _ahead(board)
+    while True:
+        clock = board.synchronise()
+        asked = clock.to_board(board.time.now())
+        start_us = round(1e6 * (asked + ahead))
+        try:
+            board.command(Type.START, protocol.start(start_us, round(1e6 * period), len(urad)))
+        except Fault as fault:
+            late = 1e6 * clock.to_board(board.time.now()) > start_us
+            if fault.kind != "refused" or not late or ahead > LONGEST_AHEAD:
+                raise
+            ahead *= 2  # the command came after the time it named: a busy computer, or a bad line
+            continue
+        return upload, round(1e6 * asked) - 50_000, start_us
 
 
 def _ahead(board: Board) -> float:

@@ -16,7 +16,7 @@ VIEWER_PORT = 9876
 
 
 def record(arguments: argparse.Namespace) -> int:
-    """One run; exit code 3 where it did not complete."""
+    """One run; exit code 3 where it did not complete, 130 where it was stopped by hand."""
     from rig import record as rig_record
     from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
@@ -43,7 +43,7 @@ def record(arguments: argparse.Namespace) -> int:
     print(f"{result.outcome}: {result.samples} samples, {result.lost} lost, wrote {result.path}")
     if result.words:
         print(result.words)
-    return 0 if result.outcome == "complete" else 3
+    return {"complete": 0, "interrupted": 130}.get(result.outcome, 3)
 
 
 def campaign(arguments: argparse.Namespace) -> int:

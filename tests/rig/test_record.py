@@ -84,7 +84,9 @@ def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path) -
     assert "cut_off" not in recording.notes
     assert recording.video is not None
     assert recording.motor is not None
-    np.testing.assert_allclose(recording.motor.t, to_recording(read_run(path)).motor.t[-len(recording.motor.t) :])
+    whole = to_recording(read_run(path)).motor
+    assert whole is not None
+    np.testing.assert_allclose(recording.motor.t, whole.t[-len(recording.motor.t) :])
 
 
 def test_killed_host_leaves_a_readable_file_and_the_arm_at_neutral(emulator: Emulator, tmp_path: Path) -> None:
