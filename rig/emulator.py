@@ -173,6 +173,12 @@ class Emulator:
         self._board.stdin.flush()
         self._expect(f"done {verb}")
 
+    def kill(self) -> None:
+        """The board's power is cut: its process ends at once (-9), and its port with it."""
+        assert self._board is not None
+        self._board.kill()
+        self._board.wait()
+
     def truth(self) -> Truth:
         """What truly is, now."""
         return read_truth(self.trace)

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks._rig_killed import killed_host
 from benchmarks._rig_scene import NEUTRAL_US, setup_for
 from rig.emulator import Emulator, read_truth
 from rig.run_file import read_run
@@ -196,3 +197,9 @@ def test_nothing_listens(bench: Path) -> None:
             continue  # it has ended meanwhile
     assert inodes
     assert not [name for name in inodes if name.startswith("socket:")]
+
+
+@pytest.mark.usefixtures("compiler")
+def test_a_killed_optimisation_goes_on(tmp_path: Path) -> None:
+    outcome = killed_host(tmp_path)
+    assert outcome.good, outcome.words
