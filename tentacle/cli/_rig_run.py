@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 from tentacle.errors import InputError
 
@@ -150,10 +148,8 @@ def _viewer(wanted: bool) -> Iterator[str | None]:
     if not wanted:
         yield None
         return
-    command = [str(Path(sys.executable).with_name("rerun")), "--bind", "127.0.0.1", "--port", str(VIEWER_PORT)]
-    try:
-        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-    except FileNotFoundError:
-        raise InputError("no viewer here", field="--view", expected="the rerun command beside this Python") from None
+    from tentacle.cli._live_viewer import start_viewer
+
+    start_viewer(VIEWER_PORT)
     with contextlib.suppress(KeyboardInterrupt):
         yield f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"

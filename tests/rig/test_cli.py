@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -20,7 +21,9 @@ from rig.emulator import Emulator, read_truth
 from rig.run_file import read_run
 from rig.setup_file import read_setup, write_setup
 from tentacle.cli import main
+from tentacle.cli._live_viewer import start_viewer
 from tentacle.specimen import STANDARD_GRAVITY
+from viz.viewer import free_port
 
 ROOT = Path(__file__).parents[2]
 TENTACLE = [sys.executable, "-m", "tentacle"]
@@ -182,21 +185,41 @@ def test_load_cell_and_servo_are_calibrated(
     )  # two masses show no residual
 
 
-@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="no /proc/net here")
-def test_nothing_listens(bench: Path) -> None:
-    """The emulator and its port open no socket at all; `--view` is tests/viz's: 127.0.0.1 on its command line."""
-    assert bench.is_dir()
+def listening(of: Callable[[str], bool]) -> set[str]:
+    """Addresses (hexadecimal, as /proc/net/tcp has them) on which the processes listen whose command line is `of`."""
     inodes = set()
     for process in Path("/proc").glob("[0-9]*"):
         try:
-            words = (process / "cmdline").read_bytes()
-            if str(bench).encode() not in words:
-                continue
-            inodes |= {str(entry.readlink()) for entry in (process / "fd").iterdir()}
+            if of((process / "cmdline").read_text()):
+                inodes |= {str(entry.readlink()) for entry in (process / "fd").iterdir()}
         except OSError:
             continue  # it has ended meanwhile
     assert inodes
-    assert not [name for name in inodes if name.startswith("socket:")]
+    found = set()
+    for table in ("tcp", "tcp6", "udp", "udp6"):
+        for line in Path("/proc/net", table).read_text().splitlines()[1:]:
+            words = line.split()
+            if f"socket:[{words[9]}]" in inodes and (words[3] == "0A" or table.startswith("udp")):
+                found.add(words[1])
+    return found
+
+
+@pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="no /proc/net here")
+def test_nothing_listens_beyond_this_machine(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert listening(lambda words: str(bench) in words) == set()  # the emulator opens no socket at all
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    port, page = free_port(), free_port()
+    viewer = start_viewer(port, page)
+    assert viewer is not None
+    try:
+        assert start_viewer(port, page) is None  # the next run takes the same
+        wait_for(lambda: len(listening(lambda words: f"--port\0{port}\0" in words)) >= 2)
+        addresses = listening(lambda words: f"--port\0{port}\0" in words)
+    finally:
+        os.killpg(viewer.pid, signal.SIGKILL)
+        viewer.wait()
+    assert addresses == {f"0100007F:{port:04X}", f"0100007F:{page:04X}"}
 
 
 @pytest.mark.usefixtures("compiler")
