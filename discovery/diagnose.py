@@ -10,16 +10,16 @@ import numpy as np
 from affine_model.curvature import Array
 from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem, fit
-from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order, settled
+from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
 from discovery.calibration import calibrated
 from discovery.compare import errors, floor_errors, midline_error, run_comparison
 from discovery.next_experiment import DURATION, Proposal, propose
-from discovery.prepare import CannotTellError, Prepared, prepare
+from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
 from discovery.search import Search, estimates, hypothesis, looseness, search
 from discovery.unnamed import Rest, unnamed_rest
-from discovery.verdict import Decision, decide, probabilities
+from discovery.verdict import Decision, decide, probabilities, structure_share
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
 from tentacle.errors import InputError
 from tentacle.model import Model
@@ -30,8 +30,9 @@ from tentacle.waveform_file import waveform_table
 Progress = Callable[[str], None]
 LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
+PARTIAL = 0.5  # an account that leaves more of the structured error than this is none to build on
 SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
-HELPS = 0.8  # a coordinate more must bring the reduction's error below this share of what it was
+HELPS = 0.8  # more coordinates must bring the reduction's error below this share of what it was
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
 
 
@@ -174,14 +175,16 @@ def _diagnosed(
     paper_problem, paper = _base_hypothesis(setting, 2, known)
     base_problem, base = paper_problem, paper
     if order > 2:
-        base_problem, base = _base_hypothesis(setting, order, known, warm=paper)
+        fitted = fitted_order(order, _most_coordinates(base_problem))
+        base_problem, base = _base_hypothesis(setting, fitted, known, warm=paper)
     progress("running the reference")
     base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
     structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)
-    rest = None if found.chosen.train.passed else unnamed_rest(found.chosen)
+    explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
+    rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     final = found.chosen.problem.experiments  # with the noise as the final model leaves it
     prepared = [replace(p, experiment=experiment) for p, experiment in zip(prepared, final, strict=True)]
     progress("comparing")
@@ -212,14 +215,21 @@ def _reduced_enough(
     Shapes show a coordinate only where it stands out of the noise by itself; the chain shows those that matter below.
     """
     reduction = reduction_error(setting.declaration, problem, fitted)
-    seen = [e.observation.order for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
-    while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < min(seen):
-        higher = _base_hypothesis(setting, problem.arm.order + 1, known, warm=fitted)
+    most = _most_coordinates(problem)
+    while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < most:
+        more = fitted_order(problem.arm.order + 1, most)
+        higher = _base_hypothesis(setting, more, known, warm=fitted)
         again = reduction_error(setting.declaration, *higher)
         if again is None or again.worst > HELPS * reduction.worst:
             break
         (problem, fitted), reduction = higher, again
     return problem, fitted, reduction
+
+
+def _most_coordinates(problem: Problem) -> int:
+    """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
+    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
+    return min((shape.order for shape in shapes), default=MOST_COORDINATES)
 
 
 def _assembled(
