@@ -123,8 +123,11 @@ def screenshot(files: Sequence[Path], picture: Path, at: float | None = None, se
     return picture
 
 
-def holds_recording(file: Path) -> bool:
-    """Whether an .rrd is a plain recording (it holds its declaration), not a session that has a layout."""
+DECLARATION = "/declaration"  # only a plain recording holds one; a session has a layout instead
+
+
+def holds(file: Path, entity: str) -> bool:
+    """Whether an .rrd has something under an entity's path."""
     from rerun.chunk import RrdReader
 
-    return any(str(chunk.entity_path) == "/declaration" for chunk in RrdReader(str(file)).stream())
+    return any(str(chunk.entity_path) == entity for chunk in RrdReader(str(file)).stream())

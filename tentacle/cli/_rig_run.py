@@ -138,10 +138,18 @@ def _viewer(wanted: bool) -> Iterator[str | None]:
     if not wanted:
         yield None
         return
+    from rig import recorder
+    from viz.blueprints.rig import LivePaths, send_live_layout
+
     command = [str(Path(sys.executable).with_name("rerun")), "--bind", "127.0.0.1", "--port", str(VIEWER_PORT)]
     try:
         subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
     except FileNotFoundError:
         raise InputError("no viewer here", field="--view", expected="the rerun command beside this Python") from None
+    address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
+    paths = LivePaths(
+        recorder.COMMAND, recorder.ANGLE, recorder.CURRENT, recorder.THRUST, recorder.EVENTS, recorder.BOARD_TIME
+    )
+    send_live_layout(address, recorder.APPLICATION, paths)
     with contextlib.suppress(KeyboardInterrupt):
-        yield f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
+        yield address

@@ -87,19 +87,19 @@ def regression(recording: Recording, model: Model) -> Figure:
     """Figure 5."""
     from tentacle.cli._measured import beside_model, regression_sides
     from viz.figures.regression import regression_figure
-    from viz.scene import scene_of
+    from viz.scene import model_scene
 
     t, delta, prediction = regression_sides(recording, model)
-    return regression_figure(t, delta, prediction, scene_of(beside_model(recording, model)))
+    return regression_figure(t, delta, prediction, model_scene(beside_model(recording, model)))
 
 
 def extremes(recordings: list[Recording], model: Model) -> Figure:
     """Figure 8."""
     from tentacle.cli._measured import beside_model
     from viz.figures.extremes import extremes_figure
-    from viz.scene import scene_of
+    from viz.scene import model_scene
 
-    return extremes_figure([scene_of(beside_model(recording, model)) for recording in recordings])
+    return extremes_figure([model_scene(beside_model(recording, model)) for recording in recordings])
 
 
 def stills(recording: Recording, model: Model | None) -> Figure:
