@@ -25,9 +25,7 @@ def drag_along(model: Model, t: Array, s: Array, xy: Array) -> Array:
 
 
 @njit(cache=True)
-def _drag(
-    t: Array, xy: Array, velocity: Array, normal: Array, width: Array, perimeter: Array, water: Fields
-) -> Array:
+def _drag(t: Array, xy: Array, velocity: Array, normal: Array, width: Array, perimeter: Array, water: Fields) -> Array:
     """The resistances of water.water_forces, point by point."""
     force = np.empty_like(xy)
     for k in range(xy.shape[0]):

@@ -40,9 +40,13 @@ def motions_scene(name: str, t: Array, s: Array, theta: Array, motions: Mapping[
     roles = (MEASURED, *MODEL_ROLES)[: len(motions)]
     parties = tuple(
         Party(
-            rr.escape_entity_path_part(key), Role(key, role.colour, role.dash), motion.xy, motion.q, motion.thrust,
+            rr.escape_entity_path_part(key),
+            Role(key, role.colour, role.dash),
+            motion.xy,
+            motion.q,
+            motion.thrust,
             motion.drag,
-        )  # fmt: skip
+        )
         for (key, motion), role in zip(motions.items(), roles, strict=True)
     )
     return Scene(name, t, s, theta, parties, np.ones(len(t), dtype=bool))

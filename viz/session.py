@@ -20,8 +20,8 @@ from viz.scene import Scene, paired, scene_of
 from viz.topics.arms import log_arms
 from viz.topics.camera import log_camera
 from viz.topics.coordinates import log_coordinates
-from viz.topics.forces import log_forces
 from viz.topics.events import Event, judged_events, log_events, recording_events
+from viz.topics.forces import log_forces
 from viz.topics.paths import run_path
 from viz.topics.residual import log_residual, log_spectra
 from viz.topics.thrust import log_thrust
@@ -56,9 +56,7 @@ def set_layout(session: rr.RecordingStream, blueprint: rrb.Blueprint) -> None:
     session.send_blueprint(blueprint, make_active=True, make_default=True)
 
 
-def log_scene(
-    session: rr.RecordingStream, scene: Scene, recording: Recording, events: Sequence[Event] = ()
-) -> Shown:
+def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording, events: Sequence[Event] = ()) -> Shown:
     """Every topic of one run; says which of the optional ones there were."""
     path = run_path(scene.name)
     log_arms(session, path, scene, recording.declaration)

@@ -44,9 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli._tracked import read_tracked
     from tentacle.model_file import write_model
     from viz.compare import model_markdown, write_comparison
+    from viz.identify_report import model_report
     from viz.report import Origin, write_report
     from viz.scene import model_scene
-    from viz.identify_report import model_report
 
     with stages() as stage:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from viz.identify_report import model_report
 from viz.report import Origin
 from viz.scene import scene_of
-from viz.identify_report import model_report
 
 
 def test_a_fit_shows_its_parameters_and_its_error(case):

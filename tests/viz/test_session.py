@@ -62,7 +62,8 @@ def test_values_and_times_come_back_as_they_went_in(case, written):
 
 def test_every_topic_of_every_run_is_there(written):
     found = read(written)
-    topics = ["arms/measured", "arms/base", "arms/augmented", "arms/drag/base", "arms/thrust/augmented", "arms/water", "q1/base", "q2/measured/low",
+    topics = ["arms/measured", "arms/base", "arms/augmented", "arms/drag/base", "arms/thrust/augmented",
+              "arms/water", "q1/base", "q2/measured/low",
               "theta", "residual/base/map", "residual/augmented/now", "error/augmented", "spectrum", "thrust/measured",
               "thrust/base", "events"]  # fmt: skip
     for run in ("chirp\\ 1", "gait\\:\\ trial\\/2"):

@@ -12,9 +12,8 @@ from rerun.chunk import RrdReader
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.recording_rrd import write_rrd
-from viz.compare import Motion, model_markdown, motions_scene, write_comparison
 from viz.blueprints.rig import LivePaths, rig_blueprint
-from viz.topics.events import Event
+from viz.compare import Motion, model_markdown, motions_scene, write_comparison
 from viz.track import track_scene, write_recording_view
 from viz.viewer import DECLARATION, headless_viewer, holds, open_native, require_recordings, screenshot, serve_web
 

@@ -22,8 +22,10 @@ def thrust_of(drag: Array, s: Array, length: float) -> Array:
     return length * np.trapezoid(drag[..., 1], s, axis=1)
 
 
-def log_arrows(session: rr.RecordingStream, path: str, role: Role, t: Array, origins: Array, vectors: Array, thickness: float) -> None:
-    """Arrows over time: origins, vectors (T, A, 2), thickness [m as drawn]; those with a missing (NaN) part are left out."""
+def log_arrows(
+    session: rr.RecordingStream, path: str, role: Role, t: Array, origins: Array, vectors: Array, thickness: float
+) -> None:
+    """Arrows over time: origins, vectors (T, A, 2), thickness [m as drawn]; missing (NaN) ones are left out."""
     present = np.isfinite(origins).all(axis=-1) & np.isfinite(vectors).all(axis=-1)
     session.log(path, rr.Arrows3D.from_fields(colors=[role.colour]), static=True)
     columns = rr.Arrows3D.columns(
@@ -48,7 +50,8 @@ def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specim
     beside = LANE * float(arm.section.half_thickness(0.0))
     for lane, ((party, drag), thrust) in enumerate(zip(known, thrusts, strict=True), start=1):
         arrows = LONGEST * arm.length / strongest * drag[:, keep]
-        log_arrows(session, f"{path}/arms/drag/{party.key}", party.role, scene.t, party.xy[:, keep], arrows, arm.length / 200)
+        where = party.xy[:, keep]
+        log_arrows(session, f"{path}/arms/drag/{party.key}", party.role, scene.t, where, arrows, arm.length / 200)
         start = np.broadcast_to([lane * beside, 0.0], (len(thrust), 1, 2))
         whole = LONGEST * arm.length / hardest * np.stack([np.zeros_like(thrust), thrust], axis=-1)[:, None]
         log_arrows(session, f"{path}/arms/thrust/{party.key}", party.role, scene.t, start, whole, arm.length / 80)
