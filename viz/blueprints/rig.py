@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import rerun as rr
 import rerun.blueprint as rrb
@@ -23,19 +24,19 @@ class LivePaths:
     timeline: str
 
 
-def live_view(name: str, lines: dict[str, rr.SeriesLines]) -> rrb.TimeSeriesView:
+def live_view(name: str, lines: dict[Any, rr.SeriesLines]) -> rrb.TimeSeriesView:
     """A few lines of the run, each path with its look."""
-    return rrb.TimeSeriesView(origin="/", contents=list(lines), name=name, overrides=dict(lines))
+    return rrb.TimeSeriesView(origin="/", contents=list(lines), name=name, overrides=lines)
 
 
 def rig_blueprint(paths: LivePaths) -> rrb.Blueprint:
     """The layout of a run while it lasts; it follows the newest sample."""
-    angles = {
+    angles: dict[Any, rr.SeriesLines] = {
         paths.command: rr.SeriesLines(colors=[NEUTRAL.colour], names=["commanded"]),
         paths.angle: rr.SeriesLines(colors=[MEASURED.colour], names=["measured"]),
     }
-    force = {paths.thrust: rr.SeriesLines(colors=[MEASURED.colour], names=["load cell"])}
-    drawn = {paths.current: rr.SeriesLines(colors=[AUGMENTED.colour], names=["servo"])}
+    force: dict[Any, rr.SeriesLines] = {paths.thrust: rr.SeriesLines(colors=[MEASURED.colour], names=["load cell"])}
+    drawn: dict[Any, rr.SeriesLines] = {paths.current: rr.SeriesLines(colors=[AUGMENTED.colour], names=["servo"])}
     columns = rrb.TextLogColumns(
         timeline_columns=[TimelineColumn(paths.timeline, visible=True)],
         text_log_columns=[TextLogColumn("LogLevel"), TextLogColumn("Body")],

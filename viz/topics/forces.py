@@ -19,7 +19,7 @@ LANE = 3.0  # half thicknesses at the clamp between two thrust arrows
 
 def thrust_of(drag: Array, s: Array, length: float) -> Array:
     """The drag's sum along y (T,) [N], eq. 17 with L ds: int drag_y L ds by the trapezium rule."""
-    return length * np.trapezoid(drag[..., 1], s, axis=1)
+    return np.asarray(length * np.trapezoid(drag[..., 1], s, axis=1))
 
 
 def log_arrows(
