@@ -9,8 +9,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tentacle.errors import InputError
+
+if TYPE_CHECKING:
+    from viz.blueprints.rig import LivePaths
 
 VIEWER_PORT = 9876
 
@@ -139,7 +143,7 @@ def _viewer(wanted: bool) -> Iterator[str | None]:
         yield None
         return
     from rig import recorder
-    from viz.blueprints.rig import LivePaths, send_live_layout
+    from viz.blueprints.rig import send_live_layout
 
     command = [str(Path(sys.executable).with_name("rerun")), "--bind", "127.0.0.1", "--port", str(VIEWER_PORT)]
     try:
@@ -147,9 +151,16 @@ def _viewer(wanted: bool) -> Iterator[str | None]:
     except FileNotFoundError:
         raise InputError("no viewer here", field="--view", expected="the rerun command beside this Python") from None
     address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
-    paths = LivePaths(
-        recorder.COMMAND, recorder.ANGLE, recorder.CURRENT, recorder.THRUST, recorder.EVENTS, recorder.BOARD_TIME
-    )
-    send_live_layout(address, recorder.APPLICATION, paths)
+    send_live_layout(address, recorder.APPLICATION, live_paths())
     with contextlib.suppress(KeyboardInterrupt):
         yield address
+
+
+def live_paths() -> LivePaths:
+    """Where the recorder keeps what a live view shows."""
+    from rig import recorder
+    from viz.blueprints.rig import LivePaths
+
+    return LivePaths(
+        recorder.COMMAND, recorder.ANGLE, recorder.CURRENT, recorder.THRUST, recorder.EVENTS, recorder.BOARD_TIME
+    )

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+import socket
+import time
 from dataclasses import replace
 from pathlib import Path
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
@@ -101,13 +105,43 @@ def test_the_viewer_listens_on_this_machine_only(monkeypatch):
         raise OSError("not started in this test")
 
     monkeypatch.setattr("viz.viewer.subprocess.Popen", note)
-    monkeypatch.setattr("viz.viewer.subprocess.run", note)
     with pytest.raises(OSError, match="not started"), headless_viewer():
         pass
     for start in (open_native, serve_web):
         with pytest.raises(OSError, match="not started"):
             start([])
     assert [command[command.index("--bind") + 1] for command in asked] == ["127.0.0.1"] * 3
+
+
+def test_a_web_page_is_served_here_alone_until_ctrl_c_and_nothing_is_left_behind(case, tmp_path):
+    """The page and the data answer on 127.0.0.1, on no other address of this machine; then nobody listens any more."""
+    session = write_recording_view(replace(case.recordings[0], video=None), tmp_path / "view.rrd")
+    seen = []
+
+    def visit(words: str) -> None:
+        page = words.split()[0]
+        with urlopen(page, timeout=10) as answer:
+            assert b"<html" in answer.read(2000)
+        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", page)]
+        assert len(ports) == 2  # the page's and the data's
+        others = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
+        for address in others - {"127.0.0.1"}:
+            assert [answers(address, port) for port in ports] == [False, False]
+        seen.extend(ports)
+        raise KeyboardInterrupt  # as the reader's Ctrl-C
+
+    with pytest.raises(KeyboardInterrupt):
+        serve_web([session], told=visit)
+    deadline = time.monotonic() + 10.0
+    while any(answers("127.0.0.1", port) for port in seen) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert [answers("127.0.0.1", port) for port in seen] == [False, False]
+
+
+def answers(address: str, port: int) -> bool:
+    with socket.socket() as probe:
+        probe.settimeout(2.0)
+        return probe.connect_ex((address, port)) == 0
 
 
 def test_a_picture_without_a_screen_or_a_line_that_says_what_to_install(case, tmp_path):
