@@ -1,7 +1,7 @@
 """The documentation's pictures, from the tool itself: python docs/make_pictures.py [GROUP...]
 
-Groups: examples, views, reports, figures (default: all). Views need a Vulkan driver, reports Chromium, the rig's view g++.
-The arm swims in a current that its declaration leaves out; the rest is what a user would type.
+Groups: examples, views, reports, figures (default: all). Views need a Vulkan driver, reports Chromium, the rig's
+view g++. The arm swims in a current that its declaration leaves out; the rest is what a user would type.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def photograph(page: Path, height: int) -> Path:
 
 
 def keep(picture: Path, name: str) -> None:
-    """Into the documentation, no wider than WIDTH; a name without suffix gets .webp."""
+    """Into the documentation under that name, as WebP no wider than WIDTH."""
     import cv2
 
     image = cv2.imread(str(picture))
@@ -76,9 +76,9 @@ def keep(picture: Path, name: str) -> None:
         raise SystemExit(f"{picture} was not drawn")
     scale = min(1.0, WIDTH / image.shape[1])
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    target = PICTURES / (name if "." in name else f"{name}.webp")
+    target = PICTURES / f"{name}.webp"
     target.parent.mkdir(parents=True, exist_ok=True)
-    cv2.imwrite(str(target), small, [cv2.IMWRITE_WEBP_QUALITY, QUALITY, cv2.IMWRITE_PNG_COMPRESSION, 9])
+    cv2.imwrite(str(target), small, [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
 
 
 def examples(folder: Path) -> None:
@@ -89,7 +89,7 @@ def examples(folder: Path) -> None:
         done = subprocess.run([sys.executable, str(script)], cwd=folder, env=environment, text=True,
                               stdout=subprocess.PIPE, check=True)  # fmt: skip
         (EXAMPLES / f"{script.stem}.txt").write_text(done.stdout, encoding="utf-8")
-        keep(folder / f"{script.stem}.png", f"examples/{script.stem}.png")
+        keep(folder / f"{script.stem}.png", f"examples/{script.stem}")
 
 
 def material(folder: Path) -> None:

@@ -16,7 +16,7 @@ from mkdocs.structure.files import File, Files
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
-RUN = "pictures/examples"  # what running a script left there: NAME.png and NAME.txt
+RUN = "pictures/examples"  # what running a script left there: NAME.webp and NAME.txt
 MARK = re.compile(r"^# %%( \[markdown\])?$", re.MULTILINE)
 
 
@@ -64,7 +64,7 @@ def page(name: str, script: str) -> str:
     printed = (ROOT / "docs" / RUN / f"{name}.txt").read_text(encoding="utf-8").strip()
     title, rest = parts[0].split("\n", 1)
     links = f"[Notebook](../notebooks/{name}.ipynb) of `examples/{name}.py`; it runs in a few seconds."
-    picture = f"![{title.lstrip('# ')}](../{RUN}/{name}.png)"
+    picture = f"![{title.lstrip('# ')}](../{RUN}/{name}.webp)"
     return (
         "\n\n".join([title, links, picture, rest.strip(), *parts[1:], "It prints", f"```text\n{printed}\n```"]) + "\n"
     )

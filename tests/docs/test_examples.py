@@ -36,7 +36,7 @@ def test_an_example_runs_and_leaves_its_picture(script, tmp_path):
     assert done.stdout.strip()
     import cv2
 
-    made, shown = (cv2.imread(str(p)) for p in (tmp_path / f"{script.stem}.png", gallery(f"{script.stem}.png")))
+    made, shown = (cv2.imread(str(p)) for p in (tmp_path / f"{script.stem}.png", gallery(f"{script.stem}.webp")))
     assert made is not None
     assert shown is not None, "python docs/make_pictures.py makes the gallery's pictures"
     # the gallery's is made smaller; tight borders differ by a few pixels with the fonts at hand
