@@ -4,6 +4,7 @@ there to a verdict, its report and its session.
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
@@ -55,7 +56,8 @@ def run(command: list[str | Path], folder: Path) -> subprocess.CompletedProcess[
 def program(tmp_path_factory) -> Path:
     """`tentacle` of a fresh environment: the wheel, and this environment's libraries but for the extras."""
     for name in ("pip", "setuptools"):
-        pytest.importorskip(name, reason=f"{name} is not here: no wheel can be built without a download")
+        if importlib.util.find_spec(name) is None:
+            pytest.skip(f"{name} is not here: no wheel can be built without a download")
     place = tmp_path_factory.mktemp("newcomer")
     source = place / "source"
     for name in PACKAGES:

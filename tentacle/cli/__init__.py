@@ -69,7 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         name = (error.name or "").partition(".")[0]
         if name not in EXTRAS:
             raise
-        print(f"tentacle: {name} is not installed; expected pip install 'tentacle-twin[{EXTRAS[name]}]'", file=sys.stderr)
+        print(
+            f"tentacle: {name} is not installed; expected pip install 'tentacle-twin[{EXTRAS[name]}]'", file=sys.stderr
+        )
         return 2
     except OSError as error:
         if isinstance(error, BrokenPipeError):  # the reader of a pipe has gone: nothing more to say or to complain of
