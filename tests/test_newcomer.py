@@ -1,5 +1,6 @@
-"""A newcomer's path: the built wheel in a fresh environment without the extras, a video that another tool drew, from
-there to a verdict, its report and its session.
+"""A newcomer's first steps: the built wheel in a fresh environment without the extras, and a video that another tool drew.
+
+The whole path, clone to verdict, is benchmarks/first_hour.py: a diagnosis costs most of a minute of the processor.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ sys.meta_path.insert(0, Absent())
 def run(command: list[str | Path], folder: Path) -> subprocess.CompletedProcess[str]:
     """A command as the newcomer types it: nothing of this checkout is on any path."""
     shell = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    return subprocess.run(command, cwd=folder, env=shell, capture_output=True, text=True, timeout=300, check=False)
+    return subprocess.run(command, cwd=folder, env=shell, capture_output=True, text=True, timeout=900, check=False)
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +107,7 @@ def desk(tmp_path) -> Path:
     return tmp_path
 
 
-def test_from_a_video_to_a_verdict(program, desk):
+def test_from_a_video_to_a_recording_and_its_shapes(program, desk):
     size = ["--length", "0.14", "--base-radius", "0.0125", "--tip-radius", "0.003"]
     tracked = run([program, "track", "my_arm/video.avi", *size, "--out", "track.csv"], desk)
     assert tracked.returncode == 0, tracked.stderr
@@ -115,19 +116,11 @@ def test_from_a_video_to_a_verdict(program, desk):
     found = dict(part.split(" = ") for part in camera.split("  ")[1:])
     assert float(found["m_per_px"]) == pytest.approx(1e-3, rel=0.02)
     np.testing.assert_allclose(json.loads(found["base_px"]), [160, 30], atol=2)  # px; the clamp hides nothing here
-    for command in (
-        "import my_arm --out my_arm.rrd",
-        "diagnose my_arm.rrd --out answer",
-        "figure 3 my_arm.rrd --out steps.svg",
-    ):
+    for command in ("import my_arm --out my_arm.rrd", "figure 3 my_arm.rrd --out steps.svg"):
         done = run([program, *command.split()], desk)
         assert done.returncode == 0, f"{command}\n{done.stderr}"
-    verdict = json.loads((desk / "answer" / "verdict.json").read_text())
-    assert verdict["verdict"] in ("nothing_missing", "effect", "group", "unknown")
-    # a drawn rod that never bends: whatever is named, the augmented model must follow it
-    assert verdict["error"]["after"]["midline_mm"] < 1.0  # one pixel
-    assert "my_arm" in (desk / "answer" / "report.html").read_text()
-    assert (desk / "answer" / "session.rrd").stat().st_size > 10_000
+    assert "largest contour" in (desk / "steps.svg").read_text()
+    assert b"my_arm" in (desk / "my_arm.rrd").read_bytes()
 
 
 @pytest.mark.parametrize(
