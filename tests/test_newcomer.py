@@ -1,4 +1,4 @@
-"""A newcomer's first steps: the built wheel in a fresh environment without the extras, and a video that another tool drew.
+"""A newcomer's first steps: the built wheel in a fresh environment without the extras, a video drawn by another tool.
 
 The whole path, clone to verdict, is benchmarks/first_hour.py: a diagnosis costs most of a minute of the processor.
 """
