@@ -1,4 +1,4 @@
-"""The rest without a name: after the catalogue, a few smooth terms of the effect `unnamed`, if held-out data want them."""
+"""The rest without a name: after the catalogue, a few smooth terms of `unnamed`, where held-out data want them."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What has no name: a small smooth force along the arm and a small moment in it, linear in a few shapes of the motion.
 
-It is no physics but a record of what physics is still owed: discovery adds a few of its terms after the catalogue, where
-they help on data that were held out, and never in place of a named effect.
+It is no physics but a record of what physics is still owed: discovery adds a few of its terms after the catalogue,
+where they help on data that were held out, and never in place of a named effect.
 """
 
 from typing import Any

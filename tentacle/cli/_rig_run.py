@@ -7,8 +7,12 @@ import contextlib
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from tentacle.errors import InputError
+
+if TYPE_CHECKING:
+    from viz.blueprints.rig import LivePaths
 
 VIEWER_PORT = 9876
 
@@ -148,8 +152,22 @@ def _viewer(wanted: bool) -> Iterator[str | None]:
     if not wanted:
         yield None
         return
+    from rig import recorder
     from tentacle.cli._live_viewer import start_viewer
+    from viz.blueprints.rig import send_live_layout
 
     start_viewer(VIEWER_PORT)
+    address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
+    send_live_layout(address, recorder.APPLICATION, live_paths())
     with contextlib.suppress(KeyboardInterrupt):
-        yield f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
+        yield address
+
+
+def live_paths() -> LivePaths:
+    """Where the recorder keeps what a live view shows."""
+    from rig import recorder
+    from viz.blueprints.rig import LivePaths
+
+    return LivePaths(
+        recorder.COMMAND, recorder.ANGLE, recorder.CURRENT, recorder.THRUST, recorder.EVENTS, recorder.BOARD_TIME
+    )

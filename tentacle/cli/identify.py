@@ -41,6 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     import sys
 
+    from tentacle.cli._forces import with_forces
     from tentacle.cli._outcome import written
     from tentacle.cli._progress import stages
     from tentacle.cli._provenance import input_hashes, versions
@@ -48,9 +49,9 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.errors import InputError
     from tentacle.model_file import write_model
     from viz.compare import model_markdown, write_comparison
+    from viz.identify_report import model_report
     from viz.report import Origin, write_report
-    from viz.scene import scene_of
-    from viz.verb_reports import model_report
+    from viz.scene import model_scene
 
     if arguments.bootstrap != 0 and arguments.bootstrap < 20:
         raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
@@ -62,17 +63,18 @@ def run(arguments: argparse.Namespace) -> int:
 
         found = identify(recordings, check, order=arguments.order, replicates=arguments.bootstrap, seed=arguments.seed)
         summary, lines = _as_json(found), _lines(found)
-        scenes = [scene_of(run) for run in found.runs]
+        scenes = [model_scene(run) for run in with_forces(found.runs, found.model, found.model)]
         paths = [*arguments.recordings, *arguments.check]
         command = " ".join(["tentacle", *sys.argv[1:]])
         origin = Origin(command, None, versions(), input_hashes(paths))
         with written(arguments.out) as folder:
             (folder / "identification.json").write_text(json.dumps(summary, indent=1) + "\n")
             write_model(found.model, folder / "model.toml")
-            page = model_report("identify", "Identified model", lines[0], found.model, scenes, lines[1:], origin)
+            judges = check or recordings
+            page = model_report(found.model, lines[0], found.words, found.regression, scenes, judges, origin)
             write_report(page, folder / "report.html")
-            shown = (check or recordings)[0]
-            write_comparison(scenes[0], shown, model_markdown(found.model, tuple(lines)), folder / "session.rrd")
+            text = model_markdown(found.model, (lines[0], *found.words))
+            write_comparison(scenes[0], judges[0], text, folder / "session.rrd")
     print(json.dumps(summary, indent=1) if arguments.json else "\n".join([*lines, f"written to {arguments.out}"]))
     return 0
 
