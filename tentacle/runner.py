@@ -44,7 +44,8 @@ class Runner:
     """Where tasks run and results lie.
 
     folder: of the result files; workers: processes (None: one a core); scheduler: address of a Dask scheduler instead
-    ("tcp://127.0.0.1:8786"), whose workers must have the project installed; quiet: no progress bar.
+    ("tcp://127.0.0.1:8786"), whose workers must have the project installed; quiet: no progress bar, which only a
+    terminal is shown anyway.
     """
 
     folder: Path
@@ -63,7 +64,8 @@ class Runner:
         files = [self.file_of(work, task, version) for task in tasks]
         self.folder.mkdir(parents=True, exist_ok=True)
         missing = {file: task for file, task in zip(files, tasks, strict=True) if not is_stored(file)}
-        with progress_bar(Console(stderr=True), quiet=self.quiet) as progress:
+        console = Console(stderr=True)
+        with progress_bar(console, quiet=self.quiet or not console.is_terminal) as progress:
             stored = sum(file not in missing for file in files)
             line = progress.add_task(words or "running", total=stored + len(missing), completed=stored)
             for _ in (self._on_dask if self.scheduler else self._on_processes)(work, missing) if missing else ():

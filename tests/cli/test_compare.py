@@ -24,6 +24,9 @@ def test_two_implementations_agree_where_they_should():
     reference = reference_twin(swimmer(), wave, 3.0, 50.0, links=40)
     affine = affine_twin(swimmer(), 6, wave, 3.0, 50.0)
     assert shape_error(affine, reference, 2.0)[0] < 0.02
+    # Raw q1, q2 of six coordinates are other quantities than the two nearest to a shape, in which both are told; a
+    # cone's thin tip, whose angle the midline hardly shows, leaves 4 % of q2.
+    assert np.abs(reference.q - affine.q).max() < 0.06 * np.abs(reference.q).max()
     window = 2 / 1.3
     # Both at 2 to 3 ms a step; the reduced model's load cell agrees to 1 % of the mean.
     assert affine.mean_load(window) == pytest.approx(reference.mean_load(window), abs=1e-4)
@@ -128,13 +131,6 @@ def test_modulus_drops_out_of_the_map_over_the_first_mode():
         cells.append(cell({"model": model_tables(model), "links": 10, "amplitude": 0.4, "frequency": 0.8 * first}))
     # The steps of both models follow the frequency only roughly.
     np.testing.assert_allclose(cells[0]["shape"], cells[1]["shape"], rtol=0.05)
-
-
-def test_every_model_is_reduced_to_two_coordinates_alike():
-    wave = Ramped(Sine(0.5, 1.3), 0.8)
-    reference, four = reference_twin(swimmer(), wave, 2.0, 50.0), affine_twin(swimmer(), 4, wave, 2.0, 50.0)
-    # The raw q2 of four coordinates is another quantity; of both shapes the nearest two agree.
-    assert np.abs(reference.q - four.q).max() < 0.05 * np.abs(reference.q).max()
 
 
 def test_flexibility_is_drag_over_stiffness():
