@@ -23,7 +23,7 @@ CHIRP_S, CHIRP_FROM, CHIRP_TO = 12.0, 0.3, 2.0
 
 
 def arm_result(task: Mapping[str, Any]) -> dict[str, Any]:
-    """One arm by two routes, as plain data. task: length [m], silicone, seconds of sine, look, seed.
+    """One arm by two routes, as plain data. task: length [m], silicone, seconds of sine, look, seed; chirp_seconds.
 
     q1_rad2, q2_rad2: mean squares of q_model - q_CV over the sine (the paper's measure), midline_mm: rms distance; by
     edges and a fit of trajectories. paper_*: the same by the paper's route, contour, grid and eq. 19, with
@@ -35,9 +35,10 @@ def arm_result(task: Mapping[str, Any]) -> dict[str, Any]:
     from discovery.identify import identify
     from vision.paper_pipeline import paper_track
 
+    chirp = Chirp(AMPLITUDE, CHIRP_FROM, CHIRP_TO, task.get("chirp_seconds", CHIRP_S))
     sine = Sine(AMPLITUDE, FREQUENCY)
     with tempfile.TemporaryDirectory() as folder:
-        learnt, _ = _film(task, Chirp(AMPLITUDE, CHIRP_FROM, CHIRP_TO, CHIRP_S), CHIRP_S, Path(folder) / "chirp.mp4")
+        learnt, _ = _film(task, chirp, chirp.duration, Path(folder) / "chirp.mp4")
         judged, truth = _film(task, sine, task["seconds"], Path(folder) / "sine.mp4")
         tracked = [_tracked(recording) for recording in (learnt, judged)]
         contours = [paper_track(_film_of(r), r.declaration, r.motor) for r in (learnt, judged)]
@@ -60,7 +61,7 @@ def arm_result(task: Mapping[str, Any]) -> dict[str, Any]:
         "E_pa": values["elasticity"]["E"],
         "eta_pa_s": values["damping"]["eta"],
         "C_perp": values["drag"]["C_perp"],
-        **_paper_route(learnt, contours, sine),
+        **_paper_route(learnt, contours, chirp, sine),
     }
 
 
@@ -104,7 +105,6 @@ def _paper_route(learnt: Recording, contours: list[ShapeTrack], sine: Waveform) 
     declared = learnt.declaration
     arm = Arm(replace(declared.specimen, stiffness="affine"), declared.fluid, declared.gravity, 2)
     free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1"), ("drag", "C_perp")]
-    chirp = Chirp(AMPLITUDE, CHIRP_FROM, CHIRP_TO, CHIRP_S)
     t, q = _seen(contours[0])
     fitted = regression(arm, neutral_parameters(), free, t, q, chirp(t))
     result: dict[str, float | None] = {"paper_q1_rad2": None, "paper_q2_rad2": None}
