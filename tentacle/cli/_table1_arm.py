@@ -91,7 +91,9 @@ def _tracked(recording: Recording) -> Recording:
     return replace(recording, video=None, shape=shape)
 
 
-def _paper_route(learnt: Recording, contours: list[ShapeTrack], sine: Waveform) -> dict[str, float | None]:
+def _paper_route(
+    learnt: Recording, contours: list[ShapeTrack], chirp: Waveform, sine: Waveform
+) -> dict[str, float | None]:
     """Eq. 19 on the chirp's contours, then the acquired model integrated through the sine, from q and its rate at the
     first frames.
     """
