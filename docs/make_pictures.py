@@ -84,12 +84,14 @@ def compare_models(folder: Path) -> None:
     save(validity_figure(RATIOS, AMPLITUDES, errors, LEVELS), folder / "validity.png")
     over = {f"shape, order {o}": {m.label: m.shape[i] for m in maps} for i, o in enumerate(ORDERS)}
     save(flexibility_figure(RATIOS, {m.label: m.flexibility for m in maps}, over, LEVELS), folder / "flexibility.png")
+    tentacle("reproduce", "fig9", "--out", "fig9", folder=folder)
+    photograph(folder / "fig9" / "report.html", folder / "fig9.png", 1300)
     film = ("--sine", "0.5", "1.5", "--duration", "1", "--fps", "30", "--video", "mujoco", "--size", "640", "480")
     tentacle("simulate", "arm.toml", "--out", "film", *film, folder=folder)
     video = cv2.VideoCapture(str(folder / "film" / "video.mp4"))
     frames = [video.read()[1] for _ in range(24)][::5]
     cv2.imwrite(str(folder / "mujoco_camera.png"), cv2.hconcat([frame[:, 160:480] for frame in frames[1:]]))
-    for name in ("compare", "compare_session", "validity", "flexibility", "mujoco_camera"):
+    for name in ("compare", "compare_session", "validity", "flexibility", "fig9", "mujoco_camera"):
         keep(folder / f"{name}.png")
 
 
