@@ -90,7 +90,7 @@ def compare_models(folder: Path) -> None:
     tentacle("simulate", "arm.toml", "--out", "film", *film, folder=folder)
     video = cv2.VideoCapture(str(folder / "film" / "video.mp4"))
     frames = [video.read()[1] for _ in range(24)][::5]
-    cv2.imwrite(str(folder / "mujoco_camera.png"), cv2.hconcat([frame[:, 160:480] for frame in frames[1:]]))
+    cv2.imwrite(str(folder / "mujoco_camera.png"), cv2.hconcat([frame[:, 80:560] for frame in frames[1:]]))
     for name in ("compare", "compare_session", "validity", "flexibility", "fig9", "mujoco_camera"):
         keep(folder / f"{name}.png")
 
