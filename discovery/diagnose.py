@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
+from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order, settled
 from discovery.calibration import calibrated
@@ -28,6 +29,8 @@ from tentacle.waveform_file import waveform_table
 Progress = Callable[[str], None]
 LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
+SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
+HELPS = 0.8  # a coordinate more must bring the reduction's error below this share of what it was
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
 
 
@@ -172,7 +175,7 @@ def _diagnosed(
     if order > 2:
         base_problem, base = _base_hypothesis(setting, order, known, warm=paper)
     progress("running the reference")
-    reduction = reduction_error(setting.declaration, base_problem, base)
+    base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
     structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure))
@@ -197,6 +200,24 @@ def _base_hypothesis(
     )
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     return settled(problem, fit(problem, nuisances))
+
+
+def _reduced_enough(
+    setting: Setting, problem: Problem, fitted: Fit, known: Baseline | None
+) -> tuple[Problem, Fit, Reduction | None]:
+    """The base with as many coordinates that its own error drowns in the noise, or as help; and that error.
+
+    Shapes show a coordinate only where it stands out of the noise by itself; the chain shows those that matter below.
+    """
+    reduction = reduction_error(setting.declaration, problem, fitted)
+    seen = [e.observation.order for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
+    while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < min(seen):
+        higher = _base_hypothesis(setting, problem.arm.order + 1, known, warm=fitted)
+        again = reduction_error(setting.declaration, *higher)
+        if again is None or again.worst > HELPS * reduction.worst:
+            break
+        (problem, fitted), reduction = higher, again
+    return problem, fitted, reduction
 
 
 def _assembled(
@@ -232,7 +253,7 @@ def _assembled(
     named = {name: parameters.get(name, {}) for name in effects}
     d = prepared[0].recording.declaration
     base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
-    augmented = Model(d.specimen, d.fluid, d.gravity, order, parameters)
+    augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
     proposal = propose(chosen, found.rivals, LIMITS, seed) if found.rivals else None
     if proposal is not None:
         words = (*words, _proposal_words(proposal))
