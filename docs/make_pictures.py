@@ -128,7 +128,9 @@ def views(folder: Path) -> None:
 def live(folder: Path) -> None:
     """A run on the emulated rig, photographed while it lasts."""
     from rig import recorder
-    from rig.record import connected, motion_of, opened_camera, record
+    from rig.connection import connected, opened_camera
+    from rig.motion import motion_of
+    from rig.record import record
     from rig.setup_file import read_setup
     from tentacle.cli._rig_run import live_paths
     from tentacle.waveform_file import read_waveform
@@ -145,7 +147,7 @@ def live(folder: Path) -> None:
         while not (folder / "emulated" / "rig.toml").exists():
             time.sleep(0.2)
         setup = read_setup(folder / "emulated" / "rig.toml")
-        motion = motion_of(read_waveform(folder / "wave.toml"), 8.0, setup, {})
+        motion = motion_of(read_waveform(folder / "wave.toml"), 8.0, setup.limits, {})
         with headless_viewer() as viewer, connected(setup) as board, opened_camera(setup, board.time) as camera:
             send_live_layout(viewer.url, recorder.APPLICATION, live_paths())
             out, address = folder / "run.rrd", viewer.url
@@ -189,7 +191,39 @@ def figures(folder: Path) -> None:
         keep(folder / f"figure_{number}.png", f"figure_{number}")
 
 
-GROUPS = {"examples": examples, "views": views, "reports": reports, "figures": figures}
+def maps(folder: Path) -> None:
+    """The reduced model beside the reference: where it serves, Figure 9 on both, and the arm in MuJoCo's camera."""
+    import cv2
+
+    from tentacle.cli._validity import AMPLITUDES, LEVELS, ORDERS, RATIOS, validity_maps, variants
+    from tentacle.model_file import read_model
+    from tentacle.runner import Runner
+    from viz.figures.flexibility import flexibility_figure
+    from viz.figures.style import save
+    from viz.figures.validity_map import validity_figure
+
+    (folder / "thick.toml").write_text(ARM + "added_mass.C_a = {value = 1.0}\n")
+    tentacle("tentacle compare thick.toml --tapers 0.5 --slenderness 20 --out mapped", folder)
+    keep(photograph(folder / "mapped" / "report.html", 1180), "report_validity")
+    # The same call as the verb's: its results are found, not computed.
+    found = validity_maps(variants(read_model(folder / "thick.toml"), [0.5], [20.0]), Runner(folder / "mapped/cells"))
+    errors = {f"shape, order {o}": found[0].shape[i] for i, o in enumerate(ORDERS)}
+    errors |= {f"mean thrust, order {o}": found[0].thrust[i] for i, o in enumerate(ORDERS)}
+    save(validity_figure(RATIOS, AMPLITUDES, errors, LEVELS), folder / "validity.png")
+    over = {f"shape, order {o}": {m.label: m.shape[i] for m in found} for i, o in enumerate(ORDERS)}
+    save(flexibility_figure(RATIOS, {m.label: m.flexibility for m in found}, over, LEVELS), folder / "flexibility.png")
+    tentacle("tentacle reproduce fig9 --out fig9", folder)
+    photograph(folder / "fig9" / "report.html", 1300).rename(folder / "fig9.png")
+    film = "--sine 0.5 1.5 --duration 1 --fps 30 --video mujoco --size 640 480"
+    tentacle(f"tentacle simulate thick.toml --out film {film}", folder)
+    video = cv2.VideoCapture(str(folder / "film" / "video.mp4"))
+    frames = [video.read()[1] for _ in range(24)][::5]
+    cv2.imwrite(str(folder / "mujoco_camera.png"), cv2.hconcat([frame[:, 80:560] for frame in frames[1:]]))
+    for name in ("validity", "flexibility", "fig9", "mujoco_camera"):
+        keep(folder / f"{name}.png", name)
+
+
+GROUPS = {"examples": examples, "views": views, "reports": reports, "figures": figures, "maps": maps}
 
 
 def main() -> None:

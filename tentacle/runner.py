@@ -10,21 +10,33 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from tentacle.errors import InputError
 
 Task = Mapping[str, Any]
 Result = Mapping[str, Any]
 Work = Callable[[Task], Result]
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -32,7 +44,8 @@ class Runner:
     """Where tasks run and results lie.
 
     folder: of the result files; workers: processes (None: one a core); scheduler: address of a Dask scheduler instead
-    ("tcp://127.0.0.1:8786"), whose workers must have the project installed; quiet: no progress bar.
+    ("tcp://127.0.0.1:8786"), whose workers must have the project installed; quiet: no progress bar, which only a
+    terminal is shown anyway.
     """
 
     folder: Path
@@ -46,16 +59,18 @@ class Runner:
         work: a function at a module's top level; version: to be changed when what it computes changes; words: beside
         the progress bar. What a task raises is raised here, after the others that were under way are stored.
         """
-        self.folder.mkdir(parents=True, exist_ok=True)
+        if self.workers is not None and self.workers < 1:
+            raise InputError(f"{self.workers} is too few", field="--workers", expected="1 or more")
         files = [self.file_of(work, task, version) for task in tasks]
-        found = [load_result(file) for file in files]
-        missing = [index for index, result in enumerate(found) if result is None]
-        with _progress(len(tasks), len(tasks) - len(missing), words, self.quiet) as advance:
-            for index, result in self._finished(work, [(i, tasks[i]) for i in missing]):
-                store_result(result, files[index])
-                found[index] = load_result(files[index])  # as a later call would find it
-                advance()
-        return [result for result in found if result is not None]
+        self.folder.mkdir(parents=True, exist_ok=True)
+        missing = {file: task for file, task in zip(files, tasks, strict=True) if not is_stored(file)}
+        console = Console(stderr=True)
+        with progress_bar(console, quiet=self.quiet or not console.is_terminal) as progress:
+            stored = sum(file not in missing for file in files)
+            line = progress.add_task(words or "running", total=stored + len(missing), completed=stored)
+            for _ in (self._on_dask if self.scheduler else self._on_processes)(work, missing) if missing else ():
+                progress.advance(line)
+        return [load_result(file) for file in files]
 
     def file_of(self, work: Work, task: Task, version: str = "1") -> Path:
         """The path of a task's result, without its suffix: the hash of all that the result depends on."""
@@ -67,51 +82,97 @@ class Runner:
             raise InputError(f"a task is not plain data: {error}", expected="what JSON holds") from None
         return self.folder / hashlib.sha256(text.encode()).hexdigest()[:32]
 
-    def _finished(self, work: Work, tasks: Sequence[tuple[int, Task]]) -> Iterator[tuple[int, Result]]:
-        if not tasks:
-            return
-        yield from (self._on_dask if self.scheduler else self._on_processes)(work, tasks)
+    def _on_processes(self, work: Work, tasks: Mapping[Path, Task]) -> Iterator[None]:
+        """Something for every task that is stored. The workers store: this process has nothing to do but wait."""
+        cores = os.cpu_count() or 1
+        workers = min(self.workers or cores, len(tasks))
+        others = active_children()
+        with _threads_of_children(max(1, cores // workers)):
+            # spawn, not fork: a forked child inherits the locks of numba's and Rerun's threads and can stand still
+            pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_ignore_interrupts)
+            try:
+                futures = [pool.submit(_work_and_store, work, task, file) for file, task in tasks.items()]
+                for future in as_completed(futures):
+                    yield future.result()
+            except BrokenProcessPool:
+                raise InputError(
+                    "a worker process was killed (out of memory?)",
+                    field="--workers",
+                    expected="fewer of them; run again, and it goes on where it was",
+                ) from None
+            except (KeyboardInterrupt, GeneratorExit):
+                for process in set(active_children()).difference(others):
+                    process.terminate()  # what is stored is stored; what was under way is begun again next time
+                raise
+            finally:
+                pool.shutdown(wait=True, cancel_futures=True)
 
-    def _on_processes(self, work: Work, tasks: Sequence[tuple[int, Task]]) -> Iterator[tuple[int, Result]]:
-        # spawn, not fork: a forked child inherits the locks of numba's and Rerun's threads and can stand still
-        workers = min(self.workers or os.cpu_count() or 1, len(tasks))
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    def _on_dask(self, work: Work, tasks: Mapping[Path, Task]) -> Iterator[None]:
+        """Something for every task that is stored, here: a cluster's workers need not see this disk."""
         try:
-            waiting: dict[Future[Result], int] = {pool.submit(work, task): index for index, task in tasks}
-            while waiting:
-                done, _ = wait(waiting, return_when=FIRST_COMPLETED)
-                good = [future for future in done if future.exception() is None]
-                yield from ((waiting.pop(future), future.result()) for future in good)
-                for future in done.difference(good):
-                    future.result()  # raises what the task raised, now that its neighbours are stored
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-
-    def _on_dask(self, work: Work, tasks: Sequence[tuple[int, Task]]) -> Iterator[tuple[int, Result]]:
-        try:
-            from distributed import Client, as_completed
+            import distributed
         except ImportError:
             raise InputError("a scheduler needs Dask", expected="pip install 'tentacle-twin[cluster]'") from None
         try:
-            client = Client(self.scheduler, timeout="10s", set_as_default=False)
-        except OSError:
-            raise InputError(f"no Dask scheduler answers at {self.scheduler}", field="--scheduler") from None
+            client: Any = distributed.Client(self.scheduler, timeout="10s", set_as_default=False)
+        except (OSError, ValueError):
+            raise InputError(
+                f"no Dask scheduler answers at {self.scheduler}", field="--cluster", expected="tcp://HOST:PORT"
+            ) from None
         with client:
-            futures = {client.submit(work, dict(task), pure=False): index for index, task in tasks}
-            for future in as_completed(list(futures), loop=client.loop):
-                yield futures[future], future.result()
+            futures = {client.submit(work, dict(task), pure=False): file for file, task in tasks.items()}
+            failed = None
+            for future in distributed.as_completed(list(futures), loop=client.loop):
+                if future.status == "finished":
+                    store_result(future.result(), futures[future])
+                    yield
+                elif failed is None:
+                    failed = future
+                    under_way = {key for keys in client.processing().values() for key in keys}
+                    client.cancel([other for other in futures if not other.done() and other.key not in under_way])
+            if failed is not None:
+                failed.result()  # raises what the task raised, now that its neighbours are stored
+
+
+def progress_bar(console: Console, quiet: bool = False, clock: Callable[[], float] | None = None) -> Progress:
+    """Progress with the time taken and the time left; the clock [s] is for tests."""
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+        TextColumn("left"), TimeRemainingColumn(),
+    )  # fmt: skip
+    # The speed is that of the whole run: a task may take longer than the half minute that rich looks back.
+    return Progress(
+        *columns, console=console, disable=quiet, refresh_per_second=2, speed_estimate_period=1e6, get_time=clock
+    )
 
 
 @contextmanager
-def _progress(total: int, done: int, words: str, quiet: bool) -> Iterator[Callable[[], None]]:
-    """A progress bar on stderr with the time left; what it yields is to be called once a finished task."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+def _threads_of_children(count: int) -> Iterator[None]:
+    """The environment in which started processes compute on that many threads each: together, one a core."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, str(count)))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), disable=quiet) as progress:
-        line = progress.add_task(words or "running", total=total, completed=done)
-        yield lambda: progress.advance(line)
+
+def _ignore_interrupts() -> None:
+    """Ctrl-C reaches every process of a terminal: the first one decides."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _work_and_store(work: Work, task: Task, file: Path) -> None:
+    store_result(work(task), file)
+
+
+def is_stored(file: Path) -> bool:
+    """Whether a result lies beside `file`."""
+    return any(file.with_name(file.name + suffix).exists() for suffix in (".json", ".npz"))
 
 
 def store_result(result: Result, file: Path) -> Path:
@@ -133,13 +194,11 @@ def store_result(result: Result, file: Path) -> Path:
     return final
 
 
-def load_result(file: Path) -> Result | None:
-    """The result stored beside `file`; None where there is none."""
+def load_result(file: Path) -> Result:
+    """The result stored beside `file`; FileNotFoundError where there is none."""
     plain, arrays = file.with_name(file.name + ".json"), file.with_name(file.name + ".npz")
     if plain.exists():
         return json.loads(plain.read_text(encoding="utf-8"))
-    if not arrays.exists():
-        return None
     with np.load(arrays, allow_pickle=False) as stored:
         values = {name: stored[name] for name in stored.files if name != "plain"}
         return {**json.loads(str(stored["plain"])), **values}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tentacle.model import Model
 
 ORDERS = (2, 3, 4)
-LINKS = (10, 20, 40)
+LINKS = (10, 20, 40, 80)
 # Frequencies over sqrt(E I0 / (rho A0 L^4)), clamped-free, without rotary inertia (physics.md): r_tip / r0 -> two
 # modes.
 CONES = {0.0: (8.7193, 21.1457), 0.1: (7.2049, 18.68), 0.5: (4.6252, 19.548), 1.0: (3.51602, 22.0345)}
@@ -43,6 +43,13 @@ class Rung:
     def error(self, order: int) -> float:
         """See the class."""
         apart = abs(self.affine[order] - self.best)
+        return apart if self.absolute else apart / abs(self.best)
+
+    @property
+    def spread(self) -> float:
+        """What the most links still leave: a third of the last change, as the reference is of second order in 1/n."""
+        fewer, most = sorted(self.reference)[-2:]
+        apart = abs(self.reference[fewer] - self.reference[most]) / 3.0
         return apart if self.absolute else apart / abs(self.best)
 
 

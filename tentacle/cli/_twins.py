@@ -22,6 +22,8 @@ class Twin:
     """One model's motion: t (T,) [s], theta (T,) [rad], xy (T, 41, 2) [m], q (T, 2) [rad], load (T,) [N] at the base
     along +y.
 
+    q: the two coordinates nearest to the angle along the arm (eq. 2), whatever number the model has.
+
     load is less its reading at rest; over whole periods its mean is the mean thrust (eq. 17).
     """
 
@@ -45,11 +47,16 @@ def reference_twin(
 
     initial = np.zeros(2) if start is None else start
     run = simulate(model, waveform, duration, fps, links=links, s=S, initial_q=initial)
-    s = np.arange(links + 1) / links
-    basis = np.stack([s, 0.5 * s**2], axis=1)  # alpha = q1 s + q2 s^2 / 2 (eq. 2)
-    q = np.linalg.lstsq(basis, (run.angles - run.theta[:, None]).T, rcond=None)[0].T
+    q = reduced(run.angles - run.theta[:, None])
     # Whatever shape it started from, the load is told less that of the straight arm at rest.
-    return Twin(run.t, run.theta, run.midline.xy, np.asarray(q, dtype=float), run.load_cell)
+    return Twin(run.t, run.theta, run.midline.xy, q, run.load_cell)
+
+
+def reduced(alpha: Array) -> Array:
+    """The paper's (q1, q2), (T, 2) [rad], nearest to angles alpha (T, N) [rad] at even s from 0 to 1."""
+    s = np.linspace(0.0, 1.0, alpha.shape[1])
+    basis = np.stack([s, 0.5 * s**2], axis=1)  # alpha = q1 s + q2 s^2 / 2 (eq. 2)
+    return np.asarray(np.linalg.lstsq(basis, alpha.T, rcond=None)[0].T, dtype=float)
 
 
 def affine_twin(
@@ -74,8 +81,10 @@ def affine_twin(
     load = run.load[:frames, 0]
     # A reading at a frame is the mean of those over the intervals beside it.
     at_frames = np.concatenate([load[:1], 0.5 * (load[1:] + load[:-1])])
-    xy = midline(run.q[:frames, :, 0], run.theta[:frames, 0], model.specimen.length, S)
-    return Twin(run.t[:frames], run.theta[:frames, 0], xy, run.q[:frames, :2, 0], at_frames - net_weight(model))
+    coordinates = run.q[:frames, :, 0]
+    xy = midline(coordinates, run.theta[:frames, 0], model.specimen.length, S)
+    alpha = coordinates @ np.stack([S**j / j for j in range(1, order + 1)])
+    return Twin(run.t[:frames], run.theta[:frames, 0], xy, reduced(alpha), at_frames - net_weight(model))
 
 
 def net_weight(model: Model) -> float:

@@ -1,8 +1,9 @@
-"""The validity map: where, over frequency, amplitude and taper, the reduced model stands for the reference."""
+"""The validity map: where, over frequency, amplitude, taper and slenderness, the reduced model stands for the
+reference."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,30 +23,40 @@ RATIOS = (0.15, 0.3, 0.5, 0.8, 1.2, 1.8)  # driving frequency over the first mod
 AMPLITUDES = (0.05, 0.1, 0.2, 0.4, 0.8)  # rad
 LEVELS = (0.01, 0.05, 0.10)
 PERIODS, MEASURED_PERIODS = 7.0, 2.0
-VERSION = "1"
+VERSION = "2"
 
 
 @dataclass(frozen=True)
 class Validity:
-    """Relative errors over amplitude (A,) and frequency ratio (F,), for one taper, by order: shape (O, A, F), thrust
+    """Relative errors over amplitude (A,) and frequency ratio (F,), for one arm, by order: shape (O, A, F), thrust
     (O, A, F).
 
     shape: rms distance of the midlines over the tip's rms motion. thrust: of the mean, NaN where the mean is under 1 %
     of the load's rms or the fluid is air. flexibility (A, F): drag on the arm over its stiffness,
-    rho w (2 pi f theta L)^2 L^3 / (2 E I0). frequency (O,): relative error of the first mode. first [Hz].
+    rho w (2 pi f theta L)^2 L^3 / (2 E I0). frequency (O,): relative error of the first mode. first [Hz]. taper:
+    r_tip / r0; slenderness: L / r0 (rectangle: half the width).
     """
 
     taper: float
+    slenderness: float
     first: float
     shape: Array
     thrust: Array
     flexibility: Array
     frequency: Array
 
-    def reach(self, order: int, level: float, amplitude: int) -> float:
-        """The largest frequency ratio up to which the shape error stays under level; 0 where it never does."""
-        row = self.shape[ORDERS.index(order), amplitude]
-        bad = np.flatnonzero(~(row <= level))
+    @property
+    def label(self) -> str:
+        """The arm's own groups, in words."""
+        return f"taper {self.taper:.3g}, L/r0 {self.slenderness:.3g}"
+
+    def reach(self, order: int, level: float, amplitude: int, errors: Array | None = None) -> float:
+        """The largest frequency ratio up to which the shape error stays under level; 0 where it never does.
+
+        errors (O, A, F): of something else than the shape; where it is unknown it counts as small.
+        """
+        row = (self.shape if errors is None else errors)[ORDERS.index(order), amplitude]
+        bad = np.flatnonzero(~(row <= level) if errors is None else row > level)
         return 0.0 if bad.size and bad[0] == 0 else RATIOS[(bad[0] if bad.size else row.size) - 1]
 
 
@@ -79,53 +90,63 @@ def _finite(number: float) -> float | None:
     return float(number) if np.isfinite(number) else None
 
 
-def tapered(model: Model, taper: float) -> Model:
-    """The model with another tip radius (cones only)."""
-    section = model.specimen.section
-    assert isinstance(section, Cone)
-    section = Cone(section.base_radius, taper * section.base_radius)
-    return replace(model, specimen=replace(model.specimen, section=section))
-
-
 def own_taper(model: Model) -> float:
     """r_tip / r0; 1 for a rectangle."""
     section = model.specimen.section
     return section.tip_radius / section.base_radius if isinstance(section, Cone) else 1.0
 
 
-def validity_maps(model: Model, tapers: tuple[float, ...], runner: Runner, links: int = 20) -> list[Validity]:
-    """A map for the model's own taper, then one for each of the others (cones only)."""
+def own_slenderness(model: Model) -> float:
+    """L over half the width at the base."""
+    return model.specimen.length / float(0.5 * model.specimen.section.width(0.0))
+
+
+def variants(model: Model, tapers: Sequence[float], slendernesses: Sequence[float]) -> list[Model]:
+    """The model, then it with each of the other tapers, then with each of the other L / r0 (cones only).
+
+    Fewer or more slender arms keep their length.
+    """
+    section, length = model.specimen.section, model.specimen.length
+    if not isinstance(section, Cone):
+        return [model]
+    taper, radius = own_taper(model), section.base_radius
+    wanted = [(t, radius) for t in tapers if abs(t - taper) > 1e-9]
+    wanted += [(taper, length / s) for s in slendernesses if abs(s - own_slenderness(model)) > 1e-9]
+    cones = [Cone(base, ratio * base) for ratio, base in wanted]
+    return [model, *(replace(model, specimen=replace(model.specimen, section=cone)) for cone in cones)]
+
+
+def validity_maps(models: Sequence[Model], runner: Runner, links: int = 20) -> list[Validity]:
+    """A map for each of the models."""
     from mujoco_ref.modes import natural_frequencies
     from mujoco_ref.simulate import make_stepper
     from tentacle.cli._ladder import affine_frequencies
     from tentacle.model_file import model_tables
 
-    own = own_taper(model)
-    others = [t for t in tapers if abs(t - own) > 1e-9] if isinstance(model.specimen.section, Cone) else []
-    models = {own: model} | {taper: tapered(model, taper) for taper in others}
-    firsts, tasks = {}, []
-    for taper, arm in models.items():
-        still = replace(arm, gravity=Gravity(0.0, 0.0))
-        firsts[taper] = float(natural_frequencies(make_stepper(still, links=links), count=1)[0])
+    firsts, tasks = [], []
+    for model in models:
+        still = replace(model, gravity=Gravity(0.0, 0.0))
+        firsts.append(float(natural_frequencies(make_stepper(still, links=links), count=1)[0]))
         for amplitude in AMPLITUDES:
             tasks += [
-                {"model": model_tables(arm), "links": links, "amplitude": amplitude, "frequency": ratio * firsts[taper]}
+                {"model": model_tables(model), "links": links, "amplitude": amplitude, "frequency": ratio * firsts[-1]}
                 for ratio in RATIOS
             ]
     results = runner.run(cell, tasks, version=VERSION, words="validity map")
     maps, size = [], len(AMPLITUDES) * len(RATIOS)
-    for i, (taper, arm) in enumerate(models.items()):
+    for i, (model, first) in enumerate(zip(models, firsts, strict=True)):
         cells = results[i * size : (i + 1) * size]
-        still = replace(arm, gravity=Gravity(0.0, 0.0))
+        still = replace(model, gravity=Gravity(0.0, 0.0))
         reduced = np.array([affine_frequencies(still, order)[0] for order in ORDERS])
         maps.append(
             Validity(
-                taper,
-                firsts[taper],
+                own_taper(model),
+                own_slenderness(model),
+                first,
                 _grid(cells, "shape"),
                 _grid(cells, "thrust"),
-                flexibility(arm, firsts[taper]),
-                np.abs(reduced / firsts[taper] - 1.0),
+                flexibility(model, first),
+                np.abs(reduced / first - 1.0),
             )
         )
     return maps
@@ -156,15 +177,15 @@ def write_cells(maps: list[Validity], file: Path) -> None:
     from tentacle.csv_table import write_csv
 
     columns: dict[str, list[float]] = {
-        name: [] for name in ("taper", "order", "amplitude_rad", "frequency_ratio", "frequency_hz", "flexibility",
-                              "shape_error", "thrust_error")
+        name: [] for name in ("taper", "slenderness", "order", "amplitude_rad", "frequency_ratio", "frequency_hz",
+                              "flexibility", "shape_error", "thrust_error")
     }  # fmt: skip
     for found in maps:
         for o, order in enumerate(ORDERS):
             for a, amplitude in enumerate(AMPLITUDES):
                 for f, ratio in enumerate(RATIOS):
-                    row = (found.taper, order, amplitude, ratio, ratio * found.first, found.flexibility[a, f],
-                           found.shape[o, a, f], found.thrust[o, a, f])  # fmt: skip
+                    row = (found.taper, found.slenderness, order, amplitude, ratio, ratio * found.first,
+                           found.flexibility[a, f], found.shape[o, a, f], found.thrust[o, a, f])  # fmt: skip
                     for name, number in zip(columns, row, strict=True):
                         columns[name].append(float(number))
     write_csv(file, {name: np.array(values) for name, values in columns.items()})

@@ -73,6 +73,8 @@ def test_trials_are_sealed_and_go_on_where_they_stopped(model_file, tmp_path):
     assert sorted(folder.name for folder in out.iterdir()) == ["baseline", "trial_000", "trial_001"]
     for folder in out.iterdir():
         assert not any("effect" in file.read_text() for file in folder.iterdir())
+    for name in ("recording.toml", "motor.csv"):  # the same for all: nothing to tell them apart by
+        assert len({(folder / name).read_bytes() for folder in out.iterdir()}) == 1
 
 
 @pytest.mark.parametrize(

@@ -7,18 +7,20 @@ import signal
 import subprocess
 import sys
 import time
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from distributed import LocalCluster
+from rich.console import Console
 
 from tentacle.errors import InputError
-from tentacle.runner import Runner, load_result, store_result
+from tentacle.runner import Runner, is_stored, load_result, progress_bar, store_result
 
 WORK = """\
-import json, sys, time
+import os, signal, time
 from pathlib import Path
 import numpy as np
 
@@ -27,8 +29,11 @@ def square(task):
         log.write(f"{task['x']}\\n")
     if task["x"] < 0:
         raise ValueError("negative")
+    if task.get("die"):
+        os.kill(os.getpid(), signal.SIGKILL)
     time.sleep(task.get("wait", 0))
-    return {"y": task["x"] ** 2, "powers": np.arange(3.0) ** task["x"]}
+    found = {"y": task["x"] ** 2, "powers": np.arange(3.0) ** task["x"]}
+    return {**found, "process": os.getpid(), "threads": os.environ.get("OMP_NUM_THREADS")}
 """
 
 
@@ -57,8 +62,8 @@ def test_results_come_in_order_and_no_task_runs_twice(tmp_path: Path, square: An
     first = runner.run(square, tasks(tmp_path, 3, 1, 2))
     assert [result["y"] for result in first] == [9, 1, 4]
     np.testing.assert_array_equal(first[2]["powers"], [0, 1, 4])
-    again = runner.run(square, tasks(tmp_path, 2, 3, 5))
-    assert [result["y"] for result in again] == [4, 9, 25]
+    again = runner.run(square, tasks(tmp_path, 2, 3, 5, 5))
+    assert [result["y"] for result in again] == [4, 9, 25, 25]
     assert sorted((tmp_path / "log.txt").read_text().split()) == ["1", "2", "3", "5"]
     runner.run(square, tasks(tmp_path, 3), version="2")
     assert (tmp_path / "log.txt").read_text().split().count("3") == 2
@@ -68,7 +73,7 @@ def test_what_a_task_raises_is_raised_and_its_neighbours_are_kept(tmp_path: Path
     runner = Runner(tmp_path / "results", workers=1, quiet=True)
     with pytest.raises(ValueError, match="negative"):
         runner.run(square, tasks(tmp_path, 4, -1))
-    assert load_result(runner.file_of(square, tasks(tmp_path, 4)[0])) is not None
+    assert is_stored(runner.file_of(square, tasks(tmp_path, 4)[0]))
 
 
 def test_a_killed_run_goes_on_where_it_was(tmp_path: Path, square: Any) -> None:
@@ -100,18 +105,60 @@ def test_a_result_is_stored_without_pickle(tmp_path: Path) -> None:
     assert load_result(tmp_path / "plain") == {"a": 1.5, "b": [1, None, "c"]}
     with pytest.raises(ValueError, match="objects"):
         store_result({"a": np.array([{}], dtype=object)}, tmp_path / "bad")
-    assert load_result(tmp_path / "bad") is None
+    assert not is_stored(tmp_path / "bad")
 
 
-def test_the_same_tasks_run_on_a_dask_scheduler(tmp_path: Path, square: Any) -> None:
-    with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp://", dashboard_address=None, host="127.0.0.1"
-    ) as cluster:
+def test_a_scheduler_and_two_workers_do_the_same(tmp_path: Path, square: Any) -> None:
+    # A real scheduler on a port, and two worker processes.
+    made: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    cluster: Any
+    with LocalCluster(n_workers=2, processes=True, **made) as cluster:
         runner = Runner(tmp_path / "results", scheduler=cluster.scheduler_address, quiet=True)
-        assert [result["y"] for result in runner.run(square, tasks(tmp_path, 3, 2))] == [9, 4]
+        found = runner.run(square, tasks(tmp_path, 3, 2, 5, 7, wait=0.2))
+        assert [result["y"] for result in found] == [9, 4, 25, 49]
+        assert len({result["process"] for result in found}) == 2
+        assert os.getpid() not in {result["process"] for result in found}
+        with pytest.raises(ValueError, match="negative"):
+            runner.run(square, tasks(tmp_path, 4, -1, wait=0.2))
+        assert is_stored(runner.file_of(square, tasks(tmp_path, 4, wait=0.2)[0]))
     local = Runner(tmp_path / "results", workers=1, quiet=True)
-    assert [result["y"] for result in local.run(square, tasks(tmp_path, 2, 3))] == [4, 9]
-    assert len((tmp_path / "log.txt").read_text().split()) == 2
+    assert [result["y"] for result in local.run(square, tasks(tmp_path, 2, 3, wait=0.2))] == [4, 9]
+    assert sorted((tmp_path / "log.txt").read_text().split()) == ["-1", "2", "3", "4", "5", "7"]
+
+
+def test_no_workers_are_refused(tmp_path: Path, square: Any) -> None:
+    with pytest.raises(InputError, match="1 or more"):
+        Runner(tmp_path / "results", workers=0, quiet=True).run(square, tasks(tmp_path, 1))
+    assert not (tmp_path / "results").exists()
+
+
+def test_where_no_scheduler_answers_one_line_says_so(tmp_path: Path, square: Any) -> None:
+    for address in ("nonsense", "tcp://nowhere"):
+        with pytest.raises(InputError, match="no Dask scheduler answers"):
+            Runner(tmp_path / "results", scheduler=address, quiet=True).run(square, tasks(tmp_path, 1))
+
+
+def test_a_worker_that_is_killed_is_one_line_too(tmp_path: Path, square: Any) -> None:
+    with pytest.raises(InputError, match="was killed"):
+        Runner(tmp_path / "results", workers=1, quiet=True).run(square, [{**tasks(tmp_path, 1)[0], "die": True}])
+
+
+def test_workers_share_the_cores(tmp_path: Path, square: Any) -> None:
+    cores = os.cpu_count() or 1
+    before = os.environ.get("OMP_NUM_THREADS")
+    found = Runner(tmp_path / "results", workers=cores, quiet=True).run(square, tasks(tmp_path, *range(cores)))
+    assert {result["threads"] for result in found} == {"1"}
+    assert os.environ.get("OMP_NUM_THREADS") == before
+
+
+def test_progress_tells_the_time_left_of_tasks_longer_than_a_minute() -> None:
+    now = [0.0]
+    progress = progress_bar(Console(file=StringIO()), clock=lambda: now[0])
+    line = progress.add_task("running", total=10, completed=4)  # four stand from an earlier run
+    for _ in range(2):
+        now[0] += 90.0
+        progress.advance(line)
+    assert progress.tasks[0].time_remaining == pytest.approx(4 * 90.0)
 
 
 def test_tasks_that_are_no_plain_data_are_refused(tmp_path: Path, square: Any) -> None:
