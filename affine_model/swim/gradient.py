@@ -32,7 +32,10 @@ def torch_gait(alpha: Tensor, t: Tensor, bandwidth: float) -> Tensor:
 
 
 def thrust_gradient(trial: Trial, alpha: Array) -> tuple[float, Array]:
-    """Eq. 20 at t (S,), as tentacle.gait has it: theta, two derivatives (3, S), differentiable in alpha (9,)."""
+    """Mean forward thrust [N] of a gait (9,) that the trial's first arm gives, and its gradient (9,).
+
+    The base is clamped, and no limits scale the gait.
+    """
     point = torch.tensor(alpha, dtype=torch.float64, requires_grad=True)
     settled = 2 * round(0.5 * trial.settle / trial.step)
     middles = (torch.arange(trial.steps, dtype=torch.float64) + 0.5) * trial.step

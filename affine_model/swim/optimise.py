@@ -1,5 +1,8 @@
-"""From a model to a gait: best sine, search, polish, limits made sure for any length of time, and a promise computed
-finely.
+"""From a model to a gait: best sine, best single wave, search, climbs, limits made sure for any length of time, and a
+promise computed finely.
+
+More evaluations never give less: the gaits that come to judgement after N evaluations are among those that come after
+more, because a climb starts where the search rises above all climbs before it, wherever it may end.
 """
 
 from __future__ import annotations
@@ -18,10 +21,13 @@ from affine_model.swim.polish import polish
 from affine_model.swim.search import Generation, search
 from affine_model.swim.thrust_map import best_sine
 from affine_model.swim.trial import PAPER_RAIL, Trial, run, within_limits
+from affine_model.swim.waves import best_wave
 from tentacle.errors import InputError
 from tentacle.gait import Gait
 
 _SURE_SECONDS, _SURE_STEP = 300.0, 2e-3  # a gait of three frequencies beats: its largest angle may come late
+_RISE = 0.01  # share by which the search's best must have risen before it is climbed from again
+ORIGINS = ("best sine", "single wave", "search")  # in the order of judgement: one gait, two, and all others
 
 
 @dataclass(frozen=True)
@@ -43,14 +49,15 @@ class Promise:
 class Swimming:
     """The result: the gait and the best sine beside it, what each promises, and how the search went.
 
-    gain: the objective's value over the sine's, on the fine trial. evaluations (G,) and best (G,): the search's course;
-    value, sine_value and best in the objective's unit. peaks (3,): largest |theta|, |theta'|, |theta''| of the gait in
-    300 s.
+    origin: what the gait was climbed from (ORIGINS). gain: the objective's value over the sine's, on the fine trial.
+    evaluations (G,) and best (G,): the search's course; value, sine_value and best in the objective's unit. peaks (3,):
+    largest |theta|, |theta'|, |theta''| of the gait in 300 s.
     """
 
     objective: str
     method: str
     seed: int
+    origin: str
     gait: Gait
     sine: Gait
     promise: Promise
@@ -67,17 +74,27 @@ class Swimming:
         return self.value / self.sine_value
 
 
-def promise(trial: Trial, alpha: Array, rail: Rail = PAPER_RAIL) -> Promise:
-    """What the clamped trial's model says of a gait (9,), clamped and on the rail."""
+def promises(trial: Trial, alpha: Array, rail: Rail = PAPER_RAIL) -> list[Promise]:
+    """What the clamped trial's model says of gaits (9, B), clamped and on the rail."""
     fine = replace(trial, parameters=trial.parameters[:, :1]).refined()
-    clamped, swum = run(fine, alpha[:, None]), run(fine.on_rail(rail), alpha[:, None])
-    thrust, speed, power, torque = (float(part[0, 0]) for part in (clamped.thrust, swum.speed, swum.power, swum.torque))
-    return Promise(thrust, speed, power, torque, (power + IDLE_POWER) / speed if speed > 0.0 else np.inf)
+    clamped, swum = run(fine, alpha), run(fine.on_rail(rail), alpha)
+    found = []
+    for numbers in zip(clamped.thrust[:, 0], swum.speed[:, 0], swum.power[:, 0], swum.torque[:, 0], strict=True):
+        thrust, speed, power, torque = map(float, numbers)
+        transport = (power + IDLE_POWER) / speed if speed > 0.0 else np.inf
+        found.append(Promise(thrust, speed, power, torque, transport))
+    return found
 
 
 def sure_of_limits(trial: Trial, alpha: Array) -> Array:
-    """The gait (9,) with amplitudes scaled so that it keeps the servo's limits over 300 s, not only over the trial."""
-    return within_limits(alpha[:, None], trial.limits, _SURE_SECONDS, _SURE_STEP)[:, 0]
+    """Gaits (9, B), amplitudes scaled so that they keep the servo's limits over 300 s, not only over the trial."""
+    return within_limits(alpha, trial.limits, _SURE_SECONDS, _SURE_STEP)
+
+
+def largest(trial: Trial, alpha: Array) -> Array:
+    """Largest |theta|, |theta'|, |theta''| (3,) of a gait (9,) over 300 s."""
+    _, peaks = gait_tables(alpha[:, None], round(_SURE_SECONDS / _SURE_STEP), _SURE_STEP, trial.limits.bandwidth)
+    return peaks[:, 0]
 
 
 def periodic(alpha: Array, faint: float = 0.05) -> Array:
@@ -89,6 +106,19 @@ def periodic(alpha: Array, faint: float = 0.05) -> Array:
     tied[:3] = np.where(strength < faint * np.max(strength), 0.0, alpha[:3])
     tied[3:6] = alpha[3 + int(np.argmax(strength))]
     return tied
+
+
+def climb(trial: Trial, objective: Objective, box: Box, unit: Array) -> tuple[Array, float]:
+    """The top above a point (9,) of the unit cube, and the same gait made periodic, both sure of their limits (9, 2);
+    the better one's score.
+    """
+    tied = box.unit(periodic(box.alpha(unit[:, None])[:, 0])[:, None])[:, 0]
+    starts = np.stack([unit, tied], axis=1)
+    start = starts[:, int(np.argmax(scores(objective, trial, run(trial, box.alpha(starts)))))]
+    reached, _ = polish(trial, objective, box, start)
+    gait = box.alpha(reached[:, None])[:, 0]
+    both = sure_of_limits(trial, np.stack([gait, periodic(gait)], axis=1))
+    return both, float(np.max(scores(objective, trial, run(trial, both))))
 
 
 def for_objective(trial: Trial, objective: Objective, rail: Rail = PAPER_RAIL) -> Trial:
@@ -117,39 +147,39 @@ def optimise(
     box = box or search_box(trial.limits)
     ready = for_objective(trial, objective, rail)
     sine, _ = best_sine(ready, objective)
-    course: list[Generation] = []
+    wave, _ = best_wave(ready, objective)
+    top, highest = climb(ready, objective, box, box.unit(wave[:, None])[:, 0])
+    judged = [sure_of_limits(ready, sine[:, None]), top]  # a sine is a gait of eq. 20 too
+    climbed_from, course = highest, list[Generation]()
     for generation in search(ready, objective, box, method, evaluations=evaluations, seed=seed, noted=noted):
         course.append(generation)
+        # Two bars: a beat whose good half the trial saw promises more than its climb keeps.
+        if generation.best_score > max(highest, climbed_from + _RISE * abs(climbed_from)):
+            top, reached = climb(ready, objective, box, generation.best_unit)
+            climbed_from, highest = generation.best_score, max(highest, reached)
+            judged.append(top)
         if watch is not None:
             watch(generation)
-    unit, _ = polish(ready, objective, box, course[-1].best_unit)
-    found = box.alpha(unit[:, None])[:, 0]
-    # The search's own best counts only where the long, fine trial agrees; a sine is a gait of eq. 20 too.
-    candidates = np.stack([sure_of_limits(ready, alpha) for alpha in (sine, found, periodic(found))], axis=1)
-    fine = ready.refined()
+    candidates, fine = np.concatenate(judged, axis=1), ready.refined()
     values = scores(objective, fine, run(fine, candidates))
-    winner = candidates[:, int(np.argmax(values))]
-    value, sine_value = float(np.max(values)), float(values[0])
+    leader = int(np.argmax(values))
+    winner, value, sine_value = candidates[:, leader], float(values[leader]), float(values[0])
     if not value > 0.0:
         raise InputError("no gait within the servo's limits swims forward", field="limits", expected="wider limits")
+    promised, sine_promised = promises(trial, candidates[:, [leader, 0]], rail)
     bandwidth = trial.limits.bandwidth
     return Swimming(
         objective=objective.name,
         method=method,
         seed=seed,
+        origin=ORIGINS[min((leader + 1) // 2, 2)],
         gait=gait_of(winner, bandwidth),
         sine=gait_of(candidates[:, 0], bandwidth),
-        promise=promise(trial, winner, rail),
-        sine_promise=promise(trial, candidates[:, 0], rail),
+        promise=promised,
+        sine_promise=sine_promised,
         value=value,
         sine_value=sine_value,
         evaluations=np.array([generation.evaluations for generation in course]),
         best=np.array([generation.best_score for generation in course]),
-        peaks=_peaks(winner, trial),
+        peaks=largest(trial, winner),
     )
-
-
-def _peaks(alpha: Array, trial: Trial) -> Array:
-    """Largest |theta|, |theta'|, |theta''| (3,) over the time that limits are made sure for."""
-    _, peaks = gait_tables(alpha[:, None], round(_SURE_SECONDS / _SURE_STEP), _SURE_STEP, trial.limits.bandwidth)
-    return peaks[:, 0]

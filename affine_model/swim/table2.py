@@ -17,7 +17,7 @@ import numpy as np
 from affine_model.swim.gaits import gait_of
 from affine_model.swim.limits import HOBBY_SERVO, GaitLimits
 from affine_model.swim.objectives import OBJECTIVES
-from affine_model.swim.optimise import Swimming, for_objective, optimise, promise
+from affine_model.swim.optimise import Swimming, for_objective, optimise, promises
 from affine_model.swim.silicones import assumed_model, paper_cone
 from affine_model.swim.thrust_map import sine_gaits, sine_map
 from affine_model.swim.trial import PAPER_RAIL, trial_of
@@ -103,7 +103,7 @@ def _row(
     slow, fast = (_map_sine(model, band) for band in (SLOW_BAND, FAST_BAND))
     gaits = (slow, fast, within_map.gait, within_servo.sine, within_servo.gait)
     trial = trial_of(model)
-    affine = tuple(promise(trial, np.array(gait.alpha)).speed for gait in gaits)
+    affine = tuple(one.speed for one in promises(trial, np.array([gait.alpha for gait in gaits]).T))
     measured = None if reference is None else tuple(reference(model, gait) for gait in gaits)
     return Row(length, model, gaits, affine, measured, within_map, within_servo)
 

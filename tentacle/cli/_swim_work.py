@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from affine_model.swim import GaitLimits, Swimming
     from tentacle.model import Model
 
-VERSION = "1"  # of what a search computes
+VERSION = "2"  # of what a search computes
 
 
 def search_tasks(
@@ -39,6 +39,7 @@ def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     objective = OBJECTIVES[task["objective"]]
     found = optimise(trial, objective, method=task["method"], evaluations=task["evaluations"], seed=task["seed"])
     return {
+        "origin": found.origin,
         "gait": list(found.gait.alpha),
         "sine": list(found.sine.alpha),
         "promise": asdict(found.promise),
@@ -71,6 +72,7 @@ def best_of_restarts(
         objective=settings["objective"],
         method=settings["method"],
         seed=seed,
+        origin=best["origin"],
         gait=Gait(tuple(best["gait"]), limits.bandwidth),
         sine=Gait(tuple(best["sine"]), limits.bandwidth),
         promise=Promise(**best["promise"]),

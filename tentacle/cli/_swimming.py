@@ -71,6 +71,7 @@ def result_tables(found: Swimming, waveform_table: Any) -> dict[str, Any]:
             "objective": found.objective,
             "method": found.method,
             "seed": found.seed,
+            "origin": found.origin,
             "evaluations": int(found.evaluations[-1]),
             "value": found.value,
             "sine_value": found.sine_value,

@@ -40,7 +40,7 @@ def write_page(
         _map_section(trial, found),
         Section(
             "The search",
-            (f"{found.evaluations[-1]} gaits by {found.method}, seed {found.seed}; then a quasi-Newton polish.",),
+            _search_words(found),
             (),
             (_convergence_picture(found, objective.unit),),
         ),
@@ -81,6 +81,15 @@ def _limits_words(trial: Trial, found: Swimming) -> tuple[str, ...]:
     )
 
 
+def _search_words(found: Swimming) -> tuple[str, ...]:
+    return (
+        f"First a grid of sines and one of single waves (one term of eq. 20, bent by its phase) that close in on their "
+        f"best; then {found.evaluations[-1]} gaits by {found.method}, seed {found.seed}. The best wave, and the search "
+        "wherever it rises above it, are climbed from by a quasi-Newton method.",
+        f"Judged on a trial with a third of the step, the winner was climbed from: {found.origin}.",
+    )
+
+
 def _motion_picture(found: Swimming) -> Picture:
     import numpy as np
 
@@ -118,9 +127,10 @@ def _convergence_picture(found: Swimming, unit: str) -> Picture:
     from viz.report import Picture
 
     sine = (found.evaluations[[0, -1]], np.full(2, found.sine_value))
-    courses = {found.method: (found.evaluations, found.best), NAMES[1]: sine}
+    gait = (found.evaluations[[0, -1]], np.full(2, found.value))
+    courses = {found.method: (found.evaluations, found.best), NAMES[1]: sine, NAMES[0]: gait}
     figure = search_figure(courses, f"{found.objective} [{unit}]")
-    return Picture(figure, "Best so far, over the gaits tried, beside the best sine.")
+    return Picture(figure, "Best that the search has met so far, over the gaits tried; the other two as judged finely.")
 
 
 def _front_section(found: Swimming, front: Front) -> Section:

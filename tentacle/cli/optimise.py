@@ -84,11 +84,12 @@ def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Mod
 
     from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
     from affine_model.swim import optimise
+    from tentacle.cli._swim_work import VERSION
     from tentacle.cli._swimming import SearchNotes
     from tentacle.model_file import model_tables
 
     settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
-    inputs = {"model": model_tables(model), "limits": asdict(trial.limits), **settings}
+    inputs = {"version": VERSION, "model": model_tables(model), "limits": asdict(trial.limits), **settings}
     notes = SearchNotes(arguments.out / "search.jsonl", inputs)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"))
     with Progress(*columns, TimeRemainingColumn(), transient=True, console=Console(stderr=True)) as progress:
@@ -225,7 +226,7 @@ def summary(tables: dict[str, Any]) -> list[str]:
     search, promise, sine = tables["search"], tables["promise"], tables["sine"]["promise"]
     lines = [
         f"{search['objective']}: {search['gain']:.2f} times the best sine that this servo can follow "
-        f"({search['evaluations']} gaits, {search['method']}, seed {search['seed']})",
+        f"({search['evaluations']} gaits, {search['method']}, seed {search['seed']}; climbed from: {search['origin']})",
         f"thrust {1e3 * promise['thrust_n']:.1f} mN (sine {1e3 * sine['thrust_n']:.1f}), "
         f"speed {100 * promise['speed_m_s']:.2f} cm/s (sine {100 * sine['speed_m_s']:.2f}), "
         f"power {1e3 * promise['power_w']:.1f} mW (sine {1e3 * sine['power_w']:.1f})",

@@ -1,0 +1,49 @@
+"""Single waves: gaits of one term of eq. 20, over frequency and bend. The best of them is where optimise begins.
+
+As printed, eq. 20 adds its phase to every harmonic alike, so alpha_8 and alpha_9 bend the square and the saw-tooth into
+a family of shapes. Every best gait found so far is one bent square wave; in the nine-dimensional box it lies on a narrow
+ridge that a search may miss, on this grid it does not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from affine_model.curvature import Array
+from affine_model.swim.objectives import Objective, scores
+from affine_model.swim.trial import Trial, run
+
+SQUARE, SAW = 1, 2  # places of the two terms with a shape to bend
+
+
+def single_waves(term: Array, frequency: Array, bend: Array, amplitude: float) -> Array:
+    """Gaits (9, B) of one term each: term (B,) its place, frequency (B,) [Hz], bend (B,) [rad] its phase."""
+    alpha, every = np.zeros((9, len(term))), np.arange(len(term))
+    alpha[term, every] = amplitude
+    alpha[3:6] = 2.0 * np.pi * frequency
+    alpha[6 + term, every] = bend
+    return alpha
+
+
+def best_wave(trial: Trial, objective: Objective, rounds: int = 4) -> tuple[Array, float]:
+    """The best single wave, as large as the servo lets it be: alpha (9,) within the limits, and its score.
+
+    Both terms at 12 frequencies and 16 bends; then a grid of 7 by 7 that closes in on the best. A climb by gradients
+    would stop where two limits meet, which is where the best ones lie.
+    """
+    low, high = trial.limits.lowest_frequency, trial.limits.highest_frequency
+    terms, frequencies, bends = np.array([SQUARE, SAW]), np.linspace(low, high, 12), 2.0 * np.pi * np.arange(16) / 16
+    width, turn = frequencies[1] - frequencies[0], bends[1]
+    best_alpha, best_score, centre, middle = np.zeros(9), -np.inf, low, 0.0
+    for _ in range(rounds):
+        term, frequency, bend = (axis.ravel() for axis in np.meshgrid(terms, frequencies, bends, indexing="ij"))
+        outcome = run(trial, single_waves(term, frequency, bend, trial.limits.servo.angle))
+        values = scores(objective, trial, outcome)
+        leader = int(np.argmax(values))
+        if values[leader] > best_score:
+            best_alpha, best_score = outcome.alpha[:, leader], float(values[leader])
+            terms, centre, middle = term[[leader]], frequency[leader], bend[leader]
+        steps = np.linspace(-1.0, 1.0, 7)
+        frequencies, bends = np.clip(centre + width * steps, low, high), middle + turn * steps
+        width, turn = width / 3.0, turn / 3.0
+    return best_alpha, best_score
