@@ -1,8 +1,8 @@
 """Single waves: gaits of one term of eq. 20, over frequency and bend. The best of them is where optimise begins.
 
-As printed, eq. 20 adds its phase to every harmonic alike, so alpha_8 and alpha_9 bend the square and the saw-tooth into
-a family of shapes. Every best gait found so far is one bent square wave; in the nine-dimensional box it lies on a narrow
-ridge that a search may miss, on this grid it does not.
+As printed, eq. 20 adds its phase to every harmonic alike, so alpha_8 and alpha_9 bend the square and the saw-tooth
+into a family of shapes. Every best gait found so far is one bent square wave; in the nine-dimensional box it lies on a
+narrow ridge that a search may miss, on this grid it does not.
 """
 
 from __future__ import annotations
