@@ -7,11 +7,12 @@ import numpy as np
 from affine_model.identify.trajectory import Fit, Problem
 from discovery.calibration import calibrated
 from discovery.compare import errors, floor_errors, midline_error, run_comparison
+from discovery.hypothesis import estimates, hypothesis
 from discovery.next_experiment import DURATION, Proposal, propose
 from discovery.prepare import Prepared
 from discovery.reduction import Reduction
 from discovery.score import twin_cosines
-from discovery.search import Search, estimates, hypothesis
+from discovery.search import Search
 from discovery.unnamed import Rest
 from discovery.verdict import Decision, probabilities
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect

@@ -12,9 +12,10 @@ from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.assemble import assembled, cannot_tell
 from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
+from discovery.hypothesis import hypothesis, looseness
 from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error
-from discovery.search import hypothesis, looseness, search
+from discovery.search import search
 from discovery.unnamed import unnamed_rest
 from discovery.verdict import decide, structure_share
 from tentacle.diagnosis import Diagnosis

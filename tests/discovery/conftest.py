@@ -10,8 +10,8 @@ from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import midline
 from affine_model.simulate import simulate
 from discovery.base_fit import Setting, fit_base
+from discovery.hypothesis import Hypothesis, hypothesis
 from discovery.prepare import prepare
-from discovery.search import Hypothesis, hypothesis
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Midline, MotorSignal
