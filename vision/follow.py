@@ -20,6 +20,8 @@ FIRST_FRAMES = 16  # frames from which the recording's parameters are first esti
 LEAST_SCORE = 0.45  # of a coarse find
 PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
 BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
+BLUR_LIMITS = (0.5, 4.0)  # px
+SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
 STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
 LOOK_AGAIN = 5  # frames between searches for a lost arm
 
@@ -107,6 +109,8 @@ class Follower:
             self._settle(list(fits.values()))
             if sweep < 2:
                 self._look_at_edges(frames[index], shapes.get(index, begin), list(fits.values()))
+            else:
+                self._sharpen(list(fits.values()))
 
     def _known(self, t: float) -> float | None:
         return None if self._theta is None else self._theta(t)
@@ -145,6 +149,14 @@ class Follower:
                 best, chosen = misfit, self.sight
         self.sight = chosen
 
+    def _sharpen(self, fits: list[FrameFit], gain: float = 1.0) -> None:
+        """A step of the blur towards what the fits' edges have; two thirds or three halves of it at most."""
+        assert self.sight is not None
+        right, left = np.sum([fit.edges.softer[(fit.weight > 0) & (fit.expected.kind < 2)].sum(axis=0) for fit in fits], axis=0)
+        blur = self.sight.blur
+        step = float(np.clip(right / max(left, 1e-9), -blur / 3.0, blur / 2.0))
+        self.sight = replace(self.sight, blur=float(np.clip(blur + gain * step, *BLUR_LIMITS)))
+
     def see(self, frame: Frame) -> Seen:
         """Fit the next frame; start must have been called."""
         assert self.sight is not None
@@ -166,7 +178,8 @@ class Follower:
         self._lost = 0
         self._history = [*self._history[-1:], (frame.t, fit.x)]
         seen_contrast = float(np.median((self.sight.polarity * fit.edges.contrast)[fit.weight > 0.1]))
-        self.sight = replace(self.sight, contrast=0.95 * self.sight.contrast + 0.05 * seen_contrast)
+        self.sight = replace(self.sight, contrast=(1.0 - SLOWLY) * self.sight.contrast + SLOWLY * seen_contrast)
+        self._sharpen([fit], SLOWLY)
         covariance, lean, shared_information, shared_gradient = _eliminate(fit, self.size)
         return Seen(
             t=frame.t,
