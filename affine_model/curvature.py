@@ -17,12 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
+@lru_cache(maxsize=16)
 def legendre_to_monomial(order: int) -> Array:
-    """Matrix T (order, order) with q = T z."""
+    """Matrix T (order, order) with q = T z; kept, and not to be written to."""
     columns = np.zeros((order, order))
     for j in range(order):
         polynomial = Legendre.basis(j, domain=[0.0, 1.0]).convert(kind=Polynomial, domain=[-1.0, 1.0])
         columns[: j + 1, j] = polynomial.coef[: j + 1]
+    columns.setflags(write=False)
     return columns
 
 

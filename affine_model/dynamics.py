@@ -64,13 +64,13 @@ def balance(
     u: Any,
     u_rate: Any,
     t: Any = 0.0,
-    memory: Any = 0.0,
+    memory: Any = None,
 ) -> Balance:
     """Assemble the equations at one state.
 
-    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates; t [s]; memory (..., N) the relaxing
-    curvature of a Maxwell branch. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n, with the
-    couple m_a u_n u_t).
+    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates; t [s]; memory (..., S, N): a slot for each
+    of remembering(effects), all 0 if None. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n,
+    with the couple m_a u_n u_t).
     """
     xp = sys.modules[type(u).__module__.split(".")[0]]
     n, L = arm.order, arm.specimen.length
@@ -96,7 +96,7 @@ def balance(
     curvature_columns = xp.concatenate([C + 0 * phi[..., None], xp.zeros_like(angle_columns[..., n:])], -1)
 
     x = SimpleNamespace(
-        **node, **arm.arm_quantities, t=t, memory=memory, phi=phi, phi_rate=phi_rate,
+        **node, **arm.arm_quantities, t=t, phi=phi, phi_rate=phi_rate,
         c=z @ C.T, c_rate=z_rate @ C.T, x=position[..., 0], y=position[..., 1], stiffness=0.0,
     )  # fmt: skip
     own = [(effect, parameters_of(effect, parameters)) for effect in effects]
@@ -145,7 +145,13 @@ def balance(
     M = M + xp.einsum("i,...i,...ij,...il->...jl", w, rotary, angle_columns, angle_columns)
     force = xp.einsum("i,...ixj,...ix->...j", w, jacobian, applied)
     force = force + xp.einsum("i,...ij,...i->...j", w, angle_columns, couple + 0 * phi)
-    moment = total("bending_moment") + x.stiffness * x.c
+    moment = x.stiffness * x.c
+    slots = {effect.name: slot for slot, effect in enumerate(remembering(effects))}
+    for effect, p in own:
+        if effect.bending_moment is not None:
+            remembered = effect.remembers and memory is not None
+            x.memory = memory[..., slots[effect.name], :] if remembered else 0.0 * phi
+            moment = moment + effect.bending_moment(x, p)
     force = force - xp.einsum("i,...ij,...i->...j", w / L, curvature_columns, moment)
 
     hung, reach = total_pair("hung_mass")
@@ -168,15 +174,31 @@ def balance(
     return Balance(M, force, xp.einsum("i,...ix->...x", w, fluid), fluid_mass)
 
 
-def relaxation_time(arm: Arm, effects: tuple[Effect, ...], parameters: Any) -> Any:
-    """Relaxation time (..., 1) [s] of the effects' Maxwell branch; None where no effect relaxes,
-    ValueError where two do.
+def remembering(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    """The effects with a memory, in the order of its slots."""
+    return tuple(effect for effect in effects if effect.remembers)
+
+
+def advanced_memory(
+    arm: Arm, effects: tuple[Effect, ...], parameters: Any, memory: Any, c_rate: Any, duration: float
+) -> Any:
+    """Memory (..., S, N), a slot for each of remembering(effects), after `duration` [s] at the rates of curvature
+    c_rate (..., N).
+
+    Of a Maxwell branch exactly memory' = c' - memory / tau; of a friction element memory' = c', held at the yield
+    curvature.
     """
-    relaxing = [effect for effect in effects if effect.relaxation_time is not None]
-    if len(relaxing) > 1:
-        raise ValueError(f"one Maxwell branch at a time, not {', '.join(effect.name for effect in relaxing)}")
-    for effect in relaxing:
-        x = SimpleNamespace(**arm.node_quantities, **arm.arm_quantities)
-        assert effect.relaxation_time is not None
-        return effect.relaxation_time(x, parameters_of(effect, parameters))
-    return None
+    xp = sys.modules[type(c_rate).__module__.split(".")[0]]
+    x = SimpleNamespace(**arm.arm_quantities)
+    slots = []
+    for slot, effect in enumerate(remembering(effects)):
+        p, kept = parameters_of(effect, parameters), memory[..., slot, :]
+        if effect.relaxation_time is not None:
+            tau = effect.relaxation_time(x, p) + 0.0 * c_rate
+            decay = xp.exp(-duration / tau)
+            slots.append(kept * decay + tau * (1.0 - decay) * c_rate)
+        else:
+            assert effect.yield_curvature is not None
+            limit = effect.yield_curvature(x, p) + 0.0 * c_rate
+            slots.append(xp.minimum(xp.maximum(kept + duration * c_rate, -limit), limit))
+    return xp.stack(slots, -2) if slots else memory

@@ -42,7 +42,7 @@ STATE_QUANTITIES = {
     "u_n": "velocity relative to the water, along the normal [m/s]",
     "u_t": "velocity relative to the water, along the tangent [m/s]",
     "speed": "its magnitude [m/s]",
-    "memory": "relaxing curvature of a Maxwell branch [rad] (only where the effect has relaxation_time)",
+    "memory": "curvature [rad] that the effect remembers (only with relaxation_time or yield_curvature)",
 }
 QUANTITIES = {**NODE_QUANTITIES, **ARM_QUANTITIES, **STATE_QUANTITIES}
 
@@ -86,9 +86,10 @@ class Effect:
     rotary_inertia [kg m], weight [kg/m] (mass per length on which gravity acts, buoyancy already taken off),
     water_velocity (x, y) [m/s] in the base frame.
     At the tip: tip_mass [kg]; hung_mass (mass [kg], reach [m] beyond s = 1 along the tangent; one effect only). For
-    all: gravity_tilt [rad]. relaxation_time [s]: gives the law x.memory. Outside the equations of motion: base ("lag"
-    or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature coordinates
-    added).
+    all: gravity_tilt [rad]. relaxation_time [s] or yield_curvature [rad], one of them: gives the law x.memory, the
+    curvature of a spring in series with a dashpot, or with a slip at that size. Outside the equations of motion: base
+    ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature
+    coordinates added).
     """
 
     name: str
@@ -110,6 +111,7 @@ class Effect:
     hung_mass: PairLaw | None = None
     gravity_tilt: Law | None = None
     relaxation_time: Law | None = None
+    yield_curvature: Law | None = None
     base: Literal["lag", "backlash"] | None = None
     measurement: Literal["time_offset", "roll", "scale"] | None = None
     extra_order: int = 0
@@ -118,6 +120,11 @@ class Effect:
     def strengths(self) -> tuple[Parameter, ...]:
         """The parameters that are zero when the effect is absent."""
         return tuple(parameter for parameter in self.parameters if not parameter.scan)
+
+    @property
+    def remembers(self) -> bool:
+        """Whether its law sees x.memory."""
+        return self.relaxation_time is not None or self.yield_curvature is not None
 
     @property
     def shapes(self) -> tuple[Parameter, ...]:

@@ -22,6 +22,7 @@ LAWS = {
     "hung_mass": "hung mass [kg], reach beyond the tip [m]",
     "gravity_tilt": "tilt of gravity [rad]",
     "relaxation_time": "relaxation time [s]",
+    "yield_curvature": "curvature [rad] at which it slips",
 }
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array, angle_basis
+from affine_model.dynamics import remembering
 from affine_model.effects import catalogue
 from affine_model.kernel import advance_blocks
 
@@ -74,6 +75,7 @@ def simulate(
     *,
     q: Array | None = None,
     q_rate: Array | None = None,
+    memory: Array | None = None,
     servo: Servo | None = None,
     rail: Rail | None = None,
     t0: float = 0.0,
@@ -84,9 +86,10 @@ def simulate(
     """Integrate B individuals over S steps of `step` seconds.
 
     parameters (R, B), columns as in arm.parameter_vector. base (3, S, B) or (3, S, 1): theta and its two derivatives
-    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command. q, q_rate (n, B): initial state in the
-    paper's coordinates, zero if None. stride: keep every stride-th step, 0 keeps none. average_from [s] after t0:
-    start of the means. iterations: Newton iterations a step; 1 suffices unless exact energy is wanted.
+    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command. q, q_rate (n, B): initial state in
+    the paper's coordinates, zero if None; memory (n, B): the curvature that a Maxwell branch remembers then,
+    likewise. stride: keep every stride-th step, 0 keeps none. average_from [s] after t0: start of the means.
+    iterations: Newton iterations a step; 1 suffices unless exact energy is wanted.
     """
     parameters = np.ascontiguousarray(parameters, dtype=float)
     base = np.ascontiguousarray(base, dtype=float)
@@ -102,6 +105,11 @@ def simulate(
     kept = steps // stride if stride else 0
     out_u, out_rate = np.zeros((kept + 1, n + 2, count)), np.zeros((kept + 1, n + 2, count))
     out_force, summary = np.zeros((max(kept, 1), 4, count)), np.zeros((5 + 2 * (n + 2), count))
+    slots = remembering(tuple(catalogue().values()))
+    start_store = np.zeros((len(slots), arm.nodes, count))
+    if memory is not None:
+        relaxing = [effect.relaxation_time is not None for effect in slots]
+        start_store[relaxing] = arm.curvature_basis @ arm.from_monomial @ memory
     node, whole = arm.node_quantities, arm.arm_quantities
     constants = (*(whole[k] for k in ("length", "density", "fluid_density", "payload", "gravity")), arm.gravity.angle)
     acting = {effect.name for effect in active_effects(parameters)}
@@ -119,7 +127,7 @@ def simulate(
         arm.nodes, count, n, parameters, active, constants, node["s"], node["area"], node["second_moment"],
         node["width"], node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, end,
         curvature, base, servo_row, rail_row, servo is not None, rail is not None, step, steps, start, start_rate,
-        iterations, stride, round(average_from / step), t0, out_u, out_rate, out_force, summary,
+        start_store, iterations, stride, round(average_from / step), t0, out_u, out_rate, out_force, summary,
     )  # fmt: skip
     if not stride:
         out_u, out_rate, out_force = out_u[:0], out_rate[:0], out_force[:0]

@@ -15,7 +15,7 @@ import torch
 from torch import Tensor
 
 from affine_model.arm import Arm, active_effects
-from affine_model.dynamics import balance, relaxation_time
+from affine_model.dynamics import advanced_memory, balance, remembering
 from affine_model.effect import Effect
 
 FARTHEST, FASTEST = 1e3, 1e6  # rad, rad/s: beyond these an individual counts as diverged, as in the kernel
@@ -46,7 +46,7 @@ class TorchBatch:
 
 @dataclass(frozen=True)
 class _State:
-    """z, z_rate, and the last two mean accelerations (B, n); memory (B, N); fluid force of the step (B, 2)."""
+    """z, z_rate, and the last two mean accelerations (B, n); memory (B, S, N); fluid force of the step (B, 2)."""
 
     z: Tensor
     z_rate: Tensor
@@ -84,7 +84,6 @@ def _stepper(arm: Arm, effects: tuple[Effect, ...], parameters: Tensor, h: float
     """One step as a function (state, base row (3, B), time of its middle) -> state."""
     n = arm.order
     basis = torch.as_tensor(arm.curvature_basis, dtype=parameters.dtype, device=parameters.device)
-    tau = relaxation_time(arm, effects, parameters)
     offsets = torch.cat([torch.zeros(1, n), torch.eye(n)]).to(parameters) * (NUDGE / h)
 
     def residual(state: _State, base: Tensor, t: Tensor, a: Tensor) -> tuple[Tensor, Tensor]:
@@ -95,10 +94,7 @@ def _stepper(arm: Arm, effects: tuple[Effect, ...], parameters: Tensor, h: float
         rate = state.z_rate + 0.5 * h * a
         theta = base.reshape(3, *[1] * (a.dim() - 2), -1, 1).expand(3, *a.shape[:-1], 1)
         rail = torch.zeros_like(theta[0])
-        memory = state.memory
-        if tau is not None:
-            decay = torch.exp(-0.5 * h / tau)
-            memory = memory * decay + tau * (1.0 - decay) * (rate @ basis.T)
+        memory = advanced_memory(arm, effects, parameters, state.memory, rate @ basis.T, 0.5 * h)
         u, v = torch.cat([mid, theta[0], rail], -1), torch.cat([rate, theta[1], rail], -1)
         found = balance(arm, effects, parameters, u, v, t, memory)
         full = torch.cat([a, theta[2], rail], -1)
@@ -121,10 +117,8 @@ def _stepper(arm: Arm, effects: tuple[Effect, ...], parameters: Tensor, h: float
         fluid = residual(state, base, t, a)[1]
         z = state.z + h * state.z_rate + 0.5 * h * h * a
         z_rate = state.z_rate + h * a
-        memory = state.memory
-        if tau is not None:
-            decay = torch.exp(-h / tau)
-            memory = memory * decay + tau * (1.0 - decay) * ((state.z_rate + 0.5 * h * a) @ basis.T)
+        c_rate = (state.z_rate + 0.5 * h * a) @ basis.T
+        memory = advanced_memory(arm, effects, parameters, state.memory, c_rate, h)
         sound = ((z.abs() < FARTHEST) & (z_rate.abs() < FASTEST)).all(dim=-1, keepdim=True)
         still = torch.zeros_like(z)
         kept = torch.where(sound, a.detach(), still)
@@ -133,7 +127,7 @@ def _stepper(arm: Arm, effects: tuple[Effect, ...], parameters: Tensor, h: float
             torch.where(sound, z_rate, still),
             kept,
             torch.where(sound, state.last.detach(), still),
-            torch.where(sound, memory, torch.zeros_like(memory)),
+            torch.where(sound[..., None], memory, torch.zeros_like(memory)),
             torch.where(sound, fluid, torch.full_like(fluid, torch.nan)),
         )
 
@@ -195,7 +189,8 @@ def torch_simulate(
     nothing = parameters.new_zeros(count, n)
     z = nothing if q is None else (to_legendre @ q).T
     z_rate = nothing if q_rate is None else (to_legendre @ q_rate).T
-    state = _State(z, z_rate, nothing, nothing, parameters.new_zeros(count, arm.nodes), parameters.new_zeros(count, 2))
+    memory = parameters.new_zeros(count, len(remembering(effects)), arm.nodes)
+    state = _State(z, z_rate, nothing, nothing, memory, parameters.new_zeros(count, 2))
     base = base.expand(3, -1, count)
     careful = _stepper(
         arm, effects, parameters, step, iterations + 3

@@ -194,7 +194,7 @@ def recorded(seconds: float, fps: float, seed: int) -> tuple[Problem, tuple[Arra
     for (effect, name), factor in zip(FREE, (0.7, 1.5, 0.8, 0.7), strict=True):
         given[parameter_index(effect, name)] *= factor
     nuisances = np.zeros(len(experiment.nuisance_names(ARM.order)))
-    nuisances[: ARM.order] = coefficients[0, 1:]
+    nuisances[: ARM.order] = ARM.from_monomial @ coefficients[0, 1:]
     return Problem(ARM, (experiment,), FREE, given, FIT_STEP), (nuisances,)
 
 

@@ -9,7 +9,7 @@ from scipy.stats import chi2 as chi_square
 
 from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
-from affine_model.identify.trajectory import Fit
+from affine_model.identify.trajectory import Fit, Problem
 from discovery.score import absorbed_basis
 from tentacle.diagnosis import Gate
 
@@ -63,12 +63,12 @@ def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
     return total, lags * rows.shape[1]
 
 
-def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool, reduction: float = 0.0) -> Adequacy:
+def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, reduction: float = 0.0) -> Adequacy:
     """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones.
 
     reduction: rms in noise sigmas of what the model cannot follow for reasons of its own (discovery.reduction).
     """
-    allowed = MATERIAL**2 + (ALLOWANCE * reduction) ** 2
+    experiments, allowed = problem.experiments, MATERIAL**2 + (ALLOWANCE * reduction) ** 2
     parts = [
         _live(judged_rows(experiment, residuals, held_out))
         for experiment, residuals in zip(experiments, fitted.residuals, strict=True)
@@ -103,23 +103,20 @@ def adequacy(experiments: tuple[Experiment, ...], fitted: Fit, *, held_out: bool
             Gate("Ljung-Box", statistic, limit, statistic <= limit, f"residuals correlated over {LAGS} frames")
         )
     if not held_out:
-        gates.append(_drift(experiments, fitted, allowed))
+        gates.append(_drift(problem, fitted, allowed))
     return Adequacy(tuple(gates), structure)
 
 
-def _drift(experiments: tuple[Experiment, ...], fitted: Fit, allowed: float) -> Gate:
+def _drift(problem: Problem, fitted: Fit, allowed: float) -> Gate:
     """Whether parameters that grow or fall in time would explain more: sensitivities times time, freed of the model's
     own.
     """
-    times = []
-    for experiment, residuals in zip(experiments, fitted.residuals, strict=True):
+    times, order = [], problem.arm.order
+    for experiment, residuals, nuisances in zip(problem.experiments, fitted.residuals, fitted.nuisances, strict=True):
         t = experiment.observation.t[experiment.used]
         centred = (t - t.mean()) / max(np.ptp(t), 1e-9)
         times.append(np.repeat(centred, residuals.shape[1]))
-        nuisances = fitted.nuisances[len(times) - 1].size
-        order = (nuisances - 3) if experiment.release is not None else (nuisances - 2) // 2
-        priors = experiment.prior_residuals(order, 1.0, np.ones((nuisances, 1))).shape[0]
-        times.append(np.zeros(priors))
+        times.append(np.zeros(experiment.prior_residuals(order, 1.0, nuisances[:, None]).shape[0]))
     weight = np.concatenate(times)
     weight = np.concatenate([weight, np.zeros(fitted.used_residuals.size - weight.size)])
     columns = fitted.jacobian[:, : len(fitted.values)] * weight[:, None]

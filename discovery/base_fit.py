@@ -7,16 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.arm import Arm, arm_of, neutral_parameters, parameter_index
-from affine_model.curvature import Array, legendre_to_monomial
+from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
 from affine_model.identify.observation import POSE, ShapeObservation
+from affine_model.identify.sufficient_step import sufficient_step
 from affine_model.identify.trajectory import Fit, ParameterName, Problem, fit, fit_multistart
 from discovery.floor import noise_deviation
 from discovery.prepare import recalibrated
 from tentacle.model import Model
 from tentacle.recording import Declaration
 
-STEP = 1.0 / 400.0  # s: second order; against 1/1200 it errs by 1e-3 of q2 at the end of a chirp to 2.2 Hz
+STEP = 1.0 / 150.0  # s: where a fit begins; how fine it ends is found (affine_model.identify.sufficient_step)
+SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 VISIBLE = 0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
 SMALL_STEP = 0.15
 
@@ -81,9 +83,9 @@ def _visible_order(observation: ShapeObservation) -> int:
 
 def _order_by_fits(setting: Setting) -> int:
     """The smallest order after which one more coordinate takes less than SMALL_STEP off the misfit."""
-    last, _ = fit_base(setting, 2)
+    _, last = fit_base(setting, 2)
     for order in (3, 4):
-        better, _ = fit_base(setting, order, warm=last)
+        _, better = fit_base(setting, order, warm=last)
         if better.misfit > (1.0 - SMALL_STEP) * last.misfit:
             return order - 1
         last = better
@@ -93,23 +95,22 @@ def _order_by_fits(setting: Setting) -> int:
 def initial_nuisances(experiment: Experiment, order: int) -> Array:
     """Initial shape and rates of a run from its first frames (released: from all frames before)."""
     observation = experiment.observation
-    q = np.zeros(order)
+    start = np.zeros(order)
     rates = np.zeros(order)
     if isinstance(observation, ShapeObservation):
         seen = np.flatnonzero(observation.seen)
         z = observation.coefficients[:, POSE:]
         kept = min(order, observation.order)
-        to_monomial = legendre_to_monomial(order)[:, :kept]
         if experiment.release is not None:
             held = seen[observation.t[seen] <= experiment.release]
             held = held if held.size else seen[:1]
-            q = to_monomial @ np.median(z[held, :kept], axis=0)
+            start[:kept] = np.median(z[held, :kept], axis=0)
         else:
             first = seen[:6]
             slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
-            q, rates = to_monomial @ offset, to_monomial @ slope
+            start[:kept], rates[:kept] = offset, slope
     moving = rates if experiment.release is None else np.zeros(1)
-    return np.concatenate([q, moving, np.zeros(2)])
+    return np.concatenate([start, moving, np.zeros(2)])
 
 
 def _starts(setting: Setting) -> Array:
@@ -133,23 +134,38 @@ def _starts(setting: Setting) -> Array:
     return np.array(columns).T
 
 
-def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Fit, tuple[Experiment, ...]]:
-    """The base effects alone at that order, from many starts (or from a fit at another order), noise recalibrated
-    once.
-    """
+def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
+    """The base effects alone at that order, from many starts (or from a fit at another order), then settled."""
     arm = setting.arm(order)
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = Problem(arm, setting.experiments, setting.base_free(), neutral_parameters(), setting.step)
     if warm is None:
-        first = fit_multistart(problem, nuisances, _starts(setting))
-    else:
-        first = fit(replace(problem, parameters=warm.parameters), nuisances)
-    experiments = tuple(
-        recalibrated(experiment, residuals)
-        for experiment, residuals in zip(setting.experiments, first.residuals, strict=True)
-    )
-    again = replace(problem, experiments=experiments, parameters=first.parameters)
-    return fit(again, first.nuisances), experiments
+        return settled(problem, fit_multistart(problem, nuisances, _starts(setting)))
+    problem = replace(problem, parameters=warm.parameters)
+    return settled(problem, fit(problem, nuisances))
+
+
+def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
+    """The fit again with the noise as it leaves it, and with a step that suffices; twice where the first changed much.
+
+    Noise that stands for a baseline's own rest is left alone. The same objects where neither changes.
+    """
+    for _ in range(2):
+        experiments = tuple(
+            recalibrated(experiment, residuals) if experiment.correlation == 1.0 else experiment
+            for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True)
+        )
+        step = sufficient_step(problem, fitted)
+        changes = [
+            float(np.max(np.abs(new.noise_gain / old.noise_gain - 1.0)))
+            for new, old in zip(experiments, problem.experiments, strict=True)
+        ]
+        if max(changes) < SAME_NOISE and step == problem.step:
+            break
+        problem = replace(problem, experiments=experiments, parameters=fitted.parameters, step=step)
+        fitted = fit(problem, fitted.nuisances)
+        problem = replace(problem, parameters=fitted.parameters)
+    return problem, fitted
 
 
 def parameter_of(fit_result: Fit, name: ParameterName) -> float:

@@ -186,6 +186,18 @@ def errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared
     return ErrorMeasure(_rms(distance), _rms(angle), _rms(first), _rms(second), _rms(thrust))
 
 
+def midline_error(prepared: list[Prepared], problem: Problem, fitted: Fit, held_out: bool) -> float | None:
+    """rms distance [mm] of one model from what was measured, over the judged frames of all recordings."""
+    distance = []
+    for place, source in enumerate(prepared):
+        observation = source.experiment.observation
+        s, points = measured_points(source)
+        shown = seen(problem, fitted, place, s, None if isinstance(observation, ShapeObservation) else observation.d)
+        judged = judged_frames(source.experiment, held_out)
+        distance.append(1e3 * np.linalg.norm(points - shown.points, axis=2)[judged])
+    return _rms(distance)
+
+
 def floor_errors(
     runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], reduction_mm: float
 ) -> ErrorMeasure:

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.identify.experiment import Experiment
 from affine_model.identify.trajectory import Fit, Problem, fit
-from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order
+from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order, settled
 from discovery.calibration import calibrated
-from discovery.compare import errors, floor_errors, run_comparison
+from discovery.compare import errors, floor_errors, midline_error, run_comparison
 from discovery.next_experiment import DURATION, Proposal, propose
-from discovery.prepare import CannotTellError, Prepared, prepare, recalibrated
+from discovery.prepare import CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
 from discovery.search import Search, estimates, hypothesis, looseness, search
@@ -69,8 +68,8 @@ def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple
     prepared = [prepare(recording, hold_out=False) for recording in recordings]
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
     order = order or needed_order(setting)
-    fitted, experiments = fit_base(setting, order)
-    judged = hypothesis((), _problem(replace(setting, order=order), experiments, fitted), fitted)
+    problem, fitted = fit_base(setting, order)
+    experiments, judged = problem.experiments, hypothesis((), problem, fitted)
     rows = [r[e.used] * e.noise_gain for e, r in zip(experiments, fitted.residuals, strict=True)]
     left = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0))
     gain = np.max([e.noise_gain for e in experiments], axis=0)
@@ -79,7 +78,7 @@ def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple
         return Baseline(fitted, gain, 1.0), order
     correlation = max(looseness(judged) / ratio, 1.0)
     again = tuple(replace(e, noise_gain=np.maximum(e.noise_gain, left)) for e in experiments)
-    problem = replace(_problem(replace(setting, order=order), again, fitted), parameters=fitted.parameters)
+    problem = replace(problem, experiments=again)
     return Baseline(fit(problem, fitted.nuisances), np.maximum(left, gain), correlation), order
 
 
@@ -168,47 +167,36 @@ def _diagnosed(
     setting = replace(setting, order=order)
 
     progress("fitting the declared model")
-    paper, paper_problem = _base_hypothesis(setting, 2, known)
-    base, base_problem = paper, paper_problem
+    paper_problem, paper = _base_hypothesis(setting, 2, known)
+    base_problem, base = paper_problem, paper
     if order > 2:
-        base, base_problem = _base_hypothesis(setting, order, known)
-    prepared = [
-        replace(p, experiment=experiment) for p, experiment in zip(prepared, base_problem.experiments, strict=True)
-    ]
+        base_problem, base = _base_hypothesis(setting, order, known, warm=paper)
     progress("running the reference")
     reduction = reduction_error(setting.declaration, base_problem, base)
     structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)
-    # A large misfit shows between frames too: the noise is stated as the final model leaves it.
-    final = zip(prepared, found.chosen.fitted.residuals, strict=True)
-    prepared = [
-        replace(p, experiment=recalibrated(p.experiment, rows)) if p.experiment.correlation == 1.0 else p
-        for p, rows in final
-    ]
+    final = found.chosen.problem.experiments  # with the noise as the final model leaves it
+    prepared = [replace(p, experiment=experiment) for p, experiment in zip(prepared, final, strict=True)]
     progress("comparing")
     return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 
 
-def _problem(setting: Setting, experiments: tuple[Experiment, ...], fitted: Fit) -> Problem:
-    return Problem(setting.arm(), experiments, setting.base_free(), fitted.parameters, setting.step)
-
-
-def _base_hypothesis(setting: Setting, order: int, known: Baseline | None) -> tuple[Fit, Problem]:
-    setting = replace(setting, order=order)
+def _base_hypothesis(
+    setting: Setting, order: int, known: Baseline | None, *, warm: Fit | None = None
+) -> tuple[Problem, Fit]:
     if known is None:
-        fitted, experiments = fit_base(setting, order)
-        return fitted, _problem(setting, experiments, fitted)
+        return fit_base(setting, order, warm=warm)
+    start = known.fitted
     problem = replace(
-        _problem(setting, setting.experiments, known.fitted),
-        prior_free=known.fitted.free,
-        prior_mean=known.fitted.values,
-        prior_root=np.linalg.cholesky(np.linalg.inv(known.fitted.covariance)).T,
+        Problem(setting.arm(order), setting.experiments, setting.base_free(), start.parameters, setting.step),
+        prior_free=start.free,
+        prior_mean=start.values,
+        prior_root=np.linalg.cholesky(np.linalg.inv(start.covariance)).T,
     )
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
-    fitted = fit(problem, nuisances)
-    return fitted, replace(problem, parameters=fitted.parameters)
+    return settled(problem, fit(problem, nuisances))
 
 
 def _assembled(
@@ -259,7 +247,7 @@ def _assembled(
         after=after,
         floor=floor,
         held_out=is_held_out,
-        ranking=_ranking(found, prepared, paper, is_held_out),
+        ranking=_ranking(found, prepared, is_held_out),
         next_experiment=None if proposal is None else waveform_table(proposal.waveform),
         budget=_budget(before, after, floor, lost),
         base_model=base_model,
@@ -285,9 +273,7 @@ def _proposal_words(proposal: Proposal) -> str:
     )
 
 
-def _ranking(
-    found: Search, prepared: list[Prepared], paper: tuple[Problem, Fit], is_held_out: bool
-) -> tuple[RankedEffect, ...]:
+def _ranking(found: Search, prepared: list[Prepared], is_held_out: bool) -> tuple[RankedEffect, ...]:
     weight = probabilities(found)
     refitted = {h.effects[0]: h for h in found.single}
     rows = []
@@ -295,11 +281,7 @@ def _ranking(
         name = candidate.effect.name
         error = None
         if name in refitted:
-            h = refitted[name]
-            runs = [
-                run_comparison(p, place, paper, (h.problem, h.fitted), is_held_out) for place, p in enumerate(prepared)
-            ]
-            error = errors(runs, prepared, augmented=True).midline_mm
+            error = midline_error(prepared, refitted[name].problem, refitted[name].fitted, is_held_out)
         gain = found.base.fitted.misfit - refitted[name].fitted.misfit if name in refitted else candidate.gain
         rows.append(RankedEffect(name, float(gain), error, weight.get(name, 0.0)))
     return tuple(sorted(rows, key=lambda row: -row.score))

@@ -59,10 +59,9 @@ def identify(
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), order or 2)
     if order is None:
         setting = replace(setting, order=needed_order(setting))
-    fitted, experiments = fit_base(setting, setting.order)
-    problem = Problem(setting.arm(), experiments, setting.base_free(), fitted.parameters, setting.step)
+    problem, fitted = fit_base(setting, setting.order)
     judged = hypothesis((), problem, fitted)
-    prepared = [replace(p, experiment=e) for p, e in zip(prepared, experiments, strict=True)]
+    prepared = [replace(p, experiment=e) for p, e in zip(prepared, problem.experiments, strict=True)]
     shown, final = (judges, _initial_states(setting, problem, judges)) if judges else (prepared, (problem, fitted))
     runs = [run_comparison(p, place, final, final, False) for place, p in enumerate(shown)]
     spread = np.sqrt(np.maximum(np.diag(fitted.covariance), 1e-300))

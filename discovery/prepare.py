@@ -29,6 +29,7 @@ LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
 NEIGHBOURS, JUMP = 15, 10.0
 LEAST_MOTION = 2.0  # noise sigmas
+LEAST_RATE = 0.01  # rad/s
 
 
 class CannotTellError(Exception):
@@ -139,9 +140,11 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         if jumps:
             words.append(f"{jumps} frames of {recording.name} jump out of the motion (shown twice, misread): left out.")
         seen = observation.seen
+        rates = rates_seen(observation)
         channels = observation.coefficients.shape[1]
     else:
         seen = np.asarray(np.isfinite(observation.xy).any(axis=(1, 2)))
+        rates = np.zeros(0)
         channels = 2 * observation.s.size
     if seen.sum() < FEWEST_FRAMES:
         raise CannotTellError(f"{recording.name} has {int(seen.sum())} usable frames; {FEWEST_FRAMES} are the least.")
@@ -170,6 +173,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         used=used,
         noise_gain=np.ones(channels),
         release_sigma=2.0 * interval,
+        rates_seen=rates,
     )
     return Prepared(recording, experiment, points, sigma, tuple(words))
 
@@ -184,6 +188,16 @@ def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) 
     change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
     whitened = np.einsum("tkl,tl->tk", observation.root[seen], change)
     return bool(np.mean(whitened**2) > LEAST_MOTION**2)
+
+
+def rates_seen(observation: ShapeObservation) -> Array:
+    """rms rates of the Legendre coordinates (K,) [rad/s], over four frames each: noise is part of it, and it is an
+    upper bound.
+    """
+    good = np.flatnonzero(observation.seen)
+    z, t = observation.coefficients[good, POSE:], observation.t[good]
+    rates = (z[4:] - z[:-4]) / (t[4:] - t[:-4])[:, None]
+    return np.asarray(np.sqrt(np.mean(rates**2, axis=0)) + LEAST_RATE) if len(rates) else np.zeros(0)
 
 
 def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:

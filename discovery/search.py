@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +13,7 @@ from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
+from discovery.base_fit import settled
 from discovery.score import Candidate, score, survey
 from tentacle.model import Estimate
 
@@ -20,6 +23,9 @@ LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear pi
 HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
 TIE = 5.0  # nats: effects closer than this to the best are not told apart
 MOST_EFFECTS = 3
+NEAR = 20.0  # nats: alternatives this close to the best are refitted with its noise
+SWAPS = 3  # of the score test's ranking, tried in the place of each earlier effect
+LARGEST_MARGIN = 1e3  # nats: said where nothing else was worth a refit
 
 
 @dataclass(frozen=True)
@@ -43,7 +49,7 @@ class Search:
     ranking.
 
     core: the effects on which the chosen hypothesis and all rivals agree, alone (the chosen one where there is no
-    rival).
+    rival). margin [nats]: the chosen model's evidence less that of the next best of as many effects, loosened.
     """
 
     base: Hypothesis
@@ -53,6 +59,7 @@ class Search:
     single: tuple[Hypothesis, ...]
     looseness: float
     core: Hypothesis
+    margin: float
 
 
 def held_out_misfit(problem: Problem, fitted: Fit) -> float:
@@ -78,8 +85,8 @@ def hypothesis(
     """
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
-    train = adequacy(problem.experiments, fitted, held_out=False, reduction=reduction[0])
-    judged = adequacy(problem.experiments, fitted, held_out=True, reduction=reduction[1])
+    train = adequacy(problem, fitted, held_out=False, reduction=reduction[0])
+    judged = adequacy(problem, fitted, held_out=True, reduction=reduction[1])
     return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction)
 
 
@@ -96,6 +103,22 @@ def _with_candidate(problem: Problem, start: Fit, candidate: Candidate, share: f
     return replace(problem, free=(*problem.free, *candidate.free), parameters=parameters)
 
 
+def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, tuple[Array, ...]]:
+    """The problem with the memory at the start of each run among its unknowns where an effect relaxes, else without."""
+    wanted = any(catalogue()[effect].relaxation_time is not None for effect, _ in problem.free)
+    order = problem.arm.order
+    experiments, kept = [], []
+    for experiment, values in zip(problem.experiments, nuisances, strict=True):
+        changed = replace(experiment, remembers=wanted)
+        memory = experiment.memory(order, values)
+        memory = np.zeros(order) if memory is None else memory
+        memory = memory if changed.begins_with_memory else memory[:0]
+        moving = order if experiment.release is None else 1
+        experiments.append(changed)
+        kept.append(np.concatenate([values[: order + moving], memory, values[-2:]]))
+    return replace(problem, experiments=tuple(experiments)), tuple(kept)
+
+
 def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     """The current model with the candidate added, fitted from its linear estimate; from half of it where that fails
     to gain.
@@ -104,7 +127,8 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     used: Problem | None = None
     for share in (1.0, 0.4):
         problem = _with_candidate(current.problem, current.fitted, candidate, share)
-        fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
+        problem, nuisances = _remembering(problem, current.fitted.nuisances)
+        fitted = fit(problem, nuisances, tolerance=1e-6, most=20)
         if best is None or fitted.misfit < best.misfit:
             best, used = fitted, problem
         if current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
@@ -122,7 +146,8 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
     free = tuple(name for name in current.problem.free if name[0] != effect)
     problem = replace(current.problem, free=free, parameters=parameters)
-    fitted = fit(problem, current.fitted.nuisances, tolerance=1e-6, most=20)
+    problem, nuisances = _remembering(problem, current.fitted.nuisances)
+    fitted = fit(problem, nuisances, tolerance=1e-6, most=20)
     rest = tuple(name for name in current.effects if name != effect)
     return hypothesis(rest, replace(problem, parameters=fitted.parameters), fitted, current.reduction)
 
@@ -182,20 +207,49 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
 
 
 def _tried(current: Hypothesis, promising: list[Candidate]) -> list[Hypothesis]:
-    """The candidates refitted, best first. In the linear regime those that the score puts far behind are left out."""
-    linear = current.train.structure < LINEAR
-    tried: list[Hypothesis] = []
-    for candidate in promising:
-        gained = max((current.fitted.misfit - h.fitted.misfit for h in tried), default=0.0)
-        if linear and candidate.gain < HOPELESS * gained - 20.0:
-            continue
-        tried.append(refit(current, candidate))
-    return sorted(tried, key=lambda h: -h.evidence)
+    """The candidates refitted, best first. In the linear regime those that the score puts far behind the first are
+    left out.
+    """
+    first = refit(current, promising[0])
+    rest = promising[1:]
+    if current.train.structure < LINEAR:
+        gained = current.fitted.misfit - first.fitted.misfit
+        rest = [candidate for candidate in rest if candidate.gain > HOPELESS * gained - 20.0]
+    return sorted([first, *_refitted(current, rest)], key=lambda h: -h.evidence)
+
+
+def _refitted(current: Hypothesis, chosen: list[Candidate]) -> list[Hypothesis]:
+    """Each candidate refitted, side by side: the kernel lets other threads run while it computes."""
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2) as pool:
+        return list(pool.map(lambda candidate: refit(current, candidate), chosen))
+
+
+def settled_together(tried: list[Hypothesis]) -> list[Hypothesis]:
+    """The best first, with the noise as it leaves it and a step that suffices; then those that come near it, refitted
+    with the same noise and step, so that their evidence is comparable.
+    """
+    best = tried[0]
+    problem, fitted = settled(best.problem, best.fitted)
+    near = [h for h in tried[1:] if best.evidence - h.evidence < NEAR * looseness(best)]
+    if problem is not best.problem:
+        near = [_with_noise_of(problem, h) for h in near]
+        best = hypothesis(best.effects, problem, fitted, best.reduction)
+    return sorted([best, *near], key=lambda h: -h.evidence)
+
+
+def _with_noise_of(problem: Problem, h: Hypothesis) -> Hypothesis:
+    experiments = tuple(
+        replace(own, noise_gain=other.noise_gain)
+        for own, other in zip(h.problem.experiments, problem.experiments, strict=True)
+    )
+    changed = replace(h.problem, experiments=experiments, step=problem.step, parameters=h.fitted.parameters)
+    fitted = fit(changed, h.fitted.nuisances, tolerance=1e-6, most=20)
+    return hypothesis(h.effects, replace(changed, parameters=fitted.parameters), fitted, h.reduction)
 
 
 def search(base: Hypothesis) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
-    gained.
+    gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
     """
     current, alternatives = base, []
     first: list[Candidate] = []
@@ -211,24 +265,38 @@ def search(base: Hypothesis) -> Search:
         tried = _tried(current, promising)
         if not current.effects:
             single = tried
-        best = tried[0]
-        if best.evidence - current.evidence < material_gain(current):
+        if tried[0].evidence - current.evidence < material_gain(current):
             break
-        alternatives = tried[1:]
-        current = best
-        for effect in current.effects[:-1]:
-            smaller = without(current, effect)
-            if smaller.evidence > current.evidence - TIE:
-                current, alternatives = smaller, []
-                break
+        current, *alternatives = settled_together(tried)
+        current, alternatives = _back(current, alternatives)
     loose = looseness(current)
     rivals = [
         h
         for h in alternatives
         if len(h.effects) == len(current.effects) and current.evidence - h.evidence < TIE * loose
     ]
-    rivals += _rivals_of_earlier(current, loose)
-    return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals))
+    others = [h.evidence for h in (alternatives or single) if h.effects != current.effects]
+    margin = (current.evidence - max(others)) / loose if others and current.effects else LARGEST_MARGIN
+    return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals), margin)
+
+
+def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:
+    """Whether an effect that was chosen before the last is still needed, or another in its place serves better.
+
+    Gives the best, and the alternatives to it with those found on the way.
+    """
+    found = list(alternatives)
+    for effect in current.effects[:-1]:
+        smaller = without(current, effect)
+        if smaller.evidence > current.evidence - TIE:
+            return smaller, []
+        swaps = [c for c in score(smaller.problem, smaller.fitted) if c.effect.name not in current.effects][:SWAPS]
+        found += _refitted(smaller, swaps)
+    ordered = sorted([current, *found], key=lambda h: -h.evidence)
+    if ordered[0] is current:
+        return current, ordered[1:]
+    best, *rest = settled_together(ordered)
+    return best, rest
 
 
 def _agreed(current: Hypothesis, rivals: list[Hypothesis]) -> Hypothesis:
@@ -237,20 +305,6 @@ def _agreed(current: Hypothesis, rivals: list[Hypothesis]) -> Hypothesis:
         if any(effect not in rival.effects for rival in rivals):
             core = without(core, effect)
     return core
-
-
-def _rivals_of_earlier(current: Hypothesis, loose: float) -> list[Hypothesis]:
-    """For a combination: could another effect stand in for one that was chosen before the last?"""
-    rivals = []
-    for effect in current.effects[:-1]:
-        smaller = without(current, effect)
-        for candidate in score(smaller.problem, smaller.fitted)[:3]:
-            if candidate.effect.name in current.effects:
-                continue
-            swapped = refit(smaller, candidate)
-            if current.evidence - swapped.evidence < TIE * loose:
-                rivals.append(swapped)
-    return rivals
 
 
 def parameter_interval(judged: Hypothesis, index: int, loose: float) -> tuple[float, float]:

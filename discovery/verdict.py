@@ -96,8 +96,6 @@ def _tolerated(chosen: Hypothesis) -> float:
 
 
 def _confidence(search: Search, passed: bool, share: float) -> float:
-    """Distance to the next best explanation, in loosened nats, held against what was left over."""
-    others = [h.evidence for h in search.single if h.effects != search.chosen.effects[:1]]
-    gap = (search.chosen.evidence - max(others)) / search.looseness if others else 50.0
-    sure = 1.0 - 0.5 * float(np.exp(-max(gap, 0.0) / 10.0))
+    """Distance to the next best explanation held against what was left over."""
+    sure = 1.0 - 0.5 * float(np.exp(-max(search.margin, 0.0) / 10.0))
     return float(np.clip(sure * (1.0 if passed else 1.0 - 2.0 * share), 0.05, 0.98))

@@ -1,16 +1,17 @@
-"""Dry friction in the material: a bending moment of constant size against c_rate (smoothed at 0.05 rad/s)."""
+"""Dry friction in the material: a bending moment of constant size against c_rate, after a small elastic give."""
 
 from affine_model.effect import Effect, Parameter
-from affine_model.laws import tanh
 
 DRY_FRICTION = Effect(
     name="dry_friction",
     title="Dry friction in the material",
     parameters=(
-        Parameter("c_f", "rad", 0.02, (0.0, 3.0), "friction moment over stiffness, the curvature at which it yields"),
+        Parameter("c_f", "rad", 0.02, (0.0, 3.0), "friction moment over stiffness, the curvature that it holds"),
+        Parameter("slip", "rad", 0.01, (0.001, 1.0), "curvature at which it gives way", scan=(0.01, 0.001, 0.1)),
     ),
-    source="Coulomb; as internal friction: Kimball and Lovell 1927",
+    source="Prandtl 1928, elastoplastic element; as internal friction: Kimball and Lovell 1927",
     family="elastic",
     dissipative=True,
-    bending_moment=lambda x, p: x.stiffness * p.c_f * tanh(x.c_rate / 0.05),
+    yield_curvature=lambda x, p: p.slip,
+    bending_moment=lambda x, p: x.stiffness * p.c_f * x.memory / p.slip,
 )

@@ -4,7 +4,7 @@ alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,8 +19,11 @@ Observation = ShapeObservation | MarkerObservation
 
 SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
 SHIFT_LIMIT = 0.01  # arm lengths
-RATE_PRIOR = 30.0  # rad/s: initial rates of curvature are unknown, but not without bound
+SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
+RATE_PRIOR = 30.0  # rad/s: initial rates of curvature, where the observation shows none
+RATE_REACH = 3.0  # times the rates seen in the recording: what dies away between two frames may not be started at will
 HIGHER_PRIOR = 0.3  # rad: initial curvature beyond what the observation can see
+MEMORY_PRIOR = 0.5  # rad: what a Maxwell branch may remember of the motion before the recording
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,9 @@ class Experiment:
     then (None: it moves from the start); used (T,) bool: frames that the fit may use (the others are for judging).
     noise_gain: factor on the observation's stated standard deviation, found from the data. correlation [frames]: over
     how many frames that noise hangs together; above 1 where it stands for what a baseline leaves unexplained, which
-    is not white.
+    is not white. remembers: the model has a Maxwell branch, whose state at the start is then unknown too (an arm that
+    is held still until its release has forgotten). rates_seen (K,): rms rates of the Legendre coordinates in the
+    recording [rad/s], as far as it shows them.
     """
 
     name: str
@@ -44,23 +49,35 @@ class Experiment:
     noise_gain: Array
     release_sigma: float = 0.01
     correlation: float = 1.0
+    remembers: bool = False
+    rates_seen: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def begins_with_memory(self) -> bool:
+        """Whether the memory at the start is among the nuisances."""
+        return self.remembers and self.release is None
 
     def nuisance_names(self, order: int) -> list[str]:
-        """Unknowns of this run alone: initial shape and rates (or, released, the instant), shift of the clamp."""
-        initial = [f"q{j + 1}(0)" for j in range(order)]
-        moving = [f"q{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
-        return [*initial, *moving, "shift_x", "shift_y"]
+        """Unknowns of this run alone: initial shape and rates in Legendre coordinates (or, released, the instant),
+        memory, shift of the clamp.
+        """
+        initial = [f"z{j + 1}(0)" for j in range(order)]
+        moving = [f"z{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
+        memory = [f"memory{j + 1}(0)" for j in range(order)] if self.begins_with_memory else []
+        return [*initial, *moving, *memory, "shift_x", "shift_y"]
 
     def nuisance_scales(self, order: int, length: float) -> Array:
         """Typical sizes of the nuisances, the scale of the fit's steps."""
         moving = [1.0] * order if self.release is None else [0.01]
-        return np.array([0.1] * order + moving + [SHIFT_PRIOR * length] * 2)
+        memory = [0.1] * order if self.begins_with_memory else []
+        return np.array([0.1] * order + moving + memory + [SHIFT_PRIOR * length] * 2)
 
     def nuisance_limits(self, order: int, length: float) -> Array:
         """Bounds (M,) on the size of each nuisance; a marker system's own frame is where it says."""
         reach = SHIFT_LIMIT * length if isinstance(self.observation, ShapeObservation) else 1e-6 * length
-        moving = [np.inf] * order if self.release is None else [5.0 * self.release_sigma]
-        return np.array([np.inf] * order + moving + [reach] * 2)
+        moving = list(self.rate_limits(order)) if self.release is None else [5.0 * self.release_sigma]
+        memory = [SHAPE_LIMIT] * order if self.begins_with_memory else []
+        return np.array([SHAPE_LIMIT] * order + moving + memory + [reach] * 2)
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
         """What is known beforehand of the nuisances (M, B), as whitened residuals."""
@@ -68,8 +85,21 @@ class Experiment:
         seen = self.observation.order if isinstance(self.observation, ShapeObservation) else 2
         higher = nuisances[seen:order] / HIGHER_PRIOR
         if self.release is None:
-            return np.concatenate([nuisances[order : 2 * order] / RATE_PRIOR, shift, higher])
+            rates = nuisances[order : 2 * order]
+            memory = self.memory(order, nuisances)
+            remembered = shift[:0] if memory is None else memory / MEMORY_PRIOR
+            return np.concatenate([rates / self.rate_limits(order)[:, None], shift, higher, remembered])
         return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher])
+
+    def rate_limits(self, order: int) -> Array:
+        """How large the rates of the Legendre coordinates may be at the start (order,) [rad/s]."""
+        seen = self.rates_seen[:order]
+        rest = seen[-1] if seen.size else RATE_PRIOR / RATE_REACH
+        return RATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
+
+    def memory(self, order: int, nuisances: Array) -> Array | None:
+        """The memory at the start (n, B), out of the nuisances (M, B)."""
+        return nuisances[2 * order : 3 * order] if self.begins_with_memory else None
 
 
 @dataclass(frozen=True)
@@ -115,8 +145,10 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     steps += steps % 2
     start = experiment.t0 if experiment.release is None else experiment.release
     base = base_table(experiment.base, start, step, steps, value["tau"], value["play"])
-    rates = nuisances[n : 2 * n] if experiment.release is None else np.zeros((n, nuisances.shape[1]))
-    batch = simulate(arm, parameters, base, step, q=nuisances[:n], q_rate=rates, t0=start, stride=2)
+    q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
+    rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
+    memory = None if memory is None else arm.to_monomial @ memory
+    batch = simulate(arm, parameters, base, step, q=q, q_rate=rates, memory=memory, t0=start, stride=2)
     times = experiment.observation.t[:, None] + value["offset"]
     if experiment.release is not None:
         times = times - nuisances[n]

@@ -21,17 +21,16 @@ SMALLEST, LARGEST = 1e-9, 1e9
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where the search ended: unknowns (P,), the Jacobian there (N, P), rounds taken, whether it converged."""
+    """Where the search ended: unknowns (P,), rounds taken, whether it converged."""
 
     unknowns: Array
-    jacobian: Array
     rounds: int
     converged: bool
 
 
 def minimise(
     residuals: Callable[[Array], Array],
-    jacobian: Callable[[Array], Array],
+    jacobian: Callable[[Array, Array], Array],
     start: Array,
     low: Array,
     high: Array,
@@ -41,19 +40,20 @@ def minimise(
 ) -> Minimum:
     """Minimise 1/2 |r(x)|^2 over low <= x <= high.
 
-    residuals maps (P, B) to (N, B), jacobian (P,) to (N, P); x is scaled so that its natural steps are about 1. It
-    ends when a round lowers the sum by less than `tolerance` of itself (converged), or after `most` rounds.
+    residuals maps (P, B) to (N, B), jacobian takes x (P,) and the residuals there (N,) to (N, P); x is scaled so that
+    its natural steps are about 1. It ends when a round lowers the sum by less than `tolerance` of itself (converged),
+    or after `most` rounds.
     """
     x, damping = np.clip(start, low, high), 1e-3
     value = residuals(x[:, None])[:, 0]
     cost = 0.5 * float(value @ value)
     for round_number in range(most):
-        slope = jacobian(x)
+        slope = jacobian(x, value)
         gradient, curvature = slope.T @ value, slope.T @ slope
         # A variable on its bound that wants to leave the box stays where it is in this round.
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
-            return Minimum(x, slope, round_number, True)
+            return Minimum(x, round_number, True)
         for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more, far more cautiously
             ladder = np.clip(rungs, SMALLEST, LARGEST)
             trials = np.repeat(x[:, None], ladder.size, axis=1)
@@ -65,12 +65,12 @@ def minimise(
             if costs[best] < cost:
                 break
         else:
-            return Minimum(x, slope, round_number, True)
+            return Minimum(x, round_number, True)
         gained = cost - costs[best]
         x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
         if gained <= tolerance * cost:
-            return Minimum(x, jacobian(x), round_number + 1, True)
-    return Minimum(x, jacobian(x), most, False)
+            return Minimum(x, round_number + 1, True)
+    return Minimum(x, most, False)
 
 
 def _steps(curvature: Array, gradient: Array, ladder: Array) -> Array:

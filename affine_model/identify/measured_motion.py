@@ -1,5 +1,5 @@
 """A measured motion made ready for regression: smoothed curvatures with their derivatives, base motion,
-relaxing memory.
+memory of its effects.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
-from affine_model.dynamics import relaxation_time
+from affine_model.dynamics import advanced_memory, remembering
 from tentacle.errors import InputError
 
 
@@ -70,17 +70,12 @@ def measured_motion(
     return MeasuredMotion(t, *rows)
 
 
-def relaxing_memory(arm: Arm, parameters: Array, motion: MeasuredMotion) -> Array:
-    """Memory (T, N) of the Maxwell branch along the motion: memory' = c' - memory / tau, zero at the start.
-
-    Exact for a rate of curvature that is constant between two samples. Zero where no acting effect relaxes.
-    """
-    tau = relaxation_time(arm, active_effects(parameters), parameters)
-    if tau is None:
-        return np.zeros((motion.t.size, arm.nodes))
+def memory_along(arm: Arm, parameters: Array, motion: MeasuredMotion) -> Array:
+    """What the acting effects remember along the motion (T, S, N), zero at the start (dynamics.advanced_memory)."""
+    effects = active_effects(parameters)
     c_rate = motion.u_rate[:, : arm.order] @ arm.curvature_basis.T
-    memory = np.zeros_like(c_rate)
-    decay = np.exp(-np.diff(motion.t)[:, None] / tau)
-    for k, factor in enumerate(decay):
-        memory[k + 1] = factor * memory[k] + tau * (1.0 - factor) * 0.5 * (c_rate[k] + c_rate[k + 1])
+    memory = np.zeros((motion.t.size, len(remembering(effects)), arm.nodes))
+    for k, duration in enumerate(np.diff(motion.t)):
+        middle = 0.5 * (c_rate[k] + c_rate[k + 1])
+        memory[k + 1] = advanced_memory(arm, effects, parameters, memory[k], middle, duration)
     return memory

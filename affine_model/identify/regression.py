@@ -15,14 +15,14 @@ from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
 from affine_model.dynamics import balance
 from affine_model.identify.linear_fit import LinearFit, ParameterName, fit_linear
-from affine_model.identify.measured_motion import MeasuredMotion, measured_motion, relaxing_memory
+from affine_model.identify.measured_motion import MeasuredMotion, measured_motion, memory_along
 
 
 def motion_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, torque: Array | None = None) -> Array:
     """delta - Y pi of eq. 18 on the paper's coordinates, (T, n) [N m];
     with the servo's torque (T,) [N m] also its row, (T, n + 1).
     """
-    memory = relaxing_memory(arm, parameters, motion)
+    memory = memory_along(arm, parameters, motion)
     found = balance(arm, active_effects(parameters), parameters, motion.u, motion.u_rate, motion.t[:, None], memory)
     missing = np.einsum("tij,tj->ti", found.mass_matrix, motion.u_acceleration) - found.force
     curvatures = missing[:, : arm.order] @ arm.from_monomial

@@ -18,6 +18,7 @@ from affine_model.identify.levenberg import minimise
 
 ParameterName = tuple[str, str]  # effect, parameter
 DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
+ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
 PRIOR_REACH = 3.0
 
 
@@ -125,17 +126,23 @@ class Problem:
             used.append(self.prior_root @ (unknowns[places] - self.prior_mean[:, None]))
         return np.concatenate(used), everything
 
-    def jacobian(self, unknowns: Array, columns: np.ndarray | None = None) -> Array:
-        """d residuals / d unknowns (N, P) by differences, one batch; one-sided where a bound is in the way."""
+    def jacobian(self, unknowns: Array) -> Array:
+        """d residuals / d unknowns (N, P) by central differences, one batch; one-sided where a bound is in the way."""
         scales, (low, high) = self.scales(), self.bounds()
-        columns = np.arange(unknowns.size) if columns is None else columns
         ahead = np.minimum(unknowns + DIFFERENCE * scales, high)
         behind = np.maximum(unknowns - DIFFERENCE * scales, low)
-        batch = np.repeat(unknowns[:, None], 2 * columns.size, axis=1)
-        for place, column in enumerate(columns):
-            batch[column, 2 * place], batch[column, 2 * place + 1] = ahead[column], behind[column]
+        batch = np.repeat(unknowns[:, None], 2 * unknowns.size, axis=1)
+        places = np.arange(unknowns.size)
+        batch[places, 2 * places], batch[places, 2 * places + 1] = ahead, behind
         values, _ = self.residuals(batch)
-        return (values[:, 0::2] - values[:, 1::2]) / (ahead - behind)[columns]
+        return (values[:, 0::2] - values[:, 1::2]) / (ahead - behind)
+
+    def slope(self, unknowns: Array, value: Array) -> Array:
+        """The same by one-sided differences from the residuals (N,) there: for the steps of a search."""
+        step = ONE_SIDED * self.scales()
+        step = np.where(unknowns + step > self.bounds()[1], -step, step)
+        values, _ = self.residuals(unknowns[:, None] + np.diag(step))
+        return (values - value[:, None]) / step
 
 
 def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-7, most: int = 40) -> Fit:
@@ -152,14 +159,15 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
 
     lowest = minimise(
         lambda scaled: problem.residuals(scaled * scales[:, None])[0],
-        lambda scaled: problem.jacobian(scaled * scales) * scales,
+        lambda scaled, value: problem.slope(scaled * scales, value) * scales,
         start / scales,
         low / scales,
         high / scales,
         tolerance=tolerance,
         most=most,
     )
-    return _finished(problem, lowest.unknowns * scales, lowest.jacobian / scales, lowest.rounds)
+    unknowns = lowest.unknowns * scales
+    return _finished(problem, unknowns, problem.jacobian(unknowns), lowest.rounds)
 
 
 def _finished(problem: Problem, unknowns: Array, jacobian: Array, evaluations: int) -> Fit:
@@ -167,7 +175,7 @@ def _finished(problem: Problem, unknowns: Array, jacobian: Array, evaluations: i
     low, high = problem.bounds()
     count = len(problem.free)
     information = jacobian.T @ jacobian
-    size = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    size = np.sqrt(np.maximum(np.diag(information), 1e-200))
     covariance = np.linalg.pinv(information / np.outer(size, size), hermitian=True) / np.outer(size, size)
     values = unknowns[:count]
     close = 1e-6 * problem.scales()[:count]
@@ -199,7 +207,7 @@ def evaluate(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
 
 def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:
     """The best of several starts; starts (F, S) are values of the free parameters, screened in one batch, `keep`
-    refined.
+    refined roughly, the best of these to the end.
     """
     flat = np.concatenate(nuisances)[:, None]
     unknowns = np.concatenate([starts, np.repeat(flat, starts.shape[1], axis=1)])
@@ -209,8 +217,8 @@ def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array
     for place in np.argsort(cost)[:keep]:
         parameters = problem.parameters.copy()
         parameters[problem.rows()] = starts[:, place]
-        candidate = fit(replace(problem, parameters=parameters), nuisances)
+        candidate = fit(replace(problem, parameters=parameters), nuisances, tolerance=1e-2, most=12)
         if best is None or candidate.misfit < best.misfit:
             best = candidate
     assert best is not None
-    return best
+    return fit(replace(problem, parameters=best.parameters), best.nuisances)

@@ -15,7 +15,7 @@ from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
 from affine_model.dynamics import balance
 from affine_model.identify.linear_fit import LinearFit, ParameterName, fit_linear
-from affine_model.identify.measured_motion import MeasuredMotion, measured_motion, relaxing_memory
+from affine_model.identify.measured_motion import MeasuredMotion, measured_motion, memory_along
 from tentacle.errors import InputError
 
 STEEPNESS = 6  # psi = (1 - x^2)^6: smooth enough that the trapezium rule is exact to 1e-6 on 15 samples
@@ -44,7 +44,7 @@ def bumps(t: Array, width: float, overlap: int = 4) -> tuple[Array, Array]:
 def weak_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, psi: Array, psi_rate: Array) -> Array:
     """Weighted residuals (W, n) [N m s] on the paper's coordinates; psi, psi_rate (W, T) as from bumps."""
     n, effects, times = arm.order, active_effects(parameters), motion.t[:, None]
-    memory = relaxing_memory(arm, parameters, motion)
+    memory = memory_along(arm, parameters, motion)
     u, u_rate = motion.u, motion.u_rate
     here = balance(arm, effects, parameters, u, u_rate, times, memory)
     ahead = balance(arm, effects, parameters, u + TURN * u_rate, u_rate, times, memory).mass_matrix

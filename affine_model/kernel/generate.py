@@ -12,6 +12,7 @@ import textwrap
 
 import sympy
 
+from affine_model.dynamics import remembering
 from affine_model.effect import STATE_QUANTITIES, Effect
 from affine_model.effects import catalogue
 from affine_model.kernel.template import TEMPLATE
@@ -119,30 +120,47 @@ def _forces() -> str:
     return "\n".join(text)
 
 
-def relaxing_effects() -> tuple[Effect, ...]:
-    """Effects with a memory of their own, in the order of the kernel's memory slots."""
-    return tuple(effect for effect in catalogue().values() if effect.relaxation_time is not None)
+def _slots() -> dict[str, int]:
+    """The kernel's memory slot of every effect that remembers."""
+    return {effect.name: slot for slot, effect in enumerate(remembering(tuple(catalogue().values())))}
+
+
+def _advance(effect: Effect, duration: str, target: str) -> tuple[list[str], sympy.Expr]:
+    """Code that carries the effect's memory over `duration` into target, and d memory / d c_rate of what it gives.
+
+    As affine_model.dynamics.advanced_memory.
+    """
+    kept = f"store[{_slots()[effect.name]}, i, b]"
+    if effect.relaxation_time is not None:
+        (time,) = traced(effect, "relaxation_time")
+        body = [
+            *lines([("relaxation", "=", time)], ""),
+            f"decay = math.exp(-{duration} / relaxation)",
+            f"{target} = {kept} * decay + relaxation * (1.0 - decay) * c_rate[i, b]",
+        ]
+        return body, sympy.Symbol("relaxation") * (1 - sympy.Symbol("decay"))
+    (limit,) = traced(effect, "yield_curvature")
+    body = [
+        *lines([("limit", "=", limit)], ""),
+        f"stretched = {kept} + {duration} * c_rate[i, b]",
+        f"sticks = {duration} if abs(stretched) < limit else 0.0",
+        f"{target} = min(max(stretched, -limit), limit)",
+    ]
+    return body, sympy.Symbol("sticks")
 
 
 def _moments() -> str:
-    """Bending moments and their slopes over curvature and its rate; memory relaxes exactly over half a step."""
+    """Bending moments and their slopes over curvature and its rate; memory is carried over half a step."""
     text: list[str] = []
     names = {name: sympy.Symbol(name, real=True) for name in ("c", "c_rate", "memory")}
-    slots = {effect.name: slot for slot, effect in enumerate(relaxing_effects())}
     for number, effect in enumerate(catalogue().values()):
         if effect.bending_moment is None:
             continue
         (moment,) = traced(effect, "bending_moment")
         body: list[str] = []
         over_rate = sympy.diff(moment, names["c_rate"])
-        if effect.name in slots:
-            assert effect.relaxation_time is not None
-            (time,) = traced(effect, "relaxation_time")
-            body += lines([("relaxation", "=", time)], "")
-            body.append("decay = math.exp(-0.5 * h / relaxation)")
-            slot = slots[effect.name]
-            body.append(f"memory[i, b] = store[{slot}, i, b] * decay + relaxation * (1.0 - decay) * c_rate[i, b]")
-            gain = sympy.Symbol("relaxation") * (1 - sympy.Symbol("decay"))
+        if effect.remembers:
+            body, gain = _advance(effect, "0.5 * h", "memory[i, b]")
             over_rate += sympy.diff(moment, names["memory"]) * gain
         assignments = [
             ("moment[i, b]", "+=", moment),
@@ -153,20 +171,13 @@ def _moments() -> str:
     return "\n".join(text)
 
 
-def _relaxation() -> str:
-    """After a step: every memory relaxes over the whole step under the rate at its middle."""
+def _remembered() -> str:
+    """After a step: every memory is carried over the whole step under the rate at its middle."""
     text: list[str] = []
     for number, effect in enumerate(catalogue().values()):
-        if effect.relaxation_time is None:
-            continue
-        (time,) = traced(effect, "relaxation_time")
-        slot = relaxing_effects().index(effect)
-        body = [
-            *lines([("relaxation", "=", time)], ""),
-            "decay = math.exp(-h / relaxation)",
-            f"store[{slot}, i, b] = store[{slot}, i, b] * decay + relaxation * (1.0 - decay) * c_rate[i, b]",
-        ]
-        text += _guarded(effect, number, body)
+        if effect.remembers:
+            body, _ = _advance(effect, "h", f"store[{_slots()[effect.name]}, i, b]")
+            text += _guarded(effect, number, body)
     return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 12)  # after the iterations: one level less
 
 
@@ -180,7 +191,7 @@ def kernel_source(nodes: int) -> str:
     replacements = {
         "@NODES@": str(nodes),
         "@BLOCK@": str(BLOCK),
-        "@STORES@": str(max(1, len(relaxing_effects()))),
+        "@STORES@": str(max(1, len(_slots()))),
         "@SECTION_CONSTANT@": _sums(SECTION_TARGETS, True, " " * 8),
         "@SECTION_CHANGING@": _sums(SECTION_TARGETS, False, " " * 16),
         "@TIP_CONSTANT@": _sums(TIP_TARGETS, True, " " * 4) + "\n" + _copies(),
@@ -188,7 +199,7 @@ def kernel_source(nodes: int) -> str:
         "@WATER@": _water(),
         "@FORCES@": _forces(),
         "@MOMENTS@": _moments(),
-        "@RELAXATION@": _relaxation(),
+        "@REMEMBERED@": _remembered(),
         "@SUM_JACOBIAN_X@": _unrolled("LWA[j, i, {k}] * normal_x[{k}, b]", nodes),
         "@SUM_JACOBIAN_Y@": _unrolled("LWA[j, i, {k}] * normal_y[{k}, b]", nodes),
         "@SUM_SWING_X@": _unrolled("LW[i, {k}] * swing_x[{k}, b]", nodes),

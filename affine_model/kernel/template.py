@@ -33,8 +33,8 @@ def sincos(angle):
 
 @njit(fastmath=FAST, cache=True, nogil=True, boundscheck=False, error_model="numpy")
 def advance(block, n, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, A_end, C,
-            base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, iterations, stride, average_from,
-            t0, out_u, out_rate, out_force, summary):
+            base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, start_store, iterations, stride,
+            average_from, t0, out_u, out_rate, out_force, summary):
     length, density, fluid_density, payload, gravity, gravity_angle = constants
     count = parameters.shape[1]
     first = block * BLOCK
@@ -98,6 +98,10 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
         for b in range(BLOCK):
             u[j, b] = start[j, lane[b]]
             v[j, b] = start_rate[j, lane[b]]
+    for slot in range(store.shape[0]):
+        for i in range(NODES):
+            for b in range(BLOCK):
+                store[slot, i, b] = start_store[slot, i, lane[b]]
     for i in range(NODES):
         for b in range(BLOCK):
             jac_y[n + 1, i, b] = 1.0
@@ -355,7 +359,7 @@ def advance(block, n, parameters, active, constants, s, area, second_moment, wid
                 Cij = C[i, j]
                 for b in range(BLOCK):
                     c_rate[i, b] += Cij * (v[j, b] + 0.5 * h * acc[j, b])
-@RELAXATION@
+@REMEMBERED@
         for d in range(D):
             j = dynamic[d]
             for b in range(BLOCK):

@@ -31,13 +31,13 @@ def beside_model(recording: Recording, model: Model) -> RunComparison:
     """A recording beside an identified model that runs open loop; only initial state, camera shift are fitted."""
     from affine_model.arm import arm_of, parameter_vector
     from affine_model.identify.trajectory import Problem, fit
-    from discovery.base_fit import STEP, initial_nuisances
+    from discovery.base_fit import STEP, initial_nuisances, settled
     from discovery.compare import run_comparison
     from discovery.prepare import prepare
 
     prepared = prepare(recording, hold_out=False)
     problem = Problem(arm_of(model), (prepared.experiment,), (), parameter_vector(model), STEP)
-    fitted = fit(problem, (initial_nuisances(prepared.experiment, model.order),))
+    problem, fitted = settled(problem, fit(problem, (initial_nuisances(prepared.experiment, model.order),)))
     run, _, _ = run_comparison(prepared, 0, (problem, fitted), (problem, fitted), False)
     return run
 

@@ -46,7 +46,6 @@ def specimen_result(task: Mapping[str, Any]) -> dict[str, Any]:
     import numpy as np
 
     from affine_model.identify.observation import ShapeObservation
-    from affine_model.identify.trajectory import Problem
     from discovery.base_fit import Setting, fit_base, parameter_of
     from discovery.compare import measured_points, reduced_shape, seen
     from discovery.prepare import prepare
@@ -67,8 +66,7 @@ def specimen_result(task: Mapping[str, Any]) -> dict[str, Any]:
         shape = track(film.video.path, film.declaration, film.motor, order=4)  # reduced to two below, as the model
     prepared = prepare(replace(film, video=None, shape=shape), hold_out=False)
     setting = Setting(film.declaration, (prepared.experiment,), 2)
-    found, experiments = fit_base(setting, 2)
-    problem = Problem(setting.arm(2), experiments, setting.base_free(), found.parameters, setting.step)
+    problem, found = fit_base(setting, 2)
     s, points = measured_points(prepared)
     fitted = seen(problem, found, 0, s, None)
     observation = prepared.experiment.observation

@@ -11,7 +11,7 @@ import torch
 
 import affine_model.effects as folder
 from affine_model.arm import Arm, active_effects, parameter_index, parameter_rows
-from affine_model.dynamics import balance
+from affine_model.dynamics import advanced_memory, balance, parameters_of
 from affine_model.effect import QUANTITIES, Effect
 from affine_model.effects import absent_effects, base_effects, catalogue
 from affine_model.kernel.trace import symbols_for, traced
@@ -26,7 +26,7 @@ CONTRACT = {  # closing_the_loop.md: these names are known outside
 }  # fmt: skip
 LAWS = (
     "stiffness", "bending_moment", "force", "couple", "line_inertia", "normal_inertia", "rotary_inertia", "weight",
-    "water_velocity", "tip_mass", "hung_mass", "gravity_tilt", "relaxation_time",
+    "water_velocity", "tip_mass", "hung_mass", "gravity_tilt", "relaxation_time", "yield_curvature",
 )  # fmt: skip
 EFFECTS = list(catalogue().values())
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=3, nodes=8)
@@ -46,7 +46,7 @@ def nominal(effect: Effect) -> dict[str, float]:
 def random_state(seed):
     rng = np.random.default_rng(seed)
     u = rng.normal(size=5) * [0.8, 0.5, 0.3, 0.5, 0.02]
-    return u, rng.normal(size=5) * [4.0, 3.0, 2.0, 3.0, 0.1], rng.normal(size=ARM.nodes) * 0.3
+    return u, rng.normal(size=5) * [4.0, 3.0, 2.0, 3.0, 0.1], rng.normal(size=(1, ARM.nodes)) * 0.3
 
 
 def test_the_catalogue_holds_the_contract_and_nothing_unnamed():
@@ -163,13 +163,18 @@ def test_dissipative_effect_takes_energy(effect, parameters):
     without = parameters(**stiff)
     for seed in range(40):
         u, v, memory = random_state(seed)
+        c_rate = ARM.curvature_basis @ v[: ARM.order]
+        if effect.yield_curvature is not None:
+            memory = advanced_memory(ARM, (effect,), with_it, memory, 0.0 * c_rate, 0.0)  # never beyond the yield
         force = balance(ARM, active_effects(with_it), with_it, u, v, 0.3, memory).force
         power = v @ (force - balance(ARM, active_effects(without), without, u, v, 0.3).force)
-        if effect.relaxation_time is not None:
-            g, tau = (with_it[parameter_index(effect.name, name)] for name in ("g", "tau"))
+        if effect.remembers:  # stored: half the moment times the memory, both linear in it
+            h = 1e-6
+            memory_rate = (advanced_memory(ARM, (effect,), with_it, memory, c_rate, h) - memory)[0] / h
             k = 2e5 * ARM.node_quantities["second_moment"] / ARM.specimen.length
-            memory_rate = ARM.curvature_basis @ v[: ARM.order] - memory / tau
-            power += ARM.rule.weights @ (g * k * memory * memory_rate)  # stored: 1/2 g k memory^2
+            seen = SimpleNamespace(stiffness=k, memory=memory[0])
+            assert effect.bending_moment is not None
+            power += ARM.rule.weights @ (effect.bending_moment(seen, parameters_of(effect, with_it)) * memory_rate)
         assert power < 0.0
 
 

@@ -98,7 +98,7 @@ def test_scipy_finds_the_same_minimum():
 def test_minimise_stops_on_a_bound_and_solves_rosenbrock():
     rosenbrock = (
         lambda x: np.stack([10 * (x[1] - x[0] ** 2), 1 - x[0]]),
-        lambda x: np.array([[-20 * x[0], 10.0], [-1.0, 0.0]]),
+        lambda x, _: np.array([[-20 * x[0], 10.0], [-1.0, 0.0]]),
     )
     free = minimise(*rosenbrock, np.array([-1.2, 1.0]), np.full(2, -9.0), np.full(2, 9.0), tolerance=1e-12, most=200)
     assert np.allclose(free.unknowns, 1.0, atol=1e-6)

@@ -8,7 +8,6 @@ import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import midline
-from affine_model.identify.trajectory import Problem
 from affine_model.simulate import simulate
 from discovery.base_fit import Setting, fit_base
 from discovery.prepare import prepare
@@ -52,9 +51,7 @@ def recorded() -> Callable[..., Recording]:
 def base_of(recording: Recording) -> Hypothesis:
     """The declared model's fit to a recording, judged."""
     setting = Setting(recording.declaration, (prepare(recording, hold_out=True).experiment,), 2)
-    fitted, experiments = fit_base(setting, 2)
-    problem = Problem(setting.arm(), experiments, setting.base_free(), fitted.parameters, setting.step)
-    return hypothesis((), problem, fitted)
+    return hypothesis((), *fit_base(setting, 2))
 
 
 @pytest.fixture(scope="session")

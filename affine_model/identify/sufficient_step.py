@@ -1,0 +1,37 @@
+"""The coarsest step that a fit may use: its error must drown in the noise, or in what is not explained yet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from affine_model.curvature import Array
+from affine_model.identify.trajectory import Fit, Problem
+
+STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
+OF_NOISE = 0.025  # noise sigmas (rms): a hundredth of a nat for every thirty values
+OF_REST = 0.02  # of the rest's rms: a model that errs so much anyway is not known better by a finer step
+
+
+def sufficient_step(problem: Problem, fitted: Fit) -> float:
+    """The coarsest of STEPS [s] at which the fitted motion errs by less than OF_NOISE, or OF_REST of the rest.
+
+    The error is estimated by halving the step: the midpoint rule is of second order, so what a halving changes is
+    three quarters of it. The finest step where none suffices.
+    """
+    unknowns = np.concatenate([fitted.values, *fitted.nuisances])[:, None]
+
+    def shown(step: float) -> Array:
+        return replace(problem, step=step, parameters=fitted.parameters).residuals(unknowns)[0][:, 0]
+
+    rest = float(np.sqrt(np.mean(fitted.used_residuals**2)))
+    allowed = max(OF_NOISE, OF_REST * (rest if rest > 2.0 else 0.0))
+    last = shown(STEPS[0])
+    for coarse, fine in pairwise(STEPS):
+        finer = shown(fine)
+        if np.sqrt(np.mean((finer - last) ** 2)) < 0.75 * allowed:
+            return coarse
+        last = finer
+    return STEPS[-1]
