@@ -98,7 +98,9 @@ def measure_edges(
     pixels = _pixels(image, expected, lens, blur, half, LEVEL_REACH)
     greys, known = side_greys(expected.kind, sound, level_sums(*pixels, expected.depth, blur, half, ratio))
     contrast = greys[:, 1] - greys[:, 0]
-    measure_profiles(*pixels, expected.depth, blur, half, greys, ratio, reach, offset, information, misfit, found, softer)
+    measure_profiles(
+        *pixels, expected.depth, blur, half, greys, ratio, reach, offset, information, misfit, found, softer
+    )
     found &= known & (polarity * contrast > 0)
     return Edges(offset + _inward(expected, blur), greys[:, 0], contrast, information, misfit, found, softer)
 

@@ -40,15 +40,15 @@ class FrameFit:
     """A frame's fit about its working point, before the frames are pooled.
 
     x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
-    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. slow: how much more of the residuals' power
-    is in slow waves than independent edges would have. edges, expected and weight (E,) stay for the judge.
+    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. waves (W,): the residuals' slow waves along the arm; edges
+    that err independently have a variance of 1 in each. edges, expected and weight (E,) stay for the judge.
     """
 
     x: Array
     information: Array
     gradient: Array
     sigma: float
-    slow: float
+    waves: Array
     edges: Edges
     expected: Outline
     weight: Array
@@ -150,7 +150,7 @@ def _summary(
         information=information,
         gradient=gradient,
         sigma=max(float(np.sqrt(variance)), 1e-3),
-        slow=_slow(sway),
+        waves=_waves(sway),
         edges=edges,
         expected=expected,
         weight=weight,
@@ -190,10 +190,10 @@ def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
     return np.where(both, (whitened[left] - whitened[right]) / np.sqrt(2.0), 0.0)
 
 
-def _slow(sway: Array) -> float:
-    """Power of the sway's slow waves (cosine orders 8 to 24) over its mean power: 1 for edges that err independently.
+def _waves(sway: Array) -> Array:
+    """Slow waves of the sway (cosine orders 8 to 24) over the root of its mean power.
 
     Slower waves are the fit's own. What smooth light, or bubbles, add to the noise in q shows in the next ones.
     """
-    waves = np.square(np.asarray(dct(sway, norm="ortho"), dtype=float))
-    return float(waves[SLOW].mean() / max(waves.mean(), 1e-12))
+    waves = np.asarray(dct(sway, norm="ortho"), dtype=float)
+    return waves[SLOW] / np.sqrt(max(float(np.mean(waves**2)), 1e-12))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from tentacle.errors import InputError
 
 Grey = NDArray[np.uint8]
+POLL = 0.01  # s between looks at a file that grows
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
 
@@ -29,8 +31,11 @@ class Frame:
     image: Grey
 
 
-def read_frames(path: Path, fps: float | None = None) -> Iterator[Frame]:
+def read_frames(path: Path, fps: float | None = None, patience: float = 0.0) -> Iterator[Frame]:
     """Yield the frames of a video, or of a folder of numbered pictures (then frame k is at k / fps).
+
+    A camera device (/dev/video0) is a video without an end, its times from its first frame. patience [s]: a file is
+    still being written (mkv, ts, avi: formats that need no index); its end is where nothing has come for so long.
 
     Colour becomes luma, 16 bit becomes 8, an alpha channel is laid over black, and a rotation that the file declares is
     carried out. A video that breaks off gives what stands before the break. Raises InputError where nothing can be
@@ -40,21 +45,49 @@ def read_frames(path: Path, fps: float | None = None) -> Iterator[Frame]:
     if path.is_dir():
         yield from _read_folder(path, fps)
         return
+    if path.is_char_device():
+        yield from _read_video(path, patience)
+        return
     if not path.is_file():
         raise InputError("there is no such file", file=path, expected="a video or a folder of pictures")
-    if path.stat().st_size == 0:
+    if path.stat().st_size == 0 and not patience:
         raise InputError("the file is empty", file=path, expected="a video")
     count = 0
-    for frame in _read_video(path):
+    for frame in _read_video(path, patience):
         count += 1
         yield frame
     if count == 0:
         raise InputError("no frame can be decoded", file=path, expected="a video with at least one frame")
 
 
-def _read_video(path: Path) -> Iterator[Frame]:
+class _Growing:
+    """A file that is still being written: reading waits for more, up to patience [s] (the interface PyAV asks for)."""
+
+    def __init__(self, path: Path, patience: float) -> None:
+        self._file, self._patience = path.open("rb"), patience
+
+    def read(self, size: int) -> bytes:
+        """Up to size bytes; none where nothing came for as long as patience lasts."""
+        waited = 0.0
+        while not (data := self._file.read(size)) and waited < self._patience:
+            time.sleep(POLL)
+            waited += POLL
+        return data
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def _open(path: Path, patience: float) -> InputContainer:
+    if path.is_char_device():
+        return av.open(str(path), format="v4l2")
+    return av.open(_Growing(path, patience)) if patience else av.open(str(path))
+
+
+def _read_video(path: Path, patience: float) -> Iterator[Frame]:
     try:
-        container = av.open(str(path))
+        container = _open(path, patience)
     except (FFmpegError, ValueError) as error:
         raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
     with container:
@@ -64,13 +97,15 @@ def _read_video(path: Path) -> Iterator[Frame]:
         if stream.codec_context is None:
             raise InputError("its codec is not known", file=path, expected="H.264, HEVC, AV1, VP9, FFV1, MJPEG")
         stream.thread_type = "AUTO"
-        last = -np.inf
+        last, first = -np.inf, 0.0
         for picture in _pictures(container, stream):
-            time = picture.time
-            if time is None or time <= last:  # without a usable stamp a frame says nothing
+            stamp = picture.time
+            if stamp is None or stamp <= last:  # without a usable stamp a frame says nothing
                 continue
-            last = float(time)
-            yield Frame(last, _luma(picture))
+            if np.isinf(last) and path.is_char_device():  # a camera counts from when the machine was started
+                first = float(stamp)
+            last = float(stamp)
+            yield Frame(last - first, _luma(picture))
 
 
 def _pictures(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
@@ -97,7 +132,7 @@ def _luma(picture: VideoFrame) -> Grey:
         picture.format.components[0].bits == 8
     ):
         plane = picture.planes[0]
-        rows = np.frombuffer(bytes(plane), np.uint8).reshape(-1, plane.line_size)
+        rows = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)  # no copy but the last
         grey = rows[: picture.height, : picture.width]
     else:
         grey = np.asarray(picture.to_ndarray(format="gray"), dtype=np.uint8)
