@@ -23,9 +23,10 @@ class Edges:
     """What the profiles say, one entry per edge of the outline.
 
     offset (E,) [px]: how far outward of the expected place the edge lies. level (E,): grey inside. contrast (E,):
-    outside minus inside grey. information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the profile's residual [grey].
-    found (E,): a profile with both of its sides in the picture and an edge within reach. softer (E, 2): right and left
-    side of each edge's normal equation for how much more blurred it is than expected [px]; 0 where not measured.
+    outside minus inside grey. information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the
+    profile's residual [grey]. found (E,): a profile with both of its sides in the picture and an edge within reach.
+    softer (E, 2): right and left side of each edge's normal equation for how much more blurred it is than expected
+    [px]; 0 where not measured.
     """
 
     offset: Array

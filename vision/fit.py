@@ -40,8 +40,9 @@ class FrameFit:
     """A frame's fit about its working point, before the frames are pooled.
 
     x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
-    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. waves (W,): the residuals' slow waves along the arm; edges
-    that err independently have a variance of 1 in each. edges, expected and weight (E,) stay for the judge.
+    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. waves (W,): the residuals' slow waves
+    along the arm; edges that err independently have a variance of 1 in each. edges, expected and weight (E,) stay for
+    the judge.
     """
 
     x: Array
@@ -103,7 +104,7 @@ def refine(
 
 
 def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:
-    """Side edges (E,) that are there and stand out enough; the ends move with the recording's parameters, not with x."""
+    """Side edges (E,) that are there and stand out; the ends move with the recording's parameters, hardly with x."""
     return edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast) & (expected.kind < 2)
 
 

@@ -155,11 +155,10 @@ class Follower:
         self.sight = chosen
 
     def _sharpen(self, fits: list[FrameFit], gain: float = 1.0) -> None:
-        """A step of the blur towards what the fits' edges have; two thirds or three halves of it at most."""
+        """A step of the blur towards what the fits' edges have; to two thirds or three halves of itself at most."""
         assert self.sight is not None
-        right, left = np.sum(
-            [fit.edges.softer[(fit.weight > 0) & (fit.expected.kind < 2)].sum(axis=0) for fit in fits], axis=0
-        )
+        used = [fit.edges.softer[(fit.weight > 0) & (fit.expected.kind < 2)] for fit in fits]
+        right, left = np.concatenate(used).sum(axis=0)
         blur = self.sight.blur
         step = float(np.clip(right / max(left, 1e-9), -blur / 3.0, blur / 2.0))
         self.sight = replace(self.sight, blur=float(np.clip(blur + gain * step, *BLUR_LIMITS)))

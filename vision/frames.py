@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import closing, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -79,33 +80,34 @@ class _Growing:
         self._file.close()
 
 
-def _open(path: Path, patience: float) -> InputContainer:
-    if path.is_char_device():
-        return av.open(str(path), format="v4l2")
-    return av.open(_Growing(path, patience)) if patience else av.open(str(path))
-
-
 def _read_video(path: Path, patience: float) -> Iterator[Frame]:
-    try:
-        container = _open(path, patience)
-    except (FFmpegError, ValueError) as error:
-        raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
-    with container:
-        if not container.streams.video:
-            raise InputError("there is no video stream in it", file=path, expected="a video")
-        stream = container.streams.video[0]
-        if stream.codec_context is None:
-            raise InputError("its codec is not known", file=path, expected="H.264, HEVC, AV1, VP9, FFV1, MJPEG")
-        stream.thread_type = "AUTO"
-        last, first = -np.inf, 0.0
-        for picture in _pictures(container, stream):
-            stamp = picture.time
-            if stamp is None or stamp <= last:  # without a usable stamp a frame says nothing
-                continue
-            if np.isinf(last) and path.is_char_device():  # a camera counts from when the machine was started
-                first = float(stamp)
-            last = float(stamp)
-            yield Frame(last - first, _luma(picture))
+    device = path.is_char_device()
+    with closing(_Growing(path, patience)) if patience and not device else nullcontext(str(path)) as source:
+        try:
+            container = av.open(source, format="v4l2" if device else None)
+        except (FFmpegError, ValueError) as error:
+            raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
+        with container:
+            yield from _stamped(container, path, device)
+
+
+def _stamped(container: InputContainer, path: Path, device: bool) -> Iterator[Frame]:
+    """Frames with their times [s]; a camera's count from its first, as its own clock started with the machine."""
+    if not container.streams.video:
+        raise InputError("there is no video stream in it", file=path, expected="a video")
+    stream = container.streams.video[0]
+    if stream.codec_context is None:
+        raise InputError("its codec is not known", file=path, expected="H.264, HEVC, AV1, VP9, FFV1, MJPEG")
+    stream.thread_type = "AUTO"
+    last, first = -np.inf, None
+    for picture in _pictures(container, stream):
+        stamp = picture.time
+        if stamp is None or stamp <= last:  # without a usable stamp a frame says nothing
+            continue
+        last = float(stamp)
+        if first is None:
+            first = last if device else 0.0
+        yield Frame(last - first, _luma(picture))
 
 
 def _pictures(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:

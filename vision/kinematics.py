@@ -62,8 +62,8 @@ class Outline:
     """Where edges are expected: points (E, 2) [px], outward unit normals (E, 2), depth (E,) [px] to the opposite edge.
 
     jacobian (E, K + G): how far the edge moves along its normal per unit of x and of g. s (E,) and kind (E,): 0 and 1
-    are the two sides, 2 the tip's end, 3 the base's end. bulge (E,) [1/px]: curvature of the edge, outward positive. span
-    (E,) [px]: how far along the edge it stands for, to either side.
+    are the two sides, 2 the tip's end, 3 the base's end. bulge (E,) [1/px]: curvature of the edge, outward positive.
+    span (E,) [px]: how far along the edge it stands for, to either side.
     """
 
     points: Array

@@ -27,8 +27,8 @@ class Pooled:
 
     shared (G,) with shared_covariance (G, G). offset_mean, offset_spread [rad]: mean and tau of the base angle offset.
     evidence[n]: chi-square per frame that order n leaves in the coordinates above it (about their number when they are
-    noise). inflation, staying: by how much the slow waves in the edges' errors widen the variance of a frame's x, and by
-    how much more that of what all frames share.
+    noise). inflation, staying: by how much the slow waves in the edges' errors widen the variance of a frame's x, and
+    by how much more that of what all frames share.
     """
 
     x: Array

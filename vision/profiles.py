@@ -255,8 +255,9 @@ def measure_profiles(
 ) -> None:
     """How far each edge lies outward of its expected place, by one linear step with the greys beside it known.
 
-    greys (E, 3): inside and outside at the edge, and the ground's slope outward, of which ratio is the arm's. softer (E, 2): the
-    normal equation for more blur, right side and left. Pixels further than reach [px] beyond the blur are left out.
+    greys (E, 3): inside and outside at the edge, and the ground's slope outward, of which ratio is the arm's. softer
+    (E, 2): the normal equation for more blur, right side and left. Pixels further than reach [px] beyond the blur are
+    left out.
     Linear, since the expected place is right to a small part of the blur: so a faint edge's noise is not bent.
     """
     for e in range(len(start) - 1):

@@ -129,9 +129,7 @@ def test_a_file_that_grows_is_read_as_it_comes(tmp_path):
 def test_a_rotation_that_the_file_declares_is_carried_out(tmp_path):
     write_video(tmp_path / "flat.mp4", [ramp()], [0.0])
     data = bytearray((tmp_path / "flat.mp4").read_bytes())
-    matrix = (
-        data.index(b"tkhd") + 4 + 4 + 20 + 8 + 8
-    )  # ISO 14496-12: version, times and ids, reserved, layer and volume
+    matrix = data.index(b"tkhd") + 4 + 4 + 20 + 8 + 8  # ISO 14496-12, tkhd
     turned = (0, 1 << 16, 0, 0xFFFF0000, 0, 0, 48 << 16, 0, 1 << 30)  # a quarter turn clockwise
     data[matrix : matrix + 36] = b"".join(value.to_bytes(4, "big") for value in turned)
     (tmp_path / "portrait.mp4").write_bytes(data)
