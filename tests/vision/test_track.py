@@ -126,7 +126,7 @@ def test_third_coordinate_is_noticed_when_not_fitted(tmp_path):
 
 
 def test_the_fifth_coordinate_is_found_where_it_is():
-    scene = swaying(seed=6, frames=16, size=(640, 360), order=5)
+    scene = swaying(seed=6, frames=8, size=(1280, 720), order=5)
     frames = render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1, scene.theta)
     follower = Follower(
         Geometry.declared(scene.specimen, scene.camera), 0.0, 5, lambda t: float(np.interp(t, scene.t, scene.theta))
@@ -137,7 +137,7 @@ def test_the_fifth_coordinate_is_found_where_it_is():
     error = pooled.x[:, 1:] - scene.q
     assert np.sqrt(np.mean(error[:, 4] ** 2)) < 0.1  # rad, of an amplitude of .27
     z = np.einsum("ti,tij,tj->t", error, np.linalg.inv(pooled.covariance[:, 1:, 1:]), error) / 5
-    assert np.sqrt(np.mean(z)) < 1.6  # 16 frames share g, so that errors go together
+    assert np.sqrt(np.mean(z)) < 1.6  # 8 frames share g, so that errors go together
 
 
 def test_lens_and_its_inverse():
