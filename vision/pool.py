@@ -88,7 +88,7 @@ def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
     if chosen not in solutions:
         solutions[chosen] = _solve(stack, chosen, start)
     solution = solutions[chosen]
-    solution = replace(solution, covariance=staying * solution.covariance)
+    solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
     # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
     dropped = fitted - chosen
@@ -116,6 +116,9 @@ def _inflation(good: list[Seen]) -> tuple[float, float]:
 
     Both at least 1, both from the slow waves in the edges' errors: their power over all frames, and the share of it
     that stays from frame to frame (a bubble that sits, a mirror image that stands), which no number of frames averages.
+    Of the latter the root is used: what stays with the arm errs in every x alike, and reaches what is told by the arm's
+    turning in part only. In rendered tanks the whole of it stated errors 1.8 times too large, none of it up to 1.7
+    times too small.
     """
     waves = np.array([frame.waves for frame in good])
     power = float(np.mean(waves**2))

@@ -127,7 +127,8 @@ def test_third_coordinate_is_noticed_when_not_fitted(tmp_path):
 
 def test_the_fifth_coordinate_is_found_where_it_is():
     scene = swaying(seed=6, frames=8, size=(1280, 720), order=5)
-    frames = render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1, scene.theta)
+    quiet = replace(CLEAN, noise=0.5)
+    frames = render(scene.midline, scene.specimen, scene.camera, scene.size, quiet, 1, scene.theta)
     follower = Follower(
         Geometry.declared(scene.specimen, scene.camera), 0.0, 5, lambda t: float(np.interp(t, scene.t, scene.theta))
     )
