@@ -96,7 +96,7 @@ class Effect:
     title: str
     parameters: tuple[Parameter, ...]
     source: str
-    family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement"]
+    family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement", "rest"]
     dissipative: bool = False
     stiffness: Law | None = None
     bending_moment: Law | None = None

@@ -124,7 +124,7 @@ def simulate(
         servo_row[:] = servo.stiffness, servo.integral, servo.damping, servo.torque_limit, servo.rotor_inertia
     rail_row = np.array([0.0, 0.0, 0.0, 1.0] if rail is None else [rail.mass, rail.viscous, rail.dry, rail.slip_speed])
     advance_blocks(
-        arm.nodes, count, n, parameters, active, constants, node["s"], node["area"], node["second_moment"],
+        arm.nodes, n, count, parameters, active, constants, node["s"], node["area"], node["second_moment"],
         node["width"], node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, end,
         curvature, base, servo_row, rail_row, servo is not None, rail is not None, step, steps, start, start_rate,
         start_store, iterations, stride, round(average_from / step), t0, out_u, out_rate, out_force, summary,

@@ -1,9 +1,13 @@
 """The mean thrust of a batch as one torch operator: on the CPU the compiled kernel, on a GPU the captured torch step.
 
-It gives no gradient: for that, affine_model.torch_simulation.
+Forward it runs the compiled kernel; backward, which the kernel cannot, it runs affine_model.torch_simulation once more
+with its graph. Both take the same steps, so the gradient is that of what was computed, to the order of one Newton
+correction; it costs what the torch simulation costs.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -61,11 +65,35 @@ def _mean_thrust_shape(
     return parameters.new_empty(parameters.shape[1])
 
 
+def _remember(ctx: Any, inputs: tuple[Any, ...], output: Tensor) -> None:
+    del output
+    row, parameters, base, *ctx.numbers = inputs
+    ctx.save_for_backward(row, parameters, base)
+
+
+def _backward(ctx: Any, gradient: Tensor) -> tuple[Tensor | None, ...]:
+    row, *saved = ctx.saved_tensors
+    step, average_from, penalty = ctx.numbers
+    wanted = ctx.needs_input_grad[1:3]
+    with torch.enable_grad():
+        inputs = [tensor.detach().requires_grad_(needed) for tensor, needed in zip(saved, wanted, strict=True)]
+        batch = torch_simulate(
+            arm_from_row(row), inputs[0], inputs[1], step, stride=0, average_from=average_from, penalty=penalty
+        )
+    asked = [tensor for tensor, needed in zip(inputs, wanted, strict=True) if needed]
+    found = iter(torch.autograd.grad(batch.mean_thrust, asked, gradient))
+    return None, *(next(found) if needed else None for needed in wanted), None, None, None
+
+
+_mean_thrust.register_autograd(_backward, setup_context=_remember)
+
+
 def mean_thrust(
     arm: Arm, parameters: Tensor, base: Tensor, step: float, *, average_from: float = 0.0, penalty: float = PENALTY
 ) -> Tensor:
     """Mean thrust (B,) [N] from average_from [s] on; parameters (R, B), base (3, S, B or 1), as simulate takes them.
 
-    `penalty` [N] stands for an individual that diverged. Works under torch.compile.
+    `penalty` [N] stands for an individual that diverged. Gradients flow to parameters and base. Works under
+    torch.compile.
     """
     return _mean_thrust(arm_row(arm), parameters, base, step, average_from, penalty)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import random
 import subprocess
-import sys
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,30 +11,35 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks._rig_scene import (
+    DECLARED,
+    LIMITS,
+    TABLE,
+    WAVE,
+    gaps,
+    killed_while_recording,
+    once,
+    played,
+    setup_for,
+    to_neutral,
+    wrong_samples,
+)
 from rig.board import Board
 from rig.build_core import compiled
 from rig.calibrate import camera_offset
-from rig.emulated_camera import EmulatedOptics
+from rig.camera import Camera
+from rig.connection import connected, opened_camera
+from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator, EmulatorSettings
 from rig.link import Link
-from rig.play import PlayEnd, PlayStart, arm, play
-from rig.protocol import Event, EventCode, Frame, LoadSample, Parser, Sample, ServoSample, Type, encode
-from rig.record import connected, motion_of, opened_camera, record
+from rig.motion import motion_of
+from rig.play import arm
+from rig.protocol import Event, Frame, LoadSample, Parser, Type, encode
+from rig.record import record
 from rig.run_file import read_run
-from rig.safety import SafetyLimits, ServoCalibration, set_points
-from rig.settle import SettleRule
-from rig.setup_file import CameraSettings, LoadCellCalibration, RigSetup, write_setup
-from tentacle.declaration_file import RecordingFile
-from tentacle.recording import Camera, Declaration
-from tentacle.specimen import WATER, Cone, Specimen
-from tentacle.waveform import Sine
+from rig.safety import ServoCalibration
+from rig.setup_file import CameraSettings
 
-LIMITS = SafetyLimits(min_angle=-0.8, max_angle=0.8, max_speed=8.0, max_current=0.9)
-SPECIMEN = Specimen(Cone(0.0125, 0.0015), 0.14, 1070.0)
-CAMERA = Camera(30.0, 0.0008, (160.0, 24.0), (0.0, 1.0), exposure=0.008)
-WAVE = Sine(0.5, 1.0)
-NEUTRAL_US = 1500
-ENDED = (EventCode.COMPLETE, EventCode.UNDERRUN, EventCode.WATCHDOG, EventCode.OVERCURRENT, EventCode.STOPPED)
 PAGE = Path(__file__).parents[1] / "docs" / "protocol.md"
 
 
@@ -47,76 +50,6 @@ class Outcome:
     fault: str
     words: str
     good: bool
-
-
-def setup_for(emulator: Emulator, **changes: object) -> RigSetup:
-    settings = emulator.settings
-    setup = RigSetup(
-        port=emulator.url,
-        limits=LIMITS,
-        settle=SettleRule(threshold=2e-3, samples=100, timeout=60.0),
-        load_cell=LoadCellCalibration(settings.cell_offset, settings.counts_per_newton),
-        recording=RecordingFile(Declaration(SPECIMEN, WATER, camera=CAMERA)),
-        rate=settings.rate,
-    )
-    return replace(setup, **changes)  # type: ignore[arg-type]
-
-
-def played(board: Board, seconds: float, act: Callable[[float], None] | None = None):
-    """WAVE for so long; act hears the seconds since the start. Samples, start, end."""
-    samples: list[Sample] = []
-    start, end = PlayStart(0), PlayEnd("none", "", 0)
-    begun = time.monotonic()
-    for item in play(board, set_points(WAVE, seconds, LIMITS), LIMITS):
-        if isinstance(item, PlayStart):
-            start, begun = item, time.monotonic()
-        elif isinstance(item, PlayEnd):
-            end = item
-        else:
-            samples += item
-        if act is not None and start.start_us:
-            act(time.monotonic() - begun)
-    return samples, start, end
-
-
-def once(when: float, deed: Callable[[], None]) -> Callable[[float], None]:
-    done: list[bool] = []
-
-    def act(elapsed: float) -> None:
-        if elapsed > when and not done:
-            done.append(True)
-            deed()
-
-    return act
-
-
-def to_neutral(emulator: Emulator, give_up: float = 3.0) -> float:
-    """Seconds until the pin is at neutral."""
-    begun = time.monotonic()
-    while emulator.truth().pulse_us != NEUTRAL_US and time.monotonic() - begun < give_up:
-        time.sleep(0.002)
-    return time.monotonic() - begun
-
-
-def wrong_samples(samples: list[Sample], start: PlayStart, seconds: float) -> int:
-    """Samples that cannot be what the board measured: commands off the waveform, counts off the cell, times that
-    fall.
-    """
-    if not start.start_us:
-        return 0  # it never started: there is nothing to compare with
-    wrong, last = 0, -1
-    ends = [s.board_us for s in samples if isinstance(s, Event) and s.code in ENDED]
-    seconds = min([seconds, *(1e-6 * (us - start.start_us) for us in ends)])
-    for sample in samples:
-        wrong += sample.board_us < last
-        last = sample.board_us
-        if isinstance(sample, ServoSample):
-            t = 1e-6 * (sample.board_us - start.start_us)
-            if 0.2 < t < seconds - 0.1:
-                wrong += abs(1e-6 * sample.command_urad - float(WAVE(t)[0])) > 2e-3
-        elif isinstance(sample, LoadSample):
-            wrong += not 30000 < sample.counts < 74000
-    return wrong
 
 
 def long_run(folder: Path, seconds: float) -> dict[str, float]:
@@ -146,7 +79,7 @@ def long_run(folder: Path, seconds: float) -> dict[str, float]:
     missing = int(numbers[-1] - numbers[0] + 1 - len(set(numbers.tolist()))) + counters.samples_lost
     doubled = len(numbers) - len(set(numbers.tolist()))
     loads = sum(isinstance(s, LoadSample) for s in samples)
-    truth = EmulatedOptics(CAMERA).offset
+    truth = EmulatedOptics.of(DECLARED).offset
     print(f"{seconds:.0f} s: {end.outcome}, {loads} load cell and {len(samples) - loads} other samples, "
           f"{missing} lost, {doubled} doubled, {wrong_samples(samples, start, seconds)} wrong")  # fmt: skip
     print(f"clock: worst error {1e3 * max(errors):.3f} ms; camera: {1e3 * offset.offset:.2f} "
@@ -158,12 +91,12 @@ def long_run(folder: Path, seconds: float) -> dict[str, float]:
     }
 
 
-def faulty_line(folder: Path, seconds: float) -> tuple[Outcome, int]:
-    """Each of the three faults at 1 % of bytes, together."""
+def faulty_line(folder: Path, share: float, seconds: float) -> tuple[Outcome, int]:
+    """So large a share of the bytes corrupted, as large a one dropped, and as large a one doubled, both ways."""
     with Emulator(folder, EmulatorSettings(seed=12)) as emulator:
         board = Board(Link(emulator.url))
         board.connect()
-        emulator.say("line", 0.01, 0.01, 0.01)
+        emulator.say("line", share, share, share)
         arm(board, LIMITS, ServoCalibration())
         samples, start, end = played(board, seconds)
         counters = board.counters
@@ -175,7 +108,9 @@ def faulty_line(folder: Path, seconds: float) -> tuple[Outcome, int]:
         f"{end.outcome}; {counters.host_bad_frames} + {counters.board_bad_frames} frames damaged, "
         f"{counters.retries} retries, {counters.samples_lost} samples lost, {wrong} wrong accepted"
     )
-    return Outcome("1 % corrupted, 1 % dropped, 1 % doubled bytes", words, wrong == 0 and neutral < 1.0), wrong
+    good = wrong == 0 and neutral < 1.0 and end.outcome == "complete" and gaps(samples) == counters.samples_lost == 0
+    name = f"{100 * share:.2g} % of bytes corrupted, dropped and doubled each, {seconds:.0f} s"
+    return Outcome(name, words, good), wrong
 
 
 def run_faults(folder: Path) -> tuple[list[Outcome], list[float]]:
@@ -190,13 +125,13 @@ def run_faults(folder: Path) -> tuple[list[Outcome], list[float]]:
             arm(board, LIMITS, ServoCalibration())
             samples, start, end = played(board, 4.0, once(at, lambda: deed(emulator)))
             after = to_neutral(emulator)
-            numbers = [s.number for s in samples]
-            gaps = int(np.sum(np.diff(numbers) != 1))
             events = ", ".join(sorted({f"{s.code}" for s in samples if isinstance(s, Event)}))
             good = end.outcome in expected and after < 1.0 and wrong_samples(samples, start, 4.0) == 0
             outcomes.append(
                 Outcome(
-                    name, f"{end.outcome}; gaps {gaps}; events {events}; at neutral {after:.2f} s after the end", good
+                    name,
+                    f"{end.outcome}; gaps {gaps(samples)}; events {events}; at neutral {after:.2f} s after the end",
+                    good,
                 )
             )
             board.close()
@@ -216,46 +151,18 @@ def run_faults(folder: Path) -> tuple[list[Outcome], list[float]]:
     return outcomes, neutral
 
 
-CHILD = """
-import sys
-from pathlib import Path
-from rig.record import connected, motion_of, record
-from rig.setup_file import read_setup
-from tentacle.waveform import Sine
-setup = read_setup(Path(sys.argv[1]))
-with connected(setup) as board:
-    say = lambda phase, share: print(phase, flush=True)
-    record(setup, board, None, motion_of(Sine(0.5, 1.0), 60.0, setup, {}), Path(sys.argv[2]), name="killed",
-    progress=say)
-"""
-
-
 def killed_host(folder: Path, times: int) -> tuple[Outcome, float, float]:
-    """kill -9 of the recording process at a moment when the arm is far out."""
+    """kill -9 of the recording process, each time at another angle of the arm."""
     back: list[float] = []
     tails: list[float] = []
     crashed = True
     for k in range(times):
         with Emulator(folder / str(k), EmulatorSettings(seed=14 + k)) as emulator:
-            write_setup(setup_for(emulator), folder / "rig.toml")
-            path = folder / f"{k}.rrd"
-            child = subprocess.Popen(
-                [sys.executable, "-c", CHILD, str(folder / "rig.toml"), str(path)], stdout=subprocess.PIPE, text=True
-            )
-            assert child.stdout is not None
-            while "running" not in child.stdout.readline():
-                if child.poll() is not None:
-                    raise RuntimeError("the recording process ended by itself")
-            drain = threading.Thread(target=child.stdout.read, daemon=True)
-            drain.start()
-            time.sleep(1.7 + 0.13 * k)
-            killed_us = emulator.truth().board_us
-            child.kill()
-            back.append(to_neutral(emulator))
-            child.wait()
+            path, neutral, killed = killed_while_recording(emulator, folder / str(k), 1.7 + 0.13 * k)
+            back.append(neutral)
             run = read_run(path)
             crashed &= run.outcome == "crashed"
-            tails.append(1e-6 * killed_us - float(run.load_t[-1]))
+            tails.append(killed - float(run.load_t[-1]))
     words = (
         f"at neutral within {max(back):.3f} s; file read up to {max(tails):.3f} s before the kill, marked as crashed"
     )
@@ -269,7 +176,7 @@ def full_disk(folder: Path) -> Outcome:
         begun = time.monotonic()
         with connected(setup) as board:
             result = record(
-                setup, board, None, motion_of(WAVE, 20.0, setup, {}), folder / "full.rrd", name="full",
+                setup, board, None, motion_of(WAVE, 20.0, setup.limits, TABLE), folder / "full.rrd", name="full",
                 free_bytes=lambda _: 0 if time.monotonic() - begun > 4.0 else 10**10,
             )  # fmt: skip
             after = to_neutral(emulator)
@@ -279,23 +186,19 @@ def full_disk(folder: Path) -> Outcome:
 
 
 def stalled_camera(folder: Path) -> Outcome:
-    import rig.record
-
     with Emulator(folder, EmulatorSettings(seed=16)) as emulator:
         setup = setup_for(emulator, camera=CameraSettings("emulated", 0.049, 0.001))
-        original, optics = rig.record.EmulatedOptics, EmulatedOptics(CAMERA, stall=(5.0, 6.5))
-        rig.record.EmulatedOptics = lambda _: optics  # type: ignore[assignment, misc]
-        try:
-            with connected(setup) as board, opened_camera(setup, board.time) as camera:
-                motion = motion_of(WAVE, 4.0, setup, {})
-                result = record(setup, board, camera, motion, folder / "stall.rrd", name="stall")
-        finally:
-            rig.record.EmulatedOptics = original
+        optics = replace(EmulatedOptics.of(DECLARED), stall=(5.0, 6.5))
+        with connected(setup) as board:
+            camera = Camera(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
+            motion = motion_of(WAVE, 4.0, setup.limits, TABLE)
+            result = record(setup, board, camera, motion, folder / "stall.rrd", name="stall")
+            camera.close()
         run = read_run(folder / "stall.rrd")
-    gaps = run.stop["camera"]["gaps_host_s"] if run.stop else []
-    words = f"{result.outcome}, {result.lost} samples lost; gap written down: {[round(b - a, 2) for a, b in gaps]} s"
+    seconds = [round(b - a, 2) for a, b in run.stop["camera"]["gaps_host_s"]] if run.stop else []
+    words = f"{result.outcome}, {result.lost} samples lost; gap written down: {seconds} s"
     return Outcome(
-        "camera stalls for 1.5 s", words, result.outcome == "complete" and result.lost == 0 and len(gaps) == 1
+        "camera stalls for 1.5 s", words, result.outcome == "complete" and result.lost == 0 and len(seconds) == 1
     )
 
 

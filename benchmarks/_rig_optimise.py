@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks._rig_faults import LIMITS, SPECIMEN, setup_for
+from benchmarks._rig_scene import LIMITS, SPECIMEN, setup_for
+from rig.connection import connected, opened_camera
 from rig.emulator import Emulator, EmulatorSettings
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits
-from rig.optimise import StudyPlan, best, optimise
-from rig.record import connected, opened_camera, trial_runner
+from rig.optimise import StudyPlan, Trial, best, optimise
+from rig.record import trial_runner
 from rig.reidentify import proposer
 from rig.setup_file import CameraSettings
 from tentacle.model import Estimate, Model
@@ -68,36 +69,53 @@ def true_propulsion(space: GaitSpace, plan: TrialPlan, point: dict[str, float]) 
     return -float(np.mean(forces))
 
 
-def optimised(folder: Path, trials: int, samples: int, reidentify: int, rate: float) -> tuple[float, list[str]]:
-    """`rig optimise` from a model that lacks what the arm has: gap of the best gait found to the best known, by
-    truth.
-    """
-    space, plan = GaitSpace(LIMITS, (0.4, 3.0), harmonics=1), TrialPlan(5, 2)
-    _, top = best_known(space, plan, samples)
+def optimised(
+    folder: Path, space: GaitSpace, plan: TrialPlan, trials: int, reidentify: int, rate: float
+) -> tuple[list[Trial], list[str]]:
+    """`rig optimise` from a model that lacks what the arm has: its trials, and what the diagnoses said."""
     folder.mkdir(parents=True, exist_ok=True)
     write_model(DECLARED, folder / "model.toml")
     (folder / "hidden.json").write_text(json.dumps(HIDDEN))
     first = best_gaits(DECLARED, space, plan, 5, seed=1)
-    settings = EmulatorSettings(
-        seed=17, rate=rate, plant="arm", plant_options=(str(folder / "model.toml"), str(folder / "hidden.json"))
-    )
-    lines: list[str] = []
+    words = (str(folder / "model.toml"), str(folder / "hidden.json"))
+    settings = EmulatorSettings(seed=17, rate=rate, plant="arm", plant_options=words)
+    verdicts: list[str] = []
     with Emulator(folder / "emulator", settings) as emulator:
         setup = setup_for(emulator, camera=CameraSettings("emulated") if reidentify else None)
         study = StudyPlan(space, trials, plan, reidentify, seed=5)
-        propose = proposer(space, plan, told=lambda d: lines.append(f"  {d.headline}")) if reidentify else None
+        propose = None
+        if reidentify:
+            propose = proposer(space, plan, believed=DECLARED, told=lambda d: verdicts.append(d.headline))
         with connected(setup) as board, opened_camera(setup, board.time) as camera:
-            done = list(optimise(folder / "study", study, trial_runner(setup, board, camera), first, propose=propose))
-    true = {trial.number: true_propulsion(space, plan, trial.point) for trial in done}
-    top = max(top, *true.values())  # the best known is the best of all that was ever tried on this arm
-    lines.append(
-        f"best known gait of the arm: {1e3 * top:.2f} mN; declared model's first: {1e3 * true[done[0].number]:.2f} mN"
-    )
-    for count in sorted({min(n, trials) for n in (1, 5, 10, 20, trials)}):
-        chosen = best(done[:count])
-        gap = 1.0 - true[chosen.number] / top
-        lines.append(
-            f"  after {count:3d} trials: {1e3 * chosen.propulsion:.2f} mN measured ({chosen.source}), "
-            f"gap {100 * gap:.1f} %"
-        )
-    return 1.0 - true[best(done).number] / top, lines
+            runner = trial_runner(setup, board, camera)
+            return list(optimise(folder / "study", study, runner, first, propose=propose)), verdicts
+
+
+def side_by_side(folder: Path, trials: int, samples: int, every: int, rate: float) -> dict[str, float]:
+    """The gap of the best gait found to the best known, by truth, without re-identification and with it every so many
+    trials (0: without only), as a printed table. rate: emulated seconds a second; a busy computer wants less than 1.
+    """
+    space, plan = GaitSpace(LIMITS, (0.4, 3.0), harmonics=1), TrialPlan(5, 2)
+    _, top = best_known(space, plan, samples)
+    courses = {"without": optimised(folder / "without", space, plan, trials, 0, rate)}
+    if every:
+        courses[f"with, every {every}"] = optimised(folder / "with", space, plan, trials, every, rate)
+    true = {name: [true_propulsion(space, plan, trial.point) for trial in done] for name, (done, _) in courses.items()}
+    top = max(top, *(max(values) for values in true.values()))  # of all that was ever tried on this arm
+    print(f"rig optimise, re-identification side by side; best known gait of the arm {1e3 * top:.2f} mN")
+    print("trials  " + "  ".join(f"{name:>34s}" for name in courses))
+    gaps: dict[str, list[float]] = {name: [] for name in courses}
+    for count in sorted({min(n, trials) for n in (1, 5, 10, 15, 20, 25, trials)}):
+        cells = []
+        for name, (done, _) in courses.items():
+            chosen = best(done[:count])
+            gaps[name].append(1.0 - true[name][done.index(chosen)] / top)
+            cells.append(f"gap {100 * gaps[name][-1]:5.1f} % ({chosen.source})")
+        print(f"{count:6d}  " + "  ".join(f"{cell:>34s}" for cell in cells))
+    for name, (_, verdicts) in courses.items():
+        for verdict in verdicts:
+            print(f"{name}: {verdict}")
+    figures = {"gap_after_30": gaps["without"][-1]}
+    if every:
+        figures["gap_after_30_reidentified"] = gaps[f"with, every {every}"][-1]
+    return figures

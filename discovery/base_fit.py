@@ -64,6 +64,14 @@ def needed_order(setting: Setting) -> int:
     )
 
 
+def fitted_order(seen: int, most: int) -> int:
+    """How many coordinates are fitted where `seen` are seen, `most` at best: an even number where it can be.
+
+    Each number has a compiled kernel of its own, and a coordinate too many costs a few initial values and no more.
+    """
+    return min(seen + seen % 2, most)
+
+
 def _visible_order(observation: ShapeObservation) -> int:
     """The highest coordinate that is seen, from the top down, without any dynamics.
 

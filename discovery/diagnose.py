@@ -8,16 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
+from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem, fit
-from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order, settled
+from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
 from discovery.calibration import calibrated
 from discovery.compare import errors, floor_errors, midline_error, run_comparison
 from discovery.next_experiment import DURATION, Proposal, propose
-from discovery.prepare import CannotTellError, Prepared, prepare
+from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error
 from discovery.score import twin_cosines
 from discovery.search import Search, estimates, hypothesis, looseness, search
-from discovery.verdict import Decision, decide, probabilities
+from discovery.unnamed import Rest, unnamed_rest
+from discovery.verdict import Decision, decide, probabilities, structure_share
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
 from tentacle.errors import InputError
 from tentacle.model import Model
@@ -28,6 +30,9 @@ from tentacle.waveform_file import waveform_table
 Progress = Callable[[str], None]
 LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
+PARTIAL = 0.5  # an account that leaves more of the structured error than this is none to build on
+SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
+HELPS = 0.8  # more coordinates must bring the reduction's error below this share of what it was
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
 
 
@@ -170,17 +175,20 @@ def _diagnosed(
     paper_problem, paper = _base_hypothesis(setting, 2, known)
     base_problem, base = paper_problem, paper
     if order > 2:
-        base_problem, base = _base_hypothesis(setting, order, known, warm=paper)
+        fitted = fitted_order(order, _most_coordinates(base_problem))
+        base_problem, base = _base_hypothesis(setting, fitted, known, warm=paper)
     progress("running the reference")
-    reduction = reduction_error(setting.declaration, base_problem, base)
+    base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
     structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure))
     decision = decide(found)
+    explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
+    rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     final = found.chosen.problem.experiments  # with the noise as the final model leaves it
     prepared = [replace(p, experiment=experiment) for p, experiment in zip(prepared, final, strict=True)]
     progress("comparing")
-    return _assembled(found, decision, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
+    return _assembled(found, decision, rest, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 
 
 def _base_hypothesis(
@@ -199,9 +207,35 @@ def _base_hypothesis(
     return settled(problem, fit(problem, nuisances))
 
 
+def _reduced_enough(
+    setting: Setting, problem: Problem, fitted: Fit, known: Baseline | None
+) -> tuple[Problem, Fit, Reduction | None]:
+    """The base with as many coordinates that its own error drowns in the noise, or as help; and that error.
+
+    Shapes show a coordinate only where it stands out of the noise by itself; the chain shows those that matter below.
+    """
+    reduction = reduction_error(setting.declaration, problem, fitted)
+    most = _most_coordinates(problem)
+    while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < most:
+        more = fitted_order(problem.arm.order + 1, most)
+        higher = _base_hypothesis(setting, more, known, warm=fitted)
+        again = reduction_error(setting.declaration, *higher)
+        if again is None or again.worst > HELPS * reduction.worst:
+            break
+        (problem, fitted), reduction = higher, again
+    return problem, fitted, reduction
+
+
+def _most_coordinates(problem: Problem) -> int:
+    """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
+    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
+    return min((shape.order for shape in shapes), default=MOST_COORDINATES)
+
+
 def _assembled(
     found: Search,
     decision: Decision,
+    rest: Rest | None,
     paper: tuple[Problem, Fit],
     prepared: list[Prepared],
     order: int,
@@ -209,7 +243,7 @@ def _assembled(
     seed: int,
     reduction: Reduction | None,
 ) -> Diagnosis:
-    chosen = found.chosen
+    chosen = found.chosen if rest is None else rest.refitted
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
     final = (chosen.problem, chosen.fitted)
     runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
@@ -232,8 +266,10 @@ def _assembled(
     named = {name: parameters.get(name, {}) for name in effects}
     d = prepared[0].recording.declaration
     base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
-    augmented = Model(d.specimen, d.fluid, d.gravity, order, parameters)
-    proposal = propose(chosen, found.rivals, LIMITS, seed) if found.rivals else None
+    augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
+    if rest is not None:
+        words = (*words, _rest_words(rest))
+    proposal = propose(found.chosen, found.rivals, LIMITS, seed) if found.rivals else None
     if proposal is not None:
         words = (*words, _proposal_words(proposal))
     candidates = list(found.candidates[:12])
@@ -270,6 +306,14 @@ def _proposal_words(proposal: Proposal) -> str:
     return (
         f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment, would split "
         f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
+    )
+
+
+def _rest_words(rest: Rest) -> str:
+    terms = ", ".join(rest.terms)
+    return (
+        f"A small force without a name ({terms}; the effect `unnamed` of the augmented model) leaves "
+        f"{100 * rest.share:.0f} % of what stood above the noise on the held-out frames; it is no explanation."
     )
 
 

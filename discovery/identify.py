@@ -9,7 +9,9 @@ import numpy as np
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array
-from affine_model.identify.observation import ShapeObservation
+from affine_model.identify.bootstrap import bootstrap
+from affine_model.identify.identifiability import Identifiability, identifiability
+from affine_model.identify.observation import POSE, ShapeObservation
 from affine_model.identify.regression import regression
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order
@@ -21,6 +23,7 @@ from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.recording import Recording
 
+CLOCK_DOUBT = 4.0  # standard errors from which on an offset of the clock is worth a word
 ILL = 0.99  # two parameters whose estimates correlate by more than this are not known apart
 
 
@@ -30,7 +33,8 @@ class Identification:
 
     regression: the paper's values by eq. 18-19 (effect.parameter -> value), empty where q was not measured or the
     base has no motor log; errors on the judged frames; correlation (F, F) of the estimates in the order of free;
-    at_bound: parameters that ended on a bound; words: remarks.
+    at_bound: parameters that ended on a bound; identifiability: what the fitted recordings can tell; bootstrap: 95 %
+    intervals by resampling (effect.parameter -> low, high), empty unless asked for; words: remarks.
     """
 
     model: Model
@@ -40,17 +44,25 @@ class Identification:
     free: tuple[str, ...]
     correlation: Array
     at_bound: tuple[str, ...]
+    identifiability: Identifiability
+    bootstrap: dict[str, tuple[float, float]]
     runs: tuple[RunComparison, ...]
     words: tuple[str, ...]
 
 
 def identify(
-    recordings: Sequence[Recording], check: Sequence[Recording] = (), *, order: int | None = None
+    recordings: Sequence[Recording],
+    check: Sequence[Recording] = (),
+    *,
+    order: int | None = None,
+    replicates: int = 0,
+    seed: int = 0,
 ) -> Identification:
     """Fit the base effects to the recordings; check: recordings that only judge (the paper: chirp to fit, sine to
     check).
 
-    order: number of curvature coordinates, else as many as the data need. Raises InputError on unusable recordings.
+    order: number of curvature coordinates, else as many as the data need. replicates: of the bootstrap, 0 for none;
+    seed: of its draws. Raises InputError on unusable recordings.
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
@@ -66,6 +78,8 @@ def identify(
     runs = [run_comparison(p, place, final, final, False) for place, p in enumerate(shown)]
     spread = np.sqrt(np.maximum(np.diag(fitted.covariance), 1e-300))
     correlation = fitted.covariance / np.outer(spread, spread)
+    known = identifiability(problem, fitted)
+    drawn = bootstrap(problem, fitted, replicates=replicates, seed=seed) if replicates else None
     d = recordings[0].declaration
     return Identification(
         model=Model(d.specimen, d.fluid, d.gravity, setting.order, estimates(judged, looseness(judged))),
@@ -75,8 +89,15 @@ def identify(
         free=tuple(".".join(name) for name in fitted.free),
         correlation=correlation,
         at_bound=tuple(".".join(name) for name in fitted.at_bound),
+        identifiability=known,
+        bootstrap={}
+        if drawn is None
+        else {
+            ".".join(name): (float(low), float(high))
+            for name, low, high in zip(drawn.free, drawn.low, drawn.high, strict=True)
+        },
         runs=tuple(run for run, _, _ in runs),
-        words=_remarks(judged, correlation),
+        words=(*_remarks(judged, correlation), *_told(problem, known)),
     )
 
 
@@ -101,6 +122,22 @@ def _paper_regression(arm: Arm, problem: Problem, prepared: list[Prepared]) -> d
         found = regression(arm, problem.parameters, problem.free, observation.t[seen], q[seen], base)
         return {".".join(name): float(value) for name, value in zip(found.free, found.values, strict=True)}
     return {}
+
+
+def _told(problem: Problem, known: Identifiability) -> list[str]:
+    """What the recordings leave open, in words."""
+    words = [f"Condition of the parameters' information: {known.condition:.3g}."]
+    for experiment, dead in zip(problem.experiments, known.dead, strict=True):
+        shapes = isinstance(experiment.observation, ShapeObservation)
+        # Pose answers to the camera alone, and curvatures beyond the model's order to nothing, as they should.
+        curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < POSE + problem.arm.order]
+        markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes]
+        if curvatures or markers:
+            words.append(f"{experiment.name}: {', '.join(curvatures + markers)} say nothing about any parameter.")
+    offset, sigma = known.clock
+    if abs(offset) > CLOCK_DOUBT * sigma:
+        words.append(f"The motor's clock seems off by {1e3 * offset:.1f} ms +- {1e3 * sigma:.1f} ms (diagnose it).")
+    return words
 
 
 def _remarks(judged: Hypothesis, correlation: Array) -> tuple[str, ...]:

@@ -36,6 +36,11 @@ class Reduction:
     judged: float
     millimetres: float
 
+    @property
+    def worst(self) -> float:
+        """The larger of both stretches' [noise sigmas]."""
+        return max(self.structure, self.judged)
+
 
 @dataclass(frozen=True)
 class _Later:

@@ -19,6 +19,7 @@ from affine_model.identify.trajectory import Fit, ParameterName, Problem
 
 STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
 SURVEYED = (0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
 BATCH = 96  # individuals at once: what memory holds for a long recording
 VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
 
@@ -41,8 +42,26 @@ class Candidate:
         return tuple((self.effect.name, parameter.name) for parameter in self.effect.parameters)
 
 
-def _variants(effect: Effect) -> list[tuple[float, ...]]:
-    return list(product(*(shape.scan for shape in effect.shapes)))
+def _variants(effect: Effect, peaks: tuple[float, ...]) -> list[tuple[float, ...]]:
+    """All combinations of the shapes' scan values; of a frequency also where the residual's own peaks lie."""
+    return list(product(*((*shape.scan, *(peaks if shape.unit == "Hz" else ())) for shape in effect.shapes)))
+
+
+def spectral_peaks(problem: Problem, fitted: Fit) -> tuple[float, ...]:
+    """The PEAKS highest peaks [Hz] of the residuals' power over all channels and recordings, within BAND.
+
+    A line is as narrow as the recording is long: a fixed scan steps over it.
+    """
+    frequencies = np.arange(BAND[0], BAND[1], RESOLUTION)
+    power = np.zeros(frequencies.size)
+    for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True):
+        t, rows = experiment.observation.t[experiment.used], residuals[experiment.used]
+        waves = np.exp(-2j * np.pi * frequencies[:, None] * t)
+        power += np.sum(np.abs(waves @ (rows - rows.mean(axis=0))) ** 2, axis=1)
+    inner = power[1:-1]
+    places = 1 + np.flatnonzero((inner > power[:-2]) & (inner >= power[2:]))
+    highest = places[np.argsort(-power[places])][:PEAKS]
+    return tuple(float(value) for value in np.sort(frequencies[highest]))
 
 
 def _trial(problem: Problem, effect: Effect, shapes: tuple[float, ...], strength: int, sign: float) -> Array:
@@ -62,9 +81,10 @@ def sensitivities(
     """
     problem = replace(problem, parameters=fitted.parameters)
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
+    peaks = spectral_peaks(problem, fitted)
     plan = []
     for effect in effects:
-        for shapes in _variants(effect):
+        for shapes in _variants(effect, peaks):
             for strength in range(len(effect.strengths)):
                 low = effect.strengths[strength].bounds[0]
                 for sign in (1.0, -1.0) if low < 0.0 else (1.0, 0.0):
@@ -78,7 +98,7 @@ def sensitivities(
     found: dict[str, list[tuple[tuple[float, ...], Array]]] = {}
     place = 0
     for effect in effects:
-        for shapes in _variants(effect):
+        for shapes in _variants(effect, peaks):
             parts = []
             for parameter in effect.strengths:
                 spread = STRENGTH_STEP * parameter.nominal * (2.0 if parameter.bounds[0] < 0.0 else 1.0)

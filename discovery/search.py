@@ -25,6 +25,10 @@ TIE = 5.0  # nats: effects closer than this to the best are not told apart
 MOST_EFFECTS = 3
 NEAR = 20.0  # nats: alternatives this close to the best are refitted with its noise
 SWAPS = 3  # of the score test's ranking, tried in the place of each earlier effect
+# Share of the first misfit that one, two, three effects may leave for another to be tried: a combination's first effect
+# explains a good part by itself, and what nothing here explains is not worth minutes.
+WORTH_GOING_ON = (1.0, 0.85, 0.6, 0.0)
+WORTH_TRYING = 0.25  # of a rest beyond the linear regime: a candidate's gain, below which nothing more is tried
 LARGEST_MARGIN = 1e3  # nats: said where nothing else was worth a refit
 
 
@@ -128,7 +132,7 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     for share in (1.0, 0.4):
         problem = _with_candidate(current.problem, current.fitted, candidate, share)
         problem, nuisances = _remembering(problem, current.fitted.nuisances)
-        fitted = fit(problem, nuisances, tolerance=1e-6, most=20)
+        fitted = fit(problem, nuisances, tolerance=_enough(current), most=20)
         if best is None or fitted.misfit < best.misfit:
             best, used = fitted, problem
         if current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
@@ -137,6 +141,13 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     assert used is not None
     effects = (*current.effects, candidate.effect.name)
     return hypothesis(effects, replace(used, parameters=best.parameters), best, current.reduction)
+
+
+def _enough(current: Hypothesis) -> float:
+    """When a trial fit has converged, as a share of its misfit: to a nat, or to little beside what is unexplained."""
+    misfit = current.fitted.misfit
+    unexplained = max(misfit - 0.5 * current.fitted.count, 0.0)
+    return max(1.0, 2e-3 * unexplained) / max(misfit, 1.0)
 
 
 def without(current: Hypothesis, effect: str) -> Hypothesis:
@@ -260,7 +271,7 @@ def search(base: Hypothesis) -> Search:
         candidates = score(current.problem, current.fitted)
         first = first or candidates
         promising = _promising(current, candidates)
-        if not promising:
+        if not promising or (current.effects and _hopeless(current, promising)):
             break
         tried = _tried(current, promising)
         if not current.effects:
@@ -269,6 +280,8 @@ def search(base: Hypothesis) -> Search:
             break
         current, *alternatives = settled_together(tried)
         current, alternatives = _back(current, alternatives)
+        if current.fitted.misfit > WORTH_GOING_ON[len(current.effects)] * base.fitted.misfit:
+            break
     loose = looseness(current)
     rivals = [
         h
@@ -278,6 +291,13 @@ def search(base: Hypothesis) -> Search:
     others = [h.evidence for h in (alternatives or single) if h.effects != current.effects]
     margin = (current.evidence - max(others)) / loose if others and current.effects else LARGEST_MARGIN
     return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals), margin)
+
+
+def _hopeless(current: Hypothesis, promising: list[Candidate]) -> bool:
+    """Whether no candidate comes near what is left: the rest is large, and none explains a good part of it."""
+    unexplained = current.fitted.misfit - 0.5 * current.fitted.count
+    best = max(candidate.gain for candidate in promising)
+    return current.train.structure > LINEAR and best < WORTH_TRYING * unexplained
 
 
 def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:

@@ -1,34 +1,74 @@
-"""The gallery's pictures, from the tool itself: python docs/make_pictures.py (needs Chromium and a Vulkan driver)."""
+"""The documentation's pictures, from the tool itself: python docs/make_pictures.py [GROUP...]
+
+Groups: examples, views, reports, figures (default: all). Views need a Vulkan driver, reports Chromium, the rig's
+view g++. The arm swims in a current that its declaration leaves out; the rest is what a user would type.
+"""
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"
+EXAMPLES = PICTURES / "examples"
 WIDTH = 1280
+QUALITY = 88  # of WebP: text stays sharp, at a fifth of a PNG's size
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
             "--disable-background-networking", "--disable-sync"]  # fmt: skip
+ENVIRONMENT = {"PYTHONPATH": str(ROOT), "PATH": "/usr/local/bin:/usr/bin:/bin"}
+ARM = """\
+order = 2
+[specimen]
+section = "cone"
+base_radius_m = 0.0125
+tip_radius_m = 0.0015
+length_m = 0.14
+density_kg_m3 = 1070.0
+[fluid]
+density_kg_m3 = 998.0
+[effects]
+elasticity.E = {value = 2.0e5, unit = "Pa"}
+damping.eta = {value = 300.0, unit = "Pa s"}
+drag.C_perp = {value = 1.1}
+"""
+SPEEDS = """\
+arm,motion,speed_m_s
+14 cm,low sine,0.0006
+14 cm,high sine,0.0012
+14 cm,optimised,0.0066
+21 cm,low sine,0.0052
+21 cm,high sine,0.0104
+21 cm,optimised,0.0227
+25 cm,low sine,0.0049
+25 cm,high sine,0.0067
+25 cm,optimised,0.0214
+"""  # the paper's Table II, means
+WAVE = '[waveform]\nkind = "sine"\namplitude_rad = 0.4\nfrequency_hz = 0.8\n'
 
 
-def tentacle(*arguments: str, folder: Path) -> None:
-    """Run a verb of this checkout."""
+def tentacle(command: str, folder: Path) -> None:
+    """Run a verb of this checkout, as a user types it."""
     program = "import sys, tentacle.cli; sys.exit(tentacle.cli.main())"
-    path = {"PYTHONPATH": str(ROOT), "PATH": "/usr/local/bin:/usr/bin:/bin", "HOME": str(folder)}
-    subprocess.run([sys.executable, "-c", program, *arguments], cwd=folder, env=path, check=True)
+    environment = {**ENVIRONMENT, "HOME": str(folder)}
+    subprocess.run([sys.executable, "-c", program, *command.split()[1:]], cwd=folder, env=environment, check=True)
 
 
-def photograph(page: Path, picture: Path, height: int) -> None:
-    """A report as a browser shows it."""
+def photograph(page: Path, height: int) -> Path:
+    """The upper part of a report, as a browser shows it."""
+    picture = page.with_suffix(".png")
     size = [f"--window-size=1000,{height}", f"--screenshot={picture}", f"--user-data-dir={page.parent / 'browser'}"]
     subprocess.run([*CHROMIUM, *size, page.as_uri()], check=True, capture_output=True)
+    return picture
 
 
-def keep(picture: Path) -> None:
-    """Into the gallery, no wider than WIDTH."""
+def keep(picture: Path, name: str) -> None:
+    """Into the documentation under that name, as WebP no wider than WIDTH."""
     import cv2
 
     image = cv2.imread(str(picture))
@@ -36,25 +76,135 @@ def keep(picture: Path) -> None:
         raise SystemExit(f"{picture} was not drawn")
     scale = min(1.0, WIDTH / image.shape[1])
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    cv2.imwrite(str(PICTURES / picture.name), small, [cv2.IMWRITE_PNG_COMPRESSION, 9])
+    target = PICTURES / f"{name}.webp"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    cv2.imwrite(str(target), small, [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
+
+
+def examples(folder: Path) -> None:
+    """Run every example; its picture and what it printed go into the gallery."""
+    EXAMPLES.mkdir(parents=True, exist_ok=True)
+    for script in sorted((ROOT / "examples").glob("*.py")):
+        environment = {**ENVIRONMENT, "HOME": str(folder)}
+        done = subprocess.run([sys.executable, str(script)], cwd=folder, env=environment, text=True,
+                              stdout=subprocess.PIPE, check=True)  # fmt: skip
+        (EXAMPLES / f"{script.stem}.txt").write_text(done.stdout, encoding="utf-8")
+        keep(folder / f"{script.stem}.png", f"examples/{script.stem}")
+
+
+def material(folder: Path) -> None:
+    """What views, reports and figures show: recordings, and every verb's answer."""
+    from first_hour import film
+
+    film(folder / "swim", 8.0)
+    (folder / "arm.toml").write_text(ARM)
+    (folder / "speeds.csv").write_text(SPEEDS)
+    for command in (
+        "tentacle track swim --out tracked.rrd",
+        "tentacle diagnose swim --out answer",
+        "tentacle simulate arm.toml --out sine.rrd --sine 0.5 0.8 --duration 6 --fps 30",
+        "tentacle identify sine.rrd --out identified",
+        "tentacle compare arm.toml --no-map --out comparison",
+        "tentacle optimise arm.toml --evaluations 1000 --out gait",
+    ):
+        tentacle(command, folder)
+
+
+def views(folder: Path) -> None:
+    """The viewer on every verb's session."""
+    for name, file, at in (
+        ("recording", "swim", 3.0),
+        ("track", "tracked.rrd", 6.6),
+        ("session", "answer/session.rrd", 6.45),
+        ("identify", "identified/session.rrd", 4.3),
+        ("compare", "comparison/session.rrd", 2.2),
+        ("optimise", "gait/session.rrd", 8.0),
+    ):
+        tentacle(f"tentacle view {file} --screenshot view.png --at {at}", folder)
+        keep(folder / "view.png", name)
+    live(folder)
+
+
+def live(folder: Path) -> None:
+    """A run on the emulated rig, photographed while it lasts."""
+    from rig import recorder
+    from rig.record import connected, motion_of, opened_camera, record
+    from rig.setup_file import read_setup
+    from tentacle.cli._rig_run import live_paths
+    from tentacle.waveform_file import read_waveform
+    from viz.blueprints.rig import send_live_layout
+    from viz.viewer import headless_viewer
+
+    (folder / "wave.toml").write_text(WAVE)
+    program = "import sys, tentacle.cli; sys.exit(tentacle.cli.main())"
+    emulated = subprocess.Popen(
+        [sys.executable, "-c", program, "rig", "emulate", "emulated"],
+        cwd=folder, env={**ENVIRONMENT, "HOME": str(folder)},
+    )  # fmt: skip
+    try:
+        while not (folder / "emulated" / "rig.toml").exists():
+            time.sleep(0.2)
+        setup = read_setup(folder / "emulated" / "rig.toml")
+        motion = motion_of(read_waveform(folder / "wave.toml"), 8.0, setup, {})
+        with headless_viewer() as viewer, connected(setup) as board, opened_camera(setup, board.time) as camera:
+            send_live_layout(viewer.url, recorder.APPLICATION, live_paths())
+            out, address = folder / "run.rrd", viewer.url
+            words = {"name": "run", "viewer": address}
+            run = threading.Thread(target=record, args=(setup, board, camera, motion, out), kwargs=words)
+            run.start()
+            time.sleep(13.0)  # it settles, and synchronises the camera, before it moves
+            (folder / "view.png").write_bytes(viewer.take_screenshot())
+            run.join()
+    finally:
+        emulated.send_signal(signal.SIGINT)
+        emulated.wait()
+    keep(folder / "view.png", "rig")
+    tentacle("tentacle view run.rrd --screenshot view.png --at 4", folder)
+    keep(folder / "view.png", "rig_run")
+
+
+def reports(folder: Path) -> None:
+    """Every verb's report in a browser."""
+    for name, file in (
+        ("report", "answer"),
+        ("report_identify", "identified"),
+        ("report_compare", "comparison"),
+        ("report_optimise", "gait"),
+    ):
+        keep(photograph(folder / file / "report.html", 1250), name)
+
+
+def figures(folder: Path) -> None:
+    """The paper's figures of these recordings."""
+    for number, rest in (
+        (3, "swim"),
+        (4, "sine.rrd"),
+        (5, "sine.rrd --model identified/model.toml"),
+        (6, "swim --model answer/model.toml"),
+        (8, "sine.rrd tracked.rrd --model identified/model.toml"),
+        (9, "--model identified/model.toml"),
+        (10, "speeds.csv"),
+    ):
+        tentacle(f"tentacle figure {number} {rest} --out figure_{number}.png", folder)
+        keep(folder / f"figure_{number}.png", f"figure_{number}")
+
+
+GROUPS = {"examples": examples, "views": views, "reports": reports, "figures": figures}
 
 
 def main() -> None:
-    """Film an arm in a current that is not declared, diagnose it, and photograph every step."""
+    """Make the groups that were named."""
     sys.path[:0] = [str(ROOT), str(ROOT / "benchmarks")]
-    from first_hour import film
-
+    chosen = sys.argv[1:] or list(GROUPS)
+    if set(chosen) - set(GROUPS):
+        raise SystemExit(f"groups: {', '.join(GROUPS)}")
     PICTURES.mkdir(exist_ok=True)
-    folder = Path(tempfile.mkdtemp(prefix="pictures-"))
-    film(folder / "swim", 8.0)
-    tentacle("view", "swim", "--screenshot", "recording.png", "--at", "3", folder=folder)
-    tentacle("diagnose", "swim", "--out", "answer", folder=folder)
-    tentacle("view", "answer/session.rrd", "--screenshot", "session.png", "--at", "6.6", folder=folder)
-    tentacle("figure", "6", "swim", "--model", "answer/model.toml", "--out", "stills.png", folder=folder)
-    tentacle("figure", "9", "--model", "answer/model.toml", "--out", "thrust_map.png", folder=folder)
-    photograph(folder / "answer" / "report.html", folder / "report.png", 1250)
-    for name in ("recording", "session", "report", "stills", "thrust_map"):
-        keep(folder / f"{name}.png")
+    with tempfile.TemporaryDirectory(prefix="pictures-") as place:
+        folder = Path(place)
+        if set(chosen) - {"examples"}:
+            material(folder)
+        for name in chosen:
+            GROUPS[name](folder)
 
 
 if __name__ == "__main__":

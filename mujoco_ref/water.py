@@ -79,7 +79,7 @@ def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, fl
 
 
 @njit(cache=True)
-def _wall_factor(x: float, half_width: float, water: Fields) -> float:
+def wall_factor(x: float, half_width: float, water: Fields) -> float:
     """Growth of the resistance beside a wall, (r/gap)^2 to leading order, bounded where the arm touches."""
     gap = water.wall_x - x
     return water.wall_B * half_width**2 / (gap**2 + half_width**2)
@@ -164,7 +164,7 @@ def water_forces(
                 speed = np.sqrt(u_n * u_n + u_t * u_t)
                 C_perp = water.C_perp
                 if water.wall_B != 0.0:
-                    C_perp += _wall_factor(px, 0.5 * width, water)
+                    C_perp += wall_factor(px, 0.5 * width, water)
                 across = 0.5 * water.density * C_perp * width
                 skin = 0.5 * water.density * water.C_t * nodes[k, g, PERIMETER]
                 f_n = -(across * speed + water.c_n) * u_n

@@ -23,6 +23,9 @@ SLOWEST_BOARD = 0.01  # s to answer a command, beside the line's own time
 MAX_TRIES = 40
 BACK_OFF, LONGEST_WAIT = 1.15, 0.08  # each try waits longer than the last, up to so many seconds: 2.5 s in all
 PING_EVERY = 0.05  # s; five within the board's watchdog
+PING_EVERY_BAD_LINE = 0.02  # s; where 3 % of bytes are damaged five pings are all lost once in 350 times, twelve never
+CLEAN_LINE = 3  # damaged frames and retries, no more than which a line is taken as good
+LONGEST_NEGLECT = 2.0  # s; the board holds its samples for 7 s, at an emulator's double rate for half as long
 BOOT_WITHIN = 6.0  # s; a Due that is opened resets and starts within 2 s
 
 
@@ -53,11 +56,13 @@ class Board:
         self._counters = LineCounters()
         self._sequence = SampleSequence()
         self._inbox: list[Sample] = []
-        self._answer: Answer | None = None
+        self._answers: dict[int, Answer] = {}  # by the command's number
+        self._board_bad_before: int | None = None
         self._command_number = 0
         self._ping_token = 0
         self._pings: dict[int, float] = {}
         self._pinged_at = -1e9
+        self._serviced_at = time.monotonic()
         self._reset = False
 
     # ---- connecting ----
@@ -69,11 +74,11 @@ class Board:
         self.clock = ClockEstimator()
         until = time.monotonic() + BOOT_WITHIN
         while self.boot is None and time.monotonic() < until:
-            self._command_number = (self._command_number + 1) & 0xFF
-            self._answer = None
-            self.link.send(Frame(Type.HELLO, self._command_number, protocol.hello()))
-            self._listen_until(lambda: self.boot is not None or self._answer is not None, 0.3)
-            if self._answer is not None and self._answer.reason == Reason.BAD_VERSION:
+            number = self._numbered()
+            self.link.send(Frame(Type.HELLO, number, protocol.hello()))
+            self._listen_until(lambda number=number: self.boot is not None or number in self._answers, 0.15)
+            answer = self._answers.get(number)
+            if answer is not None and answer.reason == Reason.BAD_VERSION:
                 raise Fault("wrong_version", f"the board does not speak version {protocol.VERSION}: flash rig/firmware")
         if self.boot is None:
             raise Fault("no_answer", f"{self.link.url}: no board answered within {BOOT_WITHIN:g} s")
@@ -121,31 +126,63 @@ class Board:
 
     def command(self, kind: Type, body: bytes = b"") -> None:
         """Sends a command until it is answered; Fault("refused") with the reason, or Fault("no_answer")."""
-        self._command_number = (self._command_number + 1) & 0xFF
-        number = self._command_number
-        self._counters = replace(self._counters, commands=self._counters.commands + 1)
-        within = SLOWEST_BOARD + 2 * (len(body) + 20) * 10 / BAUD + 4 * self.clock.quickest
+        number = self.post(kind, body)
+        within = self.answer_time(len(body))
         for attempt in range(MAX_TRIES):
             if attempt:
-                self._counters = replace(self._counters, retries=self._counters.retries + 1)
-                within = min(within * BACK_OFF, LONGEST_WAIT)
-            self._answer = None
-            self.link.send(Frame(kind, number, body))
-            self._listen_until(lambda: self._answered(number, kind), within)
-            if self._answered(number, kind):
-                assert self._answer is not None
-                if self._answer.reason:
-                    raise Fault("refused", f"the board refused {kind.name}: {Reason(self._answer.reason).name}")
+                self.post(kind, body, again=number)
+                within = max(min(within * BACK_OFF, LONGEST_WAIT), self.answer_time(len(body)))
+            self._listen_until(lambda: number in self._answers, within)
+            if self.accepted(number, kind):
                 return
         raise Fault("no_answer", f"the board did not answer {kind.name} in {MAX_TRIES} tries")
+
+    def post(self, kind: Type, body: bytes = b"", *, again: int | None = None) -> int:
+        """Sends a command once and does not wait for its answer. The number it has, `again` where it had one."""
+        number = self._numbered() if again is None else again
+        counted = self._counters
+        if again is None:
+            self._counters = replace(counted, commands=counted.commands + 1)
+        else:
+            self._counters = replace(counted, retries=counted.retries + 1)
+        self.link.send(Frame(kind, number, body))
+        return number
+
+    def accepted(self, number: int, kind: Type) -> bool:
+        """Whether the command that was posted with this number was carried out; Fault("refused") with the reason."""
+        answer = self._answers.get(number)
+        if answer is None or answer.type != kind:
+            return False
+        if answer.reason:
+            raise Fault("refused", f"the board refused {kind.name}: {Reason(answer.reason).name}")
+        return True
+
+    def answer_time(self, size: int) -> float:
+        """Real seconds within which a command with so many bytes under way is answered on a good line."""
+        return SLOWEST_BOARD + 2 * (size + 20) * 10 / BAUD + 4 * self.clock.quickest
+
+    @property
+    def neglected(self) -> bool:
+        """Whether it was not served for so long that what it said meanwhile is lost: it must be greeted anew."""
+        return time.monotonic() - self._serviced_at > LONGEST_NEGLECT
+
+    @property
+    def line_is_good(self) -> bool:
+        """Whether enough has been said over the line, and hardly any of it twice."""
+        counters = self.counters
+        bad = counters.host_bad_frames + counters.board_bad_frames + counters.retries
+        return counters.commands > 20 and bad <= CLEAN_LINE
 
     def service(self, wait: float = 0.005) -> None:
         """Receives for at most `wait` real seconds, pings when due, asks for missing samples.
 
         Fault("board_reset") once after the board has started anew; Fault("link_lost") when the port is gone.
         """
+        self._serviced_at = time.monotonic()
         now = self.time.now()
-        if now - self._pinged_at >= PING_EVERY:
+        if now - self._pinged_at >= (
+            PING_EVERY if self.link.bad_frames + self._board_bad_frames <= CLEAN_LINE else PING_EVERY_BAD_LINE
+        ):
             self._ping(now)
         for frame in self.link.receive(wait):
             self._dispatch(frame)
@@ -193,7 +230,7 @@ class Board:
         return replace(
             self._counters,
             host_bad_frames=self.link.bad_frames,
-            board_bad_frames=self.pong.bad_frames if self.pong else 0,
+            board_bad_frames=self._board_bad_frames,
             samples_doubled=sequence.doubled,
             samples_asked_again=sequence.asked,
             samples_lost=sequence.lost,
@@ -201,8 +238,18 @@ class Board:
 
     # ---- inside ----
 
-    def _answered(self, number: int, kind: Type) -> bool:
-        return self._answer is not None and (self._answer.sequence, self._answer.type) == (number, kind)
+    @property
+    def _board_bad_frames(self) -> int:
+        """How many frames the board got damaged since it was first heard; it counts from its start."""
+        if self.pong is None or self._board_bad_before is None:
+            return 0
+        return self.pong.bad_frames - self._board_bad_before
+
+    def _numbered(self) -> int:
+        """The number of a new command; 255 later ones keep theirs apart."""
+        self._command_number = (self._command_number + 1) & 0xFF
+        self._answers.pop(self._command_number, None)
+        return self._command_number
 
     def _listen_until(self, done: Callable[[], bool], seconds: float) -> None:
         until = time.monotonic() + seconds
@@ -221,7 +268,7 @@ class Board:
         message = protocol.decode(frame)
         match message:
             case Answer():
-                self._answer = message
+                self._answers[message.sequence] = message
             case Pong():
                 self._heard_pong(message)
             case LoadSample() | ServoSample() | Event():
@@ -245,4 +292,6 @@ class Board:
             return
         self.clock.add(sent, self.time.now(), 1e-6 * pong.board_us)
         self.pong = pong
+        if self._board_bad_before is None:
+            self._board_bad_before = pong.bad_frames
         self._sequence.expect(pong.next_sample, self.time.now())

@@ -9,15 +9,17 @@ import numpy as np
 
 from rig import protocol
 from rig.board import Board
-from rig.camera import Camera, CameraFrame
-from rig.camera_offset import CameraOffset, estimate_offset, lit_frames
+from rig.camera import Camera
+from rig.camera_offset import CameraOffset
+from rig.camera_watch import FLASH_EVERY, FLASH_MS, Flashes
 from rig.fault import Fault
-from rig.protocol import Event, EventCode, LoadSample, Type
-from rig.record import FLASH_EVERY, FLASH_MS
+from rig.protocol import Event, LoadSample, Type
 from rig.safety import ServoCalibration
 from rig.setup_file import LoadCellCalibration
 from tentacle.errors import InputError
 from tentacle.signals import Array
+
+WORST_RMS = 0.03  # of the range; a load cell of the cheapest kind is within 0.1 %
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,11 @@ def fit_line(values: Array, readings: Array) -> LineFit:
         raise InputError(f"the readings do not follow the loads (slope {slope:.4g} +- {slope_sigma:.2g})")
     in_units = (readings - offset) / slope - values
     rms = float(np.sqrt(np.mean(in_units[keep] ** 2)))
+    if rms > WORST_RMS * np.ptp(values[keep]):
+        raise InputError(
+            f"the readings stray from a line by {100 * rms / np.ptp(values[keep]):.0f} % of the range",
+            expected=f"at most {100 * WORST_RMS:g} %: did it come to rest at each, and was each put on?",
+        )
     return LineFit(float(offset), float(slope), offset_sigma, slope_sigma, in_units, rms, int((~keep).sum()))
 
 
@@ -117,27 +124,20 @@ def camera_offset(board: Board, camera: Camera, flashes: int = 16, seed: int = 1
     spacing = np.random.default_rng(seed)
     camera.take()
     board.take()
-    frames: list[CameraFrame] = []
-    edges: dict[int, list[float]] = {EventCode.FLASH_ON: [], EventCode.FLASH_OFF: []}
+    seen = Flashes()
 
     def listen(seconds: float) -> None:
         until = board.time.now() + seconds
         while board.time.now() < until:
             board.service()
-            frames.extend(camera.take())
+            seen.add_frames(camera.take())
             for sample in board.take():
-                if isinstance(sample, Event) and sample.code in edges:
-                    edges[sample.code].append(1e-6 * sample.board_us)
+                if isinstance(sample, Event):
+                    seen.add_event(sample)
 
     listen(0.3)
     for _ in range(flashes):
         board.command(Type.FLASH, protocol.flash(FLASH_MS))
         listen(1e-3 * FLASH_MS + float(spacing.uniform(*FLASH_EVERY)))
     listen(0.6)
-    if len(frames) < 10:
-        raise Fault("camera", f"the camera gave {len(frames)} frames")
-    fit = board.clock.fit()
-    times = np.array([fit.to_board(f.host_s) for f in frames])
-    lit = lit_frames(np.array([f.thumbnail for f in frames]))
-    on, off = (np.array(edges[code]) for code in (EventCode.FLASH_ON, EventCode.FLASH_OFF))
-    return estimate_offset(times, lit, on, off)
+    return seen.offset(board.clock.fit())

@@ -22,6 +22,7 @@ from tentacle.signals import Array
 Image = NDArray[np.uint8]
 JPEG_QUALITY = 92
 THUMBNAIL = (16, 12)  # pixels, for finding the flash
+MOST_FRAMES = 600  # that wait to be taken; between runs nobody takes them
 STALLED_AFTER = 0.5  # s without a frame
 
 
@@ -102,7 +103,7 @@ class Camera:
     def __init__(self, open_source: Callable[[], FrameSource], host_time: HostTime) -> None:
         self._time = host_time
         self._source = open_source()
-        self._frames: deque[CameraFrame] = deque()
+        self._frames: deque[CameraFrame] = deque(maxlen=MOST_FRAMES)
         self._running = True
         self._ended = False
         self._last = time.monotonic()

@@ -12,30 +12,49 @@ from tentacle.signals import Array
 
 JITTER_FLOOR = 5e-4  # s; no camera's stamps are better than that
 LARGEST_OFFSET = 0.5  # s
+COARSE = 0.01  # s, steps of the delay while the lamp is looked for
+FOLLOWS = 0.7  # least correlation of a lamp's pixel with the flashes; frames lit in part cost a lamp 0.1 at most
+FEWEST_FRAMES = 10
 
 
 @dataclass(frozen=True)
 class CameraOffset:
-    """offset [s]: arrival minus the middle of exposure; sigma [s] of it; edges that were used."""
+    """offset [s]: arrival minus the middle of exposure; sigma [s] of it; how many edges or frames were used."""
 
     offset: float
     sigma: float
-    edges: int
+    used: int
 
 
-def lit_frames(thumbnails: Array) -> np.ndarray:
-    """Which frames (N, h, w) show the light: bool (N,). The brightest-changing pixel is the lamp.
+def lit_frames(thumbnails: Array, frame_times: Array, on: Array, off: Array) -> np.ndarray:
+    """Which frames (N, h, w), arrived at frame_times (N,) [s], show the light: bool (N,). on, off (F,): the flashes.
 
-    Fault("camera") where no pixel switches between two levels.
+    The pixel that follows the flashes best, at whatever delay, is the lamp: an arm that moves switches pixels too, but
+    not in step with them. Fault("camera") where no pixel follows.
     """
-    change = np.quantile(thumbnails, 0.98, axis=0) - np.quantile(thumbnails, 0.3, axis=0)
-    lamp = np.unravel_index(np.argmax(change), change.shape)
-    signal = thumbnails[:, lamp[0], lamp[1]]
-    dark, bright = np.quantile(signal, 0.1), signal.max()
-    noise = np.median(np.abs(np.diff(signal)))
-    if bright - dark < max(5.0, 8.0 * float(noise)):
+    frame_times, on, off = (np.asarray(x, dtype=float) for x in (frame_times, on, off))
+    flashes = min(on.size, off.size)
+    if len(thumbnails) < FEWEST_FRAMES or not flashes:
+        raise Fault(
+            "camera", f"{len(thumbnails)} frames and {flashes} flashes were seen; the camera must run meanwhile"
+        )
+    signals = thumbnails.reshape(len(thumbnails), -1)
+    centred = signals - signals.mean(axis=0)
+    spread = np.maximum(centred.std(axis=0), 0.5)  # grey levels; a still pixel follows nothing
+    best, lamp, lit = 0.0, 0, np.zeros(len(thumbnails), dtype=bool)
+    for delay in np.arange(-0.05, LARGEST_OFFSET, COARSE):
+        shown = frame_times[:, None] - delay
+        bright = ((shown >= on[:flashes]) & (shown < off[:flashes])).any(axis=1)
+        if not 0 < bright.sum() < bright.size:
+            continue
+        follows = (bright - bright.mean()) @ centred / (bright.size * bright.std() * spread)
+        pixel = int(np.argmax(follows))
+        if follows[pixel] > best:
+            best, lamp, lit = float(follows[pixel]), pixel, bright
+    if best < FOLLOWS:
         raise Fault("camera", "no flash is seen by the camera: is the LED in the picture?")
-    return signal > 0.5 * (dark + bright)
+    signal = signals[:, lamp]
+    return signal > 0.5 * (np.median(signal[lit]) + np.median(signal[~lit]))
 
 
 def estimate_offset(frame_times: Array, lit: np.ndarray, on: Array, off: Array) -> CameraOffset:
@@ -78,7 +97,7 @@ def combined(now: CameraOffset, calibrated: CameraOffset | None) -> CameraOffset
         return now
     weight = np.array([now.sigma, calibrated.sigma]) ** -2.0
     offset = float(weight @ [now.offset, calibrated.offset] / weight.sum())
-    return CameraOffset(offset, float(weight.sum() ** -0.5), now.edges)
+    return CameraOffset(offset, float(weight.sum() ** -0.5), now.used)
 
 
 def _between(early: Array, late: Array, jitter: float) -> Array:

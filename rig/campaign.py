@@ -14,19 +14,18 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rig.board import Board
 from rig.camera import Camera
 from rig.fault import Fault
 from rig.interrupts import Interrupts
-from rig.record import Motion, RunResult, motion_of, record
+from rig.motion import Motion, described, motion_of
+from rig.record import RunResult, record
 from rig.run_file import read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
 from tentacle.toml_table import Table, read_toml
-from tentacle.waveform import Waveform
-from tentacle.waveform_file import parse_waveform, waveform_table
+from tentacle.waveform_file import parse_waveform
 
 
 @dataclass(frozen=True)
@@ -75,18 +74,10 @@ def _parse_run(table: Table, setup: RigSetup) -> list[CampaignRun]:
     waveform = parse_waveform(table.required_table("waveform"))
     table.finish()
     try:
-        motion = motion_of(waveform, duration, setup, described(waveform))
+        motion = motion_of(waveform, duration, setup.limits, described(waveform))
     except InputError as error:
         raise table.error(error.problem, "waveform", error.expected) from None
     return [CampaignRun(name if k == 1 else f"{name}-{k}", motion) for k in range(1, repeat + 1)]
-
-
-def described(waveform: Waveform) -> dict[str, Any]:
-    """A waveform as plain data, for the start record."""
-    try:
-        return waveform_table(waveform)
-    except TypeError:  # a spline through samples has no table; the set points are in the recording
-        return {"kind": "samples"}
 
 
 def run_campaign(

@@ -9,25 +9,35 @@ import cv2
 import numpy as np
 
 from rig.camera import Image
-from rig.emulator import Truth, read_truth
+from rig.emulator import POINTS, Truth, read_past, read_truth
 from rig.host_time import HostTime
+from tentacle.errors import InputError
 from tentacle.recording import Camera as CameraDeclaration
+from tentacle.recording import Declaration
 from tentacle.signals import Array
 
 
 @dataclass(frozen=True)
 class EmulatedOptics:
     """fps [1/s], exposure [s], latency [s] from the end of exposure to arrival, jitter [s] of it (standard deviation),
-    size (width, height) [px], radius (base, tip) [m] of the arm that is drawn. stall: (from, to) [s] without frames.
+    size (width, height) [px], radii (24,) [m] of the arm that is drawn, base to tip. stall: (from, to) [s] without
+    frames.
     """
 
     declaration: CameraDeclaration
+    radii: tuple[float, ...]
     latency: float = 0.045
     jitter: float = 0.0015
     size: tuple[int, int] = (320, 240)
-    radius: tuple[float, float] = (0.0125, 0.001)
     stall: tuple[float, float] = (np.inf, np.inf)
     seed: int = 1
+
+    @classmethod
+    def of(cls, declared: Declaration) -> EmulatedOptics:
+        """A camera in front of the declared arm. InputError where no camera is declared."""
+        if declared.camera is None:
+            raise InputError("an emulated camera needs the declaration's camera", field="recording.camera")
+        return cls(declared.camera, tuple(declared.specimen.section.half_thickness(np.linspace(0, 1, POINTS)).tolist()))
 
     @property
     def offset(self) -> float:
@@ -51,14 +61,17 @@ class EmulatedSource:
             opened = self._start + self._count / optics.declaration.fps
             closed = opened + optics.declaration.exposure
             self._count += 1
-            self._time.wait(
-                closed + 0.004 * self._time.rate - self._time.now()
-            )  # the truth is written every millisecond
-            if not optics.stall[0] <= opened - self._start < optics.stall[1]:
-                break
-        truth = read_truth(self._trace)
-        image = draw(truth.points, self._lit(truth, opened, closed), optics)
-        return image, closed + optics.latency + float(self._random.normal(0.0, optics.jitter))
+            # The truth is written every millisecond.
+            self._time.wait(closed + 0.004 * self._time.rate - self._time.now())
+            if optics.stall[0] <= opened - self._start < optics.stall[1]:
+                continue
+            truth = read_truth(self._trace)
+            middle = truth.board_time(0.5 * (opened + closed) / self._time.rate)
+            try:
+                image = draw(read_past(self._trace, middle), self._lit(truth, opened, closed), optics)
+            except InputError:
+                continue  # a computer too busy to draw it in time drops the frame, as a camera would
+            return image, closed + optics.latency + float(self._random.normal(0.0, optics.jitter))
 
     def close(self) -> None:
         """Nothing to let go."""
@@ -74,13 +87,13 @@ class EmulatedSource:
 
 
 def draw(points: Array, lit: float, optics: EmulatedOptics) -> Image:
-    """A grey picture (height, width): dark arm on light ground, an LED in the corner. points (P, 2) [m] in the base
+    """A grey picture (height, width): dark arm on light ground, an LED in the corner. points (24, 2) [m] in the base
     frame.
     """
     width, height = optics.size
     image = np.full((height, width), 200, dtype=np.uint8)
     pixels = optics.declaration.to_pixels(points)
-    radii = np.linspace(*optics.radius, len(points)) / optics.declaration.metres_per_px
+    radii = np.array(optics.radii) / optics.declaration.metres_per_px
     shift = 4  # fractional bits
     for k in range(len(pixels) - 1):
         tangent = pixels[k + 1] - pixels[k]

@@ -21,8 +21,9 @@ from tentacle.signals import Array
 
 POINTS = 24
 _STATE = struct.Struct(f"<Q{10 + 3 + 2 * POINTS}d")  # TraceState in firmware/host/trace.hpp
+_PAST = (512, 1 + 2 * POINTS)  # after it, TracePast: board_us and points
 Plant = Literal["paddle", "arm"]
-Said = Literal["unplug", "replug", "reset", "line", "mute", "cell_off", "cell_glitch", "jam"]
+Said = Literal["unplug", "replug", "reset", "line", "mute", "cell_off", "cell_glitch", "jam", "load"]
 
 
 @dataclass(frozen=True)
@@ -54,22 +55,41 @@ class Truth:
 
 def read_truth(path: Path) -> Truth:
     """The emulator's trace file, read between two of its writes."""
-    for _ in range(1000):
-        with path.open("rb") as file:
-            before = file.read(_STATE.size)
-            file.seek(0)
-            after = file.read(8)
-        values = _STATE.unpack(before)
-        if values[0] % 2 == 0 and struct.unpack("<Q", after)[0] == values[0]:
-            break
-        time.sleep(0.0002)
-    else:
-        raise InputError("is never at rest", file=path, expected="the trace of a running emulator")
+    values = _STATE.unpack(_at_rest(path, _STATE.size))
     head, plant = values[1:11], values[11:]
     points = np.array(plant[3:]).reshape(POINTS, 2)
     zero, rate, boot, now, on, off, pulse, since, conversions, boots = head
     counted = (int(conversions), int(boots))
     return Truth(zero, rate, boot, now, on, off, pulse, since, *counted, plant[0], plant[1], plant[2], points)
+
+
+def read_past(path: Path, board_s: float) -> Array:
+    """Where the arm's points (24, 2) [m] truly were at board time `board_s` [s], less than half a second ago.
+
+    InputError where that is longer ago, or still to come.
+    """
+    data = np.frombuffer(_at_rest(path, _STATE.size + 8 * _PAST[0] * _PAST[1])[_STATE.size :]).reshape(_PAST)
+    data = data[data[:, 0] >= 0]
+    data = data[np.argsort(data[:, 0])]
+    place = int(np.searchsorted(data[:, 0], 1e6 * board_s))
+    if not 0 < place < len(data):
+        raise InputError(f"does not hold board time {board_s:.3f} s", file=path, expected="a time less than 0.5 s ago")
+    early, late = data[place - 1], data[place]
+    share = (1e6 * board_s - early[0]) / (late[0] - early[0])
+    return (early[1:] + share * (late[1:] - early[1:])).reshape(POINTS, 2)
+
+
+def _at_rest(path: Path, size: int) -> bytes:
+    """The first `size` bytes of a trace, none of them from a write that was under way."""
+    for _ in range(1000):
+        with path.open("rb") as file:
+            data = file.read(size)
+            file.seek(0)
+            after = file.read(8)
+        if data[:8] == after and data[0] % 2 == 0:
+            return data
+        time.sleep(0.0002)
+    raise InputError("is never at rest", file=path, expected="the trace of a running emulator")
 
 
 @dataclass(frozen=True)
@@ -145,13 +165,19 @@ class Emulator:
 
     def say(self, verb: Said, *numbers: float) -> None:
         """Brings about a fault: unplug, replug, reset, line CORRUPT DROP DOUBLE (shares of bytes), mute SECONDS,
-        cell_off 0|1, cell_glitch, jam 0|1.
+        cell_off 0|1, cell_glitch, jam 0|1, load NEWTONS (hung on the load cell).
         """
         assert self._board is not None
         assert self._board.stdin is not None
         self._board.stdin.write(" ".join([verb, *(f"{n!r}" for n in numbers)]).encode() + b"\n")
         self._board.stdin.flush()
         self._expect(f"done {verb}")
+
+    def kill(self) -> None:
+        """The board's power is cut: its process ends at once (-9), and its port with it."""
+        assert self._board is not None
+        self._board.kill()
+        self._board.wait()
 
     def truth(self) -> Truth:
         """What truly is, now."""

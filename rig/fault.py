@@ -6,7 +6,7 @@ from typing import Literal
 
 Kind = Literal[
     "link_lost", "no_answer", "refused", "board_reset", "watchdog", "underrun", "overcurrent", "load_cell",
-    "not_settled", "camera", "disk", "wrong_version",
+    "not_settled", "camera", "disk", "wrong_version", "interrupted",
 ]  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import time
 from dataclasses import dataclass
 
 import serial
@@ -13,6 +14,7 @@ from rig.fault import Fault
 from rig.protocol import Frame, Parser, encode
 
 BAUD = 115200
+PATIENCE = 0.002  # s a read waits; set once, for a port over rfc2217:// negotiates every change with its server
 
 
 @dataclass(frozen=True)
@@ -48,9 +50,10 @@ class Link:
         self.close()
         target = self.url if "://" in self.url else os.path.realpath(self.url)  # a link's pty may change under its name
         try:
-            port = serial.serial_for_url(target, baudrate=BAUD, timeout=0.0, write_timeout=0.5)
+            port = serial.serial_for_url(target, baudrate=BAUD, timeout=PATIENCE)
             if "://" not in self.url:
                 port.exclusive = True
+                port.write_timeout = 0.5  # rfc2217:// knows none
         except (OSError, ValueError) as error:  # SerialException is an OSError
             raise Fault("link_lost", f"{self.url} cannot be opened: {_reason(error)}") from None
         with contextlib.suppress(
@@ -91,9 +94,12 @@ class Link:
         """The frames that have come, after at most `wait` real seconds."""
         port = self._require()
         data = b""
+        until = time.monotonic() + wait
         try:
-            port.timeout = wait
-            data = port.read(max(1, port.in_waiting))
+            while not data:
+                data = port.read(max(1, port.in_waiting))
+                if time.monotonic() >= until:
+                    break
             if data and port.in_waiting:
                 data += port.read(port.in_waiting)
         except (OSError, TypeError) as error:  # pyserial reads a closed descriptor as TypeError

@@ -236,9 +236,9 @@ def _one_trial(opened: optuna.Study, folder: Path, study: StudyPlan, run_trial: 
 def _enqueue_proposals(opened: optuna.Study, propose: Proposer, recordings: Sequence[Path], done: int) -> None:
     if opened.user_attrs.get("reidentified_at") == done:
         return  # a trial has failed since, or the process was started again
-    opened.set_user_attr("reidentified_at", done)
     for point in propose(recordings):
         opened.enqueue_trial(dict(point), user_attrs={"source": f"model after {done}"})
+    opened.set_user_attr("reidentified_at", done)
 
 
 def _finished(opened: optuna.Study, folder: Path) -> list[Trial]:

@@ -15,12 +15,12 @@ from rig.fault import Fault, Kind
 from rig.interrupts import Interrupts
 from rig.protocol import Event, EventCode, Sample, State, Type
 from rig.safety import SERVO_FRAME, SafetyLimits, ServoCalibration, check_limits, check_set_points, limits_message
+from rig.upload import AHEAD, Upload
 from tentacle.signals import Array
 
-AHEAD = 150  # set points kept on the board: 3 s at 50 Hz
+LONGEST_AHEAD = 2.0  # s
 RECONNECT_WITHIN = 5.0  # s
 OVERDUE = 5.0  # s after which a run whose end was not heard of is given up
-CLEAN_LINE = 3  # damaged frames and retries, no more than which a line is taken as good
 _ENDS: dict[int, Kind] = {
     EventCode.UNDERRUN: "underrun",
     EventCode.WATCHDOG: "watchdog",
@@ -76,8 +76,7 @@ def play(
     urad = np.round(1e6 * points).astype(int).tolist()
     start_us = 0
     try:
-        start_us, sent = _begin(board, urad, period)
-        asked_us = start_us - round(1e6 * _ahead(board)) - 50_000  # what happened before belongs to an earlier run
+        upload, asked_us, start_us = _begin(board, urad, period)
         latest = board.time.now() + len(urad) * period + _ahead(board) + OVERDUE * board.time.rate
         yield PlayStart(start_us)
         stopping = False
@@ -94,8 +93,8 @@ def play(
             if interrupts is not None and interrupts.stop_now and not stopping:
                 board.command(Type.NEUTRAL)
                 stopping = True
-            if board.pong is not None and sent < len(urad) and sent - board.pong.played < AHEAD and not stopping:
-                sent = _top_up(board, urad, sent)
+            if not stopping:
+                upload.service()
     except Fault as fault:
         end = yield from _after(board, fault, start_us)
     else:
@@ -103,30 +102,32 @@ def play(
     yield end
 
 
-def _begin(board: Board, urad: list[int], period: float) -> tuple[int, int]:
+def _begin(board: Board, urad: list[int], period: float) -> tuple[Upload, int, int]:
+    """The upload, and board times [us]: that before which all belongs to an earlier run, and that of set point 0."""
     board.command(Type.CLEAR)
-    sent = 0
-    while sent < min(AHEAD, len(urad)):
-        sent = _top_up(board, urad, sent)
-    clock = board.synchronise()
-    start_us = round(1e6 * (clock.to_board(board.time.now()) + _ahead(board)))
-    board.command(Type.START, protocol.start(start_us, round(1e6 * period), len(urad)))
-    return start_us, sent
+    upload = Upload(board, urad)
+    while upload.arrived < min(AHEAD, len(urad)):
+        upload.service()
+        board.service(0.002)
+    ahead = _ahead(board)
+    while True:
+        clock = board.synchronise()
+        asked = clock.to_board(board.time.now())
+        start_us = round(1e6 * (asked + ahead))
+        try:
+            board.command(Type.START, protocol.start(start_us, round(1e6 * period), len(urad)))
+        except Fault as fault:
+            late = 1e6 * clock.to_board(board.time.now()) > start_us
+            if fault.kind != "refused" or not late or ahead > LONGEST_AHEAD:
+                raise
+            ahead *= 2  # the command came after the time it named: a busy computer, or a bad line
+            continue
+        return upload, round(1e6 * asked) - 50_000, start_us
 
 
 def _ahead(board: Board) -> float:
     """How long after START the run begins [s]: the command must arrive before it."""
     return 0.3 * max(1.0, board.time.rate)
-
-
-def _top_up(board: Board, urad: list[int], sent: int) -> int:
-    # On a bad line short frames get through where long ones do not (at 3 % of bytes: 116 bytes 3 %, 35 bytes 34 %).
-    counters = board.counters
-    bad = counters.host_bad_frames + counters.board_bad_frames + counters.retries
-    proven = counters.commands > 20 and bad <= CLEAN_LINE
-    chunk = urad[sent : sent + (protocol.MAX_POINTS if proven else 6)]
-    board.command(Type.POINTS, protocol.points(sent, chunk))
-    return sent + len(chunk)
 
 
 def _end_of(batch: Sequence[Sample], asked_us: int, start_us: int, stopping: bool) -> PlayEnd | None:

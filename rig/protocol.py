@@ -50,11 +50,10 @@ class Reason(IntEnum):
     NO_LIMITS = 4
     BAD_LIMITS = 5
     OUTSIDE_LIMITS = 6
-    BAD_INDEX = 7
-    QUEUE_FULL = 8
-    TOO_FEW_POINTS = 9
-    BAD_START = 10
-    BUSY = 11
+    QUEUE_FULL = 7
+    TOO_FEW_POINTS = 8
+    BAD_START = 9
+    BUSY = 10
 
 
 class State(IntEnum):

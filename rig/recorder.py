@@ -12,6 +12,7 @@ import json
 import shutil
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,7 @@ COMMAND, ANGLE, CURRENT = "/rig/servo/command", "/rig/servo/angle", "/rig/servo/
 EVENTS, CLOCK, CAMERA = "/rig/events", "/rig/clock", "/rig/camera"
 BOARD_TIME, HOST_TIME, SAMPLE = "board_time", "host_time", "sample"
 FLUSH_EVERY = 0.15  # s; so much and what is on its way is lost when the host is killed
+FLUSH_WITHIN = 5.0  # s; a disk that takes longer is lost
 LEAST_FREE = 64 * 2**20  # bytes; under this a run is ended while there is still room to end it properly
 
 
@@ -56,6 +58,8 @@ class Recorder:
         self._to_newtons = to_newtons
         self._free = free_bytes or (lambda where: shutil.disk_usage(where).free)
         self._flushed_at = time.monotonic()
+        self._writer = ThreadPoolExecutor(1, "recorder")  # a slow disk must not keep the board waiting
+        self._writing: Future[None] | None = None
         self._size = -1
         self._written_since = False
         self._stopped = False
@@ -116,7 +120,7 @@ class Recorder:
 
     def begin(self, zero_us: int) -> None:
         """The waveform's time 0 is at board time zero_us [us]: samples from now on also go into the recording."""
-        self.flush()
+        self._hand_over()
         self._zero_us = zero_us
 
     def frames(self, frames: Sequence[CameraFrame]) -> None:
@@ -143,23 +147,55 @@ class Recorder:
         self._stream.reset_time()
 
     def flush_if_due(self) -> None:
-        """Call often; hands what was appended to the file every FLUSH_EVERY. Fault("disk") when it does not take it."""
-        if time.monotonic() - self._flushed_at >= FLUSH_EVERY:
-            self.flush()
+        """Call often; every FLUSH_EVERY it begins to write what was appended, and does not wait for it.
+
+        Fault("disk") when the file does not take what was begun before.
+        """
+        now = time.monotonic()
+        if now - self._flushed_at < FLUSH_EVERY:
+            return
+        if self._writing is not None:
+            if self._writing.done():
+                self._written()
+            elif now - self._flushed_at < FLUSH_WITHIN:
+                return
+            else:
+                raise Fault("disk", f"{self.path} was not written within {FLUSH_WITHIN:g} s")
+        self._begin_to_write()
 
     def flush(self) -> None:
-        """Hands everything appended so far to the file, in one block: many small ones would make a large file."""
+        """Writes everything appended so far, and waits for it. Fault("disk") when the file does not take it."""
+        self._written()
+        self._begin_to_write()
+        self._written()
+
+    def _hand_over(self) -> None:
+        """What was appended, in one block: many small ones would make a large file."""
         batch, self._pending = self._pending, []
         self._send(batch)
+
+    def _begin_to_write(self) -> None:
+        self._hand_over()
         self._flushed_at = time.monotonic()
+        grows, self._written_since = self._written_since, False
+        self._writing = self._writer.submit(self._write, grows)
+
+    def _written(self) -> None:
+        """Waits for what is being written."""
+        writing, self._writing = self._writing, None
+        if writing is not None:
+            writing.result()
+
+    def _write(self, grows: bool) -> None:
+        """In the writer's thread. grows: whether the file must be longer afterwards."""
         try:
-            self._stream.flush(timeout_sec=5.0)
+            self._stream.flush(timeout_sec=FLUSH_WITHIN)
         except Exception as error:  # rerun raises its own, undocumented, kinds here
             raise Fault("disk", f"{self.path} cannot be written: {error}") from None
         size = self.path.stat().st_size if self.path.exists() else 0
-        if self._written_since and size <= self._size:
+        if grows and size <= self._size:
             raise Fault("disk", f"{self.path} does not grow: is the disk full?")
-        self._size, self._written_since = size, False
+        self._size = size
         self._require_space()
 
     def stop(self, outcome: str, record: dict[str, Any]) -> None:
@@ -167,8 +203,8 @@ class Recorder:
         crashed.
         """
         self._stopped = True
-        batch, self._pending = self._pending, []
-        self._send(batch)
+        self._writer.shutdown()
+        self._hand_over()
         self._text(STOP, {"outcome": outcome, **record})
         self._declare(outcome)
         counts = {name: count for name, count in self._rows.items() if count}

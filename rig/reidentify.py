@@ -7,24 +7,28 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from discovery.diagnose import diagnose
 from rig.gait_space import GaitSpace, TrialPlan
-from rig.model_gaits import best_gaits
-from rig.run_file import read_run, to_recording
+from rig.model_gaits import best_gaits, predicted_propulsion
+from rig.optimise import propulsion
+from rig.run_file import Run, read_run, to_recording
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
+from tentacle.model import Model
 from tentacle.recording import Recording
 from vision.track import track
 
-MOST_RECORDINGS = 3  # what one diagnosis takes: trials are short, and alike near the optimum
+MOST_RECORDINGS = 3  # what one diagnosis takes; it costs minutes
 
 
-def tracked(path: Path) -> Recording:
+def tracked(run: Run) -> Recording:
     """A rig's recording with the shapes that its camera saw; InputError where it has no camera."""
     with tempfile.TemporaryDirectory() as folder:
-        recording = to_recording(read_run(path), video=Path(folder) / "video.mp4")
+        recording = to_recording(run, video=Path(folder) / "video.mp4")
         if recording.video is None:
-            raise InputError("has no video", file=path, expected="a rig with a camera ([camera] in rig.toml)")
+            raise InputError("has no video", file=run.path, expected="a rig with a camera ([camera] in rig.toml)")
         shape = track(recording.video.path, recording.declaration, recording.motor)
     return replace(recording, video=None, shape=shape)
 
@@ -33,17 +37,42 @@ def proposer(
     space: GaitSpace,
     plan: TrialPlan,
     *,
+    believed: Model | None = None,
     count: int = 2,
     seed: int = 0,
     told: Callable[[Diagnosis], None] = lambda _: None,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Callable[[Sequence[Path]], list[dict[str, float]]]:
-    """A function that diagnoses the latest recordings and gives the augmented model's best gaits; told hears the
-    verdict.
+    """A function that diagnoses the recordings that differ most and gives a model's best gaits; told hears the verdict.
+
+    The model is the augmented one, unless the one `believed` so far, or the paper's as refitted, is nearer to the
+    thrust that all the recordings measured: the load cell has no part in the diagnosis, and checks it.
     """
 
     def propose(recordings: Sequence[Path]) -> list[dict[str, float]]:
-        diagnosis = diagnose([tracked(path) for path in recordings[-MOST_RECORDINGS:]], seed=seed)
+        runs = [read_run(path) for path in recordings]
+        points = [{name: float(run.start["waveform"][name]) for name in space.bounds} for run in runs]
+        chosen = unlike(points, space, MOST_RECORDINGS)
+        diagnosis = diagnose([tracked(runs[k]) for k in chosen], seed=seed, progress=progress)
         told(diagnosis)
-        return best_gaits(diagnosis.augmented_model, space, plan, count, seed)
+        measured = [propulsion(r, *plan.window(p["frequency_hz"])) for r, p in zip(runs, points, strict=True)]
+        models = [
+            m for m in (diagnosis.augmented_model, diagnosis.base_model, believed) if m is not None and m.parameters
+        ]
+        if not models:
+            return []
+        misses = [np.square(predicted_propulsion(m, space, points, plan) - measured).mean() for m in models]
+        return best_gaits(models[int(np.argmin(np.nan_to_num(misses, nan=np.inf)))], space, plan, count, seed)
 
     return propose
+
+
+def unlike(points: Sequence[dict[str, float]], space: GaitSpace, count: int) -> list[int]:
+    """Which `count` points lie farthest apart, the latest among them: near the optimum trials are all alike."""
+    bounds = np.array(list(space.bounds.values()))
+    unit = (np.array([list(point.values()) for point in points]) - bounds[:, 0]) / np.ptp(bounds, axis=1)
+    chosen = [len(points) - 1]
+    while len(chosen) < min(count, len(points)):
+        apart = np.linalg.norm(unit[:, None] - unit[chosen], axis=2).min(axis=1)
+        chosen.append(int(np.argmax(apart)))
+    return sorted(chosen)

@@ -10,7 +10,8 @@ import numpy as np
 
 from rig.board import Board
 from rig.interrupts import Interrupts
-from rig.record import Motion, RunResult, record
+from rig.motion import Motion
+from rig.record import RunResult, record
 from rig.run_file import Run, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import warnings
 from collections import defaultdict
@@ -16,6 +15,7 @@ import numpy as np
 from rig import recorder
 from rig.clock import ClockFit
 from rig.protocol import EventCode
+from rig.stills import encode_video
 from tentacle.declaration_file import parse_recording_file
 from tentacle.errors import InputError
 from tentacle.recording import Recording
@@ -148,30 +148,11 @@ def frame_times(run: Run) -> Array:
 
 def write_video(run: Run, path: Path) -> None:
     """The frames as H.264, each with its own time stamp; frames from before the waveform's time 0 are left out."""
-    import av  # 0.1 s to import, and only runs with a camera need it
-
     times = frame_times(run)
-    kept = [(t, data) for t, data in zip(times, run.frames, strict=True) if t >= 0]
-    if not kept:
+    kept = times >= 0
+    if not kept.any():
         raise InputError("no frame was taken during the run", file=run.path)
-    with av.open(str(path), mode="w") as container:
-        stream = container.add_stream("libx264", rate=1000)
-        stream.options = {"crf": "10", "preset": "veryfast"}
-        stream.codec_context.time_base = stream.time_base = _milliseconds()
-        for k, (t, data) in enumerate(kept):
-            with av.open(io.BytesIO(data), mode="r", format="mjpeg") as still:
-                picture = next(still.decode(video=0)).reformat(format="yuv420p")
-            if k == 0:
-                stream.width, stream.height, stream.pix_fmt = picture.width, picture.height, "yuv420p"
-            picture.pts, picture.time_base = round(1000 * t), _milliseconds()
-            container.mux(stream.encode(picture))
-        container.mux(stream.encode(None))
-
-
-def _milliseconds() -> Any:
-    from fractions import Fraction
-
-    return Fraction(1, 1000)
+    encode_video(times[kept], [data for data, keep in zip(run.frames, kept, strict=True) if keep], path)
 
 
 def _read_columns(path: Path) -> dict[str, list[dict[str, Any]]]:

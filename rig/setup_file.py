@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from rig.settle import SettleRule
 from tentacle.declaration_file import RecordingFile, declaration_tables, parse_recording_file
 from tentacle.errors import InputError
 from tentacle.toml_table import Table, read_toml
+
+EMULATED = "emulated"
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,7 @@ class LoadCellCalibration:
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """source: an OpenCV index, a video file standing in, or emulated:FPS; offset [s]: how much later a frame arrives
+    """source: an OpenCV index, a video file standing in, or EMULATED; offset [s]: how much later a frame arrives
     than the middle of its exposure, sigma [s] of that.
     """
 
@@ -61,13 +64,13 @@ def read_setup(file: Path) -> RigSetup:
     folder = file.parent
     try:
         setup = RigSetup(
-            port=_resolved_port(document.string("port"), folder),
+            port=_port_in(document.string("port"), folder),
             limits=_parse_limits(document.required_table("limits")),
             settle=_parse_settle(document.required_table("settle")),
             load_cell=_parse_load_cell(document.required_table("load_cell")),
             recording=_parse_recording(document.required_table("recording"), file, text),
             servo=_parse_servo(document.table("servo", optional=True)),
-            camera=_parse_camera(document.table("camera", optional=True)),
+            camera=_parse_camera(document.table("camera", optional=True), folder),
             rate=document.number("rate", 1.0, above=0),
         )
     except InputError as error:
@@ -81,7 +84,11 @@ def read_setup(file: Path) -> RigSetup:
 def write_setup(setup: RigSetup, file: Path) -> None:
     """rig.toml, whole or not at all."""
     partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    partial.write_bytes(tomli_w.dumps(setup_tables(setup)).encode())
+    tables = setup_tables(setup)
+    tables["port"] = _beside(setup.port, file.parent)
+    if setup.camera is not None:
+        tables["camera"]["source"] = _beside(setup.camera.source, file.parent)
+    partial.write_bytes(tomli_w.dumps(tables).encode())
     partial.replace(file)
 
 
@@ -112,10 +119,16 @@ def with_load_cell(setup: RigSetup, cell: LoadCellCalibration) -> RigSetup:
     return replace(setup, load_cell=cell)
 
 
-def _resolved_port(port: str, folder: Path) -> str:
-    if "://" in port or Path(port).is_absolute():
+def _port_in(port: str, folder: Path) -> str:
+    """A device, a url, or a path from rig.toml's folder: an emulator's port lies beside it."""
+    if "://" in port or re.fullmatch(r"COM\d+", port):
         return port
-    return str(folder / port)  # an emulator's port beside its rig.toml
+    return str(folder / port)  # an absolute path stays what it is
+
+
+def _beside(path: str, folder: Path) -> str:
+    """What _port_in and _parse_camera make `path` of again."""
+    return path.removeprefix(f"{folder}{os.sep}")
 
 
 def _parse_limits(table: Table) -> SafetyLimits:
@@ -162,11 +175,12 @@ def _parse_servo(table: Table | None) -> ServoCalibration:
     return servo
 
 
-def _parse_camera(table: Table | None) -> CameraSettings | None:
+def _parse_camera(table: Table | None, folder: Path) -> CameraSettings | None:
     if table is None:
         return None
+    source = table.string("source")
     camera = CameraSettings(
-        source=table.string("source"),
+        source=source if source.isdigit() or source == EMULATED else str(folder / source),
         offset=table.number("offset_s", 0.0),
         sigma=table.number("offset_sigma_s", 0.0, least=0),
     )

@@ -215,5 +215,5 @@ def format_recording_file(recording_file: RecordingFile) -> str:
 
 def read_recording_file(file: Path) -> RecordingFile:
     """recording.toml from disk."""
-    text, values = read_toml(file)
+    text, values = read_toml(file, "the declaration: [specimen], [fluid], [camera] (docs/import_folder.md)")
     return parse_recording_file(values, file=file, text=text)

@@ -54,8 +54,8 @@ class RunComparison:
     t (T,) [s]; s (P,); measured, base, augmented (T, P, 2) [m] midline (or marker) positions, NaN where not measured;
     q_measured, q_base, q_augmented (T, 2) [rad] the paper's coordinates (NaN where not measured); judged (T,) True on
     the samples on which the errors are stated. theta (T,) [rad]. points: what the P columns are.
-    thrust_base, thrust_augmented (T,) [N] along +y as a load cell at the base would read it, and drag (T, P, 2) [N/m],
-    the augmented model's fluid force per length at the P points; None where the model was not asked for them.
+    thrust_base, thrust_augmented (T,) [N] along +y as a load cell at the base would read it, and drag_base,
+    drag_augmented (T, P, 2) [N/m], the water's drag per length at the P points; None where they are not known.
     """
 
     name: str
@@ -72,7 +72,8 @@ class RunComparison:
     points: Literal["midline", "markers"] = "midline"
     thrust_base: Array | None = None
     thrust_augmented: Array | None = None
-    drag: Array | None = None
+    drag_base: Array | None = None
+    drag_augmented: Array | None = None
 
 
 @dataclass(frozen=True)

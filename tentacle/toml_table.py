@@ -25,12 +25,14 @@ def parse_toml(text: str, file: Path | None) -> dict[str, Any]:
         raise InputError(f"not valid TOML: {error}", file=file, row=row) from None
 
 
-def read_toml(file: Path) -> tuple[str, dict[str, Any]]:
-    """A TOML file's text and content; InputError where it is missing, not UTF-8 or not TOML."""
+def read_toml(file: Path, expected: str | None = None) -> tuple[str, dict[str, Any]]:
+    """A TOML file's text and content; InputError where it is missing (with what was expected), not UTF-8 or not
+    TOML.
+    """
     try:
         text = file.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise InputError("no such file", file=file) from None
+        raise InputError("no such file", file=file, expected=expected) from None
     except UnicodeDecodeError as error:
         raise InputError(f"not UTF-8 text (byte {error.start})", file=file) from None
     except OSError as error:

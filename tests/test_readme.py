@@ -33,3 +33,21 @@ def test_the_verbs_that_it_shows_exist() -> None:
     shown = set(re.findall(r"^tentacle ([a-z]+)", README, re.MULTILINE))
     assert shown
     assert shown <= set(verb_names())
+
+
+def test_the_table_of_figures_is_what_was_measured() -> None:
+    import importlib.util
+
+    spec = importlib.util.spec_from_file_location("readme_table", ROOT / "benchmarks" / "readme_table.py")
+    assert spec is not None
+    assert spec.loader is not None
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    assert made.with_table(README, made.kept()) == README  # python benchmarks/readme_table.py makes it anew
+    measured = {"first_hour": {"import_s": 0.04321}}
+    assert "| `import tentacle` | 0.0432 s | 0.5 | `first_hour.py` |" in made.with_table(README, measured)
+
+
+def test_its_pictures_are_there() -> None:
+    for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", README):
+        assert (ROOT / picture).is_file(), picture

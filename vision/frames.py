@@ -84,7 +84,7 @@ def _read_video(path: Path, patience: float) -> Iterator[Frame]:
     device = path.is_char_device()
     with closing(_Growing(path, patience)) if patience and not device else nullcontext(str(path)) as source:
         try:
-            container = av.open(source, format="v4l2" if device else None)
+            container = av.open(source, mode="r", format="v4l2" if device else None)
         except (FFmpegError, ValueError) as error:
             raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
         with container:
@@ -134,7 +134,7 @@ def _luma(picture: VideoFrame) -> Grey:
         picture.format.components[0].bits == 8
     ):
         plane = picture.planes[0]
-        rows = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)  # no copy but the last
+        rows = np.asarray(memoryview(plane), dtype=np.uint8).reshape(-1, plane.line_size)  # pyright: ignore[reportArgumentType]
         grey = rows[: picture.height, : picture.width]
     else:
         grey = np.asarray(picture.to_ndarray(format="gray"), dtype=np.uint8)

@@ -5,8 +5,10 @@ The baseline that the edge fit is shown beside. It states no uncertainty and tru
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +21,20 @@ from vision.silhouette import mean_axis, silhouette
 AXIS_POINTS = 41
 Q1_GRID = np.linspace(-3.0, 3.0, 241)  # rad: steps of 25 mrad
 Q2_GRID = np.linspace(-6.0, 6.0, 241)  # rad: steps of 50 mrad
+
+
+@dataclass(frozen=True)
+class PaperSteps:
+    """What the method makes of one frame: image and binary (H, W) uint8, contour (C, 2) [px], axis and fitted
+    (AXIS_POINTS, 2) [m] in the base frame, and q (2,) [rad] of the fit.
+    """
+
+    image: NDArray[np.uint8]
+    binary: NDArray[np.uint8]
+    contour: Array
+    axis: Array
+    fitted: Array
+    q: Array
 
 
 class GridSearch:
@@ -37,8 +53,14 @@ class GridSearch:
 
     def best(self, axis: Array) -> Array:
         """(q1, q2) [rad] of the grid point with the least squared distance from axis (AXIS_POINTS, 2) [lengths]."""
-        error = self._square - 2.0 * (self._flat @ axis.ravel().astype(np.float32))
-        return self.q[int(np.argmin(error))]
+        return self.q[self._nearest(axis)]
+
+    def _nearest(self, axis: Array) -> int:
+        return int(np.argmin(self._square - 2.0 * (self._flat @ axis.ravel().astype(np.float32))))
+
+    def fitted(self, axis: Array) -> Array:
+        """The model axis (AXIS_POINTS, 2) [lengths] of that grid point."""
+        return self._flat[self._nearest(axis)].reshape(-1, 2).astype(float)
 
 
 def paper_axis(image: NDArray[np.uint8], camera: Camera) -> Array | None:
@@ -58,6 +80,47 @@ def paper_axis(image: NDArray[np.uint8], camera: Camera) -> Array | None:
     return camera.to_base_frame(axis.points)
 
 
+def turned(points: Array, angle: float) -> Array:
+    """Points (P, 2) turned about the base by angle [rad], from x towards y."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cos, sin], [-sin, cos]])
+
+
+def paper_steps(video: Path, declaration: Declaration, motor: MotorSignal | None, at: float) -> PaperSteps:
+    """The steps of Fig. 3 on the frame nearest to `at` [s]. InputError where that frame shows no contour."""
+    if declaration.camera is None:
+        raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
+    frame = None
+    for frame in read_frames(Path(video), declaration.camera.fps):
+        if frame.t >= at - 0.5 / declaration.camera.fps:
+            break
+    if frame is None:
+        raise InputError("has no frames", file=video, expected="a video")
+    seen, axis = silhouette(frame.image), paper_axis(frame.image, declaration.camera)
+    if seen is None or axis is None:
+        raise InputError(f"no contour at {frame.t:.2f} s", file=video, expected="a frame that shows the arm")
+    kind = cv2.THRESH_BINARY_INV if seen.polarity > 0 else cv2.THRESH_BINARY
+    _, binary = cv2.threshold(frame.image, 0, 255, kind | cv2.THRESH_OTSU)
+    theta = 0.0 if motor is None else float(np.interp(frame.t, motor.t, motor.angle))
+    search, length = GridSearch(), declaration.specimen.length
+    aligned = turned(axis, -theta) / length
+    fitted = turned(length * search.fitted(aligned), theta)
+    return PaperSteps(frame.image, np.asarray(binary, np.uint8), seen.contour, axis, fitted, search.best(aligned))
+
+
+def bent_instant(video: Path, declaration: Declaration, motor: MotorSignal | None) -> float:
+    """Time [s] of a frame with much bend: the 95th percentile of the tip's angle |q1 + q2 / 2| (the top may be a slip).
+
+    InputError where no frame shows a contour.
+    """
+    shape = paper_track(video, declaration, motor)
+    seen = np.flatnonzero(shape.accepted)
+    if not seen.size:
+        raise InputError("no contour in any frame", file=video, expected="frames that show the arm")
+    bend = np.abs(shape.coefficients[seen, 1] + 0.5 * shape.coefficients[seen, 2])
+    return float(shape.t[seen[np.argsort(bend)[int(0.95 * (seen.size - 1))]]])
+
+
 def paper_track(video: Path, declaration: Declaration, motor: MotorSignal | None) -> ShapeTrack:
     """Affine shapes of every frame by the paper's method; the covariance is NaN, as the method states none."""
     if declaration.camera is None:
@@ -72,14 +135,7 @@ def paper_track(video: Path, declaration: Declaration, motor: MotorSignal | None
         if axis is None:
             rows.append([np.nan] * 3)
             continue
-        turned = np.stack(  # by -theta, so that the base frame turns with the servo
-            [
-                axis[:, 0] * np.cos(theta) + axis[:, 1] * np.sin(theta),
-                axis[:, 1] * np.cos(theta) - axis[:, 0] * np.sin(theta),
-            ],
-            axis=1,
-        )
-        rows.append([0.0, *search.best(turned / length)])
+        rows.append([0.0, *search.best(turned(axis, -theta) / length)])  # in the frame that turns with the servo
     return ShapeTrack(
         t=np.array(times),
         coefficients=np.array(rows),

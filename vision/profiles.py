@@ -163,7 +163,7 @@ def fit_profiles(
         for sweep in range(3):  # linear in (level, step); one Newton step in delta follows each solve
             n_c, n_cc, n_y, n_yc = 0.0, 0.0, 0.0, 0.0
             for k in range(count):
-                c = _share(place[first + k] - delta, depth[e], blur, half[e], thin)
+                c = _share(float(place[first + k] - delta), depth[e], blur, half[e], thin)
                 share[k] = c
                 y = grey[first + k]
                 n_c += c

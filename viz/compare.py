@@ -26,18 +26,27 @@ MODEL_ROLES = (BASE, AUGMENTED, REFERENCE)
 
 @dataclass(frozen=True)
 class Motion:
-    """How an arm moved: xy (T, P, 2) [m]; q (T, 2) [rad] and thrust (T,) [N] where known."""
+    """How an arm moved: xy (T, P, 2) [m]; q (T, 2) [rad], thrust (T,) [N], drag (T, P, 2) [N/m] where
+    known."""
 
     xy: Array
     q: Array | None = None
     thrust: Array | None = None
+    drag: Array | None = None
 
 
 def motions_scene(name: str, t: Array, s: Array, theta: Array, motions: Mapping[str, Motion]) -> Scene:
     """Named motions on one time axis as a scene; the first is the subject, at most three models follow."""
     roles = (MEASURED, *MODEL_ROLES)[: len(motions)]
     parties = tuple(
-        Party(rr.escape_entity_path_part(key), Role(key, role.colour, role.dash), motion.xy, motion.q, motion.thrust)
+        Party(
+            rr.escape_entity_path_part(key),
+            Role(key, role.colour, role.dash),
+            motion.xy,
+            motion.q,
+            motion.thrust,
+            motion.drag,
+        )
         for (key, motion), role in zip(motions.items(), roles, strict=True)
     )
     return Scene(name, t, s, theta, parties, np.ones(len(t), dtype=bool))

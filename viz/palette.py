@@ -28,6 +28,7 @@ class Role:
 
 MEASURED = Role("measured", (86, 180, 233), "-")
 BASE = Role("base model", (230, 159, 0), "--")
+MODEL = Role("model", (230, 159, 0), "--")  # where there is but one
 AUGMENTED = Role("augmented model", (0, 158, 115), "-.")
 REFERENCE = Role("reference", (204, 121, 167), ":")
 WARNING = Role("rejected", (213, 94, 0), "-")

@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from tentacle.diagnosis import RunComparison
 from tentacle.recording import Recording
 from tentacle.signals import Array
-from viz.palette import AUGMENTED, BASE, MEASURED, Role
+from viz.palette import AUGMENTED, BASE, MEASURED, MODEL, Role
 
 
 @dataclass(frozen=True)
 class Party:
     """Who moves: key (its place in a session), role (its looks), xy (T, P, 2) [m] in the base frame, NaN where unknown.
 
-    q (T, 2) [rad], the paper's coordinates, and thrust (T,) [N], where they are known.
+    q (T, 2) [rad], the paper's coordinates, thrust (T,) [N] as a load cell reads it, and drag (T, P, 2) [N/m], the
+    water's force per length, where they are known.
     """
 
     key: str
@@ -28,14 +29,12 @@ class Party:
     xy: Array
     q: Array | None = None
     thrust: Array | None = None
+    drag: Array | None = None
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P.
-
-    drag (T, P, 2) [N/m] is the fluid's force per length on the last party, where it is known.
-    """
+    """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P."""
 
     name: str
     t: Array
@@ -44,7 +43,6 @@ class Scene:
     parties: tuple[Party, ...]
     judged: NDArray[np.bool_]
     points: Literal["midline", "markers"] = "midline"
-    drag: Array | None = None
 
     @property
     def subject(self) -> Party:
@@ -92,11 +90,18 @@ def paired(
     return pairs
 
 
+def model_scene(run: RunComparison) -> Scene:
+    """A run with one model (its base and augmented models are the same): measured, model."""
+    model = Party("model", MODEL, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented)
+    measured = Party("measured", MEASURED, run.measured, run.q_measured)
+    return Scene(run.name, run.t, run.s, run.theta, (measured, model), run.judged, run.points)
+
+
 def scene_of(run: RunComparison) -> Scene:
     """A diagnosis's run as a scene: measured, base model, augmented model."""
     parties = (
         Party("measured", MEASURED, run.measured, run.q_measured),
-        Party("base", BASE, run.base, run.q_base, run.thrust_base),
-        Party("augmented", AUGMENTED, run.augmented, run.q_augmented, run.thrust_augmented),
+        Party("base", BASE, run.base, run.q_base, run.thrust_base, run.drag_base),
+        Party("augmented", AUGMENTED, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented),
     )
-    return Scene(run.name, run.t, run.s, run.theta, parties, run.judged, run.points, run.drag)
+    return Scene(run.name, run.t, run.s, run.theta, parties, run.judged, run.points)

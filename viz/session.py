@@ -20,7 +20,8 @@ from viz.scene import Scene, paired, scene_of
 from viz.topics.arms import log_arms
 from viz.topics.camera import log_camera
 from viz.topics.coordinates import log_coordinates
-from viz.topics.events import judged_events, log_events, recording_events
+from viz.topics.events import Event, judged_events, log_events, recording_events
+from viz.topics.forces import log_forces
 from viz.topics.paths import run_path
 from viz.topics.residual import log_residual, log_spectra
 from viz.topics.thrust import log_thrust
@@ -55,10 +56,11 @@ def set_layout(session: rr.RecordingStream, blueprint: rrb.Blueprint) -> None:
     session.send_blueprint(blueprint, make_active=True, make_default=True)
 
 
-def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording) -> Shown:
+def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording, events: Sequence[Event] = ()) -> Shown:
     """Every topic of one run; says which of the optional ones there were."""
     path = run_path(scene.name)
     log_arms(session, path, scene, recording.declaration)
+    forces = log_forces(session, path, scene, recording.declaration.specimen)
     log_coordinates(session, path, scene, recording.shape)
     log_residual(session, path, scene)
     log_spectra(session, path, scene)
@@ -70,7 +72,8 @@ def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording) -
         coordinates=any(party.q is not None for party in scene.parties),
         camera=log_camera(session, path, scene, recording),
         thrust=log_thrust(session, path, scene, recording.load_cell),
-        events=log_events(session, path, recording_events(recording) + judged_events(scene)),
+        events=log_events(session, path, [*events, *recording_events(recording), *judged_events(scene)]),
+        forces=forces,
     )
 
 

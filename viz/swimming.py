@@ -13,13 +13,13 @@ import rerun.blueprint as rrb
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
 from viz.blueprints.views import lines_view, page
-from viz.optimise import TRIAL
 from viz.palette import AUGMENTED, BASE, MEASURED, NEUTRAL, Role
 from viz.session import session_file, session_id, set_layout
 from viz.topics.arms import log_tube
 from viz.topics.lines import log_line
 
 ROLES = (AUGMENTED, BASE, MEASURED)
+TRIAL = "trial"  # the search's own time line
 LANE = 1.1  # arm's lengths between two swimmers
 
 

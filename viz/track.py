@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from viz.midline import DRAWN_POINTS, paper_coordinates, track_points
 from viz.palette import MEASURED
 from viz.scene import Party, Scene
 from viz.session import log_scene, session_file, session_id, set_layout
+from viz.topics.events import Event
 
 
 def servo_angle(recording: Recording, t: Array) -> Array:
@@ -58,19 +60,10 @@ def recording_scene(recording: Recording) -> Scene:
     return Scene(recording.name, t, s, servo_angle(recording, t), (party,), everywhere, points)
 
 
-def write_recording_view(recording: Recording, path: Path | str) -> Path:
-    """A session that shows a recording as it is. Raises InputError where its video cannot be read."""
+def write_recording_view(recording: Recording, path: Path | str, events: Sequence[Event] = ()) -> Path:
+    """A session that shows a recording as it is, with what else happened. InputError where its video cannot be read."""
     path = Path(path)
     with session_file(path, session_id("view", recording.name)) as session:
-        shown = log_scene(session, recording_scene(recording), recording)
-        set_layout(session, page(rrb.Tabs(run_page(shown))))
-    return path
-
-
-def write_track(recording: Recording, path: Path | str) -> Path:
-    """The session of a tracked recording. Raises InputError where it has no track, or its video cannot be read."""
-    path, scene = Path(path), track_scene(recording)
-    with session_file(path, session_id("track", recording.name)) as session:
-        shown = log_scene(session, scene, recording)
+        shown = log_scene(session, recording_scene(recording), recording, events)
         set_layout(session, page(rrb.Tabs(run_page(shown))))
     return path

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
+from urllib.parse import quote
 
 from tentacle.errors import InputError
 
@@ -43,18 +46,47 @@ def require_recordings(files: Sequence[Path]) -> list[Path]:
     return [file.resolve() for file in files]
 
 
+@contextmanager
+def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator[subprocess.Popen[bytes]]:
+    """The viewer's program on this machine only, with what it starts itself; all of it ends with the block.
+
+    It listens on ports that nobody else has. The program is a script that starts another one: to end the first alone
+    would leave the second behind, so both get a group of their own.
+    """
+    command = [viewer_program(), "--bind", LOOPBACK, *arguments]
+    process = subprocess.Popen(command, stdout=said, stderr=said, start_new_session=True)
+    try:
+        yield process
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGTERM)
+        process.wait()
+
+
 def open_native(files: Sequence[Path]) -> int:
     """Open the desktop viewer and wait until it is closed; its exit status. It listens on this machine only."""
-    command = [viewer_program(), "--bind", LOOPBACK, *map(str, require_recordings(files))]
-    return subprocess.run(command, check=False).returncode
+    found = [str(file) for file in require_recordings(files)]
+    with running(["--port", str(free_port()), *found]) as process:
+        return process.wait()
 
 
-def serve_web(files: Sequence[Path]) -> int:
-    """Serve the viewer as a web page on 127.0.0.1 until Ctrl-C; the exit status."""
-    command = [viewer_program(), "--serve-web", "--bind", LOOPBACK, *map(str, require_recordings(files))]
-    try:
-        return subprocess.run(command, check=False).returncode
-    except KeyboardInterrupt:
+def serve_web(files: Sequence[Path], told: Callable[[str], None] = print) -> int:
+    """Serve the viewer as a web page on 127.0.0.1 until Ctrl-C; the exit status. told is given its address.
+
+    Raises InputError where it does not come up.
+    """
+    found = [str(file) for file in require_recordings(files)]
+    data, page = free_port(), free_port()
+    ports = ["--port", str(data), "--web-viewer-port", str(page)]
+    with tempfile.TemporaryFile() as said, running(["--serve-web", *ports, *found], said) as process:
+        try:
+            source = wait_until_listening(process, data)
+            wait_until_listening(process, page)
+        except ConnectionError as error:
+            raise InputError(str(error), field="--web", expected="a viewer that serves a page") from None
+        told(f"http://{LOOPBACK}:{page}/?url={quote(source, safe='')}  (Ctrl-C ends it)")
+        with suppress(KeyboardInterrupt):
+            return process.wait()
         return 0
 
 
@@ -75,9 +107,8 @@ def headless_viewer() -> Iterator[ViewerClient]:
 
     port = free_port()
     # started here and not by ViewerClient.spawn, which lets it listen on every network (0.0.0.0)
-    quiet = ["--headless", "--hide-welcome-screen", "--bind", LOOPBACK, "--port", str(port)]
-    with tempfile.TemporaryFile() as said:
-        process = subprocess.Popen([viewer_program(), *quiet], stdout=said, stderr=said)
+    quiet = ["--headless", "--hide-welcome-screen", "--port", str(port)]
+    with tempfile.TemporaryFile() as said, running(quiet, said) as process:
         try:
             yield ViewerClient.connect(wait_until_listening(process, port))
         except (RuntimeError, OSError) as error:
@@ -85,9 +116,6 @@ def headless_viewer() -> Iterator[ViewerClient]:
             words = "no graphics adapter" if b"adapter" in said.read() else str(error).strip().split("\n")[0]
             problem = f"no picture could be drawn here ({words})"
             raise InputError(problem, field="--screenshot", expected=INSTALL_VULKAN) from None
-        finally:
-            process.terminate()
-            process.wait()
 
 
 def wait_until_listening(process: subprocess.Popen[bytes], port: int) -> str:
@@ -123,8 +151,11 @@ def screenshot(files: Sequence[Path], picture: Path, at: float | None = None, se
     return picture
 
 
-def holds_recording(file: Path) -> bool:
-    """Whether an .rrd is a plain recording (it holds its declaration), not a session that has a layout."""
+DECLARATION = "/declaration"  # only a plain recording holds one; a session has a layout instead
+
+
+def holds(file: Path, entity: str) -> bool:
+    """Whether an .rrd has something under an entity's path."""
     from rerun.chunk import RrdReader
 
-    return any(str(chunk.entity_path) == "/declaration" for chunk in RrdReader(str(file)).stream())
+    return any(str(chunk.entity_path) == entity for chunk in RrdReader(str(file)).stream())

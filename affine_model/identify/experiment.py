@@ -113,15 +113,17 @@ class Prediction:
 
 
 def _hermite(batch: Batch, values: Array, rates: Array, times: Array) -> Array:
-    """Cubic interpolation of values (T, ..., B) at times (M, B): shape (M, ..., B); constant before the first
-    instant.
+    """Cubic interpolation of values (T, ..., B) at times (M, B): shape (M, ..., B); before the first instant along
+    the tangent there (which stands still where an arm is held until its release).
     """
     spacing = batch.t[1] - batch.t[0]
+    early = np.minimum(times - batch.t[0], 0.0)
     place = np.clip((times - batch.t[0]) / spacing, 0.0, batch.t.size - 1 - 1e-9)
     index = place.astype(int)
     u = place - index
     extra = values.ndim - 2
     u = u.reshape(u.shape[:1] + (1,) * extra + u.shape[1:])
+    early = early.reshape(u.shape)
     if times.shape[1] == 1:
         a, b, da, db = values[index[:, 0]], values[index[:, 0] + 1], rates[index[:, 0]], rates[index[:, 0] + 1]
     else:
@@ -129,7 +131,7 @@ def _hermite(batch: Batch, values: Array, rates: Array, times: Array) -> Array:
         pick = (lambda array, k: array[k, lanes]) if extra == 0 else (lambda array, k: _pick(array, k, lanes))
         a, b, da, db = pick(values, index), pick(values, index + 1), pick(rates, index), pick(rates, index + 1)
     h00, h10 = (1 + 2 * u) * (1 - u) ** 2, u * (1 - u) ** 2
-    return h00 * a + (1 - h00) * b + spacing * (h10 * da - u**2 * (1 - u) * db)
+    return h00 * a + (1 - h00) * b + spacing * (h10 * da - u**2 * (1 - u) * db) + early * rates[0]
 
 
 def _pick(array: Array, index: np.ndarray, lanes: np.ndarray) -> Array:

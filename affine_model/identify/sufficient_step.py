@@ -11,27 +11,35 @@ from affine_model.curvature import Array
 from affine_model.identify.trajectory import Fit, Problem
 
 STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
-OF_NOISE = 0.025  # noise sigmas (rms): a hundredth of a nat for every thirty values
+OF_NOISE = 0.05  # noise sigmas (rms): a nat for every 800 values, and of it all models have the same
 OF_REST = 0.02  # of the rest's rms: a model that errs so much anyway is not known better by a finer step
 
 
 def sufficient_step(problem: Problem, fitted: Fit) -> float:
-    """The coarsest of STEPS [s] at which the fitted motion errs by less than OF_NOISE, or OF_REST of the rest.
+    """The coarsest of STEPS [s] at which the fitted motion errs by less than OF_NOISE, or OF_REST of the rest, on the
+    fitted frames of every recording and on those kept for judging.
 
     The error is estimated by halving the step: the midpoint rule is of second order, so what a halving changes is
     three quarters of it. The finest step where none suffices.
     """
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])[:, None]
 
-    def shown(step: float) -> Array:
-        return replace(problem, step=step, parameters=fitted.parameters).residuals(unknowns)[0][:, 0]
+    def shown(step: float) -> list[Array]:
+        everything = replace(problem, step=step, parameters=fitted.parameters).residuals(unknowns)[1]
+        return [
+            rows[frames, :, 0]
+            for experiment, rows in zip(problem.experiments, everything, strict=True)
+            for frames in (experiment.used, ~experiment.used)
+            if frames.any()
+        ]
 
     rest = float(np.sqrt(np.mean(fitted.used_residuals**2)))
     allowed = max(OF_NOISE, OF_REST * (rest if rest > 2.0 else 0.0))
     last = shown(STEPS[0])
     for coarse, fine in pairwise(STEPS):
         finer = shown(fine)
-        if np.sqrt(np.mean((finer - last) ** 2)) < 0.75 * allowed:
+        changes = [np.sqrt(np.mean((a - b) ** 2)) for a, b in zip(finer, last, strict=True)]
+        if max(changes) < 0.75 * allowed:
             return coarse
         last = finer
     return STEPS[-1]

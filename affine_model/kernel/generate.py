@@ -12,11 +12,13 @@ import textwrap
 
 import sympy
 
+from affine_model.arm import parameter_rows
 from affine_model.dynamics import remembering
 from affine_model.effect import STATE_QUANTITIES, Effect
 from affine_model.effects import catalogue
-from affine_model.kernel.template import TEMPLATE
+from affine_model.kernel.template import ARRAYS, TEMPLATE
 from affine_model.kernel.trace import lines, slope_along, traced
+from affine_model.kernel.unroll import unrolled_source
 
 BLOCK = 16  # individuals a block: two AVX-512 or four AVX2 registers of doubles
 
@@ -61,28 +63,50 @@ def _sums(targets: dict[str, tuple[str, ...]], constant: bool, indent: str) -> s
     text: list[str] = []
     for kind, names in targets.items():
         own: list[str] = []
+        flags: list[str] = []
         for number, effect in enumerate(catalogue().values()):
             if getattr(effect, kind) is None or _constant(traced(effect, kind)) != constant:
                 continue
+            flags.append(f"active[{number}]")
             assignments = [(name, "+=", value) for name, value in zip(names, traced(effect, kind), strict=True)]
             own += _guarded(effect, number, lines(assignments, ""))
         if own and not constant:
             fixed = [f"{name} = fixed_{name}" for name in names]
-            text += [f"{_NODE}for b in range(BLOCK):", *(f"{_NODE}    {line}" for line in fixed)]
+            text += [f"{_NODE}if {' or '.join(flags)}:", f"{_NODE}    for b in range(BLOCK):"]
+            text += [f"{_NODE}        {line}" for line in fixed]
         text += own
     return textwrap.indent(textwrap.dedent("\n".join(text)), indent)
 
 
+def _changing(kind: str) -> bool:
+    """Whether any effect's law of that kind changes with the motion or in time."""
+    laws = [traced(effect, kind) for effect in catalogue().values() if getattr(effect, kind) is not None]
+    return not all(_constant(law) for law in laws)
+
+
+def _fixed_arrays() -> dict[str, str]:
+    """Arrays that keep what the constant laws gave, for the kinds that changing laws add to: of each, its source."""
+    kinds = [(kind, names) for targets in (SECTION_TARGETS, TIP_TARGETS) for kind, names in targets.items()]
+    changed = [name.split("[")[0] for kind, names in kinds if _changing(kind) for name in names]
+    return {f"fixed_{name}": name for name in changed}
+
+
 def _copies() -> str:
-    """Copies of what the constant laws gave, for the kinds that changing laws add to."""
+    """Fills the arrays of _fixed_arrays."""
     text: list[str] = []
-    for targets in (SECTION_TARGETS, TIP_TARGETS):
-        for kind, names in targets.items():
-            laws = [traced(effect, kind) for effect in catalogue().values() if getattr(effect, kind) is not None]
-            if not all(_constant(law) for law in laws):
-                arrays = [name.split("[")[0] for name in names]
-                text += [f"    fixed_{array} = {array}.copy()" for array in arrays]
+    for name, source in _fixed_arrays().items():
+        section = ARRAYS[source] == ("nodes",)
+        index = "[i, b]" if section else "[b]"
+        text += ["    for i in range(NODES):" if section else "    if True:", "        for b in range(BLOCK):"]
+        text.append(f"            {name}{index} = {source}{index}")
     return "\n".join(text)
+
+
+def _gravity(indent: str) -> str:
+    """The components of gravity under the tilt."""
+    body = ["for b in range(BLOCK):", "    sine, cosine = sincos(tilt[b])"]
+    body += ["    gravity_x[b] = gravity * sine", "    gravity_y[b] = gravity * cosine"]
+    return "\n".join(indent + line for line in body)
 
 
 def _water() -> str:
@@ -178,45 +202,55 @@ def _remembered() -> str:
         if effect.remembers:
             body, _ = _advance(effect, "h", f"store[{_slots()[effect.name]}, i, b]")
             text += _guarded(effect, number, body)
-    return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 12)  # after the iterations: one level less
+    return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 16)
 
 
-def _unrolled(pattern: str, nodes: int) -> str:
-    """The pattern, with {k} for the node, summed over all nodes in one expression."""
-    return " + ".join(pattern.format(k=k) for k in range(nodes))
+def _solution(order: int) -> str:
+    """The correction of the accelerations, lane by lane, for each choice of moving coordinates: M = L D L', no root."""
+    text: list[str] = []
+    for theta, rail in ((False, False), (False, True), (True, False), (True, True)):
+        moving = [*range(order), *([order] if theta else []), *([order + 1] if rail else [])]
+        body: list[str] = []
+        for d in moving:
+            before = [k for k in moving if k < d]
+            for e in before:
+                parts = [f"product_{d}_{k} * lower_{e}_{k}" for k in before if k < e]
+                body.append(f"product_{d}_{e} = {' - '.join([f'matrix[{d}, {e}, b]', *parts])}")
+                body.append(f"lower_{d}_{e} = product_{d}_{e} * inverse_{e}")
+            parts = [f"product_{d}_{k} * lower_{d}_{k}" for k in before]
+            body.append(f"inverse_{d} = 1.0 / ({' - '.join([f'matrix[{d}, {d}, b]', *parts])})")
+            parts = [f"lower_{d}_{k} * right_{k}" for k in before]
+            body.append(f"right_{d} = {' - '.join([f'residual[{d}, b]', *parts])}")
+        for d in reversed(moving):
+            parts = [f"lower_{k}_{d} * change_{k}" for k in moving if k > d]
+            body.append(f"change_{d} = {' - '.join([f'right_{d} * inverse_{d}', *parts])}")
+            body.append(f"acc[{d}, b] += change_{d}")
+        text.append(f"            if free_theta == {theta} and free_rail == {rail}:")
+        text += ["                for b in range(BLOCK):", *(f"                    {line}" for line in body)]
+    return "\n".join(text)
 
 
-def kernel_source(nodes: int) -> str:
-    """The module's text for that number of nodes; the same catalogue gives the same text."""
+def kernel_source(nodes: int, order: int) -> str:
+    """The module's text for that number of nodes and curvatures; the same catalogue gives the same text."""
+    remembering_flags = [f"active[{k}]" for k, effect in enumerate(catalogue().values()) if effect.remembers]
+    tip_changing = [kind for kind in TIP_TARGETS if _changing(kind)]
     replacements = {
-        "@NODES@": str(nodes),
-        "@BLOCK@": str(BLOCK),
-        "@STORES@": str(max(1, len(_slots()))),
         "@SECTION_CONSTANT@": _sums(SECTION_TARGETS, True, " " * 8),
         "@SECTION_CHANGING@": _sums(SECTION_TARGETS, False, " " * 16),
-        "@TIP_CONSTANT@": _sums(TIP_TARGETS, True, " " * 4) + "\n" + _copies(),
-        "@TIP_CHANGING@": _sums(TIP_TARGETS, False, " " * 12),
+        "@TIP_CONSTANT@": "\n".join([_sums(TIP_TARGETS, True, " " * 4), _gravity(" " * 4), _copies()]),
+        "@TIP_CHANGING@": _sums(TIP_TARGETS, False, " " * 12) + ("\n" + _gravity(" " * 12)) * bool(tip_changing),
         "@WATER@": _water(),
         "@FORCES@": _forces(),
         "@MOMENTS@": _moments(),
+        "@REMEMBERS@": " or ".join(remembering_flags) or "False",
         "@REMEMBERED@": _remembered(),
-        "@SUM_JACOBIAN_X@": _unrolled("LWA[j, i, {k}] * normal_x[{k}, b]", nodes),
-        "@SUM_JACOBIAN_Y@": _unrolled("LWA[j, i, {k}] * normal_y[{k}, b]", nodes),
-        "@SUM_SWING_X@": _unrolled("LW[i, {k}] * swing_x[{k}, b]", nodes),
-        "@SUM_SWING_Y@": _unrolled("LW[i, {k}] * swing_y[{k}, b]", nodes),
-        "@SUM_TIP_X@": _unrolled("LwA[j, {k}] * normal_x[{k}, b]", nodes),
-        "@SUM_TIP_Y@": _unrolled("LwA[j, {k}] * normal_y[{k}, b]", nodes),
-        "@SUM_TIP_SWING_X@": _unrolled("Lw[{k}] * swing_x[{k}, b]", nodes),
-        "@SUM_TIP_SWING_Y@": _unrolled("Lw[{k}] * swing_y[{k}, b]", nodes),
-        "@SUM_RAIL@": _unrolled("net_y[{k}, b]", nodes),
-        "@SUM_FORCE@": _unrolled("jac_x[j, {k}, b] * net_x[{k}, b] + jac_y[j, {k}, b] * net_y[{k}, b]", nodes),
-        "@SUM_TURN@": _unrolled("A[{k}, j] * spin[{k}, b] - C[{k}, j] * moment[{k}, b]", nodes),
-        "@SUM_MASS@": _unrolled("push_x[j, {k}, b] * jac_x[l, {k}, b] + push_y[j, {k}, b] * jac_y[l, {k}, b]", nodes),
-        "@SUM_BEND@": _unrolled(
-            "A[{k}, j] * A[{k}, l] * Lw[{k}] * rotary[{k}, b] + C[{k}, j] * C[{k}, l] * bend[{k}, b]", nodes
-        ),
+        "@SOLUTION@": _solution(order),
     }
-    source = TEMPLATE
+    template = TEMPLATE
     for mark, text in replacements.items():
-        source = source.replace(mark, text)
-    return source
+        template = template.replace(mark, text)
+    extents = {"parameters": len(parameter_rows()), "coordinates": order + 2, "nodes": nodes, "three": 3, "four": 4}
+    extents["stores"] = len(_slots())
+    shapes = {**ARRAYS, **{name: ARRAYS[source] for name, source in _fixed_arrays().items()}}
+    sizes = {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
+    return unrolled_source(template, {"n": order, "NODES": nodes, "BLOCK": BLOCK}, sizes)

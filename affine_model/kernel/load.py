@@ -35,12 +35,12 @@ def _cache_folder() -> Path:
 
 
 @cache
-def load_kernel(nodes: int) -> ModuleType:
-    """The kernel for that number of quadrature nodes; compiled on first use (tens of seconds),
+def load_kernel(nodes: int, order: int) -> ModuleType:
+    """The kernel for that number of quadrature nodes and curvatures; compiled on first use (several seconds),
     then loaded from the cache.
     """
-    source = kernel_source(nodes)
-    name = f"kernel_{nodes}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+    source = kernel_source(nodes, order)
+    name = f"kernel_{nodes}_{order}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     path = _cache_folder() / f"{name}.py"
     if not path.exists():
         partial = path.with_suffix(f".{os.getpid()}.part")
@@ -55,13 +55,13 @@ def load_kernel(nodes: int) -> ModuleType:
     return module
 
 
-def advance_blocks(nodes: int, count: int, *arguments: Any) -> None:
+def advance_blocks(nodes: int, order: int, count: int, *arguments: Any) -> None:
     """Run the kernel over `count` individuals, block by block, on every core this process may use.
 
     Threads of Python, which the kernel frees while it computes: numba's own parallel loop costs as much to compile
     again as the kernel itself. A block writes to its own individuals' columns alone.
     """
-    kernel = load_kernel(nodes)
+    kernel = load_kernel(nodes, order)
     blocks = -(-count // BLOCK)
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if blocks == 1 or cores == 1:

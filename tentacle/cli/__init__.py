@@ -21,6 +21,9 @@ Two models of a soft arm in a tank, side by side with measured data, and the loo
 A RECORDING is an import folder (recording.toml with a video, a midline or markers) or an .rrd file."""
 EPILOG = "`tentacle VERB --help` says more. Exit codes: 0 done, 2 bad input (one line says what), 130 stopped (Ctrl-C)."
 
+# What not everyone needs: module -> the extra that brings it.
+EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu"}
+
 
 class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
     """Verbs and what they do side by side, one verb a line where the terminal is wide enough."""
@@ -61,6 +64,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return parsed.run(parsed)
     except InputError as error:
         print(f"tentacle: {error.line()}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        name = (error.name or "").partition(".")[0]
+        if name not in EXTRAS:
+            raise
+        print(
+            f"tentacle: {name} is not installed; expected pip install 'tentacle-twin[{EXTRAS[name]}]'", file=sys.stderr
+        )
         return 2
     except OSError as error:
         if isinstance(error, BrokenPipeError):  # the reader of a pipe has gone: nothing more to say or to complain of

@@ -29,7 +29,7 @@ def check(arguments: argparse.Namespace) -> int:
     from dataclasses import asdict
 
     from rig.check import check as findings
-    from rig.record import connected, opened_camera
+    from rig.connection import connected, opened_camera
     from rig.setup_file import read_setup
 
     setup = read_setup(arguments.rig)
@@ -64,9 +64,13 @@ def _calibrate_load_cell(arguments, setup):
     import numpy as np
 
     from rig.calibrate import fit_line, load_cell_calibration, read_cell
-    from rig.record import connected
+    from rig.connection import connected
     from tentacle.specimen import STANDARD_GRAVITY
 
+    if len(set(arguments.masses)) < 3 or min(arguments.masses) < 0:
+        raise InputError(
+            f"{len(set(arguments.masses))} different masses", field="--masses", expected="three or more, 0 among them"
+        )
     sign = -1.0 if arguments.pulls_back else 1.0
     forces = [sign * mass * STANDARD_GRAVITY for mass in arguments.masses]
     means = []
@@ -91,17 +95,27 @@ def _calibrate_servo(arguments, setup):
     import numpy as np
 
     from rig.calibrate import servo_calibration
-    from rig.play import play
-    from rig.record import connected
+    from rig.connection import connected
+    from rig.fault import Fault
+    from rig.play import PlayEnd, play
     from rig.safety import set_points
     from tentacle.waveform import Rest
 
+    if len(set(arguments.angles)) < 2:
+        raise InputError("one angle gives no line", field="--angles", expected="two different ones or more")
+    motions = [set_points(Rest(angle), arguments.seconds, setup.limits) for angle in arguments.angles]
     measured = []
     with connected(setup) as board:
-        for angle in arguments.angles:
-            for _ in play(board, set_points(Rest(angle), 6.0, setup.limits), setup.limits):
-                pass
-            measured.append(float(_ask(f"it stood at {angle:g} rad for six seconds: the angle measured [rad]", board)))
+        for angle, points in zip(arguments.angles, motions, strict=True):
+            print(f"to {angle:g} rad for {arguments.seconds:g} s: measure the angle there", flush=True)
+            for item in play(board, points, setup.limits):
+                if isinstance(item, PlayEnd) and item.outcome != "complete":
+                    raise Fault("no_answer", f"the move to {angle:g} rad ended as {item.outcome}: {item.words}")
+            answer = _ask("the angle measured [rad]", board)
+            try:
+                measured.append(float(answer))
+            except ValueError:
+                raise InputError(f"{answer!r} is no angle", expected="a number [rad]") from None
     servo = servo_calibration(np.array(arguments.angles), np.array(measured), setup.servo)
     print(f"centre {servo.centre_us:.1f} us, {servo.us_per_rad:.1f} us/rad")
     return replace(setup, servo=servo)
@@ -121,13 +135,17 @@ def _calibrate_scale(arguments, setup):
 
 def _calibrate_offset(arguments, setup):
     from rig.calibrate import camera_offset
-    from rig.record import connected, opened_camera
+    from rig.connection import connected, opened_camera
+    from rig.servo_tap import delay_by_taps
 
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
         if camera is None:
             raise InputError("no camera is named", file=arguments.rig, field="camera.source")
-        found = camera_offset(board, camera, arguments.flashes)
-    print(f"frames arrive {1e3 * found.offset:.2f} +- {1e3 * found.sigma:.2f} ms after exposure ({found.edges} edges)")
+        if arguments.tap:
+            found, count = delay_by_taps(setup, board, camera), "frames"
+        else:
+            found, count = camera_offset(board, camera, arguments.flashes), "edges"
+    print(f"frames arrive {1e3 * found.offset:.2f} +- {1e3 * found.sigma:.2f} ms after exposure ({found.used} {count})")
     return replace(setup, camera=replace(setup.camera, offset=found.offset, sigma=found.sigma))
 
 
@@ -189,7 +207,7 @@ def _emulated(arguments):
         words = [str(path.resolve()) for path in (arguments.model, arguments.hidden) if path is not None]
         settings = replace(settings, plant="arm", plant_options=tuple(words))
     setup = RigSetup(
-        port="port",
+        port=str(arguments.folder / "port"),
         limits=SafetyLimits(min_angle=-0.8, max_angle=0.8, max_speed=8.0, max_current=0.9),
         settle=SettleRule(threshold=2e-3, samples=100, timeout=60.0),
         load_cell=LoadCellCalibration(settings.cell_offset, settings.counts_per_newton),

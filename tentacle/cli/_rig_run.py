@@ -4,34 +4,37 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tentacle.errors import InputError
+
+if TYPE_CHECKING:
+    from viz.blueprints.rig import LivePaths
 
 VIEWER_PORT = 9876
 
 
 def record(arguments: argparse.Namespace) -> int:
-    """One run; exit code 3 where it did not complete."""
+    """One run; exit code 3 where it did not complete, 130 where it was stopped by hand."""
     from rig import record as rig_record
-    from rig.campaign import described
+    from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
+    from rig.motion import described, motion_of
     from rig.setup_file import read_setup
     from tentacle.waveform_file import read_waveform
 
     setup = read_setup(arguments.rig)
     waveform = read_waveform(arguments.waveform)
-    motion = rig_record.motion_of(waveform, arguments.seconds, setup, described(waveform))
+    motion = motion_of(waveform, arguments.seconds, setup.limits, described(waveform))
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
     with (
         _viewer(arguments.view) as viewer,
-        rig_record.connected(setup) as board,
-        rig_record.opened_camera(setup, board.time) as camera,
+        connected(setup) as board,
+        opened_camera(setup, board.time) as camera,
         _progress() as progress,
         Interrupts(_say) as interrupts,
     ):
@@ -42,21 +45,21 @@ def record(arguments: argparse.Namespace) -> int:
     print(f"{result.outcome}: {result.samples} samples, {result.lost} lost, wrote {result.path}")
     if result.words:
         print(result.words)
-    return 0 if result.outcome == "complete" else 3
+    return {"complete": 0, "interrupted": 130}.get(result.outcome, 3)
 
 
 def campaign(arguments: argparse.Namespace) -> int:
     """All runs that are not complete yet."""
-    from rig import record as rig_record
     from rig.campaign import read_campaign, run_campaign
+    from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
     from rig.setup_file import read_setup
 
     setup = read_setup(arguments.rig)
     runs = read_campaign(arguments.campaign, setup)
     with (
-        rig_record.connected(setup) as board,
-        rig_record.opened_camera(setup, board.time) as camera,
+        connected(setup) as board,
+        opened_camera(setup, board.time) as camera,
         _progress() as progress,
         Interrupts(_say) as interrupts,
     ):
@@ -71,12 +74,13 @@ def campaign(arguments: argparse.Namespace) -> int:
 
 def optimise(arguments: argparse.Namespace) -> int:
     """Trials until there are enough; the best gait as a waveform file beside them."""
-    from rig import record as rig_record
+    from rig.connection import connected, opened_camera
     from rig.gait_space import GaitSpace, TrialPlan
     from rig.interrupts import Interrupts
     from rig.model_gaits import best_gaits
     from rig.optimise import StudyPlan, best
     from rig.optimise import optimise as trials_of
+    from rig.record import trial_runner
     from rig.reidentify import proposer
     from rig.setup_file import read_setup
     from tentacle.model_file import read_model
@@ -88,20 +92,30 @@ def optimise(arguments: argparse.Namespace) -> int:
     if arguments.reidentify and setup.camera is None:
         raise InputError("needs a camera", field="--reidentify", expected="[camera] in rig.toml")
     first: list[dict[str, float]] = []
-    if arguments.model is not None:
+    model = None if arguments.model is None else read_model(arguments.model)
+    if model is not None:
         print("asking the model for its best gaits", flush=True)
-        first = best_gaits(read_model(arguments.model), space, plan.plan, arguments.first, arguments.seed)
-    propose = None
-    if arguments.reidentify:
-        propose = proposer(space, plan.plan, seed=arguments.seed, told=lambda found: print(found.headline, flush=True))
+        first = best_gaits(model, space, plan.plan, arguments.first, arguments.seed)
     trials = []
     with (
-        rig_record.connected(setup) as board,
-        rig_record.opened_camera(setup, board.time) as camera,
+        connected(setup) as board,
+        opened_camera(setup, board.time) as camera,
         _progress() as progress,
         Interrupts(_say) as interrupts,
     ):
-        runner = rig_record.trial_runner(setup, board, camera, interrupts, progress)
+        runner = trial_runner(setup, board, camera, interrupts, progress)
+
+        def diagnosing(step: str) -> None:
+            if interrupts.pause:  # a diagnosis takes minutes, and the arm stands at neutral: it can be left at once
+                raise KeyboardInterrupt
+            progress(f"diagnosis: {step}", 0.0)
+
+        propose = None
+        if arguments.reidentify:
+            propose = proposer(
+                space, plan.plan, believed=model, seed=arguments.seed, progress=diagnosing,
+                told=lambda found: print(found.headline, flush=True),
+            )  # fmt: skip
         for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts):
             trials.append(trial)
             top = best(trials)
@@ -138,10 +152,22 @@ def _viewer(wanted: bool) -> Iterator[str | None]:
     if not wanted:
         yield None
         return
-    command = [str(Path(sys.executable).with_name("rerun")), "--bind", "127.0.0.1", "--port", str(VIEWER_PORT)]
-    try:
-        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-    except FileNotFoundError:
-        raise InputError("no viewer here", field="--view", expected="the rerun command beside this Python") from None
+    from rig import recorder
+    from tentacle.cli._live_viewer import start_viewer
+    from viz.blueprints.rig import send_live_layout
+
+    start_viewer(VIEWER_PORT)
+    address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
+    send_live_layout(address, recorder.APPLICATION, live_paths())
     with contextlib.suppress(KeyboardInterrupt):
-        yield f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
+        yield address
+
+
+def live_paths() -> LivePaths:
+    """Where the recorder keeps what a live view shows."""
+    from rig import recorder
+    from viz.blueprints.rig import LivePaths
+
+    return LivePaths(
+        recorder.COMMAND, recorder.ANGLE, recorder.CURRENT, recorder.THRUST, recorder.EVENTS, recorder.BOARD_TIME
+    )

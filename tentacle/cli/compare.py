@@ -135,7 +135,7 @@ def _write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], 
     if ladder.third_opinion is not None:
         opinion = f"PyElastica's Cosserat rod, which also shears: first frequency in air {ladder.third_opinion:.4g} Hz."
         words = (*words, opinion)
-    picture = Picture(shapes_figure(_scene(file.stem, ladder)), "Shapes of the driven motion at some instants.")
+    picture = Picture(shapes_figure(_scene(file.stem, model, ladder)), "Shapes of the driven motion at some instants.")
     table = Table("reference and reduced model", header, rows, numeric=tuple(range(2, len(header))))
     sections = [Section("Ladder", words, (table,), (picture,))]
     for found in maps:
@@ -178,13 +178,20 @@ def _write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], 
     write_report(render(report), out / "report.html")
 
 
-def _scene(name: str, ladder: Ladder) -> Any:
+def _scene(name: str, model: Model, ladder: Ladder) -> Any:
+    from affine_model.arm import arm_of, parameter_vector
+    from affine_model.drag_along import drag_along as affine_drag
+    from mujoco_ref.drag_along import drag_along as reference_drag
     from tentacle.cli._twins import S
     from viz.compare import Motion, motions_scene
 
-    reference = ladder.reference
-    motions = {"reference": Motion(reference.xy, reference.q, reference.load)}
-    motions |= {f"order {o}": Motion(twin.xy, twin.q, twin.load) for o, twin in ladder.affine.items()}
+    reference, wet = ladder.reference, model.fluid.density > 0.0
+    drag = reference_drag(model, reference.t, S, reference.xy) if wet else None
+    motions = {"reference": Motion(reference.xy, reference.q, reference.load, drag)}
+    arm, parameters = arm_of(model), parameter_vector(model)
+    for order, twin in ladder.affine.items():
+        drag = affine_drag(arm, parameters, twin.t, S, twin.xy) if wet else None
+        motions[f"order {order}"] = Motion(twin.xy, twin.q, twin.load, drag)
     return motions_scene(name, reference.t, S, reference.theta, motions)
 
 
@@ -197,7 +204,7 @@ def _write_session(name: str, model: Model, ladder: Ladder, file: Path) -> None:
     lines += ["| " + " | ".join(row) + " |" for row in rows]
     recording = Recording(name, Declaration(model.specimen, model.fluid, model.gravity))
     write_comparison(
-        _scene(name, ladder), recording, "# Reference and reduced model\n\n" + "\n".join(lines) + "\n", file
+        _scene(name, model, ladder), recording, "# Reference and reduced model\n\n" + "\n".join(lines) + "\n", file
     )
 
 

@@ -69,7 +69,9 @@ def write_answer(
 ) -> None:
     """verdict.json, model.toml, report.html, session.rrd and next_experiment.toml of a diagnosis, into the folder."""
     import json
+    from dataclasses import replace
 
+    from tentacle.cli._forces import with_forces
     from tentacle.cli._provenance import input_hashes, versions
     from tentacle.model_file import write_model
     from tentacle.waveform_file import waveform_from_table, write_waveform
@@ -81,6 +83,8 @@ def write_answer(
     write_model(diagnosis.augmented_model, folder / "model.toml")
     if diagnosis.next_experiment is not None:
         write_waveform(waveform_from_table(diagnosis.next_experiment), folder / "next_experiment.toml")
-    page = diagnosis_report(diagnosis, recordings, command, versions(), input_hashes(inputs))
+    runs = with_forces(diagnosis.runs, diagnosis.base_model, diagnosis.augmented_model)
+    shown = replace(diagnosis, runs=runs)
+    page = diagnosis_report(shown, recordings, command, versions(), input_hashes(inputs))
     write_report(page, folder / "report.html")
-    write_session(diagnosis, recordings, folder / "session.rrd")
+    write_session(shown, recordings, folder / "session.rrd")

@@ -12,9 +12,10 @@ if TYPE_CHECKING:
     from tentacle.model import Model
     from tentacle.recording import Recording
 
-HELP = "draw one of the paper's figures (4, 5, 6, 8, 9, 10) from your own recordings"
+HELP = "draw one of the paper's figures (3, 4, 5, 6, 8, 9, 10) from your own recordings"
 
 FIGURES = {
+    3: "the image processing of one frame, step by step",
     4: "the average period of q1, q2",
     5: "regression and simulation (needs --model)",
     6: "stills with what was seen, and with --model what it says",
@@ -32,6 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("number", type=int, choices=tuple(FIGURES), metavar="NUMBER", help=words)
     parser.add_argument("inputs", nargs="*", type=Path, metavar="RECORDING", help="recordings (a CSV for figure 10)")
     parser.add_argument("--model", type=Path, metavar="model.toml", help="of identify or diagnose")
+    parser.add_argument("--at", type=float, metavar="SECONDS", help="of figure 3 (default: a frame with much bend)")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="FILE.svg, FILE.pdf or FILE.png")
 
 
@@ -46,6 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("nothing to draw", field="RECORDING", expected="at least one")
     if arguments.model is None and arguments.number in (5, 8, 9):
         raise InputError(f"figure {arguments.number} needs a model", field="--model", expected="--model model.toml")
+    if arguments.at is not None and arguments.number != 3:
+        raise InputError("only figure 3 is of one frame", field="--at", expected="figure 3")
     print(save(make_figure(arguments), arguments.out))
     return 0
 
@@ -54,6 +58,8 @@ def make_figure(arguments: argparse.Namespace) -> Figure:
     """The figure that was asked for."""
     if arguments.number == 10:
         return speeds(arguments.inputs[0])
+    if arguments.number == 3:
+        return pipeline(arguments.inputs[0], arguments.at)
     from tentacle.cli._progress import stages
     from tentacle.cli._tracked import read_tracked
     from tentacle.model_file import read_model
@@ -69,6 +75,31 @@ def make_figure(arguments: argparse.Namespace) -> Figure:
         if arguments.number == 5:
             return regression(recordings[0], model)
         return extremes(recordings, model) if arguments.number == 8 else thrust(recordings, model)
+
+
+def pipeline(source: Path, at: float | None) -> Figure:
+    """Figure 3: the frame, binarised, its largest contour, the mean axis, and the shape that fits it best."""
+    from tentacle.errors import InputError
+    from tentacle.reading import read_recording
+    from vision.paper_pipeline import bent_instant, paper_steps
+    from viz.figures.pipeline import Still, crop_around, pipeline_figure
+    from viz.palette import AUGMENTED, BASE, MEASURED
+
+    recording = read_recording(source)
+    camera = recording.declaration.camera
+    if recording.video is None or camera is None:
+        raise InputError("has no video", file=source, expected="a recording with a video")
+    seen = (recording.video.path, recording.declaration, recording.motor)
+    steps = paper_steps(*seen, bent_instant(*seen) if at is None else at)
+    axis, fitted = camera.to_pixels(steps.axis), camera.to_pixels(steps.fitted)
+    stills = [
+        Still("frame", steps.image),
+        Still("binarised", steps.binary),
+        Still("largest contour", steps.image, [(MEASURED, steps.contour)]),
+        Still("mean axis", steps.image, [(MEASURED, steps.contour), (AUGMENTED, axis)]),
+        Still(f"q = {steps.q[0]:.2f}, {steps.q[1]:.2f} rad", steps.image, [(AUGMENTED, axis), (BASE, fitted)]),
+    ]
+    return pipeline_figure(crop_around(stills, steps.contour))
 
 
 def period(recording: Recording) -> Figure:
@@ -87,19 +118,19 @@ def regression(recording: Recording, model: Model) -> Figure:
     """Figure 5."""
     from tentacle.cli._measured import beside_model, regression_sides
     from viz.figures.regression import regression_figure
-    from viz.scene import scene_of
+    from viz.scene import model_scene
 
     t, delta, prediction = regression_sides(recording, model)
-    return regression_figure(t, delta, prediction, scene_of(beside_model(recording, model)))
+    return regression_figure(t, delta, prediction, model_scene(beside_model(recording, model)))
 
 
 def extremes(recordings: list[Recording], model: Model) -> Figure:
     """Figure 8."""
     from tentacle.cli._measured import beside_model
     from viz.figures.extremes import extremes_figure
-    from viz.scene import scene_of
+    from viz.scene import model_scene
 
-    return extremes_figure([scene_of(beside_model(recording, model)) for recording in recordings])
+    return extremes_figure([model_scene(beside_model(recording, model)) for recording in recordings])
 
 
 def stills(recording: Recording, model: Model | None) -> Figure:
@@ -108,7 +139,7 @@ def stills(recording: Recording, model: Model | None) -> Figure:
 
     from tentacle.cli._measured import beside_model
     from tentacle.errors import InputError
-    from viz.figures.pipeline import Still, stills_figure
+    from viz.figures.pipeline import Still, crop_around, stills_figure
     from viz.midline import perimeter
     from viz.palette import BASE, MEASURED
     from viz.track import track_scene
@@ -134,13 +165,14 @@ def stills(recording: Recording, model: Model | None) -> Figure:
             below.append(
                 Still("", picture, [(BASE, camera.to_pixels(perimeter(run.augmented[k], run.s, arm.section)))])
             )
-    return stills_figure([above, below] if below else [above])
+    seen = camera.to_pixels(scene.subject.xy).reshape(-1, 2)
+    return stills_figure([crop_around(row, seen) for row in ([above, below] if below else [above])])
 
 
 def thrust(recordings: list[Recording], model: Model) -> Figure:
     """Figure 9: the model's map, and mean load-cell readings where recordings with a sine at the base give them.
 
-    Forward is base first, against y: the signs of the fluid's force and of the load cell are turned.
+    Forward is base first, against y: the signs of the fluid's force and of the load cell (tared) are turned.
     """
     import numpy as np
 
@@ -161,7 +193,7 @@ def thrust(recordings: list[Recording], model: Model) -> Figure:
         for (a, f), recording in zip(tried, wave, strict=True):
             assert recording.load_cell is not None
             place = int(np.argmin(np.abs(amplitude - a))), int(np.argmin(np.abs(frequency - f)))
-            measured[place] = -(recording.load_cell.thrust.mean() - rest_load(recording))
+            measured[place] = -recording.load_cell.thrust.mean()
     step, seconds = 1.0 / 300.0, 10.0  # the paper averages over 10 s
     middles = (np.arange(round(seconds / step)) + 0.5) * step
     grid = [(a, f) for a in amplitude for f in frequency]
@@ -171,16 +203,6 @@ def thrust(recordings: list[Recording], model: Model) -> Figure:
     modelled = -batch.mean_thrust.reshape(len(amplitude), len(frequency))
     name = f"L = {1e3 * model.specimen.length:.0f} mm"
     return thrust_map_figure([ThrustMap(name, amplitude, frequency, modelled, measured)])
-
-
-def rest_load(recording: Recording) -> float:
-    """What the load cell reads of the arm alone [N]: its weight less buoyancy, along the straight arm."""
-    import numpy as np
-
-    declared = recording.declaration
-    arm, gravity = declared.specimen, declared.gravity
-    carried = arm.mass * (1.0 - declared.fluid.density / arm.density) + arm.tip_mass
-    return float(carried * gravity.magnitude * np.cos(gravity.angle))
 
 
 def speeds(file: Path) -> Figure:

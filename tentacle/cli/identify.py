@@ -29,6 +29,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for model.toml, report.html, ..."
     )
+    parser.add_argument(
+        "--bootstrap", type=int, default=0, metavar="N", help="intervals from N refits to resampled residuals, too"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of the bootstrap's draws (default 0)")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
@@ -37,35 +41,40 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     import sys
 
+    from tentacle.cli._forces import with_forces
     from tentacle.cli._outcome import written
     from tentacle.cli._progress import stages
     from tentacle.cli._provenance import input_hashes, versions
     from tentacle.cli._tracked import read_tracked
+    from tentacle.errors import InputError
     from tentacle.model_file import write_model
     from viz.compare import model_markdown, write_comparison
+    from viz.identify_report import model_report
     from viz.report import Origin, write_report
-    from viz.scene import scene_of
-    from viz.verb_reports import model_report
+    from viz.scene import model_scene
 
+    if arguments.bootstrap != 0 and arguments.bootstrap < 20:
+        raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
     with stages() as stage:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]
         check = [read_tracked(path, stage) for path in arguments.check]
         stage("fitting")
         from discovery.identify import identify
 
-        found = identify(recordings, check, order=arguments.order)
+        found = identify(recordings, check, order=arguments.order, replicates=arguments.bootstrap, seed=arguments.seed)
         summary, lines = _as_json(found), _lines(found)
-        scenes = [scene_of(run) for run in found.runs]
+        scenes = [model_scene(run) for run in with_forces(found.runs, found.model, found.model)]
         paths = [*arguments.recordings, *arguments.check]
         command = " ".join(["tentacle", *sys.argv[1:]])
         origin = Origin(command, None, versions(), input_hashes(paths))
         with written(arguments.out) as folder:
             (folder / "identification.json").write_text(json.dumps(summary, indent=1) + "\n")
             write_model(found.model, folder / "model.toml")
-            page = model_report("identify", "Identified model", lines[0], found.model, scenes, lines[1:], origin)
+            judges = check or recordings
+            page = model_report(found.model, lines[0], found.words, found.regression, scenes, judges, origin)
             write_report(page, folder / "report.html")
-            shown = (check or recordings)[0]
-            write_comparison(scenes[0], shown, model_markdown(found.model, tuple(lines)), folder / "session.rrd")
+            text = model_markdown(found.model, (lines[0], *found.words))
+            write_comparison(scenes[0], judges[0], text, folder / "session.rrd")
     print(json.dumps(summary, indent=1) if arguments.json else "\n".join([*lines, f"written to {arguments.out}"]))
     return 0
 
@@ -84,8 +93,23 @@ def _as_json(found: Identification) -> dict[str, Any]:
         "held_out": found.held_out,
         "correlation": {"names": list(found.free), "matrix": found.correlation.tolist()},
         "at_bound": list(found.at_bound),
+        "identifiability": {
+            "condition": found.identifiability.condition,
+            "weakest": found.identifiability.weakest.tolist(),
+            "dead_channels": [list(places) for places in found.identifiability.dead],
+            "clock_offset_s": _finite(found.identifiability.clock[0]),
+            "clock_sigma_s": _finite(found.identifiability.clock[1]),
+        },
+        "bootstrap": {name: list(ends) for name, ends in found.bootstrap.items()},
         "words": list(found.words),
     }
+
+
+def _finite(value: float) -> float | None:
+    """JSON knows neither NaN nor infinity."""
+    from math import isfinite
+
+    return value if isfinite(value) else None
 
 
 def _lines(found: Identification) -> list[str]:
@@ -95,6 +119,8 @@ def _lines(found: Identification) -> list[str]:
     for effect, values in found.model.parameters.items():
         for name, e in values.items():
             paper = found.regression.get(f"{effect}.{name}")
-            beside = "" if paper is None else f"; the paper's regression {paper:.4g}"
+            drawn = found.bootstrap.get(f"{effect}.{name}")
+            beside = "" if drawn is None else f"; bootstrap {drawn[0]:.4g} to {drawn[1]:.4g}"
+            beside += "" if paper is None else f"; the paper's regression {paper:.4g}"
             lines.append(f"{effect}.{name} = {e.value:.4g} {e.unit} (95 %: {e.low:.4g} to {e.high:.4g}{beside})")
     return [*lines, *found.words]

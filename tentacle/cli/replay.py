@@ -43,9 +43,9 @@ def run(arguments: argparse.Namespace) -> int:
 def _drive(arguments: argparse.Namespace) -> int:
     import sys
 
+    from rig.connection import connected
     from rig.fault import Fault
     from rig.interrupts import Interrupts
-    from rig.record import connected
     from rig.replay import drive
     from rig.setup_file import read_setup
 

@@ -65,7 +65,7 @@ def _configure_calibrate(parser: argparse.ArgumentParser) -> None:
         ("load-cell", "offset and counts per newton, from known masses"),
         ("servo", "pulses to angles, from angles measured at set points"),
         ("camera-scale", "m/px, from two points a known distance apart"),
-        ("camera-offset", "the camera's delay, from flashes of the LED"),
+        ("camera-offset", "the camera's delay, from flashes of the LED, or from servo taps"),
     ):
         part = parts.add_parser(name, help=words, description=words)
         part.add_argument("rig", type=Path, metavar="RIG.toml")
@@ -79,11 +79,13 @@ def _configure_calibrate(parser: argparse.ArgumentParser) -> None:
             part.add_argument(
                 "--angles", nargs="+", type=float, required=True, metavar="RAD", help="set points to go to"
             )
+            part.add_argument("--seconds", type=float, default=6.0, help="at each, to measure it (default: 6)")
         elif name == "camera-scale":
             part.add_argument("--points", nargs=4, type=float, required=True, metavar=("U1", "V1", "U2", "V2"))
             part.add_argument("--metres", type=float, required=True)
         else:
             part.add_argument("--flashes", type=int, default=24)
+            part.add_argument("--tap", action="store_true", help="move the servo instead, where no LED is in sight")
 
 
 def _configure_emulate(parser: argparse.ArgumentParser) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from tentacle.recording import Recording
+    from tentacle.signals import ShapeTrack
     from vision.follow import Seen
     from vision.lens import Lens
 
@@ -115,6 +116,8 @@ def run(arguments: argparse.Namespace) -> int:
     )
     for remark in remarks:
         print(remark)
+    if not _is_recording(arguments.source):
+        print(_camera_line(recording, shape))
     print(f"wrote {arguments.out}")
     return 0
 
@@ -152,7 +155,7 @@ def _recording(arguments: argparse.Namespace, lens: Lens | None) -> Recording:
     from vision.guess import guess_camera
 
     source = arguments.source
-    if source.suffix == ".rrd" or (source / "recording.toml").exists():
+    if _is_recording(source):
         return read_recording(source)
     for name in ("length", "base_radius", "tip_radius"):
         if getattr(arguments, name) is None:
@@ -171,6 +174,25 @@ def _recording(arguments: argparse.Namespace, lens: Lens | None) -> Recording:
     else:
         raise InputError("base and scale go together", field="--base-px, --m-per-px", expected="both, or neither")
     return Recording(source.stem, Declaration(specimen, camera=camera), video=Video(source))
+
+
+def _is_recording(source: Path) -> bool:
+    return source.suffix == ".rrd" or (source / "recording.toml").exists()
+
+
+def _camera_line(recording: Recording, shape: ShapeTrack) -> str:
+    """The camera as the video shows it, to be copied into recording.toml (two spaces stand for line ends)."""
+    camera = recording.declaration.camera
+    assert camera is not None
+    u, v = camera.to_pixels(shape.base_shift)
+    arm = ", ".join(f"{part:g}" for part in camera.arm_px)
+    parts = (
+        f"fps = {camera.fps:g}",
+        f"m_per_px = {camera.metres_per_px / shape.scale:.4g}",
+        f"base_px = [{u:.0f}, {v:.0f}]",
+        f"arm_px = [{arm}]",
+    )
+    return "  ".join(["[camera]", *parts])
 
 
 def _write_rrd(recording: Recording, shape: object, path: Path) -> None:

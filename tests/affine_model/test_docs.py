@@ -9,7 +9,7 @@ from pathlib import Path
 from affine_model.formulas import catalogue_page
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "effects.md"
+PAGE = ROOT / "docs" / "howto" / "own_effect.md"
 
 
 def test_add_your_own_effect_runs_as_written(tmp_path):

@@ -32,7 +32,7 @@ def energy(arm, p, q, q_rate):
     return kinetic + elastic + weight, kinetic
 
 
-@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("order", [2, 3])
 def test_energy_is_constant_over_ten_seconds(parameters, order):
     # Implicit midpoint, time-reversible: the energy error stays bounded, and falls with the square of the step.
     arm = Arm(CONE, AIR, Gravity(0.3), order=order, nodes=8)
@@ -50,7 +50,7 @@ def test_energy_is_constant_over_ten_seconds(parameters, order):
 def test_terminal_speed_on_the_rail(parameters):
     # A rigid straight arm held across the rail (theta = 90 degrees) sinks along y: drag 1/2 rho C_perp A v^2 balances
     # the weight.
-    arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), WATER, Gravity(0.0), order=1)
+    arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), WATER, Gravity(0.0), order=2)
     p = parameters(elasticity__E=1e9, damping__eta=1e6, drag__C_perp=1.25)
     h, steps = 0.01, 2000
     base = np.zeros((3, steps, 1))
@@ -64,7 +64,7 @@ def test_terminal_speed_on_the_rail(parameters):
 def test_quadratic_drag_slows_as_one_over_time(parameters):
     # m v' = -b v^2: 1/v = 1/v0 + b t / m. Here through a stiff arm across the rail, started by the current: seen from
     # the water, that moves at U past an arm at rest, the arm's speed is U - v. 2e-3: the arm bends.
-    arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), Fluid(998.0), Gravity(0.0, 0.0), order=1)
+    arm = Arm(Specimen(Rectangle(0.02, 0.01), 0.2, 1070.0), Fluid(998.0), Gravity(0.0, 0.0), order=2)
     U, h, steps = 0.3, 0.005, 2000
     p = parameters(elasticity__E=1e9, damping__eta=1e6, drag__C_perp=1.25, current__U_y=U)
     base = np.zeros((3, steps, 1))

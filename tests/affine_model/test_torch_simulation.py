@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 import torch
+from torch.utils._python_dispatch import TorchDispatchMode
+from torch.utils._pytree import tree_leaves
 
-from affine_model.arm import Arm, parameter_index
-from affine_model.simulate import simulate
+from affine_model.arm import Arm, active_effects, parameter_index
+from affine_model.simulate import Rail, Servo, simulate
 from affine_model.torch_operator import arm_from_row, arm_row, mean_thrust
 from affine_model.torch_simulation import PENALTY, torch_simulate
 from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
@@ -72,6 +74,60 @@ def test_gradients_through_the_simulation(parameters):
         assert abs(difference) > 1e-6
 
 
+def test_servo_and_rail_step_as_in_the_kernel(parameters):
+    p = parameters(**BASE, added_mass__C_a=1.0)[:, None]
+    servo = Servo(0.8, 0.02, 0.006, integral=0.5)  # the limit is met on the way
+    rail = Rail(0.25, 0.35, 0.01)
+    truth = simulate(ARM, p, base_motion(), H, servo=servo, rail=rail, iterations=8)
+    assert np.max(np.abs(truth.torque)) == pytest.approx(0.006)
+    given = map(torch.from_numpy, (p, base_motion()))
+    found = torch_simulate(ARM, *given, H, servo=servo, rail=rail, iterations=6)
+    for name in ("q", "theta", "rail"):  # both converge to the same implicit midpoint
+        np.testing.assert_allclose(getattr(found, name).numpy(), getattr(truth, name), atol=2e-8)
+
+
+def test_gradients_through_servo_and_rail(parameters):
+    p = torch.from_numpy(parameters(**BASE)[:, None])
+    base = torch.from_numpy(base_motion()[:, :30])
+    servo, rail = Servo(0.8, 0.02, 1.0), Rail(0.25, 0.35)
+
+    def outcome(row):
+        return torch_simulate(ARM, row, base, H, servo=servo, rail=rail, iterations=4).rail[-1].sum()
+
+    row = p.clone().requires_grad_(True)
+    (gradient,) = torch.autograd.grad(outcome(row), row)
+    place = parameter_index("drag", "C_perp")
+    moved = [p.index_put((torch.tensor(place), torch.tensor(0)), p[place, 0] + d) for d in (1e-4, -1e-4)]
+    difference = float(outcome(moved[0]) - outcome(moved[1])) / 2e-4
+    assert float(gradient[place, 0]) == pytest.approx(difference, rel=1e-5)  # truncation 1e-8, rounding 1e-8
+    assert abs(difference) > 1e-9
+
+
+def test_no_tensor_stays_behind_on_the_cpu(parameters, monkeypatch):
+    """Every tensor that the simulation makes lies where its parameters do: shown on torch's meta device."""
+    p, base = torch.from_numpy(parameters(**BASE)[:, None]), torch.from_numpy(base_motion()[:, :3])
+    seen = []
+
+    class Spy(TorchDispatchMode):
+        def __torch_dispatch__(self, func, types, args=(), kwargs=None):
+            result = func(*args, **(kwargs or {}))
+            seen.extend(t.device.type for t in tree_leaves((args, result)) if isinstance(t, torch.Tensor) and t.dim())
+            return result
+
+    effects = active_effects(p.numpy())
+    monkeypatch.setattr("affine_model.torch_simulation.active_effects", lambda _: effects)
+    monkeypatch.setattr(torch.Tensor, "cpu", lambda tensor: torch.zeros(tensor.shape))
+    fake = [tensor.to("meta") for tensor in (p, base)]
+    torch_simulate(ARM, *fake, H, stride=0)  # constants moved there once
+    with Spy():
+        batch = torch_simulate(ARM, *fake, H, stride=0)
+    assert batch.mean_thrust.device.type == "meta"
+    computed = seen.count("meta")
+    assert computed > 1000
+    # What remains are tables built on the CPU and moved as a whole.
+    assert seen.count("cpu") < 40
+
+
 def test_a_diverging_individual_gets_the_penalty_and_disturbs_no_other(parameters):
     sound, mad = parameters(**BASE), parameters(**{**BASE, "damping__eta": -5e5})
     alone = torch_simulate(ARM, torch.from_numpy(np.stack([sound, sound], 1)), torch.from_numpy(base_motion()), H)
@@ -93,6 +149,14 @@ def test_the_operator_is_the_kernel(parameters):
     truth = simulate(ARM, p, base_motion(), H, average_from=0.2).mean_thrust
     assert found[0].item() == truth[0]
     assert found[1].item() == PENALTY
+    row = torch.from_numpy(p[:, :1]).requires_grad_(True)
+    (gradient,) = torch.autograd.grad(mean_thrust(ARM, row, torch.from_numpy(base_motion()), H).sum(), row)
+    place = parameter_index("drag", "C_perp")
+    ahead, behind = p[:, :1].copy(), p[:, :1].copy()
+    ahead[place], behind[place] = ahead[place] + 1e-3, behind[place] - 1e-3
+    values = [simulate(ARM, row, base_motion(), H).mean_thrust[0] for row in (ahead, behind)]
+    # One Newton correction forward, two in the graph: they differ by the square of the predictor's error.
+    assert gradient[place, 0].item() == pytest.approx((values[0] - values[1]) / 2e-3, rel=1e-3)
     torch.library.opcheck(
         torch.ops.tentacle.mean_thrust.default,
         (arm_row(ARM), torch.from_numpy(p), torch.from_numpy(base_motion()), H, 0.2, PENALTY),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
+from tentacle.cli import build_parser
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
@@ -71,7 +74,8 @@ def test_marked_blocks_run(page, tmp_path):
     commands = [["bash", "-eu", "-c", block.code] for block in blocks(page) if block.language == "bash"]
     program = "\n".join(block.code for block in blocks(page) if block.language == "python")
     if program:
-        commands.append([sys.executable, "-W", "error::DeprecationWarning:__main__", "-c", program])
+        (tmp_path / "program.py").write_text(program)
+        commands.append([sys.executable, "-W", "error::DeprecationWarning:__main__", "program.py"])
     for command in commands:
         done = subprocess.run(
             command, cwd=tmp_path, env=shell, capture_output=True, text=True, timeout=300, check=False
@@ -83,6 +87,29 @@ def test_every_verb_that_is_named_exists():
     verbs = {file.stem for file in (ROOT / "tentacle" / "cli").glob("[a-z]*.py")}
     named = {verb for page in PAGES for verb in re.findall(r"`?tentacle ([a-z]+(?:-[a-z]+)*)", code_of(page))}
     assert named - verbs == set()
+
+
+def commands_of(page: Path) -> list[str]:
+    """Every `tentacle ...` line of a page's fenced blocks, as typed; blocks of `text` show a grammar, not a command."""
+    found = []
+    for language, body in re.findall(r"^```(\w*)\n(.*?)^```", page.read_text(), re.DOTALL | re.MULTILINE):
+        lines = body.replace("\\\n", " ").splitlines() if language in ("", "bash", "console") else []
+        found += [line for line in lines if line.startswith("tentacle ")]
+    spans = re.findall(r"`(tentacle [^`]+)`", page.read_text())
+    # a span that says more than the verb is a command, unless it stands for one: capitals, dots
+    return found + [span for span in spans if len(span.split()) > 3 and not re.search(r"\b[A-Z]{2,}|\.\.\.", span)]
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md"], ids=lambda p: p.stem)
+def test_every_command_is_one_that_the_program_takes(page):
+    """What no test runs, being long or needing hardware, is at least parsed: verbs, options and their values."""
+    parser = build_parser()
+    for command in commands_of(page):
+        words = shlex.split(command, comments=True)[1:]
+        try:
+            parser.parse_args([word for word in words if word != "&"])
+        except SystemExit as ended:
+            assert ended.code == 0, command  # noqa: PT017 (it says which)
 
 
 def code_of(page: Path) -> str:

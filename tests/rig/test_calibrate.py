@@ -14,6 +14,7 @@ from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frame
 from rig.fault import Fault
 from rig.play import arm
 from rig.safety import ServoCalibration
+from rig.servo_tap import delay
 from tentacle.errors import InputError
 from tentacle.specimen import STANDARD_GRAVITY
 
@@ -104,9 +105,37 @@ def test_camera_offset_from_flashes() -> None:
 def test_no_flash_in_sight_is_said() -> None:
     dark = 120 + np.random.default_rng(1).normal(0, 1, (60, 12, 16))
     with pytest.raises(Fault, match="no flash"):
-        lit_frames(dark)
+        lit_frames(dark, np.arange(60) / 30, np.array([0.5, 1.2]), np.array([0.62, 1.32]))
     with pytest.raises(Fault, match="edges"):
         estimate_offset(np.arange(10) / 30, np.zeros(10, dtype=bool), np.array([]), np.array([]))
+
+
+def test_an_arm_that_swings_is_not_taken_for_the_lamp() -> None:
+    source = np.random.default_rng(2)
+    on = 1.0 + np.cumsum(0.12 + source.uniform(0.3, 0.5, 6))
+    arrives = np.arange(0, 5, 1 / 30)
+    pictures = 120 + source.normal(0, 1, (arrives.size, 12, 16))
+    pictures[:, 3:9, 4:12] += np.where(np.sin(2 * np.pi * 1.1 * arrives) > 0, 160, 0)[:, None, None]  # darker, brighter
+    true = ((arrives[:, None] - 0.05 >= on) & (arrives[:, None] - 0.05 < on + 0.12)).any(axis=1)
+    pictures[true, 0, 15] += 60
+    np.testing.assert_array_equal(lit_frames(pictures, arrives, on, on + 0.12), true)
+
+
+def test_camera_delay_from_servo_taps() -> None:
+    source = np.random.default_rng(5)
+    times = np.arange(0, 8, 0.02) + 100.0
+    motion = sum(0.1 * np.sin(2 * np.pi * f * (times - 100)) for f in (1.1, 1.7, 2.3))
+    frames = np.arange(0.3, 8, 1 / 30) + 100.0
+    late = 0.049
+    seen = 0.03 - 0.98 * np.interp(frames - late, times, motion) + source.normal(0, 0.01, frames.size)  # mirrored, too
+    seen[::17] = np.nan  # frames that were rejected
+    found = delay(frames, seen, times, motion)
+    assert found.sigma < 1e-3
+    assert abs(found.offset - late) < 4 * found.sigma
+    with pytest.raises(Fault, match="not seen to follow"):
+        delay(frames, source.normal(0, 0.05, frames.size), times, motion)
+    with pytest.raises(Fault, match="frames"):
+        delay(frames[:20], seen[:20], times, motion)
 
 
 def test_two_estimates_that_agree_are_weighed_and_others_not() -> None:

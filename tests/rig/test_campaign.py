@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from rig.campaign import read_campaign, run_campaign
+from rig.connection import connected
 from rig.emulator import Emulator
-from rig.record import connected
 from rig.run_file import read_run
 from rig.safety import SafetyLimits
 from rig.settle import SettleRule

@@ -9,11 +9,17 @@ import time
 import tty
 
 import pytest
+import serial
 from serial import rfc2217
 
+from benchmarks._rig_scene import LIMITS, gaps, played, wrong_samples
+from rig.board import Board
+from rig.emulator import Emulator
 from rig.fault import Fault
 from rig.link import Link
+from rig.play import arm
 from rig.protocol import Frame, Type
+from rig.safety import ServoCalibration
 
 FRAMES = [Frame(Type.PING, 0, bytes([7, 0, 0, 0])), Frame(Type.POINTS, 9, bytes(range(112))), Frame(Type.CLEAR, 3)]
 
@@ -77,10 +83,71 @@ def test_frames_go_there_and_back(url: str) -> None:
     assert not link.is_open
 
 
-def test_rfc2217_is_taken_as_a_port() -> None:
-    # pyserial's own class: the server side needs a real port, so here only that the url reaches it and fails in one
-    # line.
-    assert rfc2217.Serial is not None
+class PtyPort(serial.Serial):
+    """A pty as a port that a server offers: it has no modem lines to set or to read."""
+
+    cts = dsr = ri = cd = False  # type: ignore[assignment]
+
+    def _update_dtr_state(self) -> None:
+        pass
+
+    def _update_rts_state(self) -> None:
+        pass
+
+
+class Rfc2217Server(threading.Thread):
+    """Offers a port on 127.0.0.1 as RFC 2217 says, to one client: pyserial's PortManager between a socket and it."""
+
+    def __init__(self, port: str) -> None:
+        super().__init__(daemon=True)
+        self._port = PtyPort(port, 115200, timeout=0.002)
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self.url = f"rfc2217://127.0.0.1:{self._server.getsockname()[1]}"
+        self._client: socket.socket | None = None
+        self.start()
+
+    def write(self, data: bytes) -> None:
+        """What the manager itself has to say."""
+        assert self._client is not None
+        self._client.sendall(data)
+
+    def run(self) -> None:
+        self._client, _ = self._server.accept()
+        self._client.settimeout(0.002)
+        manager = rfc2217.PortManager(self._port, self)  # type: ignore[arg-type]
+        try:
+            while True:
+                if data := self._port.read(max(1, self._port.in_waiting)):
+                    self._client.sendall(b"".join(manager.escape(data)))
+                try:
+                    data = self._client.recv(4096)
+                except TimeoutError:
+                    continue
+                if not data:
+                    return
+                self._port.write(b"".join(manager.filter(data)))
+        except OSError:
+            pass
+        finally:
+            self._client.close()
+            self._server.close()
+            self._port.close()
+
+
+@pytest.mark.filterwarnings("ignore:set(Daemon|Name):DeprecationWarning")  # of pyserial 3.5
+def test_a_board_behind_an_rfc2217_server_plays_a_run(emulator: Emulator) -> None:
+    board = Board(Link(Rfc2217Server(emulator.url).url))
+    board.connect()
+    arm(board, LIMITS, ServoCalibration())
+    samples, start, end = played(board, 1.0)
+    board.close()
+    assert end.outcome == "complete"
+    assert gaps(samples) == 0
+    assert wrong_samples(samples, start, 1.0) == 0
+
+
+@pytest.mark.filterwarnings("ignore:set(Daemon|Name):DeprecationWarning")
+def test_an_rfc2217_server_that_is_not_there_is_one_clear_fault() -> None:
     with socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
         with pytest.raises(Fault, match="cannot be opened"):

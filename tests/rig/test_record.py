@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -13,37 +9,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rig.emulated_camera import EmulatedOptics
+from benchmarks._rig_scene import DECLARED, TABLE, WAVE, killed_while_recording, setup_for
+from rig.camera import Camera
+from rig.connection import connected, opened_camera
+from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator
-from rig.record import connected, motion_of, opened_camera, record
+from rig.motion import motion_of
+from rig.record import record
 from rig.run_file import read_run, to_recording
-from rig.safety import SafetyLimits
 from rig.settle import SettleRule
-from rig.setup_file import CameraSettings, LoadCellCalibration, RigSetup, read_setup, write_setup
-from tentacle.declaration_file import RecordingFile
+from rig.setup_file import CameraSettings, RigSetup, read_setup, write_setup
 from tentacle.errors import InputError
-from tentacle.recording import Camera, Declaration
-from tentacle.specimen import WATER, Cone, Specimen
-from tentacle.waveform import Sine
-
-DECLARED = Declaration(
-    Specimen(Cone(0.0125, 0.001), 0.14, 1070.0),
-    WATER,
-    camera=Camera(30.0, 0.0012, (160.0, 30.0), (0.0, 1.0), exposure=0.01),
-)
-WAVE = Sine(0.5, 1.0)
-TABLE = {"kind": "sine", "amplitude_rad": 0.5, "frequency_hz": 1.0}
+from tentacle.recording_from_rrd import read_rrd
 
 
 @pytest.fixture
-def setup(emulator: Emulator, limits: SafetyLimits) -> RigSetup:
-    return RigSetup(
-        port=emulator.url,
-        limits=limits,
-        settle=SettleRule(threshold=1e-3, samples=60, timeout=10.0),
-        load_cell=LoadCellCalibration(52000.0, 180000.0),
-        recording=RecordingFile(DECLARED),
-    )
+def setup(emulator: Emulator) -> RigSetup:
+    return setup_for(emulator)
 
 
 def test_rig_toml_comes_back_as_it_was(setup: RigSetup, tmp_path: Path) -> None:
@@ -68,14 +50,14 @@ def test_a_run_with_a_camera_becomes_a_recording(setup: RigSetup, tmp_path: Path
     setup = replace(setup, camera=CameraSettings("emulated"))
     path = tmp_path / "run.rrd"
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
-        result = record(setup, board, camera, motion_of(WAVE, 2.0, setup, TABLE), path, name="swim")
+        result = record(setup, board, camera, motion_of(WAVE, 2.0, setup.limits, TABLE), path, name="swim")
     assert result.outcome == "complete"
     assert result.lost == 0
     run = read_run(path)
     assert run.outcome == "complete"
     camera_record = run.stop["camera"] if run.stop else {}
     # Six flashes at 30 frames a second: about 1.8 ms (tests of the estimate); the bound is four of those.
-    assert camera_record["offset_s"] == pytest.approx(EmulatedOptics(DECLARED.camera).offset, abs=7.2e-3)
+    assert camera_record["offset_s"] == pytest.approx(EmulatedOptics.of(DECLARED).offset, abs=7.2e-3)
     recording = to_recording(run, video=tmp_path / "video.mp4")
     assert recording.name == "swim"
     assert recording.declaration == DECLARED
@@ -92,58 +74,33 @@ def test_a_run_with_a_camera_becomes_a_recording(setup: RigSetup, tmp_path: Path
 
 
 def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path) -> None:
-    recording_rrd = pytest.importorskip("tentacle.recording_rrd")
     setup = replace(setup, camera=CameraSettings("emulated"))
     path = tmp_path / "run.rrd"
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
-        record(setup, board, camera, motion_of(WAVE, 1.0, setup, TABLE), path, name="swim")
-    recording = recording_rrd.read_rrd(path)
+        record(setup, board, camera, motion_of(WAVE, 1.0, setup.limits, TABLE), path, name="swim")
+    recording = read_rrd(path)
     assert recording.name == "swim"
     assert recording.notes["outcome"] == "complete"
     assert "cut_off" not in recording.notes
     assert recording.video is not None
     assert recording.motor is not None
-    np.testing.assert_allclose(recording.motor.t, to_recording(read_run(path)).motor.t[-len(recording.motor.t) :])
+    whole = to_recording(read_run(path)).motor
+    assert whole is not None
+    np.testing.assert_allclose(recording.motor.t, whole.t[-len(recording.motor.t) :])
 
 
-CHILD = """
-import sys
-from pathlib import Path
-from rig.record import connected, motion_of, record
-from rig.setup_file import read_setup
-from tentacle.waveform import Sine
-setup = read_setup(Path(sys.argv[1]))
-with connected(setup) as board:
-    motion = motion_of(Sine(0.5, 1.0), 30.0, setup, {})
-    say = lambda phase, share: print(phase, flush=True)
-    record(setup, board, None, motion, Path(sys.argv[2]), name="killed", progress=say)
-"""
-
-
-def test_killed_host_leaves_a_readable_file_and_the_arm_at_neutral(
-    setup: RigSetup, emulator: Emulator, tmp_path: Path
-) -> None:
-    write_setup(setup, tmp_path / "rig.toml")
-    path = tmp_path / "run.rrd"
-    child = subprocess.Popen(
-        [sys.executable, "-c", CHILD, str(tmp_path / "rig.toml"), str(path)], stdout=subprocess.PIPE, text=True
-    )
-    assert child.stdout is not None
-    while "running" not in child.stdout.readline():
-        assert child.poll() is None
-    time.sleep(1.5)
-    killed_at = emulator.truth().board_us
-    os.kill(child.pid, signal.SIGKILL)
-    child.wait()
-    child.stdout.close()
-    time.sleep(0.5)
-    assert emulator.truth().pulse_us == 1500  # the board is back at neutral within 0.5 s
+def test_killed_host_leaves_a_readable_file_and_the_arm_at_neutral(emulator: Emulator, tmp_path: Path) -> None:
+    path, neutral, killed = killed_while_recording(emulator, tmp_path, 1.7)
+    assert neutral < 0.5
     run = read_run(path)
     assert run.outcome == "crashed"
-    tail = 1e-6 * killed_at - float(run.load_t[-1])
-    assert tail < 0.3  # flushed every 0.15 s
-    assert np.diff(run.load_number).min() == 1 or np.diff(run.load_number).min() == 2  # servo samples lie between
-    assert to_recording(run).notes["outcome"] == "crashed"
+    assert killed - run.load_t[-1] < 0.3
+    recording = read_rrd(path)
+    assert recording.notes["outcome"] == "crashed"
+    assert recording.motor is not None
+    inside = (recording.motor.t > 0.1) & (recording.motor.t < 1.2)
+    # Time 0 stands in the file from the start of the run on; chords of the motion: 1e-3 rad.
+    np.testing.assert_allclose(recording.motor.command[inside], WAVE(recording.motor.t[inside])[0], atol=1.1e-3)
 
 
 def test_a_disk_that_fills_ends_the_run_safely(setup: RigSetup, emulator: Emulator, tmp_path: Path) -> None:
@@ -151,7 +108,7 @@ def test_a_disk_that_fills_ends_the_run_safely(setup: RigSetup, emulator: Emulat
     path = tmp_path / "run.rrd"
     with connected(setup) as board:
         result = record(
-            setup, board, None, motion_of(WAVE, 20.0, setup, TABLE), path, name="full",
+            setup, board, None, motion_of(WAVE, 20.0, setup.limits, TABLE), path, name="full",
             free_bytes=lambda _: 0 if time.monotonic() - begun > 3.0 else 10**9,
         )  # fmt: skip
         time.sleep(0.3)
@@ -161,16 +118,15 @@ def test_a_disk_that_fills_ends_the_run_safely(setup: RigSetup, emulator: Emulat
 
 
 def test_a_stalled_camera_is_written_down_and_the_rest_is_whole(
-    setup: RigSetup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    setup: RigSetup, emulator: Emulator, tmp_path: Path
 ) -> None:
-    import rig.record
-
     setup = replace(setup, camera=CameraSettings("emulated", 0.05, 0.001))
-    optics = EmulatedOptics(DECLARED.camera, stall=(4.5, 6.0))
-    monkeypatch.setattr(rig.record, "EmulatedOptics", lambda _: optics)
+    optics = replace(EmulatedOptics.of(DECLARED), stall=(5.0, 6.5))
     path = tmp_path / "run.rrd"
-    with connected(setup) as board, opened_camera(setup, board.time) as camera:
-        result = record(setup, board, camera, motion_of(WAVE, 4.0, setup, TABLE), path, name="stall")
+    with connected(setup) as board:
+        camera = Camera(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
+        result = record(setup, board, camera, motion_of(WAVE, 4.0, setup.limits, TABLE), path, name="stall")
+        camera.close()
     run = read_run(path)
     assert result.outcome == "complete"
     assert run.stop is not None
@@ -181,7 +137,9 @@ def test_a_stalled_camera_is_written_down_and_the_rest_is_whole(
 def test_water_that_does_not_settle_ends_before_anything_moves(setup: RigSetup, tmp_path: Path) -> None:
     setup = replace(setup, settle=SettleRule(threshold=1e-5, samples=60, timeout=1.5))  # below the cell's own noise
     with connected(setup) as board:
-        result = record(setup, board, None, motion_of(WAVE, 2.0, setup, TABLE), tmp_path / "run.rrd", name="restless")
+        result = record(
+            setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), tmp_path / "run.rrd", name="restless"
+        )
     assert result.outcome == "not_settled"
     run = read_run(tmp_path / "run.rrd")
     assert np.all(run.command == 0.0)
@@ -191,7 +149,7 @@ def test_a_taken_path_is_refused_before_anything_moves(setup: RigSetup, tmp_path
     path = tmp_path / "run.rrd"
     path.write_bytes(b"mine")
     with connected(setup) as board, pytest.raises(InputError, match="is there already"):
-        record(setup, board, None, motion_of(WAVE, 2.0, setup, TABLE), path, name="again")
+        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), path, name="again")
     assert path.read_bytes() == b"mine"
 
 
@@ -207,7 +165,7 @@ def test_a_replayed_run_is_the_run(setup: RigSetup, tmp_path: Path) -> None:
     from rig.replay import drive
 
     with connected(setup) as board:
-        record(setup, board, None, motion_of(WAVE, 2.0, setup, TABLE), tmp_path / "run.rrd", name="first")
+        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), tmp_path / "run.rrd", name="first")
         result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert result.outcome == "complete"
     assert difference.seconds > 1.9

@@ -7,69 +7,23 @@ import time
 import numpy as np
 import pytest
 
+from benchmarks._rig_scene import NEUTRAL_US, WAVE, gaps, once, played, to_neutral, wrong_samples
 from rig import protocol
 from rig.board import Board
 from rig.emulator import Emulator
 from rig.fault import Fault
-from rig.play import PlayEnd, PlayStart, arm, play
-from rig.protocol import Event, EventCode, LoadSample, Sample, ServoSample, Type
-from rig.safety import SafetyLimits, ServoCalibration, set_points
-from tentacle.waveform import Sine
-
-WAVE = Sine(0.5, 1.0)
-NEUTRAL_US = 1500
-
-
-def collect(
-    board: Board, limits: SafetyLimits, seconds: float = 2.0, act=None
-) -> tuple[list[Sample], PlayStart, PlayEnd]:
-    """Plays WAVE; act(elapsed seconds since the start) is called all along."""
-    samples: list[Sample] = []
-    start = end = None
-    begun = time.monotonic()
-    for item in play(board, set_points(WAVE, seconds, limits), limits):
-        if isinstance(item, PlayStart):
-            start, begun = item, time.monotonic()
-        elif isinstance(item, PlayEnd):
-            end = item
-        else:
-            samples += item
-        if act is not None and start is not None:
-            act(time.monotonic() - begun)
-    assert start is not None
-    assert end is not None
-    return samples, start, end
-
-
-def once(when: float, deed):
-    """Calls deed() the first time that so many seconds have passed."""
-    done = []
-
-    def act(elapsed: float) -> None:
-        if elapsed > when and not done:
-            done.append(True)
-            deed()
-
-    return act
-
-
-def wait_for_neutral(emulator: Emulator, within: float) -> float:
-    """Seconds until the pin is at neutral; fails after `within`."""
-    begun = time.monotonic()
-    while emulator.truth().pulse_us != NEUTRAL_US:
-        assert time.monotonic() - begun < within
-        time.sleep(0.005)
-    return time.monotonic() - begun
+from rig.play import arm
+from rig.protocol import Event, EventCode, LoadSample, ServoSample, Type
+from rig.safety import SafetyLimits, ServoCalibration
 
 
 def test_a_run_is_whole_and_on_time(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
     arm(board, limits, servo)
-    samples, start, end = collect(board, limits)
+    samples, start, end = played(board, 2.0)
     assert end.outcome == "complete"
-    numbers = [s.number for s in samples]
-    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))  # none lost, none doubled, in order
+    assert gaps(samples) == 0  # none lost, none doubled, in order
     servo_samples = [s for s in samples if isinstance(s, ServoSample)]
     t = np.array([1e-6 * (s.board_us - start.start_us) for s in servo_samples])
     command = np.array([1e-6 * s.command_urad for s in servo_samples])
@@ -89,21 +43,14 @@ def test_a_bad_line_costs_time_but_no_sample_and_no_truth(
 ) -> None:
     emulator.say("line", 0.01, 0.01, 0.01)
     arm(board, limits, servo)
-    samples, start, end = collect(board, limits)
+    samples, start, end = played(board, 2.0)
     assert end.outcome == "complete"
-    numbers = [s.number for s in samples]
-    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    assert gaps(samples) == 0
     counters = board.counters
     assert counters.samples_lost == 0
     assert counters.host_bad_frames > 50
     assert counters.retries > 0
-    for sample in samples:  # what is accepted is what the board measured: times rise, values are the plant's
-        if isinstance(sample, ServoSample):
-            t = 1e-6 * (sample.board_us - start.start_us)
-            wanted = float(WAVE(t)[0]) if 0 <= t < 2 else 0.0
-            assert abs(1e-6 * sample.command_urad - wanted) < 0.08  # 8 rad/s over two frames, at the run's ends
-        elif isinstance(sample, LoadSample):
-            assert abs(sample.counts - 52000) < 20000
+    assert wrong_samples(samples, start, 2.0) == 0  # what is accepted is what the board measured
     emulator.say("line", 0.0, 0.0, 0.0)
 
 
@@ -115,14 +62,13 @@ def test_unplugged_and_plugged_in_again(
 
     def unplug() -> None:
         emulator.say("unplug")
-        gone.append(wait_for_neutral(emulator, 0.6))
+        gone.append(to_neutral(emulator))
         emulator.say("replug")
 
-    samples, _, end = collect(board, limits, act=once(0.8, unplug))
+    samples, _, end = played(board, 2.0, once(0.8, unplug))
     assert end.outcome == "watchdog" or "gone" in end.words
     assert gone[0] < 0.5
-    numbers = [s.number for s in samples]
-    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))  # the board kept what was missed
+    assert gaps(samples) == 0  # the board kept what was missed
     assert any(isinstance(s, Event) and s.code == EventCode.WATCHDOG for s in samples)
     assert board.counters.reconnects == 1
 
@@ -131,25 +77,25 @@ def test_board_reset_in_a_run_is_said(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
     arm(board, limits, servo)
-    _, _, end = collect(board, limits, act=once(0.5, lambda: emulator.say("reset")))
+    _, _, end = played(board, 2.0, once(0.5, lambda: emulator.say("reset")))
     assert end.outcome == "board_reset"
-    wait_for_neutral(emulator, 0.2)  # it was armed again: not left limp
+    assert to_neutral(emulator) < 0.2  # it was armed again: not left limp
 
 
 def test_jammed_servo_ends_the_run(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
     arm(board, limits, servo)
-    _, _, end = collect(board, limits, act=once(0.5, lambda: emulator.say("jam", 1)))
+    _, _, end = played(board, 2.0, once(0.5, lambda: emulator.say("jam", 1)))
     assert end.outcome == "overcurrent"
-    wait_for_neutral(emulator, 0.5)
+    assert to_neutral(emulator) < 0.5
 
 
 def test_cell_faults_are_events_and_never_readings(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
     arm(board, limits, servo)
-    samples, _, end = collect(board, limits, seconds=3.0, act=once(0.5, lambda: emulator.say("cell_glitch")))
+    samples, _, end = played(board, 3.0, once(0.5, lambda: emulator.say("cell_glitch")))
     assert end.outcome == "complete"
     codes = [s.code for s in samples if isinstance(s, Event)]
     assert EventCode.CELL_ERROR in codes

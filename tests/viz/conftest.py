@@ -65,12 +65,13 @@ def make_run(name: str, duration: float, seed: int, folder: Path | None) -> tupl
     covariance = np.tile(np.diag([1e-6, 4e-4, 3e-3]), (len(t), 1, 1))
     reason = tuple("" if good else "outline and picture disagree" for good in accepted)
     shape = ShapeTrack(t, coefficients, covariance, accepted, reason, 1.0, 0.001, np.zeros(2))
-    augmented_xy = midline(theta, augmented, s, ARM.length)
+    base_xy, augmented_xy = (midline(theta, q, s, ARM.length) for q in (base, augmented))
     run = RunComparison(
-        name, t, s, measured, midline(theta, base, s, ARM.length), augmented_xy,
+        name, t, s, measured, base_xy, augmented_xy,
         np.where(accepted[:, None], truth, np.nan), base, augmented, t > 2 / 3 * duration, theta,
         thrust_base=0.02 * np.sin(2 * np.pi * 1.2 * t), thrust_augmented=0.01 + 0.02 * np.sin(2 * np.pi * 1.2 * t),
-        drag=0.3 * np.gradient(augmented_xy, 1 / 30, axis=0),
+        drag_base=-0.3 * np.gradient(base_xy, 1 / 30, axis=0),
+        drag_augmented=-0.3 * np.gradient(augmented_xy, 1 / 30, axis=0),
     )  # fmt: skip
     video = None if folder is None else Video(make_video(folder / f"{name.replace(' ', '_')}.mp4", xy, 30.0))
     load_t = np.arange(0.0, duration, 1 / 80)

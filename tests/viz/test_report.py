@@ -111,9 +111,7 @@ def test_under_three_megabytes_and_the_same_again(case, page):
 
 @pytest.mark.parametrize("verdict", ["nothing_missing", "group", "unknown"])
 def test_every_verdict_has_a_page_even_where_little_was_measured(case, verdict):
-    run = replace(
-        case.diagnosis.runs[0], q_measured=np.full((180, 2), np.nan), thrust_base=None, thrust_augmented=None, drag=None
-    )
+    run = replace(case.diagnosis.runs[0], q_measured=np.full((180, 2), np.nan), thrust_base=None, thrust_augmented=None)
     nothing = ErrorMeasure()
     bare = replace(
         case.diagnosis, verdict=verdict, effects=("current", "gravity_tilt") if verdict == "group" else (),

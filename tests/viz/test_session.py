@@ -12,6 +12,7 @@ from rerun.chunk import RrdReader
 from tentacle.errors import InputError
 from tentacle.signals import Video
 from viz.session import write_session
+from viz.topics.forces import thrust_of
 from viz.topics.verdict import verdict_markdown
 
 
@@ -61,7 +62,8 @@ def test_values_and_times_come_back_as_they_went_in(case, written):
 
 def test_every_topic_of_every_run_is_there(written):
     found = read(written)
-    topics = ["arms/measured", "arms/base", "arms/augmented", "arms/drag", "arms/water", "q1/base", "q2/measured/low",
+    topics = ["arms/measured", "arms/base", "arms/augmented", "arms/drag/base", "arms/thrust/augmented",
+              "arms/water", "q1/base", "q2/measured/low",
               "theta", "residual/base/map", "residual/augmented/now", "error/augmented", "spectrum", "thrust/measured",
               "thrust/base", "events"]  # fmt: skip
     for run in ("chirp\\ 1", "gait\\:\\ trial\\/2"):
@@ -88,6 +90,22 @@ def test_the_video_inside_is_av1_and_has_every_frame_at_its_time(case, written):
     assert b"av01" in bytes(blob)
     times = np.concatenate([times_of(b) for b in batches if "time" in b.schema.names])
     np.testing.assert_allclose(times, case.diagnosis.runs[0].t, atol=1e-4)  # mp4 ticks: 1/90000 s and the source's own
+
+
+def test_force_arrows_are_on_one_scale_and_add_up_to_the_thrust(case, written):
+    """The longest drag arrow is half the arm; the thrust's is in proportion to the sum of the drag along y (eq. 17)."""
+    run = case.diagnosis.runs[0]
+    found, lengths = read(written), []
+    for key in ("base", "augmented"):
+        batches = [b for b in found[f"/runs/chirp\\ 1/arms/drag/{key}"] if "time" in b.schema.names]
+        vectors = np.concatenate([np.array(row) for b in batches for row in b.column("Arrows3D:vectors").to_pylist()])
+        lengths.append(np.linalg.norm(vectors, axis=1).max())
+    assert max(lengths) == pytest.approx(0.07, rel=0.02)  # 12 of the 41 points are drawn
+    thrust = thrust_of(run.drag_augmented, run.s, 0.14)
+    batches = [b for b in found["/runs/chirp\\ 1/arms/thrust/augmented"] if "time" in b.schema.names]
+    drawn = np.array([row[0][1] for b in batches for row in b.column("Arrows3D:vectors").to_pylist()])
+    strongest = max(np.abs(thrust_of(drag, run.s, 0.14)).max() for drag in (run.drag_base, run.drag_augmented))
+    np.testing.assert_allclose(drawn, 0.07 * thrust / strongest, atol=1e-8)  # float32
 
 
 def test_small_on_disk(case, written):

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+import socket
+import time
 from dataclasses import replace
 from pathlib import Path
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
@@ -12,13 +16,10 @@ from rerun.chunk import RrdReader
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.recording_rrd import write_rrd
-from tentacle.signals import LoadCellSignal, MotorSignal
+from viz.blueprints.rig import LivePaths, rig_blueprint
 from viz.compare import Motion, model_markdown, motions_scene, write_comparison
-from viz.live import LiveSession
-from viz.optimise import Search, write_optimisation
-from viz.topics.events import Event
-from viz.track import track_scene, write_recording_view, write_track
-from viz.viewer import headless_viewer, holds_recording, open_native, require_recordings, screenshot, serve_web
+from viz.track import track_scene, write_recording_view
+from viz.viewer import DECLARATION, headless_viewer, holds, open_native, require_recordings, screenshot, serve_web
 
 
 def entities(path: Path) -> set[str]:
@@ -36,15 +37,9 @@ def test_a_track_is_drawn_where_it_was_seen(case):
 
 
 def test_a_track_session_has_video_shape_and_bands_but_no_residual(case, tmp_path):
-    found = entities(write_track(case.recordings[0], tmp_path / "track.rrd"))
+    found = entities(write_recording_view(case.recordings[0], tmp_path / "track.rrd"))
     assert {"/runs/chirp\\ 1/camera/measured", "/runs/chirp\\ 1/q1/measured/high", "/runs/chirp\\ 1/events"} <= found
     assert not any("residual" in path or "error" in path for path in found)
-
-
-def test_what_was_not_tracked_cannot_be_shown_as_tracked(case, tmp_path):
-    with pytest.raises(InputError, match="not been tracked"):
-        write_track(replace(case.recordings[0], shape=None), tmp_path / "track.rrd")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_recording_is_shown_with_whatever_it_has(case, tmp_path):
@@ -57,39 +52,39 @@ def test_a_recording_is_shown_with_whatever_it_has(case, tmp_path):
 
 
 def test_a_session_is_told_from_a_recording(case, tmp_path):
-    session = write_track(replace(case.recordings[0], video=None), tmp_path / "session.rrd")
-    assert not holds_recording(session)
+    session = write_recording_view(replace(case.recordings[0], video=None), tmp_path / "session.rrd")
+    assert not holds(session, DECLARATION)
     write_rrd(replace(case.recordings[0], video=None), tmp_path / "recording.rrd")
-    assert holds_recording(tmp_path / "recording.rrd")
+    assert holds(tmp_path / "recording.rrd", DECLARATION)
 
 
 def test_two_models_are_held_against_one_another(case, tmp_path):
     run = case.diagnosis.runs[0]
-    motions = {"MuJoCo reference": Motion(run.augmented), "affine/2": Motion(run.base, run.q_base)}
+    motions = {"MuJoCo reference": Motion(run.augmented), "affine/2": Motion(run.base, run.q_base, drag=run.drag_base)}
     scene = motions_scene("side by side", run.t, run.s, run.theta, motions)
     page = model_markdown(case.diagnosis.base_model, ("first mode 5.16 Hz",))
     declared = Recording("side by side", case.recordings[0].declaration)
     found = entities(write_comparison(scene, declared, page, tmp_path / "compare.rrd"))
-    assert {"/page", "/runs/side\\ by\\ side/arms/affine\\/2", "/runs/side\\ by\\ side/error/affine\\/2"} <= found
+    assert {"/page", "/runs/side\\ by\\ side/arms/affine\\/2", "/runs/side\\ by\\ side/arms/thrust/affine\\/2"} <= found
     assert "| elasticity | E | 210000 | 200000 to 220000 | Pa |" in page
 
 
-def test_the_best_so_far_never_falls_and_failed_trials_do_not_count(tmp_path):
-    search = Search(np.arange(5), np.array([0.1, np.nan, 0.05, 0.3, 0.2]), np.array([0.0, 1.0]), np.array([0.0, 0.1]))
-    np.testing.assert_array_equal(search.best_so_far, [0.1, 0.1, 0.1, 0.3, 0.3])
-    found = entities(write_optimisation({"CMA-ES": search}, "mean thrust [N]", tmp_path / "optimise.rrd"))
-    assert {"/search/CMA-ES/best", "/search/CMA-ES/trials", "/motion"} <= found
+def test_a_running_rig_is_followed_on_the_boards_time():
+    """Every path is in a view, and the time panel follows the line that was asked for."""
+    paths = LivePaths("/rig/a", "/rig/b", "/rig/c", "/rig/d", "/rig/e", "board_time")
+    blueprint = rig_blueprint(paths)
+    said = str([vars(part) for part in walk(blueprint.root_container)])
+    assert [path for path in ("/rig/a", "/rig/b", "/rig/c", "/rig/d", "/rig/e") if path not in said] == []
+    assert blueprint.time_panel.timeline == "board_time"
+    assert blueprint.time_panel.play_state == "following"
 
 
-def test_a_running_session_keeps_what_came_before_it_ended(tmp_path):
-    path = tmp_path / "live.rrd"
-    t = np.array([0.0, 0.02])
-    with LiveSession("bench", path) as session:
-        session.servo(MotorSignal(t, t, t))
-        session.load_cell(LoadCellSignal(t, t))
-        session.events([Event(0.01, "WARN", "retry 1 of 5")])
-    wanted = {f"/runs/bench/{topic}" for topic in ("servo/command", "servo/angle", "thrust/measured", "events")}
-    assert wanted <= entities(path)
+def walk(part):
+    """A part of a layout and all that is inside it."""
+    yield part
+    for inner in getattr(part, "contents", []):
+        if not isinstance(inner, str):
+            yield from walk(inner)
 
 
 def test_only_recordings_are_opened(tmp_path):
@@ -110,7 +105,6 @@ def test_the_viewer_listens_on_this_machine_only(monkeypatch):
         raise OSError("not started in this test")
 
     monkeypatch.setattr("viz.viewer.subprocess.Popen", note)
-    monkeypatch.setattr("viz.viewer.subprocess.run", note)
     with pytest.raises(OSError, match="not started"), headless_viewer():
         pass
     for start in (open_native, serve_web):
@@ -119,10 +113,41 @@ def test_the_viewer_listens_on_this_machine_only(monkeypatch):
     assert [command[command.index("--bind") + 1] for command in asked] == ["127.0.0.1"] * 3
 
 
+def test_a_web_page_is_served_here_alone_until_ctrl_c_and_nothing_is_left_behind(case, tmp_path):
+    """The page and the data answer on 127.0.0.1, on no other address of this machine; then nobody listens any more."""
+    session = write_recording_view(replace(case.recordings[0], video=None), tmp_path / "view.rrd")
+    seen = []
+
+    def visit(words: str) -> None:
+        page = words.split()[0]
+        with urlopen(page, timeout=10) as answer:
+            assert b"<html" in answer.read(2000)
+        ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", page)]
+        assert len(ports) == 2  # the page's and the data's
+        others = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
+        for address in others - {"127.0.0.1"}:
+            assert [answers(address, port) for port in ports] == [False, False]
+        seen.extend(ports)
+        raise KeyboardInterrupt  # as the reader's Ctrl-C
+
+    with pytest.raises(KeyboardInterrupt):
+        serve_web([session], told=visit)
+    deadline = time.monotonic() + 10.0
+    while any(answers("127.0.0.1", port) for port in seen) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert [answers("127.0.0.1", port) for port in seen] == [False, False]
+
+
+def answers(address: str, port: int) -> bool:
+    with socket.socket() as probe:
+        probe.settimeout(2.0)
+        return probe.connect_ex((address, port)) == 0
+
+
 def test_a_picture_without_a_screen_or_a_line_that_says_what_to_install(case, tmp_path):
     import cv2
 
-    path = write_track(replace(case.recordings[0], video=None), tmp_path / "track.rrd")
+    path = write_recording_view(replace(case.recordings[0], video=None), tmp_path / "track.rrd")
     try:
         screenshot([path], tmp_path / "view.png", at=1.0, settle=3.0)
     except InputError as error:

@@ -23,6 +23,7 @@ class Shown:
     camera: bool
     thrust: bool
     events: bool
+    forces: str = ""  # what the force arrows' lengths mean
 
 
 def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
@@ -36,15 +37,18 @@ def run_page(shown: Shown) -> rrb.Container:
     path = run_path(shown.name)
     seen: list[rrb.View] = [camera_view(path)] if shown.camera else []
     if shown.arms:
-        seen.append(space_view(path, shown.declaration))
-    signals = [lines_view(f"{path}/theta", "servo angle [rad]")]
+        name = f"arms (3D); {shown.forces}" if shown.forces else "arms (3D)"
+        seen.append(space_view(path, shown.declaration, name))
+    # colours mean the same in every view: where the models' error has a legend, it speaks for all and covers no other
+    legend = not shown.models
+    signals = [lines_view(f"{path}/theta", "servo angle [rad]", legend)]
     if shown.coordinates:
-        signals = [lines_view(f"{path}/q1", "q1 [rad]"), lines_view(f"{path}/q2", "q2 [rad]")]
+        signals = [lines_view(f"{path}/q{index}", f"q{index} [rad]", legend) for index in (1, 2)]
     if shown.models:
         signals.append(lines_view(f"{path}/error", "distance, rms along the arm [mm]"))
     if shown.thrust:
-        signals.append(lines_view(f"{path}/thrust", "thrust [N]"))
-    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")] if shown.coordinates else []
+        signals.append(lines_view(f"{path}/thrust", "thrust [N]", legend))
+    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]", legend)] if shown.coordinates else []
     if shown.events:
         last.insert(0, events_view(path))
     right: list[rrb.View | rrb.Container] = []

@@ -12,7 +12,7 @@ from tentacle.recording import Declaration
 from viz.topics.paths import TIMELINE
 
 
-def space_view(path: str, declaration: Declaration, name: str = "arms (3D)") -> rrb.Spatial3DView:
+def space_view(path: str, declaration: Declaration, name: str) -> rrb.Spatial3DView:
     """The tank as the camera sees it, a little from above: n to the right, gravity down, all its reach in view.
 
     The default eye of the viewer clips an object of this size.
@@ -23,14 +23,16 @@ def space_view(path: str, declaration: Declaration, name: str = "arms (3D)") -> 
     across = np.array([down[1], -down[0], 0.0])
     away = np.array([0.0, 0.0, -1.0])  # x right and y down, as in a picture, is seen from below z = 0
     target = np.array([0.0, 0.45 * length, 0.0])
-    eye = target + length * (1.9 * away + 0.45 * across - 0.3 * down)
+    eye = target + length * (1.6 * away + 0.4 * across - 0.25 * down)
     controls = rrb.EyeControls3D(position=eye, look_target=target, eye_up=-down)
     return rrb.Spatial3DView(origin=f"{path}/arms", name=name, eye_controls=controls, line_grid=False)
 
 
-def lines_view(path: str, name: str) -> rrb.TimeSeriesView:
+def lines_view(path: str, name: str, legend: bool = True) -> rrb.TimeSeriesView:
     """Lines over time; the name says quantity and unit."""
-    return rrb.TimeSeriesView(origin=path, name=name, plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop))
+    return rrb.TimeSeriesView(
+        origin=path, name=name, plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=legend)
+    )
 
 
 def camera_view(path: str) -> rrb.Spatial2DView:

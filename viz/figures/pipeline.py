@@ -23,6 +23,25 @@ class Still:
     lines: Sequence[tuple[Role, Array]] = field(default_factory=tuple)
 
 
+def crop_around(stills: Sequence[Still], points: Array, margin: float = 0.25) -> list[Still]:
+    """The stills cut to the points (N, 2) [px] that must be seen, with a margin on each side of that share of the
+    longer side; where missing (NaN), a point counts for nothing.
+    """
+    low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    around = margin * float(np.max(high - low))
+    size = np.array(stills[0].picture.shape[1::-1])
+    left, top = np.clip(np.floor(low - around), 0, size - 1).astype(int)
+    right, bottom = np.clip(np.ceil(high + around), 1, size).astype(int)
+    return [
+        Still(
+            still.title,
+            still.picture[top:bottom, left:right],
+            [(role, line - np.array([left, top])) for role, line in still.lines],
+        )
+        for still in stills
+    ]
+
+
 def pipeline_figure(steps: Sequence[Still]) -> Figure:
     """The steps in a row, lettered a, b, c ... as in the paper; pixels of the camera."""
     return stills_figure([steps], lettered=True)

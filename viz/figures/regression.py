@@ -22,7 +22,7 @@ def regression_figure(t: Array, delta: Array, prediction: Array, scene: Scene) -
             left.set_ylabel(f"row {index + 1} [mN m]")
             for party in (scene.subject, scene.models[0]):
                 if party.q is not None:
-                    draw(right, MEASURED if party is scene.subject else BASE, scene.t, party.q[:, index])
+                    draw(right, party.role, scene.t, party.q[:, index])
             right.set_ylabel(f"q{index + 1} [rad]")
         for axes in panels[-1]:
             axes.set_xlabel("t [s]")

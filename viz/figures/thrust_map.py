@@ -28,9 +28,8 @@ class ThrustMap:
 def draw_map(axes: Axes, arm: ThrustMap, thrust: Array, limits: tuple[float, float], title: str) -> None:
     """One map [mN] on the colour limits of all."""
     cells = np.arange(len(arm.frequency)), np.arange(len(arm.amplitude))
-    axes.pcolormesh(
-        *cells, 1e3 * thrust, cmap=SEQUENTIAL_MAP, shading="nearest", rasterized=True, vmin=limits[0], vmax=limits[1]
-    )
+    edges = [np.arange(len(along) + 1) - 0.5 for along in cells]
+    axes.pcolormesh(*edges, 1e3 * thrust, cmap=SEQUENTIAL_MAP, rasterized=True, vmin=limits[0], vmax=limits[1])
     axes.set_xticks(cells[0], [f"{f:.3g}" for f in arm.frequency], rotation=60 if len(cells[0]) > 6 else 0)
     axes.set_yticks(cells[1], [f"{a:.3g}" for a in arm.amplitude])
     axes.set_xlabel("frequency [Hz]")
@@ -43,7 +42,7 @@ def thrust_map_figure(arms: Sequence[ThrustMap]) -> Figure:
     with house_style():
         maps = [m for arm in arms for m in (arm.measured, arm.modelled) if m is not None]
         values = 1e3 * np.concatenate([m[np.isfinite(m)] for m in maps])
-        limits = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
+        limits = (min(0.0, float(values.min())), float(values.max())) if values.size else (0.0, 1.0)
         rows = 2 if any(arm.measured is not None for arm in arms) else 1
         figure = new_figure(0.4 + 2.2 * rows)
         panels = figure.subplots(rows, len(arms), squeeze=False)

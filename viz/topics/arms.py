@@ -1,4 +1,4 @@
-"""Arms in the tank, in 3D: tubes with the section's radius, markers with lines to where a model puts them, the drag."""
+"""Arms in the tank, in 3D: tubes with the section's radius, markers with lines to where a model puts them."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import rerun as rr
 from tentacle.recording import Declaration
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
-from viz.palette import MEASURED, NEUTRAL, REFERENCE, Role
+from viz.palette import MEASURED, NEUTRAL, Role
 from viz.scene import Party, Scene
 from viz.topics.paths import seconds
-from viz.tube import planar_to_space, thin, tube
+from viz.tube import planar_to_space, tube
 
 CORE = 0.3  # a model's arm is drawn this thick, in front of the measured one: both are seen where they agree
 
@@ -31,18 +31,6 @@ def log_markers(session: rr.RecordingStream, path: str, role: Role, t: Array, xy
     present = np.isfinite(xy).all(axis=-1)
     session.log(path, rr.Points3D.from_fields(colors=[role.colour], radii=[radius]), static=True)
     columns = rr.Points3D.columns(positions=planar_to_space(xy)[present])
-    session.send_columns(path, [seconds(t)], columns.partition(present.sum(axis=1)))
-
-
-def log_drag(session: rr.RecordingStream, path: str, t: Array, xy: Array, drag: Array, length: float) -> None:
-    """The water's force per length, drag (T, P, 2) [N/m], as arrows; a run's largest is a third of the arm long."""
-    keep = thin(xy.shape[1], 10)
-    points, force = planar_to_space(xy[:, keep]), planar_to_space(drag[:, keep])
-    largest = float(np.nanmax(np.linalg.norm(force, axis=-1), initial=0.0))
-    scale = length / 3.0 / largest if largest > 0 else 0.0
-    present = np.isfinite(points).all(axis=-1) & np.isfinite(force).all(axis=-1)
-    session.log(path, rr.Arrows3D.from_fields(colors=[REFERENCE.colour], radii=[length / 250]), static=True)
-    columns = rr.Arrows3D.columns(vectors=scale * force[present], origins=points[present])
     session.send_columns(path, [seconds(t)], columns.partition(present.sum(axis=1)))
 
 
@@ -77,7 +65,7 @@ def log_misses(session: rr.RecordingStream, path: str, scene: Scene, party: Part
 
 
 def log_arms(session: rr.RecordingStream, path: str, scene: Scene, declaration: Declaration) -> None:
-    """Every party's arm of a scene, and the drag on the last one where it is known."""
+    """Every party's arm of a scene."""
     arm = declaration.specimen
     log_tank(session, f"{path}/arms", declaration)
     for party in scene.parties:
@@ -88,5 +76,3 @@ def log_arms(session: rr.RecordingStream, path: str, scene: Scene, declaration: 
         log_markers(session, where, party.role, scene.t, party.xy, arm.length / 60)
         if party is not scene.subject:
             log_misses(session, f"{where}/miss", scene, party, arm.length / 300)
-    if scene.drag is not None:
-        log_drag(session, f"{path}/arms/drag", scene.t, scene.parties[-1].xy, scene.drag, arm.length)

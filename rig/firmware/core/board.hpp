@@ -43,6 +43,7 @@ class Board {
   void add(const Sample& sample);
 
   void send(const Frame& frame);
+  void send_answer(const Frame& command, Reason reason);
   void send_boot(std::uint8_t sequence, std::uint64_t now_us);
   void flush();
 
@@ -62,7 +63,7 @@ class Board {
   std::uint64_t current_high_since_us_ = 0;
   std::uint64_t flash_until_us_ = 0;
   std::uint32_t bad_frames_ = 0;
-  bool answered_ = false;       // the last command's answer is kept: a repeated command is answered, not repeated
+  bool answered_ = false;       // the last command's answer is kept: a repeated command is answered, not repeated (POINTS may be)
   std::uint8_t last_type_ = 0;
   std::uint8_t last_sequence_ = 0;
   Reason last_reason_ = Reason{};

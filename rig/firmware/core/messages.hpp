@@ -36,11 +36,10 @@ enum class Reason : std::uint8_t {
   kNoLimits = 4,
   kBadLimits = 5,
   kOutsideLimits = 6,
-  kBadIndex = 7,
-  kQueueFull = 8,
-  kTooFewPoints = 9,
-  kBadStart = 10,
-  kBusy = 11,
+  kQueueFull = 7,
+  kTooFewPoints = 8,
+  kBadStart = 9,
+  kBusy = 10,
 };
 
 enum class State : std::uint8_t { kUnarmed = 0, kReady = 1, kWaiting = 2, kPlaying = 3, kReturning = 4 };

@@ -60,7 +60,7 @@ int main(int count, char** words) {
   if (given.count("--plant-in") != 0)
     plant = std::make_unique<PipePlant>(static_cast<int>(number(given, "--plant-in", 0)),
                                         static_cast<int>(number(given, "--plant-out", 0)),
-                                        number(given, "--plant-step-s", 0.005));
+                                        number(given, "--plant-step-s", 0.002));
   else
     plant = std::make_unique<Paddle>();
 
@@ -77,7 +77,7 @@ int main(int count, char** words) {
   truth.boot_offset_us = 1e6 * number(given, "--boot-s", 3);
   plant->advance(0, 0, false);  // it may have to compile first; time starts when it has answered
   truth.host_zero_s = host_seconds();
-  double time_us = 0;
+  double time_us = 0, hung_n = 0;
   hardware.now_us = truth.boot_offset_us;
 
   const auto obey = [&](const std::string& line) -> bool {
@@ -100,6 +100,7 @@ int main(int count, char** words) {
     } else if (verb == "mute") hardware.mute_until_us = hardware.now_us + 1e6 * a;
     else if (verb == "cell_off") hardware.chip.stuck = a != 0;
     else if (verb == "cell_glitch") hardware.stretch = 12;  // the 12th clock pulse from now is stretched
+    else if (verb == "load") hung_n = a;
     else if (verb == "jam") hardware.jammed = a != 0;
     else std::printf("unknown %s\n", verb.c_str());
     std::printf("done %s\n", verb.c_str());
@@ -134,7 +135,7 @@ int main(int count, char** words) {
       if (board_us > hardware.now_us) hardware.now_us = board_us;
       const bool armed = hardware.pulse_us != 0;
       plant->advance(1e-6 * time_us, armed ? (hardware.pulse_us - 1500.0) / kUsPerRadian : 0.0, armed);
-      hardware.chip.advance(hardware.now_us, plant->state().force_n);
+      hardware.chip.advance(hardware.now_us, plant->state().force_n + hung_n);
       if (stalled || left_us <= kStepUs) hardware.receive();
       board->step();
       hardware.transmit();

@@ -77,29 +77,44 @@ class Paddle : public Plant {
   double time_s_ = 0, rate_ = 0, bend_ = 0, bend_rate_ = 0;
 };
 
-// A process that keeps step: it reads (to_s, command_rad, armed) and writes a PlantState, as native doubles.
+// A process that keeps step: it reads (to_s, command_rad, armed) and writes a PlantState, as native doubles. It is one step
+// ahead, under the command of that step's begin; in between the state is interpolated.
 class PipePlant : public Plant {
  public:
   PipePlant(int from, int to, double step_s) : from_(from), to_(to), step_s_(step_s) {}
 
   void advance(double to_s, double command_rad, bool armed) override {
-    if (to_s < next_s_) return;
-    next_s_ = to_s + step_s_;
+    while (steps_ == 0 || to_s > static_cast<double>(steps_) * step_s_) {
+      before_ = after_;
+      ask(static_cast<double>(++steps_) * step_s_, command_rad, armed);
+      if (steps_ == 1) before_ = after_;
+    }
+    const double share = 1.0 + to_s / step_s_ - static_cast<double>(steps_);
+    const auto between = [share](double from, double to) { return from + share * (to - from); };
+    state_.angle_rad = between(before_.angle_rad, after_.angle_rad);
+    state_.force_n = between(before_.force_n, after_.force_n);
+    state_.current_ma = between(before_.current_ma, after_.current_ma);
+    for (int i = 0; i < kPlantPoints; ++i)
+      for (int k = 0; k < 2; ++k) state_.points[i][k] = between(before_.points[i][k], after_.points[i][k]);
+  }
+
+ private:
+  void ask(double to_s, double command_rad, bool armed) {
     const double request[3] = {to_s, command_rad, armed ? 1.0 : 0.0};
     if (::write(to_, request, sizeof request) != static_cast<ssize_t>(sizeof request)) leave();
-    auto* bytes = reinterpret_cast<char*>(&state_);
-    for (std::size_t have = 0; have < sizeof state_;) {
-      const ssize_t got = ::read(from_, bytes + have, sizeof state_ - have);
+    auto* bytes = reinterpret_cast<char*>(&after_);
+    for (std::size_t have = 0; have < sizeof after_;) {
+      const ssize_t got = ::read(from_, bytes + have, sizeof after_ - have);
       if (got <= 0) leave();
       have += static_cast<std::size_t>(got);
     }
   }
-
- private:
   [[noreturn]] static void leave() {
     std::fputs("the plant's process has ended\n", stderr);
     std::exit(3);
   }
   int from_, to_;
-  double step_s_, next_s_ = 0;
+  double step_s_;
+  std::uint64_t steps_ = 0;
+  PlantState before_, after_;
 };

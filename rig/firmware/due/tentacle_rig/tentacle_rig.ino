@@ -1,5 +1,5 @@
-// Arduino Due: the pins of the board's core. All that decides is in ../../core; copy or link that folder to src/core here
-// (the Arduino builder compiles src/ only):  ln -s ../../../core src/core
+// Arduino Due: the pins of the board's core. All that decides is in ../../core; copy that folder to src/core here
+// (the Arduino builder compiles src/ only).
 //
 //   part                      wire                Due
 //   servo signal              yellow / white      D9        (servo power from its own 6 V supply, grounds joined)

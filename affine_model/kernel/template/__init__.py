@@ -1,0 +1,14 @@
+"""The kernel's text with marks (@NAME@) where the effects' code goes. Read it beside affine_model.dynamics.
+
+`unrolled(m)` and `total(... for k in unrolled(m))` are written out, and the arrays of ARRAYS placed in one workspace,
+by affine_model.kernel.unroll. n is the order, NODES the number of quadrature nodes, b the individual's lane.
+"""
+
+from affine_model.kernel.template.motion import MOTION
+from affine_model.kernel.template.outcome import OUTCOME
+from affine_model.kernel.template.solution import SOLUTION
+from affine_model.kernel.template.start import ARRAYS, START
+
+__all__ = ["ARRAYS", "TEMPLATE"]
+
+TEMPLATE = START + MOTION + SOLUTION + OUTCOME

@@ -1,0 +1,80 @@
+"""The README's table of measured figures, from what the benchmarks wrote: no number is typed by hand.
+
+    python benchmarks/readme_table.py [NAME=FILE.json ...]
+
+NAME=FILE.json: what `benchmarks/NAME.py --json FILE.json` wrote; it is kept in docs/figures.json, figure by figure, and
+the table between README.md's marks is made anew from there. Without arguments the table alone is made anew.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+README, KEPT = ROOT / "README.md", ROOT / "docs" / "figures.json"
+BEGIN, END = "<!-- figures -->", "<!-- /figures -->"
+# benchmark, figure, words, unit, what was asked for; a row is shown once its figure is there
+ROWS = (
+    ("blind", "top1", "hidden effect named right, blind trials", "", ""),
+    ("blind", "calibration_gap", "stated confidence less hit rate, mean", "", ""),
+    ("vision", "rms_over_limit_max", "tracking error over the Cramer-Rao limit, worst look", "", ""),
+    ("vision", "fps_720p", "tracking at 720p", "frames/s", ""),
+    ("affine", "thrust_error", "mean thrust of the compiled model, relative error, median", "", ""),
+    ("affine", "coverage_95", "95 % intervals that hold the truth", "", ""),
+    ("affine", "identify_s", "identification", "s", ""),
+    ("swim", "speedup_14", "optimised gait over sine, 14 cm arm (paper: 5.5)", "", ""),
+    ("swim", "speedup_21", "the same, 21 cm (paper: 2.2)", "", ""),
+    ("swim", "speedup_25", "the same, 25 cm (paper: 3.2)", "", ""),
+    ("swim", "optimise_s", "one arm from model to checked gait", "s", ""),
+    ("rig", "gap_after_30", "gait after 30 trials on the rig, short of the best", "", ""),
+    ("first_hour", "import_s", "`import tentacle`", "s", "0.5"),
+    ("first_hour", "help_s", "`tentacle --help`", "s", "0.7"),
+    ("first_hour", "rrd_mb_39s", "session of a 39 s recording", "MB", "20"),
+    ("first_hour", "report_mb", "its report", "MB", "3"),
+    ("first_hour", "path_minutes", "clone to verdict, downloads apart", "min", ""),
+)
+
+
+def table(figures: dict[str, dict[str, float]]) -> str:
+    """The table as Markdown, of the figures that are known; a sentence where none is."""
+    rows = [
+        f"| {words} | {figures[benchmark][name]:.3g}{f' {unit}' if unit else ''} | {limit} | `{benchmark}.py` |"
+        for benchmark, name, words, unit, limit in ROWS
+        if name in figures.get(benchmark, {})
+    ]
+    if not rows:
+        return "No figure has been measured yet: `python benchmarks/readme_table.py NAME=FILE.json` puts them here."
+    return "\n".join(["| what | measured | at most | by benchmarks/ |", "|---|---|---|---|", *rows])
+
+
+def with_table(readme: str, figures: dict[str, dict[str, float]]) -> str:
+    """The README with its table made anew. ValueError where the marks are missing."""
+    before, begin, rest = readme.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"README.md lacks {BEGIN} or {END}")
+    return f"{before}{BEGIN}\n{table(figures)}\n{END}{after}"
+
+
+def kept() -> dict[str, dict[str, float]]:
+    """What is known so far: benchmark -> figure -> value."""
+    return json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
+
+
+def main() -> None:
+    """Take the results named, and write both files."""
+    figures = kept()
+    for argument in sys.argv[1:]:
+        name, _, file = argument.partition("=")
+        if not file or not (ROOT / "benchmarks" / f"{name}.py").exists():
+            raise SystemExit(f"{argument}: expected NAME=FILE.json, NAME one of benchmarks/NAME.py")
+        found = json.loads(Path(file).read_text(encoding="utf-8"))["figures"]
+        figures[name] = {key: value for key, value in found.items() if isinstance(value, int | float)}
+    KEPT.write_text(json.dumps(figures, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    README.write_text(with_table(README.read_text(encoding="utf-8"), figures), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""The rest without a name: after the catalogue, a few smooth terms of `unnamed`, where held-out data want them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.arm import parameter_index
+from affine_model.curvature import Array
+from affine_model.effects import catalogue
+from affine_model.identify.trajectory import fit
+from discovery.score import absorbed_basis, sensitivities
+from discovery.search import Hypothesis, held_out_misfit, hypothesis, nats_per_parameter
+
+NAME = "unnamed"
+MOST_TERMS = 3
+LARGEST_SHARE = 0.9  # of the held-out misfit beyond the noise that the terms may leave, to be worth their place
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The chosen model refitted with the terms; their names; the share of the held-out misfit beyond the noise that
+    they leave.
+    """
+
+    refitted: Hypothesis
+    terms: tuple[str, ...]
+    share: float
+
+
+def unnamed_rest(chosen: Hypothesis) -> Rest | None:
+    """The terms of the rest that pay, chosen one by one to first order, then refitted with the whole model.
+
+    None where none pays, nothing was held out, or the frames held out are not better followed for it.
+    """
+    count = _held_out_values(chosen)
+    terms, strengths = _chosen_terms(chosen)
+    if not count or not terms:
+        return None
+    parameters = chosen.fitted.parameters.copy()
+    limits = {parameter.name: parameter.bounds for parameter in catalogue()[NAME].parameters}
+    for term, strength in zip(terms, strengths, strict=True):
+        parameters[parameter_index(NAME, term)] = np.clip(strength, *limits[term])
+    free = (*chosen.problem.free, *((NAME, term) for term in terms))
+    problem = replace(chosen.problem, free=free, parameters=parameters)
+    fitted = fit(problem, chosen.fitted.nuisances, tolerance=1e-5, most=20)
+    before, after = (
+        held_out_misfit(problem, one) - 0.5 * count for one in (chosen.fitted, fitted)
+    )  # beyond the noise [nats]
+    price = nats_per_parameter(problem) * len(terms)
+    if before < price or after > LARGEST_SHARE * before or before - after < price:
+        return None
+    refitted = hypothesis(chosen.effects, replace(problem, parameters=fitted.parameters), fitted, chosen.reduction)
+    return Rest(refitted, terms, max(after, 0.0) / before)
+
+
+def _held_out_values(chosen: Hypothesis) -> int:
+    """How many residuals the held-out frames have."""
+    return sum(
+        int(np.count_nonzero(residuals[~experiment.used]))
+        for experiment, residuals in zip(chosen.problem.experiments, chosen.fitted.residuals, strict=True)
+    )
+
+
+def _chosen_terms(chosen: Hypothesis) -> tuple[tuple[str, ...], Array]:
+    """Names and first-order strengths of the terms, each worth its price in nats beside those before it."""
+    effect = catalogue()[NAME]
+    ((_, raw),) = sensitivities(chosen.problem, chosen.fitted, (effect,))[NAME]
+    basis = absorbed_basis(chosen.fitted)
+    columns = raw - basis @ (basis.T @ raw)
+    residual = chosen.fitted.used_residuals - basis @ (basis.T @ chosen.fitted.used_residuals)
+    terms: list[int] = []
+    strengths, gained = np.zeros(0), 0.0
+    while len(terms) < MOST_TERMS:
+        trials = [_explained(columns[:, [*terms, k]], residual) for k in range(columns.shape[1])]
+        best = int(np.argmax([gain for _, gain in trials]))
+        if best in terms or trials[best][1] - gained < nats_per_parameter(chosen.problem):
+            break
+        terms.append(best)
+        strengths, gained = trials[best]
+    return tuple(effect.parameters[k].name for k in terms), strengths
+
+
+def _explained(columns: Array, residual: Array) -> tuple[Array, float]:
+    """Strengths of columns together and their gain [nats], to first order."""
+    strengths, *_ = np.linalg.lstsq(columns, -residual, rcond=1e-8)
+    explained = columns @ strengths
+    return strengths, float(-residual @ explained - 0.5 * explained @ explained)

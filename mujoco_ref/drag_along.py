@@ -1,0 +1,45 @@
+"""The reference's drag along a midline that moves as drawn: what its water does to the sections, for the eye."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from mujoco_ref.influence import Fields, water_record
+from mujoco_ref.simulate import plain_parameters
+from mujoco_ref.water import wall_factor, water_motion
+from tentacle.midline_motion import midline_motion
+from tentacle.model import Model
+from tentacle.signals import Array
+
+
+def drag_along(model: Model, t: Array, s: Array, xy: Array) -> Array:
+    """Drag per length (T, P, 2) [N/m] in the base frame, of a midline xy (T, P, 2) [m] at t (T,) [s] and s (P,).
+
+    Relative to the water of the model's effects; added mass and buoyancy are not among it. NaN where the motion is.
+    """
+    motion = midline_motion(t, s, xy)
+    section = model.specimen.section
+    water = water_record(plain_parameters(model), model.fluid.density, model.specimen.length, (0.0, 0.0))
+    return _drag(t, xy, motion.velocity, motion.normal, section.width(s), section.perimeter(s), water[0])
+
+
+@njit(cache=True)
+def _drag(t: Array, xy: Array, velocity: Array, normal: Array, width: Array, perimeter: Array, water: Fields) -> Array:
+    """The resistances of water.water_forces, point by point."""
+    force = np.empty_like(xy)
+    for k in range(xy.shape[0]):
+        for i in range(xy.shape[1]):
+            x, y = xy[k, i]
+            c, s = normal[k, i]
+            wx, wy, _, _ = water_motion(x, y, t[k], water)
+            ux, uy = velocity[k, i, 0] - wx, velocity[k, i, 1] - wy
+            u_n, u_t = ux * c + uy * s, -ux * s + uy * c
+            speed = np.sqrt(u_n * u_n + u_t * u_t)
+            C_perp = water.C_perp
+            if water.wall_B != 0.0:
+                C_perp += wall_factor(x, 0.5 * width[i], water)
+            f_n = -(0.5 * water.density * C_perp * width[i] * speed + water.c_n) * u_n
+            f_t = -(0.5 * water.density * water.C_t * perimeter[i] * speed + 0.5 * water.c_n) * u_t
+            force[k, i, 0], force[k, i, 1] = f_n * c - f_t * s, f_n * s + f_t * c
+    return force

@@ -1,0 +1,97 @@
+"""A camera during a run: the flashes that place its frames in time, and the gaps in which it gave none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rig.camera import Camera, CameraFrame
+from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frames
+from rig.clock import ClockFit
+from rig.fault import Fault
+from rig.host_time import HostTime
+from rig.protocol import Event, EventCode
+from rig.setup_file import CameraSettings
+
+FLASH_MS = 120
+FLASH_EVERY = (0.3, 0.5)  # s, at random in between: flashes must not keep step with the frames
+WORST_SIGMA = 0.01  # s; flashes that say no more than that say nothing
+
+
+class Flashes:
+    """Frames and flashes as they come, and the camera's delay from both."""
+
+    def __init__(self) -> None:
+        self._frames: list[CameraFrame] = []
+        self._edges: dict[int, list[float]] = {EventCode.FLASH_ON: [], EventCode.FLASH_OFF: []}
+
+    def add_frames(self, frames: list[CameraFrame]) -> None:
+        """Frames, oldest first."""
+        self._frames += frames
+
+    def add_event(self, event: Event) -> None:
+        """An event of the board; flashes are kept."""
+        if event.code in self._edges:
+            self._edges[event.code].append(1e-6 * event.board_us)
+
+    def offset(self, fit: ClockFit) -> CameraOffset:
+        """The camera's delay; Fault("camera") where the flashes are not seen, or seen too dimly to tell."""
+        times = np.array([fit.to_board(frame.host_s) for frame in self._frames])
+        on, off = (np.array(edges) for edges in self._edges.values())
+        lit = lit_frames(np.array([frame.thumbnail for frame in self._frames]), times, on, off)
+        found = estimate_offset(times, lit, on, off)
+        if found.sigma > WORST_SIGMA:
+            raise Fault("camera", f"the flashes tell the camera's delay to {1e3 * found.sigma:.0f} ms only")
+        return found
+
+
+class CameraWatch:
+    """A camera while one run lasts. Frames from before it are let go."""
+
+    def __init__(self, camera: Camera, settings: CameraSettings, host_time: HostTime) -> None:
+        self._camera, self._settings, self._time = camera, settings, host_time
+        self._flashes: Flashes | None = Flashes()
+        self._offset: CameraOffset | None = None
+        self._gaps: list[tuple[float, float]] = []
+        self._stalled_since: float | None = None
+        camera.take()
+
+    def take(self) -> list[CameraFrame]:
+        """The frames that have come since the last call.
+
+        A stalled camera does not end a run, since motor and load cell are whole: the gap is written down.
+        """
+        frames = self._camera.take()
+        if self._flashes is not None:
+            self._flashes.add_frames(frames)
+        now = self._time.now()
+        if self._camera.stalled and self._stalled_since is None:
+            self._stalled_since = now
+        elif not self._camera.stalled and self._stalled_since is not None:
+            self._gaps.append((self._stalled_since, now))
+            self._stalled_since = None
+        return frames
+
+    def event(self, event: Event) -> None:
+        """An event of the board."""
+        if self._flashes is not None:
+            self._flashes.add_event(event)
+
+    def synchronise(self, fit: ClockFit) -> None:
+        """The flashes are over: what they say of the camera's delay, weighed with its calibration."""
+        assert self._flashes is not None
+        known = CameraOffset(self._settings.offset, self._settings.sigma, 0) if self._settings.sigma > 0 else None
+        try:
+            self._offset = combined(self._flashes.offset(fit), known)
+        except Fault:
+            self._offset = None  # the lamp is out of sight: the calibrated offset stands, and the record says so
+        self._flashes = None
+
+    def record(self) -> dict[str, Any]:
+        """For the stop record: the delay and where it is from, and the gaps [s] of host time."""
+        offset, sigma, source = self._settings.offset, self._settings.sigma, "calibrated"
+        if self._offset is not None:
+            offset, sigma, source = self._offset.offset, self._offset.sigma, "flashes of this run"
+        still = [(self._stalled_since, self._time.now())] if self._stalled_since is not None else []
+        return {"offset_s": offset, "offset_sigma_s": sigma, "offset_from": source, "gaps_host_s": self._gaps + still}

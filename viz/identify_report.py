@@ -1,0 +1,42 @@
+"""The report of `tentacle identify`, in the same design as that of diagnose."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from tentacle.model import Model
+from tentacle.recording import Recording
+from viz.diagnosis_report import parameter_rows, run_section, runs_section
+from viz.report import Origin, Report, Section, Table, render
+from viz.scene import Scene
+from viz.words import number
+
+
+def model_report(
+    model: Model,
+    headline: str,
+    words: Sequence[str],
+    regression: Mapping[str, float],
+    scenes: Sequence[Scene],
+    recordings: Sequence[Recording],
+    origin: Origin,
+) -> str:
+    """report.html of an identified model: its parameters with intervals, and every run beside its recording.
+
+    regression: the paper's values (effect.parameter -> value), empty where it could not be done. A recording a scene.
+    """
+    rows = [row[:5] for row in parameter_rows(model, None)]
+    header: tuple[str, ...] = ("effect", "parameter", "value", "95 % interval", "unit")
+    if regression:
+        names = [f"{effect}.{name}" for effect, values in model.parameters.items() for name in values]
+        rows = [(*row, number(regression.get(name))) for row, name in zip(rows, names, strict=True)]
+        header = (*header, "by the paper's regression")
+    arm = f"The arm is described by {model.order} curvature coordinates."
+    sections = [
+        Section("Parameters", [arm, *words], [Table("Parameters of the model", header, rows, numeric=(2, 5))]),
+        runs_section(scenes),
+        *(run_section(scene, recording) for scene, recording in zip(scenes, recordings, strict=True)),
+    ]
+    errors = [scene.judged_rms_mm(scene.models[0]) for scene in scenes if scene.models]
+    merits = [("largest error", f"{number(max(errors))} mm")] if errors else []
+    return render(Report("identify", "Identified model", headline, sections, origin, merits))

@@ -1,0 +1,58 @@
+"""Force arrows in 3D: the water's drag along each arm, and beside the servo what it adds up to, the thrust (eq. 17)."""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+
+from tentacle.signals import Array
+from tentacle.specimen import Specimen
+from viz.palette import Role
+from viz.scene import Party, Scene
+from viz.topics.paths import seconds
+from viz.tube import planar_to_space, thin
+
+ARROWS = 12  # along an arm
+LONGEST = 0.5  # arm lengths: the longest arrow of a kind in a run
+LANE = 3.0  # half thicknesses at the clamp between two thrust arrows
+
+
+def thrust_of(drag: Array, s: Array, length: float) -> Array:
+    """The drag's sum along y (T,) [N], eq. 17 with L ds: int drag_y L ds by the trapezium rule."""
+    return np.asarray(length * np.trapezoid(drag[..., 1], s, axis=1))
+
+
+def log_arrows(
+    session: rr.RecordingStream, path: str, role: Role, t: Array, origins: Array, vectors: Array, thickness: float
+) -> None:
+    """Arrows over time: origins, vectors (T, A, 2), thickness [m as drawn]; missing (NaN) ones are left out."""
+    present = np.isfinite(origins).all(axis=-1) & np.isfinite(vectors).all(axis=-1)
+    session.log(path, rr.Arrows3D.from_fields(colors=[role.colour]), static=True)
+    columns = rr.Arrows3D.columns(
+        vectors=planar_to_space(vectors)[present],
+        origins=planar_to_space(origins)[present],
+        radii=np.full(int(present.sum()), thickness),
+    )
+    session.send_columns(path, [seconds(t)], columns.partition(present.sum(axis=1)))
+
+
+def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specimen) -> str:
+    """Arrows of every party whose drag is known, all on one scale; says what the longest are, or nothing."""
+    known: list[tuple[Party, Array]] = [(party, party.drag) for party in scene.parties if party.drag is not None]
+    if not known:
+        return ""
+    thrusts = [thrust_of(drag, scene.s, arm.length) for _, drag in known]
+    strongest = max(float(np.nanmax(np.linalg.norm(drag, axis=-1), initial=0.0)) for _, drag in known)
+    hardest = max(float(np.nanmax(np.abs(thrust), initial=0.0)) for thrust in thrusts)
+    if strongest == 0.0 or hardest == 0.0:
+        return ""
+    keep = thin(len(scene.s), ARROWS)
+    beside = LANE * float(arm.section.half_thickness(0.0))
+    for lane, ((party, drag), thrust) in enumerate(zip(known, thrusts, strict=True), start=1):
+        arrows = LONGEST * arm.length / strongest * drag[:, keep]
+        where = party.xy[:, keep]
+        log_arrows(session, f"{path}/arms/drag/{party.key}", party.role, scene.t, where, arrows, arm.length / 200)
+        start = np.broadcast_to([lane * beside, 0.0], (len(thrust), 1, 2))
+        whole = LONGEST * arm.length / hardest * np.stack([np.zeros_like(thrust), thrust], axis=-1)[:, None]
+        log_arrows(session, f"{path}/arms/thrust/{party.key}", party.role, scene.t, start, whole, arm.length / 80)
+    return f"longest arrows: drag {strongest:.2g} N/m, thrust {1e3 * hardest:.2g} mN"
