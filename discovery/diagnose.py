@@ -147,7 +147,7 @@ def _diagnosed(
     base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
     structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
     progress("searching the catalogue")
-    found = search(hypothesis((), base_problem, base, structure))
+    found = search(hypothesis((), base_problem, base, structure), setting.arm(order))
     decision = decide(found)
     explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
@@ -181,6 +181,9 @@ def _reduced_enough(
     Shapes show a coordinate only where it stands out of the noise by itself; the chain shows those that matter below.
     """
     reduction = reduction_error(setting.declaration, problem, fitted)
+    alone = hypothesis((), problem, fitted)
+    if alone.train.passed and alone.judged.passed:
+        return problem, fitted, reduction
     most = _most_coordinates(problem)
     while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < most:
         more = fitted_order(problem.arm.order + 1, most)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import parameter_index
+from affine_model.arm import Arm, parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
+from affine_model.identify.sufficient_step import sufficient_step, unbiased_noise
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.adequacy import ALLOWANCE, MATERIAL
 from discovery.base_fit import settled
@@ -186,9 +187,12 @@ def _with_noise_of(problem: Problem, h: Hypothesis) -> Hypothesis:
     return hypothesis(h.effects, replace(changed, parameters=fitted.parameters), fitted, h.reduction)
 
 
-def search(base: Hypothesis) -> Search:
+def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
     gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
+
+    seen: the arm with the coordinates that the shapes show, where the base has more on the chain's account. With an
+    effect added the data can tell whether it does as well, and then it stands: they come from an arm without the rest.
     """
     current, alternatives = base, []
     first: list[Candidate] = []
@@ -208,8 +212,11 @@ def search(base: Hypothesis) -> Search:
             break
         current, *alternatives = settled_together(tried)
         current, alternatives = _back(current, alternatives)
+        if seen is not None and seen.order < current.problem.arm.order:
+            current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
         if current.fitted.misfit > WORTH_GOING_ON[len(current.effects)] * base.fitted.misfit:
             break
+    current = _polished(current)
     loose = looseness(current)
     rivals = [
         h
@@ -226,6 +233,47 @@ def _hopeless(current: Hypothesis, promising: list[Candidate]) -> bool:
     unexplained = current.fitted.misfit - 0.5 * current.fitted.count
     best = max(candidate.gain for candidate in promising)
     return current.train.structure > LINEAR and best < WORTH_TRYING * unexplained
+
+
+def _with_fewer_coordinates(
+    current: Hypothesis, alternatives: list[Hypothesis], arm: Arm
+) -> tuple[Hypothesis, list[Hypothesis]]:
+    """The hypotheses on an arm of fewer coordinates where the best fits no worse there; else as they are."""
+    fewer = _on_arm(current, arm)
+    if fewer.evidence < current.evidence:
+        return current, alternatives
+    ordered = sorted([fewer, *(_on_arm(h, arm) for h in alternatives)], key=lambda h: -h.evidence)
+    best, *rest = settled_together(ordered)
+    return best, rest
+
+
+def _on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
+    """The hypothesis refitted on an arm of fewer coordinates; no reduction's loss is granted to it."""
+    more, fewer = h.problem.arm.order, arm.order
+    nuisances = []
+    for experiment, values in zip(h.problem.experiments, h.fitted.nuisances, strict=True):
+        blocks = [values[:fewer]]
+        if experiment.release is None:
+            blocks += [values[more : more + fewer]]
+            blocks += [values[2 * more : 2 * more + fewer]] if experiment.begins_with_memory else []
+            blocks += [values[-2:]]
+        else:
+            blocks += [values[-3:]]
+        nuisances.append(np.concatenate(blocks))
+    problem = replace(h.problem, arm=arm, parameters=h.fitted.parameters)
+    fitted = fit(problem, tuple(nuisances), tolerance=1e-6, most=20)
+    return hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted)
+
+
+def _polished(chosen: Hypothesis) -> Hypothesis:
+    """The chosen hypothesis at a step so fine that its parameters are not biased by it."""
+    step = sufficient_step(chosen.problem, chosen.fitted, unbiased_noise(chosen.problem))
+    if not chosen.effects or step == chosen.problem.step:
+        return chosen
+    problem = replace(chosen.problem, step=step, parameters=chosen.fitted.parameters)
+    fitted = fit(problem, chosen.fitted.nuisances)
+    problem = replace(problem, parameters=fitted.parameters)
+    return hypothesis(chosen.effects, problem, fitted, chosen.reduction)
 
 
 def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:
