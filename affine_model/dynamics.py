@@ -149,8 +149,8 @@ def balance(
     slots = {effect.name: slot for slot, effect in enumerate(remembering(effects))}
     for effect, p in own:
         if effect.bending_moment is not None:
-            remembered = effect.remembers and memory is not None
-            x.memory = memory[..., slots[effect.name], :] if remembered else 0.0 * phi
+            slot = slots.get(effect.name)
+            x.memory = 0.0 * phi if memory is None or slot is None else memory[..., slot, :]
             moment = moment + effect.bending_moment(x, p)
     force = force - xp.einsum("i,...ij,...i->...j", w / L, curvature_columns, moment)
 

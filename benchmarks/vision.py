@@ -71,14 +71,41 @@ def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
         write_video(video, (pictures[k] for k in order), times, crf=18)
         motor = MotorSignal(times, scene.theta[order], scene.theta[order])
         _, results = stream(video, Declaration(scene.specimen, camera=scene.camera), motor)
-        begin, accepted = 0.0, 0
+        begin, busy, accepted = 0.0, 0.0, 0
         for k, seen in enumerate(results):
             accepted += seen.accepted
             if k == length // 3:
-                begin = time.perf_counter()
-        rate = (length - length // 3 - 1) / (time.perf_counter() - begin)
-    print(f"{size[0]}x{size[1]}: {rate:.0f} frames/s, {accepted} of {length} accepted")
+                begin, busy = time.perf_counter(), time.process_time()
+        measured = length - length // 3 - 1
+        rate, busy = measured / (time.perf_counter() - begin), (time.process_time() - busy) / measured
+    print(f"{size[0]}x{size[1]}: {rate:.0f} frames/s, {1e3 * busy:.1f} ms CPU a frame, {accepted} of {length} accepted")
     return rate
+
+
+def memory_growth(frames: int) -> float:
+    """Growth of the resident memory [MB] while a long stream is followed, from its first tenth to its end."""
+    scene = swaying(seed=1, frames=40, size=(160, 120))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1))
+    there_and_back = [*range(40), *range(38, 0, -1)]
+    order = [there_and_back[k % len(there_and_back)] for k in range(frames)]
+    times = np.arange(frames) / scene.camera.fps
+    with tempfile.TemporaryDirectory() as folder:
+        video = Path(folder) / "video.mp4"
+        write_video(video, (pictures[k] for k in order), times)
+        motor = MotorSignal(times, scene.theta[order], scene.theta[order])
+        _, results = stream(video, Declaration(scene.specimen, camera=scene.camera), motor)
+        begin = 0.0
+        for k, _ in enumerate(results):
+            if k == frames // 10:
+                begin = resident_megabytes()
+        growth = resident_megabytes() - begin
+    print(f"memory: {growth:+.1f} MB over {frames - frames // 10} frames")
+    return growth
+
+
+def resident_megabytes() -> float:
+    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def main() -> None:
@@ -91,6 +118,7 @@ def main() -> None:
     figures |= worm(short)
     figures["fps_720p"] = frames_per_second((1280, 720), 30 if short else 120, 90 if short else 600)
     figures["fps_4k"] = frames_per_second((3840, 2160), 10 if short else 30, 45 if short else 150)
+    figures["memory_growth_mb"] = memory_growth(1500 if short else 20_000)
     looks = ["clean", "tank"] if short else list(LOOKS)
     results = []
     for name in looks:

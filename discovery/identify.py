@@ -16,8 +16,8 @@ from affine_model.identify.regression import regression
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.base_fit import Setting, fit_base, initial_nuisances, needed_order
 from discovery.compare import errors, reduced_shape, run_comparison
+from discovery.hypothesis import Hypothesis, estimates, hypothesis, looseness
 from discovery.prepare import Prepared, prepare
-from discovery.search import Hypothesis, estimates, hypothesis, looseness
 from tentacle.diagnosis import ErrorMeasure, RunComparison
 from tentacle.errors import InputError
 from tentacle.model import Model

@@ -10,8 +10,8 @@ from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment, predict
 from affine_model.identify.observation import POSE, ShapeObservation
 from affine_model.identify.trajectory import Problem, evaluate
+from discovery.hypothesis import Hypothesis
 from discovery.score import absorbed_basis
-from discovery.search import Hypothesis
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 

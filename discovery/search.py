@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import parameter_index, parameter_rows
+from affine_model.arm import Arm, parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
+from affine_model.identify.sufficient_step import sufficient_step, unbiased_noise
 from affine_model.identify.trajectory import Fit, Problem, fit
-from discovery.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
+from discovery.adequacy import ALLOWANCE, MATERIAL
 from discovery.base_fit import settled
+from discovery.hypothesis import Hypothesis, hypothesis, looseness, nats_per_parameter
 from discovery.score import Candidate, score, survey
-from tentacle.model import Estimate
 
-NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
 HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
@@ -30,21 +30,6 @@ SWAPS = 3  # of the score test's ranking, tried in the place of each earlier eff
 WORTH_GOING_ON = (1.0, 0.85, 0.6, 0.0)
 WORTH_TRYING = 0.25  # of a rest beyond the linear regime: a candidate's gain, below which nothing more is tried
 LARGEST_MARGIN = 1e3  # nats: said where nothing else was worth a refit
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out
-    frames, less a penalty for each parameter.
-    """
-
-    effects: tuple[str, ...]
-    problem: Problem
-    fitted: Fit
-    evidence: float
-    train: Adequacy
-    judged: Adequacy
-    reduction: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -64,34 +49,6 @@ class Search:
     looseness: float
     core: Hypothesis
     margin: float
-
-
-def held_out_misfit(problem: Problem, fitted: Fit) -> float:
-    """Half the sum of squared whitened residuals on the frames that were not fitted [nats]."""
-    total = 0.0
-    for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True):
-        total += 0.5 * float(np.sum(residuals[~experiment.used] ** 2))
-    return total
-
-
-def nats_per_parameter(problem: Problem) -> float:
-    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for
-    less.
-    """
-    return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
-
-
-def hypothesis(
-    effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: tuple[float, float] = (0.0, 0.0)
-) -> Hypothesis:
-    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing
-    physics.
-    """
-    parameters = sum(len(catalogue()[name].parameters) for name in effects)
-    evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
-    train = adequacy(problem, fitted, held_out=False, reduction=reduction[0])
-    judged = adequacy(problem, fitted, held_out=True, reduction=reduction[1])
-    return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction)
 
 
 def _with_candidate(problem: Problem, start: Fit, candidate: Candidate, share: float) -> Problem:
@@ -163,34 +120,6 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
     return hypothesis(rest, replace(problem, parameters=fitted.parameters), fitted, current.reduction)
 
 
-def looseness(judged: Hypothesis) -> float:
-    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time
-    in frames.
-
-    1 where the rest is white noise of the stated size. It widens ties and intervals where the model is not complete.
-    """
-    values, weights = [], []
-    for experiment, residuals in zip(judged.problem.experiments, judged.fitted.residuals, strict=True):
-        rows = residuals[experiment.used]
-        rows = rows[:, np.any(rows != 0.0, axis=0)]
-        if rows.shape[0] < 40:
-            continue
-        centred = rows - rows.mean(axis=0)
-        power = np.mean(centred**2, axis=0)
-        time = np.ones(rows.shape[1])
-        for lag in range(1, min(200, rows.shape[0] // 3)):
-            rho = np.mean(centred[lag:] * centred[:-lag], axis=0) / np.maximum(power, 1e-300)
-            alive = rho > 0.1
-            if not alive.any():
-                break
-            time += 2.0 * np.where(alive, rho, 0.0)
-        values.append(np.mean(rows**2, axis=0) * np.where(np.mean(rows**2, axis=0) > 1.3, time, 1.0))
-        weights.append(rows.shape[0])
-    if not values:
-        return 1.0
-    return float(max(1.0, np.average([np.mean(value) for value in values], weights=weights)))
-
-
 def material_gain(current: Hypothesis) -> float:
     """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all
     residuals.
@@ -258,9 +187,12 @@ def _with_noise_of(problem: Problem, h: Hypothesis) -> Hypothesis:
     return hypothesis(h.effects, replace(changed, parameters=fitted.parameters), fitted, h.reduction)
 
 
-def search(base: Hypothesis) -> Search:
+def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
     gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
+
+    seen: the arm with the coordinates that the shapes show, where the base has more on the chain's account. With an
+    effect added the data can tell whether it does as well, and then it stands: they come from an arm without the rest.
     """
     current, alternatives = base, []
     first: list[Candidate] = []
@@ -280,8 +212,11 @@ def search(base: Hypothesis) -> Search:
             break
         current, *alternatives = settled_together(tried)
         current, alternatives = _back(current, alternatives)
+        if seen is not None and seen.order < current.problem.arm.order:
+            current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
         if current.fitted.misfit > WORTH_GOING_ON[len(current.effects)] * base.fitted.misfit:
             break
+    current = _polished(current)
     loose = looseness(current)
     rivals = [
         h
@@ -298,6 +233,47 @@ def _hopeless(current: Hypothesis, promising: list[Candidate]) -> bool:
     unexplained = current.fitted.misfit - 0.5 * current.fitted.count
     best = max(candidate.gain for candidate in promising)
     return current.train.structure > LINEAR and best < WORTH_TRYING * unexplained
+
+
+def _with_fewer_coordinates(
+    current: Hypothesis, alternatives: list[Hypothesis], arm: Arm
+) -> tuple[Hypothesis, list[Hypothesis]]:
+    """The hypotheses on an arm of fewer coordinates where the best fits no worse there; else as they are."""
+    fewer = _on_arm(current, arm)
+    if fewer.evidence < current.evidence:
+        return current, alternatives
+    ordered = sorted([fewer, *(_on_arm(h, arm) for h in alternatives)], key=lambda h: -h.evidence)
+    best, *rest = settled_together(ordered)
+    return best, rest
+
+
+def _on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
+    """The hypothesis refitted on an arm of fewer coordinates; no reduction's loss is granted to it."""
+    more, fewer = h.problem.arm.order, arm.order
+    nuisances = []
+    for experiment, values in zip(h.problem.experiments, h.fitted.nuisances, strict=True):
+        blocks = [values[:fewer]]
+        if experiment.release is None:
+            blocks += [values[more : more + fewer]]
+            blocks += [values[2 * more : 2 * more + fewer]] if experiment.begins_with_memory else []
+            blocks += [values[-2:]]
+        else:
+            blocks += [values[-3:]]
+        nuisances.append(np.concatenate(blocks))
+    problem = replace(h.problem, arm=arm, parameters=h.fitted.parameters)
+    fitted = fit(problem, tuple(nuisances), tolerance=1e-6, most=20)
+    return hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted)
+
+
+def _polished(chosen: Hypothesis) -> Hypothesis:
+    """The chosen hypothesis at a step so fine that its parameters are not biased by it."""
+    step = sufficient_step(chosen.problem, chosen.fitted, unbiased_noise(chosen.problem))
+    if not chosen.effects or step == chosen.problem.step:
+        return chosen
+    problem = replace(chosen.problem, step=step, parameters=chosen.fitted.parameters)
+    fitted = fit(problem, chosen.fitted.nuisances)
+    problem = replace(problem, parameters=fitted.parameters)
+    return hypothesis(chosen.effects, problem, fitted, chosen.reduction)
 
 
 def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:
@@ -325,23 +301,3 @@ def _agreed(current: Hypothesis, rivals: list[Hypothesis]) -> Hypothesis:
         if any(effect not in rival.effects for rival in rivals):
             core = without(core, effect)
     return core
-
-
-def parameter_interval(judged: Hypothesis, index: int, loose: float) -> tuple[float, float]:
-    """95 % interval of one free parameter, widened where the model is not complete, cut at the physical bounds."""
-    spread: Array = np.sqrt(np.maximum(np.diag(judged.fitted.covariance), 0.0))
-    half = 1.96 * float(spread[index]) * np.sqrt(loose)
-    low, high = (limit[index] for limit in judged.problem.bounds())
-    value = float(judged.fitted.values[index])
-    return max(low, value - half), min(high, value + half)
-
-
-def estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
-    """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
-    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
-    table: dict[str, dict[str, Estimate]] = {}
-    for index, (effect, name) in enumerate(judged.problem.free):
-        low, high = parameter_interval(judged, index, loose)
-        value = float(judged.fitted.values[index])
-        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
-    return table

@@ -10,8 +10,8 @@ from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.trajectory import fit
+from discovery.hypothesis import Hypothesis, held_out_misfit, hypothesis, nats_per_parameter
 from discovery.score import absorbed_basis, sensitivities
-from discovery.search import Hypothesis, held_out_misfit, hypothesis, nats_per_parameter
 
 NAME = "unnamed"
 MOST_TERMS = 3
@@ -84,6 +84,6 @@ def _chosen_terms(chosen: Hypothesis) -> tuple[tuple[str, ...], Array]:
 
 def _explained(columns: Array, residual: Array) -> tuple[Array, float]:
     """Strengths of columns together and their gain [nats], to first order."""
-    strengths, *_ = np.linalg.lstsq(columns, -residual, rcond=1e-8)
+    strengths: Array = np.linalg.lstsq(columns, -residual, rcond=1e-8)[0].astype(np.float64)
     explained = columns @ strengths
     return strengths, float(-residual @ explained - 0.5 * explained @ explained)

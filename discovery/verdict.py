@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discovery.search import Hypothesis, Search
+from discovery.hypothesis import Hypothesis
+from discovery.search import Search
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma

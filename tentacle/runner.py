@@ -11,12 +11,13 @@ import hashlib
 import json
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from typing import Any
 
@@ -89,7 +90,7 @@ class Runner:
         others = active_children()
         with _threads_of_children(max(1, cores // workers)):
             # spawn, not fork: a forked child inherits the locks of numba's and Rerun's threads and can stand still
-            pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_ignore_interrupts)
+            pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin_worker)
             try:
                 futures = [pool.submit(_work_and_store, work, task, file) for file, task in tasks.items()]
                 for future in as_completed(futures):
@@ -161,9 +162,17 @@ def _threads_of_children(count: int) -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _ignore_interrupts() -> None:
-    """Ctrl-C reaches every process of a terminal: the first one decides."""
+def _begin_worker() -> None:
+    """Ctrl-C reaches every process of a terminal: the first one decides. Where that one is killed, its workers end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)  # what it was computing is stored by nobody, and begun again next time
 
 
 def _work_and_store(work: Work, task: Task, file: Path) -> None:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy.fft import dct
 
 from tentacle.signals import Array
-from vision.edges import Edges, Surroundings, find_edges
+from vision.edges import Edges, fit_edges, measure_edges, search_edges
 from vision.kinematics import SHARED, Geometry, Outline, outline
 from vision.robust import MISFIT, disturbed, neighbours_mean, normal_matrix, robust_step
 
-BIWEIGHT = 1.17  # what the biweight takes from the variance of normal residuals, and adds to the estimate's own
+BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
 PLAIN = (
     0.015  # of the contrast: what a codec leaves of an edge is rough by as much, where it has smoothed the noise away
 )
@@ -21,7 +21,7 @@ LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
 ENDS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
-LEVEL_REACH, SLOPE_REACH = 20, 35  # stations to either side over which the greys beside the edges are averaged
+TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
 SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
 
@@ -40,15 +40,16 @@ class FrameFit:
     """A frame's fit about its working point, before the frames are pooled.
 
     x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
-    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. slow: how much more of the residuals' power
-    is in slow waves than independent edges would have. edges, expected and weight (E,) stay for the judge.
+    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. waves (W,): the residuals' slow waves
+    along the arm; edges that err independently have a variance of 1 in each. edges, expected and weight (E,) stay for
+    the judge.
     """
 
     x: Array
     information: Array
     gradient: Array
     sigma: float
-    slow: float
+    waves: Array
     edges: Edges
     expected: Outline
     weight: Array
@@ -74,37 +75,37 @@ def refine(
     """
     x = np.array(x, dtype=float)
     order = len(x)
-    steps = [(reach, False) for reach in reaches] + [(NARROW, True), (FINAL, True)]
-    around: Surroundings | None = None
-    sound = np.zeros(0, dtype=np.bool_)
-    for index, (reach, sharp) in enumerate(steps):
-        final = index == len(steps) - 1
-        expected = outline(geometry, theta, x, shared, stride=1 if sharp else 4)
+    for reach in reaches:
+        expected = outline(geometry, theta, x, shared, stride=4)
+        edges = search_edges(image, expected, geometry.lens, reach, sight.polarity)
+        base = _usable(edges, expected, sight).astype(float)
+        if np.count_nonzero(base) < 4 * order:
+            return None
+        x = x + robust_step(np.ascontiguousarray(expected.jacobian[:, :order]), edges.offset, base, 6, 0.4)[0]
+    sound, first = np.zeros(0, dtype=np.bool_), None
+    for reach in (NARROW, FINAL):
+        expected = outline(geometry, theta, x, shared)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
         smear = np.abs(jacobian @ rate) * exposure
-        edges = find_edges(
-            image, expected, geometry.lens, reach, sight.polarity, sharp, blur=sight.blur, smear=smear, around=around
-        )
-        if sharp:  # blur, and pixels beside the normal, see a bulging edge further in
-            edges.offset[:] += 0.5 * expected.bulge * (sight.blur**2 + 1.0 / 12.0)
-        usable = edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast)
-        usable &= expected.kind < 2  # the ends move with the recording's parameters, hardly with x
-        if sharp:
-            floor = max(0.5 * _ordinary(edges, usable), PLAIN * sight.contrast)
-            usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
-            usable &= sound if final else True
+        place = (image, expected, geometry.lens, reach, sight.polarity, sight.blur, smear)
+        edges = fit_edges(*place) if first is None else measure_edges(*place, first, sound)
+        usable = _usable(edges, expected, sight)
+        floor = max(0.5 * _ordinary(edges, usable), PLAIN * sight.contrast)
+        usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
+        usable &= True if first is None else sound
         if np.count_nonzero(usable) < 4 * order:
             return None
-        base = _trust(edges, usable) if sharp else usable.astype(float)
-        step, weight = robust_step(jacobian, edges.offset, base, *((4, 0.02) if sharp else (6, 0.4)))
-        if final:
+        base = _trust(edges, expected.kind, usable)
+        step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02)
+        if first is not None:
             return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends)
-        if sharp:
-            # the profile's outside level is the ground's at the middle of its outer part, not at the edge
-            middle = 0.5 * (np.ceil(reach + 2.0 * sight.blur + 0.5 * smear) + 0.5)
-            around, sound = _surroundings(expected, edges, weight, middle)
-        x = x + step
+        x, first, sound = x + step, edges, weight > 0
     return None
+
+
+def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:
+    """Side edges (E,) that are there and stand out; the ends move with the recording's parameters, hardly with x."""
+    return edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast) & (expected.kind < 2)
 
 
 def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
@@ -112,24 +113,12 @@ def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
     return max(float(np.median(edges.misfit[usable])), 0.3) if usable.any() else 0.3
 
 
-def _surroundings(
-    expected: Outline, edges: Edges, weight: Array, middle: Array
-) -> tuple[Surroundings, NDArray[np.bool_]]:
-    """The greys beside the edges, averaged along each side, and where (E,) enough sound edges stand behind them.
-
-    middle (E,) [px]: how far out the profiles' outside level was measured.
-    """
-    level, support = neighbours_mean(expected.kind, edges.level, weight, LEVEL_REACH)
-    contrast, _ = neighbours_mean(expected.kind, edges.contrast, weight, LEVEL_REACH)
-    slope, _ = neighbours_mean(expected.kind, edges.slope, weight, SLOPE_REACH)
-    return Surroundings(level, contrast - slope * middle, slope), (support > 3.0) & (weight > 0)
-
-
-def _trust(edges: Edges, usable: NDArray[np.bool_]) -> Array:
-    """Weights (E,) in 0 to 1 by what each profile tells; the best quarter counts alike: noise is not all its error."""
-    told = edges.information[usable]
+def _trust(edges: Edges, kind: Array, usable: NDArray[np.bool_]) -> Array:
+    """Weights (E,) by what each profile tells; the best quarter's stretches count alike: noise is not all its error."""
+    around, _ = neighbours_mean(kind, edges.information, usable.astype(float), TRUST_STRETCH)
+    told = around[usable]
     top = max(float(np.partition(told, (3 * len(told)) // 4)[(3 * len(told)) // 4]), 1e-12)
-    return np.where(usable, np.minimum(edges.information / top, 1.0), 0.0)
+    return np.where(usable, edges.information / np.maximum(around, top), 0.0)
 
 
 def _summary(
@@ -162,7 +151,7 @@ def _summary(
         information=information,
         gradient=gradient,
         sigma=max(float(np.sqrt(variance)), 1e-3),
-        slow=_slow(sway),
+        waves=_waves(sway),
         edges=edges,
         expected=expected,
         weight=weight,
@@ -174,17 +163,17 @@ def _end(
 ) -> tuple[NDArray[np.intp], Array]:
     """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do: a clamp hides it."""
     index = np.flatnonzero(expected.kind == kind)
-    names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge")
+    names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge", "span")
     rows = Outline(*(getattr(expected, name)[index] for name in names))
     nothing = np.zeros(len(index))
-    coarse = find_edges(image, rows, geometry.lens, ends, sight.polarity, sharp=False)
+    coarse = search_edges(image, rows, geometry.lens, ends, sight.polarity)
     like = sight.polarity * coarse.contrast
     alike = coarse.found & (like > 0.5 * sight.contrast) & (like < 1.6 * sight.contrast)
     if np.count_nonzero(alike) < max(0.7 * len(index), 1):
         return index, nothing
     shift = float(np.median(coarse.offset[alike]))
     rows = replace(rows, points=rows.points + shift * rows.normals)
-    sharp = find_edges(image, rows, geometry.lens, NARROW, sight.polarity, sharp=True, blur=sight.blur)
+    sharp = fit_edges(image, rows, geometry.lens, NARROW, sight.polarity, sight.blur)
     middle = float(np.median(sharp.offset[sharp.found])) if sharp.found.any() else 0.0
     agree = sharp.found & (np.abs(sharp.offset - middle) < 0.5) & (sharp.misfit < MISFIT * usual)
     if np.count_nonzero(agree) < max(0.7 * len(index), 1):
@@ -202,10 +191,10 @@ def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
     return np.where(both, (whitened[left] - whitened[right]) / np.sqrt(2.0), 0.0)
 
 
-def _slow(sway: Array) -> float:
-    """Power of the sway's slow waves (cosine orders 8 to 24) over its mean power: 1 for edges that err independently.
+def _waves(sway: Array) -> Array:
+    """Slow waves of the sway (cosine orders 8 to 24) over the root of its mean power.
 
     Slower waves are the fit's own. What smooth light, or bubbles, add to the noise in q shows in the next ones.
     """
-    waves = np.square(np.asarray(dct(sway, norm="ortho"), dtype=float))
-    return float(waves[SLOW].mean() / max(waves.mean(), 1e-12))
+    waves = np.asarray(dct(sway, norm="ortho"), dtype=float)
+    return waves[SLOW] / np.sqrt(max(float(np.mean(waves**2)), 1e-12))

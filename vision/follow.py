@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +22,10 @@ FIRST_FRAMES = 16  # frames from which the recording's parameters are first esti
 LEAST_SCORE = 0.45  # of a coarse find
 PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
 BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
+BLUR_LIMITS = (0.5, 4.0)  # px
+SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
 STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
+REPEAT, USUAL = 0.1, 31  # a repeat's share of the usual change, which is the median over so many pictures
 LOOK_AGAIN = 5  # frames between searches for a lost arm
 
 
@@ -30,7 +35,7 @@ class Seen:
 
     reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g.
     shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free. sigma [px] and
-    slow are those of its edges; outline_px (N, 2) is for the overlay.
+    waves (W,) are those of its edges; outline_px (N, 2) is for the overlay.
     """
 
     t: float
@@ -42,7 +47,7 @@ class Seen:
     shared_information: Array
     shared_gradient: Array
     sigma: float
-    slow: float
+    waves: Array
     outline_px: Array
 
     @property
@@ -61,6 +66,7 @@ class Follower:
         self.sight: Sight | None = None
         self._history: list[tuple[float, Array]] = []
         self._previous: NDArray[np.uint8] | None = None
+        self._changes: list[float] = []
         self._lost = 0
 
     def theta(self, t: float) -> float:
@@ -72,6 +78,7 @@ class Follower:
 
         Raises InputError where no frame shows an arm that the declaration fits.
         """
+        self._changes = [_change(a.image, b.image) for a, b in pairwise(frames)]
         found = None
         for index in np.unique(np.linspace(0, len(frames) - 1, 6).astype(int)):
             frame = frames[index]
@@ -107,6 +114,8 @@ class Follower:
             self._settle(list(fits.values()))
             if sweep < 2:
                 self._look_at_edges(frames[index], shapes.get(index, begin), list(fits.values()))
+            else:
+                self._sharpen(list(fits.values()))
 
     def _known(self, t: float) -> float | None:
         return None if self._theta is None else self._theta(t)
@@ -145,13 +154,20 @@ class Follower:
                 best, chosen = misfit, self.sight
         self.sight = chosen
 
+    def _sharpen(self, fits: list[FrameFit], gain: float = 1.0) -> None:
+        """A step of the blur towards what the fits' edges have; to two thirds or three halves of itself at most."""
+        assert self.sight is not None
+        used = [fit.edges.softer[(fit.weight > 0) & (fit.expected.kind < 2)] for fit in fits]
+        right, left = np.concatenate(used).sum(axis=0)
+        blur = self.sight.blur
+        step = float(np.clip(right / max(left, 1e-9), -blur / 3.0, blur / 2.0))
+        self.sight = replace(self.sight, blur=float(np.clip(blur + gain * step, *BLUR_LIMITS)))
+
     def see(self, frame: Frame) -> Seen:
         """Fit the next frame; start must have been called."""
         assert self.sight is not None
-        if self._previous is not None and _same(self._previous, frame.image):
-            self._previous = frame.image
+        if self._repeats(frame):
             return self._rejected(frame, "repeats the frame before")
-        self._previous = frame.image
         fit, reason = None, "arm not found"
         for x, rate, reaches in self._starts(frame):
             fit = self._fit(frame, x, rate, reaches)
@@ -166,7 +182,8 @@ class Follower:
         self._lost = 0
         self._history = [*self._history[-1:], (frame.t, fit.x)]
         seen_contrast = float(np.median((self.sight.polarity * fit.edges.contrast)[fit.weight > 0.1]))
-        self.sight = replace(self.sight, contrast=0.95 * self.sight.contrast + 0.05 * seen_contrast)
+        self.sight = replace(self.sight, contrast=(1.0 - SLOWLY) * self.sight.contrast + SLOWLY * seen_contrast)
+        self._sharpen([fit], SLOWLY)
         covariance, lean, shared_information, shared_gradient = _eliminate(fit, self.size)
         return Seen(
             t=frame.t,
@@ -178,9 +195,22 @@ class Follower:
             shared_information=shared_information,
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
-            slow=fit.slow,
+            waves=fit.waves,
             outline_px=self.geometry.lens.bend(_drawing(fit)),
         )
+
+    def _repeats(self, frame: Frame) -> bool:
+        """Whether a picture is the one before again: it changes far less than pictures here do.
+
+        Noise, or the moving arm, changes every picture; a copy is changed by its coding alone. Where nothing has moved
+        for a while, in a video without noise, copies tell no lie.
+        """
+        before, self._previous = self._previous, frame.image
+        if before is None:
+            return False
+        change, usual = _change(before, frame.image), float(np.median(self._changes)) if self._changes else 0.0
+        self._changes = [*self._changes[1 - USUAL :], change]
+        return change < REPEAT * usual
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, Array, tuple[float, ...]]]:
         """Where to begin: constant velocity, then the last shape with a wider reach, then a search of the picture."""
@@ -211,7 +241,7 @@ class Follower:
         return Seen(
             t=frame.t, theta=self.theta(frame.t), x=nothing, covariance=np.full((k, k), np.nan), reason=reason,
             lean=np.zeros((k, SHARED)), shared_information=np.zeros((SHARED, SHARED)),
-            shared_gradient=np.zeros(SHARED), sigma=np.nan, slow=np.nan, outline_px=np.zeros((0, 2)),
+            shared_gradient=np.zeros(SHARED), sigma=np.nan, waves=np.zeros(0), outline_px=np.zeros((0, 2)),
         )  # fmt: skip
 
 
@@ -224,12 +254,11 @@ def _eliminate(fit: FrameFit, k: int) -> tuple[Array, Array, Array, Array]:
     return covariance, lean, normal[k:, k:] + normal[k:, :k] @ lean, gradient[k:] + lean.T @ gradient[:k]
 
 
-def _same(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> bool:
-    """True where a picture repeats the one before: a video's noise never does, a copied frame's coding nearly does."""
+def _change(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> float:
+    """Mean change of grey from one picture to the next; infinite where their sizes differ."""
     if before.shape != after.shape:
-        return False
-    a, b = before[::7].astype(np.int16), after[::7].astype(np.int16)
-    return bool(np.mean(np.abs(a - b) > 1) < 1e-5)
+        return np.inf
+    return float(np.mean(cv2.absdiff(np.ascontiguousarray(before[::7]), np.ascontiguousarray(after[::7]))))
 
 
 def _drawing(fit: FrameFit) -> Array:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
+from contextlib import closing, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 from tentacle.errors import InputError
 
 Grey = NDArray[np.uint8]
+POLL = 0.01  # s between looks at a file that grows
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
 
@@ -29,8 +32,11 @@ class Frame:
     image: Grey
 
 
-def read_frames(path: Path, fps: float | None = None) -> Iterator[Frame]:
+def read_frames(path: Path, fps: float | None = None, patience: float = 0.0) -> Iterator[Frame]:
     """Yield the frames of a video, or of a folder of numbered pictures (then frame k is at k / fps).
+
+    A camera device (/dev/video0) is a video without an end, its times from its first frame. patience [s]: a file is
+    still being written (mkv, ts, avi: formats that need no index); its end is where nothing has come for so long.
 
     Colour becomes luma, 16 bit becomes 8, an alpha channel is laid over black, and a rotation that the file declares is
     carried out. A video that breaks off gives what stands before the break. Raises InputError where nothing can be
@@ -40,37 +46,68 @@ def read_frames(path: Path, fps: float | None = None) -> Iterator[Frame]:
     if path.is_dir():
         yield from _read_folder(path, fps)
         return
+    if path.is_char_device():
+        yield from _read_video(path, patience)
+        return
     if not path.is_file():
         raise InputError("there is no such file", file=path, expected="a video or a folder of pictures")
-    if path.stat().st_size == 0:
+    if path.stat().st_size == 0 and not patience:
         raise InputError("the file is empty", file=path, expected="a video")
     count = 0
-    for frame in _read_video(path):
+    for frame in _read_video(path, patience):
         count += 1
         yield frame
     if count == 0:
         raise InputError("no frame can be decoded", file=path, expected="a video with at least one frame")
 
 
-def _read_video(path: Path) -> Iterator[Frame]:
-    try:
-        container = av.open(str(path))
-    except (FFmpegError, ValueError) as error:
-        raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
-    with container:
-        if not container.streams.video:
-            raise InputError("there is no video stream in it", file=path, expected="a video")
-        stream = container.streams.video[0]
-        if stream.codec_context is None:
-            raise InputError("its codec is not known", file=path, expected="H.264, HEVC, AV1, VP9, FFV1, MJPEG")
-        stream.thread_type = "AUTO"
-        last = -np.inf
-        for picture in _pictures(container, stream):
-            time = picture.time
-            if time is None or time <= last:  # without a usable stamp a frame says nothing
-                continue
-            last = float(time)
-            yield Frame(last, _luma(picture))
+class _Growing:
+    """A file that is still being written: reading waits for more, up to patience [s] (the interface PyAV asks for)."""
+
+    def __init__(self, path: Path, patience: float) -> None:
+        self._file, self._patience = path.open("rb"), patience
+
+    def read(self, size: int) -> bytes:
+        """Up to size bytes; none where nothing came for as long as patience lasts."""
+        waited = 0.0
+        while not (data := self._file.read(size)) and waited < self._patience:
+            time.sleep(POLL)
+            waited += POLL
+        return data
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def _read_video(path: Path, patience: float) -> Iterator[Frame]:
+    device = path.is_char_device()
+    with closing(_Growing(path, patience)) if patience and not device else nullcontext(str(path)) as source:
+        try:
+            container = av.open(source, mode="r", format="v4l2" if device else None)
+        except (FFmpegError, ValueError) as error:
+            raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
+        with container:
+            yield from _stamped(container, path, device)
+
+
+def _stamped(container: InputContainer, path: Path, device: bool) -> Iterator[Frame]:
+    """Frames with their times [s]; a camera's count from its first, as its own clock started with the machine."""
+    if not container.streams.video:
+        raise InputError("there is no video stream in it", file=path, expected="a video")
+    stream = container.streams.video[0]
+    if stream.codec_context is None:
+        raise InputError("its codec is not known", file=path, expected="H.264, HEVC, AV1, VP9, FFV1, MJPEG")
+    stream.thread_type = "AUTO"
+    last, first = -np.inf, None
+    for picture in _pictures(container, stream):
+        stamp = picture.time
+        if stamp is None or stamp <= last:  # without a usable stamp a frame says nothing
+            continue
+        last = float(stamp)
+        if first is None:
+            first = last if device else 0.0
+        yield Frame(last - first, _luma(picture))
 
 
 def _pictures(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
@@ -97,7 +134,7 @@ def _luma(picture: VideoFrame) -> Grey:
         picture.format.components[0].bits == 8
     ):
         plane = picture.planes[0]
-        rows = np.frombuffer(bytes(plane), np.uint8).reshape(-1, plane.line_size)
+        rows = np.asarray(memoryview(plane), dtype=np.uint8).reshape(-1, plane.line_size)  # pyright: ignore[reportArgumentType]
         grey = rows[: picture.height, : picture.width]
     else:
         grey = np.asarray(picture.to_ndarray(format="gray"), dtype=np.uint8)

@@ -49,8 +49,7 @@ class Geometry:
 
     def radius_at(self, shared: Array) -> Array:
         """Radius (S + 1,) [px] with the recording's correction; never under 0.3 px."""
-        s = np.linspace(0.0, 1.0, len(self.radius))
-        return np.maximum(self.radius + shared[3] + s * (shared[4] + s * shared[5]), 0.3)
+        return _corrected(self.radius, shared)
 
     def midline(self, theta: float, x: Array, shared: Array) -> tuple[Array, Array]:
         """Centre points (S + 1, 2) [px] of the ideal picture, and angles phi (S + 1,) [rad]."""
@@ -64,6 +63,7 @@ class Outline:
 
     jacobian (E, K + G): how far the edge moves along its normal per unit of x and of g. s (E,) and kind (E,): 0 and 1
     are the two sides, 2 the tip's end, 3 the base's end. bulge (E,) [1/px]: curvature of the edge, outward positive.
+    span (E,) [px]: how far along the edge it stands for, to either side.
     """
 
     points: Array
@@ -73,6 +73,7 @@ class Outline:
     s: Array
     kind: Array
     bulge: Array
+    span: Array
 
 
 def _midline(geometry: Geometry, theta: float, x: Array, shared: Array) -> tuple[Array, Array, Array]:
@@ -80,6 +81,15 @@ def _midline(geometry: Geometry, theta: float, x: Array, shared: Array) -> tuple
     length = geometry.length * (1.0 + shared[2])
     stations = len(geometry.radius) - 1
     return _integrate(base, geometry.normal, geometry.arm, length, theta, np.asarray(x, dtype=float), stations)
+
+
+@njit(cache=True)
+def _corrected(radius: Array, shared: Array) -> Array:
+    corrected = np.empty(len(radius))
+    for i in range(len(radius)):
+        s = i / (len(radius) - 1)
+        corrected[i] = max(radius[i] + shared[3] + s * (shared[4] + s * shared[5]), 0.3)
+    return corrected
 
 
 @njit(cache=True)
@@ -153,7 +163,7 @@ def _edges(
     stride: int,
     shared: int,
     corner: float,
-) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+) -> tuple[Array, Array, Array, Array, Array, Array, Array, Array]:
     stations, order = phi.shape[0] - 1, x.shape[0]
     first = int(np.ceil(max(corner / length, 0.02) * stations))
     last = int(np.floor((1.0 - corner / length) * stations))
@@ -162,7 +172,7 @@ def _edges(
     base_rows = max(int(radius[0] / stride), 1)
     count = 2 * rows + tip_rows + base_rows
     points, normals = np.empty((count, 2)), np.empty((count, 2))
-    depth, at, kind, bulge = np.empty(count), np.empty(count), np.empty(count), np.zeros(count)
+    depth, at, kind, bulge, span = np.empty(count), np.empty(count), np.empty(count), np.zeros(count), np.empty(count)
     jacobian = np.zeros((count, order + shared))
     for e in range(count):
         if e < 2 * rows:  # the sides: centre + sigma radius N (eq. 4)
@@ -192,10 +202,12 @@ def _edges(
             m_u, m_v = across * n_u + along * t_u, across * n_v + along * t_v
             depth[e] = 2.0 * radius[i]
             bulge[e] = side * curvature / (length + offset * curvature)
+            span[e] = 0.5 * stride * np.hypot(across, along) / stations
         else:
             sign = 1.0 if kind[e] == 2 else -1.0
             m_u, m_v = sign * t_u, sign * t_v
             depth[e] = 0.5 * length
+            span[e] = 0.5 * radius[i] / (tip_rows if kind[e] == 2 else base_rows)
         size = np.hypot(m_u, m_v)
         m_u, m_v = m_u / size, m_v / size
         normals[e, 0], normals[e, 1] = m_u, m_v
@@ -214,4 +226,4 @@ def _edges(
             jacobian[e, order + 3] = grow
             jacobian[e, order + 4] = grow * s
             jacobian[e, order + 5] = grow * s * s
-    return points, normals, depth, jacobian, at, kind, bulge
+    return points, normals, depth, jacobian, at, kind, bulge, span

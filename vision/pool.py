@@ -8,7 +8,7 @@ keeps its own. A coordinate that is dropped is one whose value is held at zero. 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,8 @@ class Pooled:
 
     shared (G,) with shared_covariance (G, G). offset_mean, offset_spread [rad]: mean and tau of the base angle offset.
     evidence[n]: chi-square per frame that order n leaves in the coordinates above it (about their number when they are
-    noise). inflation: by how much the slow waves in the edges' errors widen the variance.
+    noise). inflation, staying: by how much the slow waves in the edges' errors widen the variance of a frame's x, and
+    by how much more that of what all frames share.
     """
 
     x: Array
@@ -39,6 +40,7 @@ class Pooled:
     offset_spread: float
     evidence: dict[int, float]
     inflation: float
+    staying: float
 
 
 @dataclass(frozen=True)
@@ -67,9 +69,9 @@ def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
         chosen = order or min(2, fitted)
         nan = np.full((len(seen), chosen + 1), np.nan)
         spread = np.diag(PRIOR**2)
-        return Pooled(nan, nan[:, :, None] * nan[:, None, :], chosen, start, spread, np.nan, np.nan, {}, 1.0)
+        return Pooled(nan, nan[:, :, None] * nan[:, None, :], chosen, start, spread, np.nan, np.nan, {}, 1.0, 1.0)
     good = [frame for frame in seen if frame.accepted]
-    inflation = _inflation(good)
+    inflation, staying = _inflation(good)
     stack = _Stack(
         x=np.array([frame.x for frame in good]),
         covariance=inflation * np.array([frame.covariance for frame in good]),
@@ -86,6 +88,7 @@ def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
     if chosen not in solutions:
         solutions[chosen] = _solve(stack, chosen, start)
     solution = solutions[chosen]
+    solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
     # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
     dropped = fitted - chosen
@@ -104,12 +107,23 @@ def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
         offset_spread=solution.tau,
         evidence=evidence,
         inflation=inflation,
+        staying=staying,
     )
 
 
-def _inflation(good: list[Seen]) -> float:
-    """How much wider the variance of q is than independent edges would make it, at least 1; pooled over frames."""
-    return float(max(np.mean([frame.slow for frame in good]), 1.0))
+def _inflation(good: list[Seen]) -> tuple[float, float]:
+    """How much wider the variance of q, and then that of what all frames share, is than independent edges make it.
+
+    Both at least 1, both from the slow waves in the edges' errors: their power over all frames, and the share of it
+    that stays from frame to frame (a bubble that sits, a mirror image that stands), which no number of frames averages.
+    Of the latter the root is used: what stays with the arm errs in every x alike, and reaches what is told by the arm's
+    turning in part only. In rendered tanks the whole of it stated errors 1.8 times too large, none of it up to 1.7
+    times too small.
+    """
+    waves = np.array([frame.waves for frame in good])
+    power = float(np.mean(waves**2))
+    staying = len(waves) * float(np.mean(waves.mean(axis=0) ** 2)) / max(power, 1e-12)
+    return max(power, 1.0), max(staying, 1.0)
 
 
 def _rows(stack: _Stack, order: int) -> list[int]:

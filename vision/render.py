@@ -103,6 +103,57 @@ class _Arm:
         return total / count
 
 
+class Renderer:
+    """Arm and tank together: what a frame shows on average, and what noise and coding make of it.
+
+    Arguments as those of render.
+    """
+
+    def __init__(
+        self,
+        midline: Midline,
+        specimen: Specimen,
+        camera: Camera,
+        size: tuple[int, int],
+        look: Look,
+        seed: int,
+        theta: Array | None = None,
+    ) -> None:
+        self.look = look
+        self._arm = _Arm(midline, specimen, camera, size, look, theta)
+        self._scenery = Scenery(look, size, seed)
+
+    def coverage(self, time: float) -> Array:
+        """The arm's mean coverage over the exposure (height, width)."""
+        return self._arm.coverage(time)[0]
+
+    def mean(self, time: float, shown: Array | None = None) -> Array:
+        """A frame without noise: ground, what floats behind, arm, clamp, what sits in front, light, the lens' blur.
+
+        shown: another coverage in the arm's place, while bubbles and mirror image stay where the arm's own are.
+        """
+        look, scenery = self.look, self._scenery
+        covered, clamped = self._arm.coverage(time)
+        scene = scenery.ground(time)
+        if look.reflection > 0:
+            scene += look.reflection * (look.arm_level - look.ground_level) * scenery.mirror(covered)
+        scene += (covered if shown is None else shown) * (look.arm_level - scene)
+        scene += clamped * (0.6 * look.arm_level - scene)
+        scenery.put_in_front(scene, self._arm.outline(time), time)
+        scene *= scenery.light
+        return np.asarray(cv2.GaussianBlur(scene, (0, 0), look.blur) if look.blur > 0 else scene, dtype=float)
+
+    def frame(self, time: float, rng: np.random.Generator) -> NDArray[np.uint8]:
+        """A frame as the camera gives it: with noise, whole greys, and compression."""
+        scene = self.mean(time)
+        scene += self.look.noise * rng.standard_normal(scene.shape, dtype=np.float32)
+        image = np.clip(np.rint(scene), 0, 255).astype(np.uint8)
+        if self.look.jpeg_quality:
+            packed = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, self.look.jpeg_quality])[1]
+            image = np.asarray(cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
+        return image
+
+
 def render(
     midline: Midline,
     specimen: Specimen,
@@ -119,32 +170,12 @@ def render(
     exposure. A duplicated frame shows the one before under its own time stamp. The same seed gives the same frames,
     each of its own stream. Raises InputError on a midline with gaps or one that does not reach from base to tip.
     """
-    arm = _Arm(midline, specimen, camera, size, look, theta)
-    scenery = Scenery(look, size, seed)
+    renderer = Renderer(midline, specimen, camera, size, look, seed, theta)
     dropped, duplicated = frame_faults(len(midline.t), look, seed)
     image: NDArray[np.uint8] | None = None
     for index, time in enumerate(midline.t):
         if dropped[index]:
             continue
         if image is None or not duplicated[index]:
-            image = _frame(arm, scenery, look, float(time), np.random.default_rng([seed, index]))
+            image = renderer.frame(float(time), np.random.default_rng([seed, index]))
         yield image
-
-
-def _frame(arm: _Arm, scenery: Scenery, look: Look, time: float, rng: np.random.Generator) -> NDArray[np.uint8]:
-    """One frame: ground, what floats behind, arm, clamp, what sits in front, light, lens blur, noise, compression."""
-    covered, clamped = arm.coverage(time)
-    scene = scenery.ground(time)
-    if look.reflection > 0:
-        scene += look.reflection * (look.arm_level - look.ground_level) * scenery.mirror(covered)
-    scene += covered * (look.arm_level - scene)
-    scene += clamped * (0.6 * look.arm_level - scene)
-    scenery.put_in_front(scene, arm.outline(time), time)
-    scene *= scenery.light
-    scene = cv2.GaussianBlur(scene, (0, 0), look.blur) if look.blur > 0 else scene
-    scene += look.noise * rng.standard_normal(scene.shape, dtype=np.float32)
-    image = np.clip(np.rint(scene), 0, 255).astype(np.uint8)
-    if look.jpeg_quality:
-        packed = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, look.jpeg_quality])[1]
-        image = np.asarray(cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
-    return image

@@ -32,18 +32,26 @@ class Tracking:
 
 
 def stream(
-    video: Path, declaration: Declaration, motor: MotorSignal | None, order: int | None = None, lens: Lens | None = None
+    video: Path,
+    declaration: Declaration,
+    motor: MotorSignal | None,
+    order: int | None = None,
+    lens: Lens | None = None,
+    patience: float = 0.0,
 ) -> tuple[Follower, Iterator[Seen]]:
-    """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far."""
+    """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far.
+
+    patience [s]: how long to wait for more of a file that is still being written; see frames.read_frames.
+    """
     if declaration.camera is None:
         raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
     if order is not None and order not in ORDERS:
         raise InputError(f"order {order} is not known", field="order", expected="1 to 5")
     camera = declaration.camera
     geometry = Geometry.declared(declaration.specimen, camera, lens)
-    fitted = 4 if order is None else min(order + 1, ORDERS[-1])
+    fitted = ORDERS[-1] if order is None else min(order + 1, ORDERS[-1])
     follower = Follower(geometry, camera.exposure, fitted, _angle(motor))
-    return follower, follow(read_ahead(read_frames(Path(video), camera.fps)), follower)
+    return follower, follow(read_ahead(read_frames(Path(video), camera.fps, patience)), follower)
 
 
 def track(
@@ -57,7 +65,7 @@ def track(
     """Shapes of the declared arm in a video (or folder of pictures); see ShapeTrack.
 
     motor gives theta(t), about which the base angle offset is measured; without it the offset is the base angle. order
-    None: 2 to 4 curvature coordinates, as many as the data can show. A frame's time is the middle of its exposure.
+    None: 2 to 5 curvature coordinates, as many as the data can show. A frame's time is the middle of its exposure.
     progress is called with each frame's result. Raises InputError where the video cannot be read or shows no such arm.
     """
     return track_fully(video, declaration, motor, order, lens, progress).shape
@@ -70,9 +78,10 @@ def track_fully(
     order: int | None = None,
     lens: Lens | None = None,
     progress: Callable[[Seen], None] | None = None,
+    patience: float = 0.0,
 ) -> Tracking:
     """As track, with every frame's own result, the pooled estimate and remarks."""
-    follower, results = stream(video, declaration, motor, order, lens)
+    follower, results = stream(video, declaration, motor, order, lens, patience)
     seen: list[Seen] = []
     try:
         for result in results:

@@ -15,9 +15,9 @@ from tentacle.signals import Array, MotorSignal, ShapeTrack
 from vision.coverage import blend_disc
 from vision.encode import write_video
 from vision.lens import Lens
-from vision.limit import edge_sigma, shape_limit
 from vision.looks import LOOKS, Look
 from vision.paper_pipeline import paper_track
+from vision.picture_limit import picture_limit
 from vision.render import frame_times, render
 from vision.scene import Scene, swaying
 from vision.track import Tracking, track_fully
@@ -52,6 +52,7 @@ class Filmed:
     video: Path
     scene: Scene
     look: Look
+    seed: int
     motor: MotorSignal
     declaration: Declaration
     lens: Lens | None
@@ -70,7 +71,7 @@ def film(scene: Scene, look: Look, seed: int, folder: Path, disturb: str = "") -
     bend = look.lens + look.refraction
     lens = Lens((float(centre[0]), float(centre[1])), float(np.linalg.norm(0.5 * size)), bend) if bend else None
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
-    return Filmed(video, scene, look, motor, Declaration(scene.specimen, camera=scene.camera), lens)
+    return Filmed(video, scene, look, seed, motor, Declaration(scene.specimen, camera=scene.camera), lens)
 
 
 def _disturbed(
@@ -119,16 +120,9 @@ def false_accepts(scene: Scene, shape: ShapeTrack) -> int:
 
 
 def least_rms(filmed: Filmed, order: int) -> Array:
-    """Root mean square (order,) of the limit's sigmas over the scene's shapes [rad]; base and base angle known."""
-    scene, look = filmed.scene, filmed.look
-    length = scene.specimen.length / scene.camera.metres_per_px
-    # uneven light scales arm and ground alike: half the unevenness is what the arm's place loses on average
-    contrast = abs(look.ground_level - look.arm_level) * (1.0 - 0.35 * look.unevenness)
-    sigma_e = edge_sigma(look.noise, contrast, look.blur)
-    q = np.zeros((len(scene.t), order))
-    q[:, : min(order, scene.q.shape[1])] = scene.q[:, :order]
-    shapes = zip(q[::5], scene.theta[::5], strict=True)
-    return np.sqrt(np.mean([np.diag(shape_limit(row, angle, sigma_e, length)) for row, angle in shapes], axis=0))
+    """The picture's own limit (order,) [rad] over the scene's shapes; base and base angle known."""
+    count = len(filmed.scene.t)
+    return picture_limit(filmed.scene, filmed.look, filmed.seed, order, range(count // 10, count, max(count // 4, 1)))
 
 
 def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int, int]) -> LookResult:

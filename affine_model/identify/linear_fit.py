@@ -28,14 +28,11 @@ class LinearFit:
     residual: Array
 
 
-def fit_linear(
-    residual: Callable[[Array], Array], parameters: Array, free: Sequence[ParameterName], *, independent: float = 1.0
-) -> LinearFit:
-    """Solve residual(parameters) = 0 for the free parameters in the least-squares sense, the others as given.
-
-    residual maps a vector (R,) to (N,). Its columns are taken by differencing one parameter at a time, by its nominal
-    size: exact where the dependence is linear (k, d, C_perp, C_a, masses ...), elsewhere a local linearisation about
-    the given vector. independent: share of the N rows that count as independent of one another, for the covariance.
+def linear_columns(
+    residual: Callable[[Array], Array], parameters: Array, free: Sequence[ParameterName]
+) -> tuple[Array, Array]:
+    """The residual (N,) at the given parameters, and a column (N, F) for each free one: by differencing one parameter
+    at a time, by its nominal size.
     """
     rows = {(row.effect, row.parameter.name): row for row in parameter_rows()}
     at_given = residual(parameters)
@@ -44,7 +41,20 @@ def fit_linear(
         moved = parameters.copy()
         moved[rows[name].index] += rows[name].parameter.nominal
         columns.append((residual(moved) - at_given) / rows[name].parameter.nominal)
-    Y = np.stack(columns, axis=1)
+    return at_given, np.stack(columns, axis=1)
+
+
+def fit_linear(
+    residual: Callable[[Array], Array], parameters: Array, free: Sequence[ParameterName], *, independent: float = 1.0
+) -> LinearFit:
+    """Solve residual(parameters) = 0 for the free parameters in the least-squares sense, the others as given.
+
+    residual maps a vector (R,) to (N,). Its columns are taken by differencing (linear_columns): exact where the
+    dependence is linear (k, d, C_perp, C_a, masses ...), elsewhere a local linearisation about the given vector.
+    independent: share of the N rows that count as independent of one another, for the covariance.
+    """
+    rows = {(row.effect, row.parameter.name): row for row in parameter_rows()}
+    at_given, Y = linear_columns(residual, parameters, free)
     size = np.maximum(np.linalg.norm(Y, axis=0), 1e-300)
     inverse = np.linalg.pinv(Y / size)
     change = -(inverse @ at_given) / size  # eq. 19

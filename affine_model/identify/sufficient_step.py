@@ -15,8 +15,16 @@ OF_NOISE = 0.05  # noise sigmas (rms): a nat for every 800 values, and of it all
 OF_REST = 0.02  # of the rest's rms: a model that errs so much anyway is not known better by a finer step
 
 
-def sufficient_step(problem: Problem, fitted: Fit) -> float:
-    """The coarsest of STEPS [s] at which the fitted motion errs by less than OF_NOISE, or OF_REST of the rest, on the
+def unbiased_noise(problem: Problem) -> float:
+    """The error of the motion, in noise sigmas (rms), that moves no parameter by more than half its own deviation.
+
+    Unlike noise it does not average out over the residuals: all of it may lie along one parameter's column.
+    """
+    return 0.5 / float(np.sqrt(sum(e.used.sum() * e.noise_gain.size for e in problem.experiments)))
+
+
+def sufficient_step(problem: Problem, fitted: Fit, of_noise: float = OF_NOISE) -> float:
+    """The coarsest of STEPS [s] at which the fitted motion errs by less than of_noise, or OF_REST of the rest, on the
     fitted frames of every recording and on those kept for judging.
 
     The error is estimated by halving the step: the midpoint rule is of second order, so what a halving changes is
@@ -34,7 +42,7 @@ def sufficient_step(problem: Problem, fitted: Fit) -> float:
         ]
 
     rest = float(np.sqrt(np.mean(fitted.used_residuals**2)))
-    allowed = max(OF_NOISE, OF_REST * (rest if rest > 2.0 else 0.0))
+    allowed = max(of_noise, OF_REST * (rest if rest > 2.0 else 0.0))
     last = shown(STEPS[0])
     for coarse, fine in pairwise(STEPS):
         finer = shown(fine)

@@ -7,7 +7,7 @@ int psi (M u'' - F) dt = int (-psi' M u' - psi (M' u' + F)) dt, since psi vanish
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -55,6 +55,23 @@ def weak_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, psi: Arra
     return weak @ arm.from_monomial
 
 
+def weak_system(
+    arm: Arm,
+    t: Array,
+    q: Array,
+    base: Array,
+    width: float,
+    *,
+    q_rate: Array | None = None,
+    window: int = 7,
+    overlap: int = 4,
+) -> Callable[[Array], Array]:
+    """The weighted residual (N,) of these curvatures as a function of the parameters (R,); else as weak_form."""
+    motion = measured_motion(arm, t, q, base, q_rate=q_rate, window=window)
+    psi, psi_rate = bumps(t, width, overlap)
+    return lambda vector: weak_residual(arm, vector, motion, psi, psi_rate).ravel()
+
+
 def weak_form(
     arm: Arm,
     parameters: Array,
@@ -73,10 +90,5 @@ def weak_form(
     As regression(), but with bumps of `width` [s], about half the shortest period that matters; rates are still
     smoothed over `window` samples. The covariance counts overlapping bumps once.
     """
-    motion = measured_motion(arm, t, q, base, q_rate=q_rate, window=window)
-    psi, psi_rate = bumps(t, width, overlap)
-
-    def residual(vector: Array) -> Array:
-        return weak_residual(arm, vector, motion, psi, psi_rate).ravel()
-
+    residual = weak_system(arm, t, q, base, width, q_rate=q_rate, window=window, overlap=overlap)
     return fit_linear(residual, parameters, free, independent=1.0 / overlap)

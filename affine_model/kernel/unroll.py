@@ -121,6 +121,23 @@ class _Placer(ast.NodeTransformer):
         return ast.Subscript(ast.Name("work", ast.Load()), ast.Tuple([place, lane], ast.Load()), node.ctx)
 
 
+class _Reader(ast.NodeTransformer):
+    """Gives every subscript that no lane changes a name; held: its text -> its name, counted on from `first`."""
+
+    def __init__(self, assigned: set[str], first: int) -> None:
+        self.held: dict[str, str] = {}
+        self._assigned, self._first = assigned, first
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        names = {name.id for name in ast.walk(node) if isinstance(name, ast.Name)}
+        if isinstance(node.ctx, ast.Store) or names & self._assigned:
+            self.generic_visit(node)
+            return node
+        text = ast.unparse(node)
+        self.held.setdefault(text, f"held_{self._first + len(self.held)}")
+        return ast.Name(self.held[text], ast.Load())
+
+
 class _Hoister(ast.NodeTransformer):
     """Reads what is the same for all lanes before the loop over them: array[...] without the lane, outside `work`."""
 
@@ -136,21 +153,11 @@ class _Hoister(ast.NodeTransformer):
         }
         if any(isinstance(inner, ast.For) for inner in ast.walk(node) if inner is not node):
             return node
-        held: dict[str, str] = {}
-
-        class Reader(ast.NodeTransformer):
-            def visit_Subscript(inner, part: ast.Subscript) -> ast.expr:  # noqa: N805
-                names = {name.id for name in ast.walk(part) if isinstance(name, ast.Name)}
-                if isinstance(part.ctx, ast.Store) or names & assigned:
-                    inner.generic_visit(part)
-                    return part
-                text = ast.unparse(part)
-                held.setdefault(text, f"held_{self._count + len(held)}")
-                return ast.Name(held[text], ast.Load())
-
-        node.body = [Reader().visit(statement) for statement in node.body]
-        self._count += len(held)
-        return [*ast.parse("\n".join(f"{name} = {text}" for text, name in held.items())).body, node]
+        reader = _Reader(assigned, self._count)
+        node.body = [reader.visit(statement) for statement in node.body]
+        self._count += len(reader.held)
+        text = "\n".join(f"{name} = {text}" for text, name in reader.held.items())
+        return [*ast.parse(text).body, node]
 
 
 def unrolled_source(template: str, constants: Mapping[str, int], shapes: Mapping[str, Shape]) -> str:

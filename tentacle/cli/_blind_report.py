@@ -19,6 +19,7 @@ from viz.words import effect_name, number
 METHODS = (
     ("regression", "the paper's regression (eq. 18-19), best column"),
     ("weak_form", "weak form of the same columns, best column"),
+    ("pysindy", "PySINDy (STLSQ) over all columns of the weak form"),
     ("score_test", "trajectory score test alone, its first"),
 )
 

@@ -17,7 +17,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="FOLDER", help="import folder to write; FOLDER.truth.csv beside it"
     )
     parser.add_argument(
-        "--look", default="clean", help="clean, light_arm, uneven, bubbles, faint, tank, tank_lens (default: clean)"
+        "--look", default="clean", help="clean (default), light_arm, uneven, bubbles, faint, tank, tank_lens, mujoco"
     )
     parser.add_argument("--seed", type=int, required=True, help="the same seed gives the same video")
     parser.add_argument("--size", type=int, nargs=2, default=(1280, 720), metavar=("W", "H"), help="picture size [px]")
@@ -39,11 +39,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Render, write the import folder, its truth and, where the look has one, its lens."""
+    import os
     import tempfile
     from dataclasses import replace
 
     import numpy as np
 
+    if arguments.look == "mujoco":
+        os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
+    from tentacle.cli._film import MUJOCO
     from tentacle.csv_table import write_csv
     from tentacle.errors import InputError
     from tentacle.reading import read_recording
@@ -57,7 +61,9 @@ def run(arguments: argparse.Namespace) -> int:
     from vision.render import frame_times, render
     from vision.scene import swaying
 
-    look, size, out = look_named(arguments.look), tuple(arguments.size), arguments.out
+    mujoco = arguments.look == MUJOCO
+    look = look_named("clean" if mujoco else arguments.look)
+    size, out = tuple(arguments.size), arguments.out
     if min(size) < 16 or not 0 <= arguments.compress <= 51:
         raise InputError("cannot be rendered", field="--size, --compress", expected="16 px or more, and 0 to 51")
     for name in ("seconds", "fps", "frequency"):
@@ -95,7 +101,13 @@ def run(arguments: argparse.Namespace) -> int:
     out.absolute().parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         video = Path(folder) / "video.mp4"
-        pictures = render(midline, recording.declaration.specimen, camera, size, look, arguments.seed, theta)
+        specimen = recording.declaration.specimen
+        if mujoco:
+            from mujoco_ref.camera import film
+
+            pictures = film(midline, specimen, camera, size)
+        else:
+            pictures = render(midline, specimen, camera, size, look, arguments.seed, theta)
         count = write_video(video, pictures, times, arguments.compress)
         filmed = replace(recording, name=out.name, midline=None, markers=None, shape=None, video=Video(video))
         write_folder(filmed, out)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tentacle.recording import Recording
     from tentacle.signals import ShapeTrack
+    from vision.follow import Seen
     from vision.lens import Lens
 
 HELP = "follow the arm through a video: curvature coordinates with their covariance, frame by frame"
@@ -23,13 +24,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="FILE", help="FILE.csv, or FILE.rrd with everything in it"
     )
     parser.add_argument(
-        "--order", type=int, choices=(1, 2, 3, 4, 5), help="curvature coordinates (default: 2 to 4, by the data)"
+        "--order", type=int, choices=(1, 2, 3, 4, 5), help="curvature coordinates (default: 2 to 5, by the data)"
     )
     parser.add_argument(
         "--overlay", type=Path, metavar="FILE", help="the fit drawn over the video (.mp4) or over nine frames (.png)"
     )
     parser.add_argument("--lens", type=Path, metavar="FILE.toml", help="lens, as tentacle calibrate writes it")
     parser.add_argument("--paper", action="store_true", help="use the paper's method (Fig. 3) instead: the baseline")
+    parser.add_argument(
+        "--live",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="the file is still being written: print each frame as it comes, stop where nothing comes for S seconds",
+    )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     plain = parser.add_argument_group("a plain video (not a recording)")
     plain.add_argument("--length", type=float, metavar="M", help="length of the arm [m]")
@@ -59,6 +67,8 @@ def run(arguments: argparse.Namespace) -> int:
     from vision.track import track_fully
 
     _check_outputs(arguments)
+    if arguments.live < 0 or (arguments.live and (arguments.paper or arguments.json)):
+        raise InputError("--live is for frames as they come", field="--live", expected="seconds, no --paper or --json")
     lens = None if arguments.lens is None else read_lens(arguments.lens)
     recording = _recording(arguments, lens)
     if recording.video is None:
@@ -75,7 +85,10 @@ def run(arguments: argparse.Namespace) -> int:
                 recording.motor,
                 arguments.order,
                 lens,
-                lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
+                _say
+                if arguments.live
+                else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
+                arguments.live,
             )
         shape, remarks, seen = tracked.shape, tracked.remarks, tracked.seen
     if arguments.out.suffix == ".rrd":
@@ -107,6 +120,12 @@ def run(arguments: argparse.Namespace) -> int:
         print(_camera_line(recording, shape))
     print(f"wrote {arguments.out}")
     return 0
+
+
+def _say(result: Seen) -> None:
+    """One frame's shape, as soon as it is there."""
+    words = "  ".join(f"{value:8.4f}" for value in result.x) if result.accepted else result.reason
+    print(f"{result.t:9.4f}  {words}", flush=True)
 
 
 def _check_outputs(arguments: argparse.Namespace) -> None:
@@ -146,7 +165,7 @@ def _recording(arguments: argparse.Namespace, lens: Lens | None) -> Recording:
     # the density plays no part in tracking; water's stands in for it
     specimen = Specimen(Cone(arguments.base_radius, arguments.tip_radius), arguments.length, density=1000.0)
     fps = arguments.fps or 30.0
-    first = next(iter(read_frames(source, arguments.fps)))
+    first = next(iter(read_frames(source, arguments.fps, arguments.live)))
     metres_per_px = arguments.m_per_px or (lens.metres_per_px if lens is not None else None)
     if arguments.base_px is not None and metres_per_px is not None:
         camera = Camera(fps, metres_per_px, tuple(arguments.base_px), (0.0, 1.0), arguments.exposure)

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
+from affine_model.base_signal import base_table
 from affine_model.curvature import midline
 from affine_model.simulate import simulate
 from discovery.base_fit import Setting, fit_base
+from discovery.hypothesis import Hypothesis, hypothesis
 from discovery.prepare import prepare
-from discovery.search import Hypothesis, hypothesis
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Midline, MotorSignal
@@ -26,17 +27,18 @@ S = np.linspace(0.0, 1.0, 21)
 STEP = 1.0 / 600.0
 
 
-def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, name="made") -> Recording:
+def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, name="made", wave=WAVE) -> Recording:
     """A recording of the reduced model with these base parameters and hidden effects (effect, parameter) -> value."""
     arm = arm_of(Model(SPECIMEN, WATER, order=order))
     parameters = neutral_parameters()
     for (effect, parameter), value in {**TRUTH, **(hidden or {})}.items():
         parameters[parameter_index(effect, parameter)] = value
     steps = round(seconds / STEP)
-    half = (np.arange(steps) + 0.5) * STEP
-    batch = simulate(arm, parameters[:, None], WAVE(half)[:, :, None], STEP, stride=round(1.0 / STEP / FPS))
-    theta = WAVE(batch.t)[0]
-    points = midline(batch.q[:, :, 0], theta, SPECIMEN.length, S)
+    lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
+    base = base_table(wave, 0.0, STEP, steps, lag, play)
+    batch = simulate(arm, parameters[:, None], base, STEP, stride=round(1.0 / STEP / FPS))
+    theta = wave(batch.t)[0]  # as commanded
+    points = midline(batch.q[:, :, 0], batch.theta[:, 0], SPECIMEN.length, S)
     points = points + noise * np.random.default_rng(seed).standard_normal(points.shape)
     seen = Midline(batch.t, S, points, np.full(points.shape[:2], noise))
     return Recording(name, Declaration(SPECIMEN, WATER), motor=MotorSignal(batch.t, theta, theta), midline=seen)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from discovery.adequacy import ljung_box
+from discovery.hypothesis import looseness, parameter_interval
 from discovery.next_experiment import _gap, candidates, propose
 from discovery.score import score
-from discovery.search import looseness, parameter_interval, refit, search, without
+from discovery.search import refit, search, without
 from discovery.verdict import decide, probabilities, structure_share
 from tentacle.servo_limits import ServoLimits
 

@@ -104,7 +104,7 @@ def test_robust_restarts_on_two_dask_workers_equal_those_here(arm, tmp_path):
     from distributed import LocalCluster
 
     settings = ("--robust", "2", "--restarts", "2")
-    with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster:
         address = ("--cluster", cluster.scheduler_address)
         assert optimise(arm, tmp_path / "dask", *settings, *address) == 0
     found = json.loads((tmp_path / "dask" / "result.json").read_text())

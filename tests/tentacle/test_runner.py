@@ -89,9 +89,12 @@ def test_a_killed_run_goes_on_where_it_was(tmp_path: Path, square: Any) -> None:
     deadline = time.monotonic() + 30
     while finished(tmp_path) < 3 and time.monotonic() < deadline:
         time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGKILL)  # the whole session, workers too
+    os.kill(process.pid, signal.SIGKILL)  # the worker sees that it is alone, and ends
     process.wait()
+    time.sleep(0.5)
     kept = finished(tmp_path)
+    time.sleep(0.5)
+    assert finished(tmp_path) == kept
     assert 3 <= kept < 40
     runner = Runner(tmp_path / "results", workers=1, quiet=True)
     before = len((tmp_path / "log.txt").read_text().split())
@@ -110,7 +113,7 @@ def test_a_result_is_stored_without_pickle(tmp_path: Path) -> None:
 
 def test_a_scheduler_and_two_workers_do_the_same(tmp_path: Path, square: Any) -> None:
     # A real scheduler on a port, and two worker processes.
-    made: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    made: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
     cluster: Any
     with LocalCluster(n_workers=2, processes=True, **made) as cluster:
         runner = Runner(tmp_path / "results", scheduler=cluster.scheduler_address, quiet=True)

@@ -1,5 +1,8 @@
 """Videos as labs have them: every kind of file is read, or refused in one clear line."""
 
+import threading
+import time
+
 import av
 import cv2
 import numpy as np
@@ -100,3 +103,43 @@ def test_read_ahead_keeps_order_and_raises_in_place():
     assert [next(ahead) for _ in range(10)] == list(range(10))
     with pytest.raises(InputError, match="tenth"):
         next(ahead)
+
+
+def test_a_file_that_grows_is_read_as_it_comes(tmp_path):
+    frames = [np.roll(ramp(), 3 * k, axis=1) for k in range(30)]
+    write_video(tmp_path / "whole.mkv", frames, np.arange(30) / 30)
+    data = (tmp_path / "whole.mkv").read_bytes()
+    growing = tmp_path / "growing.mkv"
+    growing.touch()
+
+    def write():
+        for part in range(10):
+            time.sleep(0.02)
+            with growing.open("ab") as file:
+                file.write(data[part * len(data) // 10 : (part + 1) * len(data) // 10])
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    read = list(read_frames(growing, patience=2.0))
+    writer.join()
+    assert len(read) == 30
+    assert all(np.array_equal(a, b.image) for a, b in zip(frames, read, strict=True))
+
+
+def test_a_rotation_that_the_file_declares_is_carried_out(tmp_path):
+    write_video(tmp_path / "flat.mp4", [ramp()], [0.0])
+    data = bytearray((tmp_path / "flat.mp4").read_bytes())
+    matrix = data.index(b"tkhd") + 4 + 4 + 20 + 8 + 8  # ISO 14496-12, tkhd
+    turned = (0, 1 << 16, 0, 0xFFFF0000, 0, 0, 48 << 16, 0, 1 << 30)  # a quarter turn clockwise
+    data[matrix : matrix + 36] = b"".join(value.to_bytes(4, "big") for value in turned)
+    (tmp_path / "portrait.mp4").write_bytes(data)
+    (frame,) = read_frames(tmp_path / "portrait.mp4")
+    np.testing.assert_array_equal(frame.image, np.rot90(ramp(), -1))
+
+
+def test_a_codec_that_nobody_knows(tmp_path):
+    write_video(tmp_path / "known.mp4", [ramp()], [0.0])
+    data = (tmp_path / "known.mp4").read_bytes()
+    (tmp_path / "unknown.mp4").write_bytes(data.replace(b"avc1", b"zzzz").replace(b"avcC", b"zzzC"))
+    with pytest.raises(InputError, match=r"unknown\.mp4"):
+        list(read_frames(tmp_path / "unknown.mp4"))

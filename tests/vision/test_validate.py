@@ -1,5 +1,7 @@
 """The validation's own parts, and what must never be accepted with a small sigma."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from tentacle.signals import MotorSignal
 from vision.encode import write_video
 from vision.limit import edge_sigma, shape_limit, straight_arm_limit
 from vision.looks import CLEAN, TANK_LENS
+from vision.picture_limit import jpeg_steps, picture_limit
 from vision.render import render
 from vision.scene import swaying
 from vision.track import track
@@ -56,3 +59,20 @@ def test_report_of_a_look_with_a_lens():
     assert result.rms[0] < 0.1 * result.paper_rms[0]
     assert "tank_lens" in table([result])
     assert as_json([result])[0]["look"] == "tank_lens"
+
+
+def test_the_pictures_limit_is_the_edges_limit_where_nothing_disturbs():
+    scene = swaying(seed=1, frames=3, size=(640, 360))
+    exact = picture_limit(scene, CLEAN, 1, 2, range(1, 2))
+    blur = np.sqrt(CLEAN.blur**2 + 1 / 12)  # of the lens, and the pixel's own
+    sigma_e = edge_sigma(CLEAN.noise, 150.0, blur)
+    rows = shape_limit(scene.q[1], scene.theta[1] + scene.offset, sigma_e, 0.66 * 360)
+    np.testing.assert_allclose(exact, np.sqrt(np.diag(rows)), rtol=0.06)  # taper and tip are left out of the latter
+
+
+def test_jpeg_costs_information_and_its_steps_are_those_of_the_standard():
+    assert jpeg_steps(50)[0, 0] == 16
+    assert jpeg_steps(85)[7, 7] == 30  # (99 x 30 + 50) // 100
+    scene = swaying(seed=1, frames=3, size=(640, 360))
+    limits = [picture_limit(scene, replace(CLEAN, jpeg_quality=q), 1, 2, range(1, 2))[0] for q in (0, 95, 60)]
+    assert limits[0] < limits[1] < limits[2]

@@ -1,0 +1,169 @@
+"""From what the search found to the diagnosis that is written: errors, ranking, budget, words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from affine_model.identify.trajectory import Fit, Problem
+from discovery.calibration import calibrated
+from discovery.compare import errors, floor_errors, midline_error, run_comparison
+from discovery.hypothesis import estimates, hypothesis
+from discovery.next_experiment import DURATION, Proposal, propose
+from discovery.prepare import Prepared
+from discovery.reduction import Reduction
+from discovery.score import twin_cosines
+from discovery.search import Search
+from discovery.unnamed import Rest
+from discovery.verdict import Decision, probabilities
+from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
+from tentacle.model import Model
+from tentacle.recording import Recording
+from tentacle.servo_limits import ServoLimits
+from tentacle.waveform_file import waveform_table
+
+LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
+
+
+def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
+    """Unknown, for the data show too little; with no error, no ranking and no parameters, since none can be stated."""
+    d = recording.declaration
+    model = Model(d.specimen, d.fluid, d.gravity)
+    nothing = ErrorMeasure()
+    return Diagnosis(
+        verdict="unknown",
+        effects=(),
+        confidence=0.0,
+        parameters={},
+        before=nothing,
+        after=nothing,
+        floor=nothing,
+        held_out=False,
+        ranking=(),
+        next_experiment=None,
+        budget=ErrorBudget(0.0, 0.0, 0.0, 0.0),
+        base_model=model,
+        augmented_model=model,
+        gates=(),
+        twin_names=(),
+        twin_cosines=np.zeros((0, 0)),
+        runs=(),
+        words=("These data cannot tell.", reason),
+        seed=seed,
+    )
+
+
+def assembled(
+    found: Search,
+    decision: Decision,
+    rest: Rest | None,
+    paper: tuple[Problem, Fit],
+    prepared: list[Prepared],
+    order: int,
+    words: tuple[str, ...],
+    seed: int,
+    reduction: Reduction | None,
+) -> Diagnosis:
+    """The diagnosis: the search's outcome and its decision, the paper's model beside the chosen one (with its rest) on
+    every recording, and what the reduction loses. order: how many coordinates the shapes show; words: said before.
+    """
+    chosen = found.chosen if rest is None else rest.refitted
+    is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
+    final = (chosen.problem, chosen.fitted)
+    runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
+    before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
+    lost = 0.0 if reduction is None else reduction.millimetres
+    floor = floor_errors(runs, prepared, lost)
+    parameters = estimates(chosen, found.looseness)
+    effects, verdict = decision.effects, decision.verdict
+    if order > 2:
+        words = (*words, f"The measured shapes show {order} curvature coordinates; the paper's model has two.")
+        improved = (
+            before.midline_mm is not None
+            and after.midline_mm is not None
+            and before.midline_mm > 1.1 * after.midline_mm
+        )
+        if verdict == "nothing_missing" and improved:
+            effects, verdict = ("third_curvature",), "effect"
+        elif verdict in ("effect", "group"):
+            effects = (*effects, "third_curvature")
+    named = {name: parameters.get(name, {}) for name in effects}
+    d = prepared[0].recording.declaration
+    base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
+    augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
+    if rest is not None:
+        words = (*words, _rest_words(rest))
+    proposal = propose(found.chosen, found.rivals, LIMITS, seed) if found.rivals else None
+    if proposal is not None:
+        words = (*words, _proposal_words(proposal))
+    candidates = list(found.candidates[:12])
+    return Diagnosis(
+        verdict=verdict,
+        effects=effects,
+        confidence=calibrated(decision.verdict, decision.confidence),
+        uncalibrated=decision.confidence,
+        parameters=named,
+        before=before,
+        after=after,
+        floor=floor,
+        held_out=is_held_out,
+        ranking=_ranking(found, prepared, is_held_out),
+        next_experiment=None if proposal is None else waveform_table(proposal.waveform),
+        budget=_budget(before, after, floor, lost),
+        base_model=base_model,
+        augmented_model=augmented,
+        gates=(*chosen.train.gates, *chosen.judged.gates),
+        twin_names=tuple(c.effect.name for c in candidates),
+        twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
+        runs=tuple(run for run, _, _ in runs),
+        words=(*words, *decision.words),
+        seed=seed,
+    )
+
+
+def _proposal_words(proposal: Proposal) -> str:
+    if proposal.nats < 5.0:
+        return (
+            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
+            f"the best of those tried would give {proposal.nats:.1f} nats."
+        )
+    return (
+        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment, would split "
+        f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
+    )
+
+
+def _rest_words(rest: Rest) -> str:
+    terms = ", ".join(rest.terms)
+    return (
+        f"A small force without a name ({terms}; the effect `unnamed` of the augmented model) leaves "
+        f"{100 * rest.share:.0f} % of what stood above the noise on the held-out frames; it is no explanation."
+    )
+
+
+def _ranking(found: Search, prepared: list[Prepared], is_held_out: bool) -> tuple[RankedEffect, ...]:
+    weight = probabilities(found)
+    refitted = {h.effects[0]: h for h in found.single}
+    rows = []
+    for candidate in found.candidates:
+        name = candidate.effect.name
+        error = None
+        if name in refitted:
+            error = midline_error(prepared, refitted[name].problem, refitted[name].fitted, is_held_out)
+        gain = found.base.fitted.misfit - refitted[name].fitted.misfit if name in refitted else candidate.gain
+        rows.append(RankedEffect(name, float(gain), error, weight.get(name, 0.0)))
+    return tuple(sorted(rows, key=lambda row: -row.score))
+
+
+def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
+    def apart(large: float | None, small: float | None) -> float:
+        if large is None or small is None:
+            return 0.0
+        return float(np.sqrt(max(large**2 - small**2, 0.0)))
+
+    noise = apart(floor.midline_mm, lost)
+    return ErrorBudget(
+        noise_mm=noise,
+        reduction_mm=lost,
+        missing_mm=apart(before.midline_mm, after.midline_mm),
+        rest_mm=apart(after.midline_mm, floor.midline_mm),
+    )

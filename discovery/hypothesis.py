@@ -1,0 +1,107 @@
+"""A hypothesis: the declared model with some absent effects added, fitted, judged, and what it says of parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.arm import parameter_rows
+from affine_model.curvature import Array
+from affine_model.effects import catalogue
+from affine_model.identify.trajectory import Fit, Problem
+from discovery.adequacy import Adequacy, adequacy
+from tentacle.model import Estimate
+
+NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out
+    frames, less a penalty for each parameter.
+    """
+
+    effects: tuple[str, ...]
+    problem: Problem
+    fitted: Fit
+    evidence: float
+    train: Adequacy
+    judged: Adequacy
+    reduction: tuple[float, float] = (0.0, 0.0)
+
+
+def held_out_misfit(problem: Problem, fitted: Fit) -> float:
+    """Half the sum of squared whitened residuals on the frames that were not fitted [nats]."""
+    total = 0.0
+    for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True):
+        total += 0.5 * float(np.sum(residuals[~experiment.used] ** 2))
+    return total
+
+
+def nats_per_parameter(problem: Problem) -> float:
+    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for
+    less.
+    """
+    return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
+
+
+def hypothesis(
+    effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: tuple[float, float] = (0.0, 0.0)
+) -> Hypothesis:
+    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing
+    physics.
+    """
+    parameters = sum(len(catalogue()[name].parameters) for name in effects)
+    evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
+    train = adequacy(problem, fitted, held_out=False, reduction=reduction[0])
+    judged = adequacy(problem, fitted, held_out=True, reduction=reduction[1])
+    return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction)
+
+
+def looseness(judged: Hypothesis) -> float:
+    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time
+    in frames.
+
+    1 where the rest is white noise of the stated size. It widens ties and intervals where the model is not complete.
+    """
+    values, weights = [], []
+    for experiment, residuals in zip(judged.problem.experiments, judged.fitted.residuals, strict=True):
+        rows = residuals[experiment.used]
+        rows = rows[:, np.any(rows != 0.0, axis=0)]
+        if rows.shape[0] < 40:
+            continue
+        centred = rows - rows.mean(axis=0)
+        power = np.mean(centred**2, axis=0)
+        time = np.ones(rows.shape[1])
+        for lag in range(1, min(200, rows.shape[0] // 3)):
+            rho = np.mean(centred[lag:] * centred[:-lag], axis=0) / np.maximum(power, 1e-300)
+            alive = rho > 0.1
+            if not alive.any():
+                break
+            time += 2.0 * np.where(alive, rho, 0.0)
+        values.append(np.mean(rows**2, axis=0) * np.where(np.mean(rows**2, axis=0) > 1.3, time, 1.0))
+        weights.append(rows.shape[0])
+    if not values:
+        return 1.0
+    return float(max(1.0, np.average([np.mean(value) for value in values], weights=weights)))
+
+
+def parameter_interval(judged: Hypothesis, index: int, loose: float) -> tuple[float, float]:
+    """95 % interval of one free parameter, widened where the model is not complete, cut at the physical bounds."""
+    spread: Array = np.sqrt(np.maximum(np.diag(judged.fitted.covariance), 0.0))
+    half = 1.96 * float(spread[index]) * np.sqrt(loose)
+    low, high = (limit[index] for limit in judged.problem.bounds())
+    value = float(judged.fitted.values[index])
+    return max(low, value - half), min(high, value + half)
+
+
+def estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
+    """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
+    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
+    table: dict[str, dict[str, Estimate]] = {}
+    for index, (effect, name) in enumerate(judged.problem.free):
+        low, high = parameter_interval(judged, index, loose)
+        value = float(judged.fitted.values[index])
+        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
+    return table

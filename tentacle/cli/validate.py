@@ -1,0 +1,49 @@
+"""tentacle validate: how well tracking does on test videos whose truth is known, look by look."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "render, track and compare test videos of every look: errors against the Cramer-Rao limit, misses, false accepts"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="where validation.txt and .json go")
+    parser.add_argument("--looks", nargs="+", metavar="LOOK", help="some of the looks (default: all)")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="one video each (default: 1 2 3)")
+    parser.add_argument("--frames", type=int, default=150, help="frames a video (default: 150)")
+    parser.add_argument("--size", type=int, nargs=2, default=(1280, 720), metavar=("W", "H"), help="picture size [px]")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Validate look by look, then what must not be believed; print and write the table."""
+    import json
+
+    from tentacle.errors import InputError
+    from vision.looks import LOOKS, look_named
+    from vision.validate import as_json, judge_disturbed, judge_look, table
+
+    size, seeds = tuple(arguments.size), tuple(arguments.seeds)
+    if arguments.frames < 8 or min(size) < 120:
+        raise InputError("too little to judge by", field="--frames, --size", expected="8 frames, 120 px or more")
+    looks = [look_named(name) for name in arguments.looks or LOOKS]
+    if arguments.out.exists() and not arguments.out.is_dir():
+        raise InputError("is a file", file=arguments.out, expected="a folder to write to")
+    results = []
+    for look in looks:
+        results.append(judge_look(look, seeds, arguments.frames, size))
+        lines = table(results).splitlines()
+        print("\n".join(lines[:3] if len(results) == 1 else lines[-1:]), flush=True)
+    lines = [table(results), ""]
+    for disturb, words in (("hand", "a hand in the tank"), ("second_arm", "a second arm")):
+        tracked, wrong = judge_disturbed(disturb, seeds[0], min(arguments.frames, 60), size)
+        accepted = f"{tracked.shape.accepted.mean():.0%} of frames accepted, {wrong} of them wrongly"
+        lines.append(f"{words}: {accepted}; {'; '.join(tracked.remarks) or 'nothing to remark'}")
+        print(lines[-1], flush=True)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    (arguments.out / "validation.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (arguments.out / "validation.json").write_text(json.dumps(as_json(results), indent=1) + "\n", encoding="utf-8")
+    print(f"wrote {arguments.out / 'validation.txt'} and validation.json")
+    return 0

@@ -1,0 +1,26 @@
+"""The next experiment settles what one run cannot: a lag of the servo and a clock's offset are the same on one sine."""
+
+from discovery.diagnose import diagnose
+from discovery.next_experiment import DURATION
+from tentacle.waveform import Ramped, Sine
+from tentacle.waveform_file import waveform_from_table
+
+
+def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):
+    hidden = {("servo_lag", "tau"): 0.012}
+    sine = recorded(hidden, wave=Ramped(Sine(0.3, 1.1), 2.0), noise=1e-3, name="sine")
+    first = diagnose([sine])
+    assert first.verdict == "group"
+    assert {"servo_lag", "time_offset"} <= set(first.effects)
+    place = [first.twin_names.index(name) for name in ("servo_lag", "time_offset")]
+    assert abs(first.twin_cosines[place[0], place[1]]) > 0.99  # twins on one sine
+    assert first.next_experiment is not None
+
+    proposed = waveform_from_table(first.next_experiment)
+    second = recorded(hidden, wave=proposed, noise=1e-3, name="proposed", seconds=DURATION, seed=1)
+    both = diagnose([sine, second])
+    assert both.verdict == "effect"
+    assert both.effects == ("servo_lag",)
+    estimate = both.parameters["servo_lag"]["tau"]
+    assert estimate.low < 0.012 < estimate.high  # 95 %, and the seed is fixed
+    assert estimate.high - estimate.low < 0.002

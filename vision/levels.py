@@ -1,0 +1,108 @@
+"""The greys beside the arm's edges, from all pixels of a stretch of one side together.
+
+Light that changes across the edge changes arm and ground in proportion: one slope serves both. With two free slopes the
+edge's place would lose three quarters of what the pixels say of it.
+
+A long stretch tells them best, a short one follows uneven light. Lepski's rule chooses, place by place: the longest
+stretch that puts the edge where the shorter ones put it, but for what noise explains (Lepski 1991).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tentacle.signals import Array
+
+STRETCHES = np.array([16, 45, 130, 400])  # stations to either side
+DIFFERENT = 2.0  # standard deviations
+LEAST_EDGES = 4  # in a stretch
+KNOT = 8  # stations between two places where the greys are told; straight lines between
+HELD = 1e-6  # prior information on each unknown, so that a stretch without an outside has an answer
+
+
+@njit(cache=True, nogil=True)
+def side_greys(kind: Array, sound: NDArray[np.bool_], packed: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Greys (E, 3) along both sides: inside and outside at the edge, slope of the ground outward; and which are known.
+
+    packed (E, 16): profiles.level_sums; the sound edges (E,) tell.
+    """
+    count = len(kind)
+    greys, known = np.zeros((count, 3)), np.zeros(count, dtype=np.bool_)
+    window, answer = np.empty(17), np.empty(6)
+    for side in (0, 1):
+        index = np.flatnonzero(kind == side)
+        stations = len(index)
+        if stations == 0:
+            continue
+        total = np.zeros((stations + 1, 17))  # running sums of packed, and of the sound edges
+        for k in range(stations):
+            e = index[k]
+            for i in range(17):
+                total[k + 1, i] = total[k, i]
+                if sound[e]:
+                    total[k + 1, i] += packed[e, i] if i < 16 else 1.0
+        knots = (stations - 1) // KNOT + 2
+        told, there = np.zeros((knots, 3)), np.zeros(knots, dtype=np.bool_)
+        noises = np.empty(knots)
+        for knot in range(knots):
+            k = min(knot * KNOT, stations - 1)
+            window[:] = total[min(k + STRETCHES[0] + 1, stations)] - total[max(k - STRETCHES[0], 0)]
+            _solve(window, answer)
+            noises[knot] = answer[5]
+        noise = np.median(noises)
+        for knot in range(knots):
+            k = min(knot * KNOT, stations - 1)
+            middle, variance = 0.0, np.inf
+            for reach in STRETCHES:
+                window[:] = total[min(k + reach + 1, stations)] - total[max(k - reach, 0)]
+                if window[16] < LEAST_EDGES:
+                    continue
+                _solve(window, answer)
+                if there[knot] and (answer[3] - middle) ** 2 > DIFFERENT * DIFFERENT * noise * variance:
+                    break
+                told[knot], middle, variance = answer[:3], answer[3], answer[4]
+                there[knot] = True
+        for k in range(stations):
+            e, knot = index[k], k // KNOT
+            part = (k - knot * KNOT) / KNOT
+            known[e] = there[knot] and there[knot + 1]
+            for i in range(3):
+                greys[e, i] = (1.0 - part) * told[knot, i] + part * told[knot + 1, i]
+    return greys, known
+
+
+@njit(cache=True, nogil=True)
+def _solve(window: Array, answer: Array) -> None:
+    """Into answer (6,): greys (3), the half-way grey, its variance per squared grey of noise, the noise's variance.
+
+    By Cholesky's factors L of the normal matrix: x = L'^-1 L^-1 b; the half-way grey is h x, its variance |L^-1 h|^2.
+    """
+    factor, half_way, right = np.empty((4, 4)), np.empty(4), np.empty(4)
+    at = 0
+    for i in range(4):
+        half_way[i], right[i] = 0.5 if i < 2 else 0.0, window[10 + i]
+        for j in range(i + 1):
+            value = window[at] + (HELD if i == j else 0.0)
+            at += 1
+            for k in range(j):
+                value -= factor[i, k] * factor[j, k]
+            factor[i, j] = np.sqrt(max(value, 1e-9)) if i == j else value / factor[j, j]
+        for k in range(i):
+            half_way[i] -= factor[i, k] * half_way[k]
+            right[i] -= factor[i, k] * right[k]
+        half_way[i] /= factor[i, i]
+        right[i] /= factor[i, i]
+    explained, answer[4] = 0.0, 0.0
+    for i in range(4):
+        explained += right[i] * right[i]
+        answer[4] += half_way[i] * half_way[i]
+    for i in range(3, -1, -1):
+        for k in range(i + 1, 4):
+            right[i] -= factor[k, i] * right[k]
+        right[i] /= factor[i, i]
+        if i < 3:
+            answer[i] = right[i]
+    answer[3] = 0.5 * (right[0] + right[1])
+    answer[5] = max(max(window[14] - explained, 0.0) / max(window[15] - 4.0, 1.0), 0.1)

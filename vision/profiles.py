@@ -1,0 +1,286 @@
+"""Pixels across the expected outline, each given to one edge only, and what a blurred step's fit to them says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from tentacle.signals import Array
+from vision.lens import bend_point
+
+MOST_PIXELS = 160  # that one edge may have
+CHORD = 4.0  # px over which the lens is taken as straight
+TABLE_END, TABLE_STEPS = 5.0, 100  # of the normal distribution: to so many sigmas, so many steps a sigma
+TABLE = ndtr(np.linspace(-TABLE_END, TABLE_END, round(2 * TABLE_END * TABLE_STEPS) + 1))
+
+
+@njit(cache=True, inline="always")
+def _below(x: float) -> float:
+    """The normal distribution function, from a table; good to 3e-6."""
+    place = (x + TABLE_END) * TABLE_STEPS
+    if not place > 0.0:
+        return 0.0
+    if place >= len(TABLE) - 1:
+        return 1.0
+    index = int(place)
+    return TABLE[index] + (place - index) * (TABLE[index + 1] - TABLE[index])
+
+
+@njit(cache=True, inline="always")
+def _bell(x: float) -> float:
+    """The normal density."""
+    return 0.3989422804014327 * math.exp(-0.5 * x * x)
+
+
+@njit(cache=True, inline="always")
+def rise(d: float, blur: float, half: float) -> float:
+    """A step from 0 to 1 at d = 0, through a normal blur and a box of half width half: the smear of a moving edge."""
+    if half < 0.15 * blur:
+        return _below(d / blur)
+    a, b = (d + half) / blur, (d - half) / blur
+    return (a * _below(a) + _bell(a) - b * _below(b) - _bell(b)) * blur / (2.0 * half)
+
+
+@njit(cache=True, inline="always")
+def steepness(d: float, blur: float, half: float) -> float:
+    """The derivative of rise by d."""
+    if half < 0.15 * blur:
+        return _bell(d / blur) / blur
+    return (_below((d + half) / blur) - _below((d - half) / blur)) / (2.0 * half)
+
+
+@njit(cache=True, inline="always")
+def softening(d: float, blur: float, half: float) -> float:
+    """The derivative of rise by blur."""
+    if half < 0.15 * blur:
+        return -d / (blur * blur) * _bell(d / blur)
+    return (_bell((d + half) / blur) - _bell((d - half) / blur)) / (2.0 * half)
+
+
+@njit(cache=True, nogil=True)
+def gather(
+    image: NDArray[np.uint8],
+    lens: Array,
+    points: Array,
+    normals: Array,
+    depth: Array,
+    span: Array,
+    bulge: Array,
+    blur: float,
+    half: Array,
+    reach: float,
+) -> tuple[NDArray[np.int64], Array, Array]:
+    """Rows start (E + 1,) into grey (N,) and place (N,) [px]: each edge's pixels, and how far outward of it they lie.
+
+    A pixel belongs to the edge whose stretch of the outline, span (E,) [px] to either side, faces it: none is counted
+    twice, and each stands at its true distance, so that noise stays independent from edge to edge. An edge with a part
+    of its profile outside the picture has none.
+    """
+    height, width = image.shape
+    count = points.shape[0]
+    start = np.zeros(count + 1, dtype=np.int64)
+    room = 64 * count
+    grey, place = np.empty(room), np.empty(room)
+    total = 0
+    for e in range(count):
+        fuzzy = 2.0 * blur + half[e]
+        outer = reach + fuzzy
+        inner = min(reach + fuzzy, max(0.5 * depth[e], 1.0))  # beyond the middle it is the other side's
+        # through the lens: the edge's place, and a px outward, as a chord of the profile
+        u, v = bend_point(points[e, 0], points[e, 1], lens)
+        a, b = bend_point(points[e, 0] + CHORD * normals[e, 0], points[e, 1] + CHORD * normals[e, 1], lens)
+        n_u, n_v = (a - u) / CHORD, (b - v) / CHORD
+        scale = 1.0 / (n_u * n_u + n_v * n_v)
+        begin, start[e + 1] = total, total
+        if not (_within(u + outer * n_u, v + outer * n_v, width, height)):
+            continue
+        if not (_within(u - inner * n_u, v - inner * n_v, width, height)):
+            continue
+        # line by line of the picture, along the axis that the normal lies nearer to
+        flat = abs(n_u) >= abs(n_v)
+        main, other = (n_u, n_v) if flat else (n_v, n_u)
+        first, second = (u, v) if flat else (v, u)
+        low, high = (-inner, outer) if main > 0 else (outer, -inner)
+        widest = span[e] * (1.0 + max(outer * bulge[e], -inner * bulge[e], 0.0))
+        slack, wide = widest * abs(other), widest / abs(main * scale)
+        for i in range(math.ceil(first + low * main - slack), math.floor(first + high * main + slack) + 1):
+            middle = second + (i - first) * other / main
+            for j in range(math.ceil(middle - wide), math.floor(middle + wide) + 1):
+                x, y = (i, j) if flat else (j, i)
+                across = ((x - u) * n_u + (y - v) * n_v) * scale
+                along = ((y - v) * n_u - (x - u) * n_v) * scale
+                facing = span[e] * (1.0 + across * bulge[e])
+                d = across + 0.5 * bulge[e] * along * along  # the edge bends away beside its point
+                if not (-facing <= along < facing and -inner <= d <= outer):
+                    continue
+                if not (0 <= x < width and 0 <= y < height) or total - begin == MOST_PIXELS:
+                    continue
+                if total == room:
+                    room *= 2
+                    longer_grey, longer_place = np.empty(room), np.empty(room)
+                    longer_grey[:total], longer_place[:total] = grey[:total], place[:total]
+                    grey, place = longer_grey, longer_place
+                grey[total], place[total] = image[y, x], d
+                total += 1
+        start[e + 1] = total
+    return start, grey[:total], place[:total]
+
+
+@njit(cache=True, inline="always")
+def _within(u: float, v: float, width: int, height: int) -> bool:
+    return -0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5
+
+
+@njit(cache=True, nogil=True)
+def fit_profiles(
+    start: NDArray[np.int64],
+    grey: Array,
+    place: Array,
+    depth: Array,
+    blur: float,
+    half: Array,
+    reach: float,
+    offset: Array,
+    contrast: Array,
+    information: Array,
+    misfit: Array,
+    level: Array,
+    found: NDArray[np.bool_],
+) -> None:
+    """Fit level inside, contrast and offset of a blurred bar's edge to each edge's own pixels, by Gauss-Newton."""
+    share = np.empty(MOST_PIXELS)
+    for e in range(len(start) - 1):
+        found[e] = False
+        first, count = start[e], start[e + 1] - start[e]
+        if count < 4:
+            continue
+        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        delta, total, solved = 0.0, 0.0, False
+        for sweep in range(3):  # linear in (level, step); one Newton step in delta follows each solve
+            n_c, n_cc, n_y, n_yc = 0.0, 0.0, 0.0, 0.0
+            for k in range(count):
+                c = _share(float(place[first + k] - delta), depth[e], blur, half[e], thin)
+                share[k] = c
+                y = grey[first + k]
+                n_c += c
+                n_cc += c * c
+                n_y += y
+                n_yc += y * c
+            spread = n_cc - n_c * n_c / count
+            if spread < 1e-3:
+                break
+            contrast[e] = (n_yc - n_y * n_c / count) / spread
+            level[e] = (n_y - contrast[e] * n_c) / count
+            # derivative by delta, with level and step projected out (variable projection)
+            g_sum, g_c, g_g, r_g, total = 0.0, 0.0, 0.0, 0.0, 0.0
+            for k in range(count):
+                c = share[k]
+                g = -contrast[e] * steepness(place[first + k] - delta, blur, half[e])
+                residual = grey[first + k] - level[e] - contrast[e] * c
+                g_sum += g
+                g_c += g * c
+                g_g += g * g
+                r_g += residual * g
+                total += residual * residual
+            fisher = g_g - g_sum * g_sum / count - (g_c - g_sum * n_c / count) ** 2 / spread
+            if fisher <= 1e-9:
+                break
+            solved = True
+            if sweep < 2:
+                delta += min(max(r_g / fisher, -1.0), 1.0)
+            information[e] = fisher
+        offset[e] = delta
+        misfit[e] = math.sqrt(total / count)
+        found[e] = solved and abs(delta) <= reach
+
+
+@njit(cache=True, inline="always")
+def _share(d: float, depth: float, blur: float, half: float, thin: bool) -> float:
+    """Share of the ground's grey at distance d; where the bar is thin, its other edge is near."""
+    c = rise(d, blur, half)
+    if thin:
+        c += rise(-d - depth, blur, half)
+    return c
+
+
+@njit(cache=True, nogil=True)
+def level_sums(
+    start: NDArray[np.int64], grey: Array, place: Array, depth: Array, blur: float, half: Array, ratio: float
+) -> Array:
+    """Normal equations of each edge's greys about its expected place, packed for levels.side_greys: (E, 16).
+
+    Unknowns: grey inside and outside at the edge, slope of the ground outward [grey/px] (inside it is ratio times
+    that), and contrast times a shift, so that a place that is a little wrong does not bend the greys. Packed: lower
+    triangle of the matrix (10), right side (4), sum of squares, number of pixels.
+    """
+    packed = np.zeros((len(start) - 1, 16))
+    row = np.empty(4)
+    for e in range(len(start) - 1):
+        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        for k in range(start[e], start[e + 1]):
+            c = _share(place[k], depth[e], blur, half[e], thin)
+            row[0], row[1], row[2] = 1.0 - c, c, (ratio + (1.0 - ratio) * c) * place[k]
+            row[3] = steepness(place[k], blur, half[e])
+            at = 0
+            for i in range(4):
+                packed[e, 10 + i] += row[i] * grey[k]
+                for j in range(i + 1):
+                    packed[e, at] += row[i] * row[j]
+                    at += 1
+            packed[e, 14] += grey[k] * grey[k]
+            packed[e, 15] += 1.0
+    return packed
+
+
+@njit(cache=True, nogil=True)
+def measure_profiles(
+    start: NDArray[np.int64],
+    grey: Array,
+    place: Array,
+    depth: Array,
+    blur: float,
+    half: Array,
+    greys: Array,
+    ratio: float,
+    reach: float,
+    offset: Array,
+    information: Array,
+    misfit: Array,
+    found: NDArray[np.bool_],
+    softer: Array,
+) -> None:
+    """How far each edge lies outward of its expected place, by one linear step with the greys beside it known.
+
+    greys (E, 3): inside and outside at the edge, and the ground's slope outward, of which ratio is the arm's. softer
+    (E, 2): the normal equation for more blur, right side and left. Pixels further than reach [px] beyond the blur are
+    left out.
+    Linear, since the expected place is right to a small part of the blur: so a faint edge's noise is not bent.
+    """
+    for e in range(len(start) - 1):
+        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        g_g, r_g, total = 0.0, 0.0, 0.0
+        softer[e] = 0.0
+        near, used = reach + 2.0 * blur + half[e], 0
+        for k in range(start[e], start[e + 1]):
+            if abs(place[k]) > near:
+                continue
+            used += 1
+            c = _share(place[k], depth[e], blur, half[e], thin)
+            within = greys[e, 0] + ratio * greys[e, 2] * place[k]
+            beyond = greys[e, 1] + greys[e, 2] * place[k]
+            g = -(greys[e, 1] - greys[e, 0]) * steepness(place[k], blur, half[e])
+            residual = grey[k] - within - c * (beyond - within)
+            h = (greys[e, 1] - greys[e, 0]) * softening(place[k], blur, half[e])
+            g_g += g * g
+            r_g += residual * g
+            total += residual * residual
+            softer[e, 0] += residual * h
+            softer[e, 1] += h * h
+        found[e] = g_g > 1e-9
+        information[e] = g_g
+        offset[e] = r_g / max(g_g, 1e-9)
+        misfit[e] = math.sqrt(total / max(used, 1))
