@@ -242,7 +242,7 @@ def torch_simulate(
     n, count = arm.order, parameters.shape[1]
     effects, drive = active_effects(parameters.detach().cpu().numpy()), _Drive(servo, rail)
     to_legendre = torch.as_tensor(arm.from_monomial, dtype=parameters.dtype, device=parameters.device)
-    to_monomial = torch.as_tensor(arm.to_monomial, dtype=parameters.dtype, device=parameters.device)
+    to_monomial = torch.tensor(arm.to_monomial, dtype=parameters.dtype, device=parameters.device)
     base = base.expand(3, -1, count)
     none = parameters.new_zeros(n, count)
     # From the first middle back to the start, to second order, as the kernel does.

@@ -6,17 +6,22 @@ chance.
 Figures: speedup_14, speedup_21, speedup_25: optimised gait over the best sine of the same amplitude and fundamental
 (the paper's comparison; it prints 5.5, 2.2, 3.2), speeds by MuJoCo on the rail; speedup_*_servo: the same with all that
 the servo can do; promise_gap: largest |affine / MuJoCo - 1| of those speeds; optimise_s: one arm from model to checked
-gait, on this machine; cmaes_over_ga, random_over_ga: best thrust at equal evaluations, medians over seeds; gaits_per_s:
-evaluations a second in batches of 4096; robust_gain: worst-quarter thrust of the robust gait over that of the plain
+gait, on this machine (optimise_cpu_s: its
+processor time); cmaes_over_ga, random_over_ga: best thrust at equal evaluations, medians over seeds; gaits_per_s:
+evaluations a second in batches of 4096; gpu_gaits_per_s, gpu_share_of_bandwidth: the largest batch (to 1e6) that a CUDA
+device holds, and how near that comes to reading and writing every state and base angle once a step at the bandwidth of
+a plain copy (both absent without a device); robust_gain: worst-quarter thrust of the robust gait over that of the plain
 one.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import statistics
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -33,8 +38,9 @@ from affine_model.swim import (
     search_box,
     trial_of,
 )
+from affine_model.swim.gaits import gait_tables
 from affine_model.swim.objectives import scores
-from affine_model.swim.table2 import HEADER, cells, ratios, table2
+from affine_model.swim.table2 import HEADER, REMARKS, cells, ratios, table2
 from tentacle.cli._swimming import reference_speed
 
 SILICONE = "dragon-skin-10"
@@ -47,6 +53,7 @@ def measure_table2(figures: dict[str, float], evaluations: int) -> None:
     gaps = []
     for line in cells(rows):
         print(*line, sep=" | ")
+    print(*REMARKS, sep="\n")
     for row in rows:
         assert row.reference is not None
         name = f"speedup_{100 * row.length:.0f}"
@@ -59,10 +66,14 @@ def measure_table2(figures: dict[str, float], evaluations: int) -> None:
 def measure_time(figures: dict[str, float], evaluations: int) -> None:
     trial = trial_of(assumed_model(paper_cone(0.21), SILICONE))
     optimise(trial, OBJECTIVES["thrust"], evaluations=50, seed=0)  # loads the compiled kernels
-    begin = time.perf_counter()
+    begin, cpu = time.perf_counter(), time.process_time()
     found = optimise(trial, OBJECTIVES["thrust"], evaluations=evaluations, seed=0)
     figures["optimise_s"] = time.perf_counter() - begin
-    print(f"one arm, {evaluations} gaits: {figures['optimise_s']:.2f} s, {found.gain:.3f} times the best sine's thrust")
+    figures["optimise_cpu_s"] = time.process_time() - cpu
+    print(
+        f"one arm, {evaluations} gaits: {figures['optimise_s']:.2f} s, {figures['optimise_cpu_s']:.2f} s of processor "
+        f"time; {found.gain:.3f} times the best sine's thrust, climbed from: {found.origin}"
+    )
 
 
 def measure_methods(figures: dict[str, float], evaluations: int, seeds: int) -> None:
@@ -90,6 +101,53 @@ def measure_throughput(figures: dict[str, float], gaits: int) -> None:
     print(f"{gaits} gaits of {seconds:g} s: {figures['gaits_per_s']:.0f} gaits/s")
 
 
+def measure_gpu(figures: dict[str, float], largest: int) -> None:
+    """Batches on a CUDA device, to `largest` or as many as it holds; says so where there is none."""
+    if importlib.util.find_spec("torch") is None:
+        print("GPU: not measured, PyTorch is not installed")
+        return
+    import torch
+
+    if not torch.cuda.is_available():
+        print("GPU: not measured, there is no CUDA device")
+        return
+    from affine_model.torch_operator import mean_thrust
+
+    trial = trial_of(assumed_model(paper_cone(0.21), SILICONE))
+    box, device = search_box(trial.limits), torch.device("cuda")
+    block = torch.empty(2**27, dtype=torch.float64, device=device)
+    copy_seconds = gpu_seconds(lambda: block.clone())
+    bandwidth = 2 * block.numel() * block.element_size() / copy_seconds
+    del block
+    # Once a step: three numbers of the base read, the state (order + 2 coordinates, their rates) read and written.
+    least = trial.steps * 8.0 * (3 + 4 * (trial.arm.order + 2))
+    for gaits in (count for count in (4096, 65536, largest) if count <= largest):
+        if 3 * 8 * trial.steps * gaits * 1.5 > torch.cuda.mem_get_info()[0]:
+            print(f"GPU: {gaits} gaits do not fit into its memory")
+            break
+        alpha = box.alpha(np.random.default_rng(0).random((9, min(gaits, 4096))))
+        table, _ = gait_tables(alpha, trial.steps, trial.step, trial.limits.bandwidth, 0.5 * trial.step)
+        base = torch.as_tensor(table, device=device).repeat(1, 1, -(-gaits // alpha.shape[1]))[:, :, :gaits]
+        parameters = torch.as_tensor(trial.parameters, device=device).repeat(1, gaits)
+        seconds = gpu_seconds(lambda p=parameters, b=base: mean_thrust(trial.arm, p, b, trial.step))
+        figures["gpu_gaits_per_s"] = gaits / seconds
+        figures["gpu_share_of_bandwidth"] = least * gaits / seconds / bandwidth
+        share = 100 * figures["gpu_share_of_bandwidth"]
+        print(f"GPU: {gaits} gaits: {gaits / seconds:.0f} gaits/s, {share:.2f} % of what its memory allows")
+
+
+def gpu_seconds(work: Callable[[], object]) -> float:
+    """Seconds of the second call of two, the device waited for."""
+    import torch
+
+    work()
+    torch.cuda.synchronize()
+    begin = time.perf_counter()
+    work()
+    torch.cuda.synchronize()
+    return time.perf_counter() - begin
+
+
 def measure_robust(figures: dict[str, float], evaluations: int, samples: int) -> None:
     model = assumed_model(paper_cone(0.21), SILICONE)
     trial, thrust = trial_of(model), OBJECTIVES["thrust"]
@@ -112,6 +170,7 @@ def main() -> None:
     measure_table2(figures, EVALUATIONS)
     measure_methods(figures, EVALUATIONS, 3 if arguments.short else 7)
     measure_throughput(figures, 512 if arguments.short else 4096)
+    measure_gpu(figures, 65536 if arguments.short else 1_000_000)
     measure_robust(figures, 480 if arguments.short else 2000, 8 if arguments.short else 16)
     arguments.json.write_text(json.dumps({"figures": figures}, indent=1) + "\n")
     print(json.dumps(figures, indent=1))

@@ -95,8 +95,11 @@ def _write_page(rows: list[Row], lines: list[tuple[str, ...]], seed: int, path: 
     numeric = tuple(range(2, len(HEADER)))
     section = Section("Table II", REMARKS, (Table("Swimming speeds [cm/s].", HEADER, lines, numeric),), pictures)
     printed = ", ".join(f"{PRINTED[row.length].ratio:.1f}" for row in rows)
-    found = ", ".join(f"{ratios(speeds)[0]:.1f}" for speeds in measured)
-    headline = f"Gait over the better sine, 14, 21, 25 cm: {found} on the reference; {printed} in the paper's tank."
+    of_map, of_servo = (", ".join(f"{ratios(speeds)[which]:.2f}" for speeds in measured) for which in (0, 1))
+    headline = (
+        f"Gait over the better sine, 14, 21, 25 cm, on the reference: {of_map} within the paper's map, {of_servo} with "
+        f"all that the servo can do; {printed} in the paper's tank."
+    )
     origin = Origin(f"tentacle reproduce table2 --seed {seed}", seed, versions())
     report = Report("reproduce", "Table II", headline, [section], origin)
     write_report(render(report), path)

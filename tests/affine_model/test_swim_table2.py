@@ -14,7 +14,7 @@ def test_printed_ratios_are_those_of_the_text():
 
 
 def test_one_row_keeps_to_the_map_and_gains():
-    (row,) = table2(lengths=(0.21,), evaluations=1200, seed=2, reference=lambda *_: 0.01)
+    (row,) = table2(lengths=(0.21,), evaluations=96, seed=2, reference=lambda *_: 0.01)
     slow, fast, gait, _, _ = row.gaits
     for sine in (slow, fast):
         assert sine.alpha[0] <= np.pi / 6 + 1e-9

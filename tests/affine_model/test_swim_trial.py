@@ -12,6 +12,7 @@ from affine_model.swim import (
     GaitLimits,
     assumed_model,
     best_sine,
+    best_wave,
     cost_of_transport,
     optimise,
     paper_cone,
@@ -25,6 +26,7 @@ from affine_model.swim import (
 )
 from affine_model.swim.gradient import thrust_gradient
 from affine_model.swim.objectives import scores, worst_quarter_mean
+from affine_model.swim.optimise import ORIGINS
 from affine_model.swim.polish import polish, value_and_gradient
 from tentacle.errors import InputError
 from tentacle.model import Estimate
@@ -106,15 +108,36 @@ def test_polish_never_loses():
     assert after > before
 
 
+def test_the_best_wave_keeps_the_servo_and_beats_the_sine():
+    # The servo allows this arm a sine of 62 mN; a bent square wave of the same largest speed pulls 29 % more. The grid
+    # closes in to 1/27 of its first width, so a fresh grid across one frequency's bends is nowhere higher.
+    alpha, value = best_wave(TRIAL, THRUST)
+    _, of_sine = best_sine(TRIAL, THRUST)
+    assert value > 1.25 * of_sine
+    assert np.count_nonzero(alpha[:3]) == 1
+    around = np.repeat(alpha[:, None], 24, axis=1)
+    around[7] = np.linspace(0.0, 2.0 * np.pi, 24)
+    around[1] = TRIAL.limits.servo.angle
+    assert np.max(scores(THRUST, TRIAL, run(TRIAL, around))) <= value * (1.0 + 1e-9)
+
+
+def test_more_evaluations_never_give_less():
+    # A climb starts wherever the search rises above all before it, so fewer evaluations judge a part of the same gaits.
+    values = [optimise(TRIAL, THRUST, evaluations=count, seed=1, method="random").value for count in (50, 100, 400)]
+    assert values == sorted(values)
+    assert values[0] > 0.0
+
+
 def test_the_optimised_gait_obeys_the_servo_and_beats_the_sine():
-    result = optimise(TRIAL, THRUST, evaluations=960, seed=4)
+    result = optimise(TRIAL, THRUST, evaluations=192, seed=4)
     t = np.arange(0.0, 120.0, 1e-3)
     peaks = np.max(np.abs(result.gait(t)), axis=1)
     assert np.all(
         peaks <= TRIAL.limits.kinematic * 1.001
     )  # sampled at 2 ms: a peak in between is (2 pi 5 Hz x 1 ms)^2/2 higher
     assert result.promise.torque <= TRIAL.limits.torque
-    assert result.gain >= 1.0
+    assert result.gain > 1.2
+    assert result.origin in ORIGINS
     assert result.promise.thrust >= result.sine_promise.thrust
     assert np.all(np.diff(result.best) >= 0.0)
 

@@ -77,6 +77,7 @@ def test_augmented_model_and_own_limits(tmp_path):
 @pytest.mark.parametrize(
     ("limits", "says"),
     [
+        ("[limits]\ntorque_n_m = 1e-9\n", "no gait within the servo's limits"),
         ("[limits]\nangle_rad = -1\n", "angle_rad"),
         ("[limits]\nlowest_frequency_hz = 3\n", "bounds cross"),
         ("[limits]\nspeed_deg_s = 3\n", "speed_deg_s"),
@@ -103,7 +104,7 @@ def test_soft_arm_is_refused_in_one_line(tmp_path, capsys):
 def test_robust_restarts_on_two_dask_workers_equal_those_here(arm, tmp_path):
     from distributed import LocalCluster
 
-    settings = ("--robust", "2", "--restarts", "2")
+    settings = ("--robust", "2", "--restarts", "2", "--evaluations", "50")
     with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster:
         address = ("--cluster", cluster.scheduler_address)
         assert optimise(arm, tmp_path / "dask", *settings, *address) == 0
@@ -111,6 +112,6 @@ def test_robust_restarts_on_two_dask_workers_equal_those_here(arm, tmp_path):
     assert found["search"]["seed"] in (5, 6)
     # Each worker is its own process with its own seed: this process finds the winner's gait to the last digit.
     model, limits = verb.read_arm(arm, verb.SILICONES[0]), verb.read_limits(None)
-    common = {"objective": "thrust", "method": "cmaes", "evaluations": 96, "robust": 2}
+    common = {"objective": "thrust", "method": "cmaes", "evaluations": 50, "robust": 2}
     (task,) = search_tasks(model, limits, common, [found["search"]["seed"]])
     assert search_work(task)["gait"] == found["waveform"]["alpha"]
