@@ -114,11 +114,9 @@ def measure_gpu(figures: dict[str, float], largest: int) -> None:
     from affine_model.torch_operator import mean_thrust
 
     trial = trial_of(assumed_model(paper_cone(0.21), SILICONE))
-    box, device = search_box(trial.limits), torch.device("cuda")
+    box, device = search_box(trial.limits), "cuda"
     block = torch.empty(2**27, dtype=torch.float64, device=device)
-    copy_seconds = gpu_seconds(lambda: block.clone())
-    bandwidth = 2 * block.numel() * block.element_size() / copy_seconds
-    del block
+    bandwidth = 2 * 8 * block.numel() / gpu_seconds(block.clone)
     # Once a step: three numbers of the base read, the state (order + 2 coordinates, their rates) read and written.
     least = trial.steps * 8.0 * (3 + 4 * (trial.arm.order + 2))
     for gaits in (count for count in (4096, 65536, largest) if count <= largest):

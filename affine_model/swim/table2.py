@@ -138,7 +138,7 @@ def cells(rows: list[Row]) -> list[tuple[str, ...]]:
 
 
 REMARKS = (
-    "First three speeds: within the paper's map (turns of at most 30 deg, at most 0.75 Hz); a gait turns no further and "
+    "First three speeds: within the paper's map (at most 30 deg and 0.75 Hz); a gait turns no further and "
     "repeats no faster than the sines there, it gains by its harmonics alone.",
     "Last two: all that a hobby servo can do. There the sine may be fast too, and little is left to gain.",
     "NOT INDEPENDENT of Table II: the paper states neither silicone, nor rail friction, nor its map's edge. The "

@@ -1,13 +1,14 @@
 """Single waves: gaits of one term of eq. 20, over frequency and bend. The best of them is where optimise begins.
 
 As printed, eq. 20 adds its phase to every harmonic alike, so alpha_8 and alpha_9 bend the square and the saw-tooth
-into a family of shapes. Every best gait found so far is one bent square wave; in the nine-dimensional box it lies on a
-narrow ridge that a search may miss, on this grid it does not.
+into a family of shapes. Every best gait found so far is one bent square wave, near a triangle, at the servo's full speed
+from end to end; in the nine-dimensional box it lies on a narrow ridge that a search may miss, on this grid it does not.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.curvature import Array
 from affine_model.swim.objectives import Objective, scores
@@ -16,7 +17,7 @@ from affine_model.swim.trial import Trial, run
 SQUARE, SAW = 1, 2  # places of the two terms with a shape to bend
 
 
-def single_waves(term: Array, frequency: Array, bend: Array, amplitude: float) -> Array:
+def single_waves(term: NDArray[np.intp], frequency: Array, bend: Array, amplitude: float) -> Array:
     """Gaits (9, B) of one term each: term (B,) its place, frequency (B,) [Hz], bend (B,) [rad] its phase."""
     alpha, every = np.zeros((9, len(term))), np.arange(len(term))
     alpha[term, every] = amplitude
@@ -32,7 +33,11 @@ def best_wave(trial: Trial, objective: Objective, rounds: int = 4) -> tuple[Arra
     would stop where two limits meet, which is where the best ones lie.
     """
     low, high = trial.limits.lowest_frequency, trial.limits.highest_frequency
-    terms, frequencies, bends = np.array([SQUARE, SAW]), np.linspace(low, high, 12), 2.0 * np.pi * np.arange(16) / 16
+    terms, frequencies, bends = (
+        np.array([SQUARE, SAW], np.intp),
+        np.linspace(low, high, 12),
+        2.0 * np.pi * np.arange(16) / 16,
+    )
     width, turn = frequencies[1] - frequencies[0], bends[1]
     best_alpha, best_score, centre, middle = np.zeros(9), -np.inf, low, 0.0
     for _ in range(rounds):

@@ -34,8 +34,9 @@ def write_page(
     from viz.report import Report, Section, render, write_report
 
     objective = OBJECTIVES[found.objective]
+    unchecked = [f"No check on the reference: {why}" for why in tables.get("left_out", {}).values()]
     sections = [
-        Section("What it does", (objective.words + ".",), (_promise_table(tables),)),
+        Section("What it does", (objective.words + ".", *unchecked), (_promise_table(tables),)),
         Section("The gait", _limits_words(trial, found), (), (_motion_picture(found),)),
         _map_section(trial, found),
         Section(
@@ -128,7 +129,7 @@ def _convergence_picture(found: Swimming, unit: str) -> Picture:
 
     sine = (found.evaluations[[0, -1]], np.full(2, found.sine_value))
     gait = (found.evaluations[[0, -1]], np.full(2, found.value))
-    courses = {found.method: (found.evaluations, found.best), NAMES[1]: sine, NAMES[0]: gait}
+    courses = {NAMES[0]: gait, NAMES[1]: sine, found.method: (found.evaluations, found.best)}
     figure = search_figure(courses, f"{found.objective} [{unit}]")
     return Picture(figure, "Best that the search has met so far, over the gaits tried; the other two as judged finely.")
 

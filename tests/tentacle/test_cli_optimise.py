@@ -10,6 +10,7 @@ from affine_model.swim import METHODS, OBJECTIVES, SILICONES, assumed_model, pap
 from tentacle.cli import main
 from tentacle.cli import optimise as verb
 from tentacle.cli._swim_work import search_tasks, search_work
+from tentacle.errors import InputError
 from tentacle.gait import Gait
 from tentacle.model import Estimate
 from tentacle.model_file import write_model
@@ -77,7 +78,6 @@ def test_augmented_model_and_own_limits(tmp_path):
 @pytest.mark.parametrize(
     ("limits", "says"),
     [
-        ("[limits]\ntorque_n_m = 1e-9\n", "no gait within the servo's limits"),
         ("[limits]\nangle_rad = -1\n", "angle_rad"),
         ("[limits]\nlowest_frequency_hz = 3\n", "bounds cross"),
         ("[limits]\nspeed_deg_s = 3\n", "speed_deg_s"),
@@ -91,6 +91,35 @@ def test_bad_limits_are_one_line(arm, tmp_path, capsys, limits, says):
     assert message.count("\n") == 1
     assert says in message
     assert not (tmp_path / "out").exists()
+
+
+def test_a_servo_without_strength_is_one_line(arm, tmp_path, capsys):
+    (tmp_path / "limits.toml").write_text("[limits]\ntorque_n_m = 1e-9\n")
+    assert optimise(arm, tmp_path / "out", "--limits", str(tmp_path / "limits.toml")) == 2
+    assert (
+        capsys.readouterr()
+        .err.strip()
+        .endswith("tentacle: limits: no gait within the servo's limits swims forward; expected wider limits")
+    )
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {"search.jsonl"}
+
+
+def test_what_the_reference_lacks_leaves_out_its_check_alone(tmp_path, monkeypatch, capsys):
+    def lacks(*_):
+        raise InputError("no such parameter", field="tip_mass.reach", expected="one of mass")
+
+    monkeypatch.setattr("tentacle.cli._swimming.reference_speed", lacks)
+    model = assumed_model(paper_cone(0.21), "dragon-skin-10")
+    model = model.with_effect("current", U_x=Estimate.exact(0.02, "m/s"), U_y=Estimate.exact(-0.03, "m/s"))
+    model = model.with_effect("viscoelasticity", g=Estimate.exact(0.3, "1"), tau=Estimate.exact(0.5, "s"))
+    model = model.with_effect("tip_mass", mass=Estimate.exact(0.004, "kg"))
+    model = model.with_effect("dry_friction", c_f=Estimate.exact(0.02, "rad"), slip=Estimate.exact(0.02, "rad"))
+    write_model(model, tmp_path / "model.toml")
+    assert main(["optimise", str(tmp_path / "model.toml"), "--out", str(tmp_path / "out"), "--evaluations", "50"]) == 0
+    assert "MuJoCo: not checked; tip_mass.reach" in capsys.readouterr().out
+    result = tomllib.loads((tmp_path / "out" / "result.toml").read_text())
+    assert result["search"]["gain"] >= 1.0
+    assert "reference" not in result
 
 
 def test_soft_arm_is_refused_in_one_line(tmp_path, capsys):
