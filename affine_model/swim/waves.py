@@ -1,8 +1,9 @@
 """Single waves: gaits of one term of eq. 20, over frequency and bend. The best of them is where optimise begins.
 
 As printed, eq. 20 adds its phase to every harmonic alike, so alpha_8 and alpha_9 bend the square and the saw-tooth
-into a family of shapes. Every best gait found so far is one bent square wave, near a triangle, at the servo's full speed
-from end to end; in the nine-dimensional box it lies on a narrow ridge that a search may miss, on this grid it does not.
+into a family of shapes. Every best gait found so far is one square wave bent towards a triangle, at the servo's full
+speed from end to end. In the nine-dimensional box it lies on a narrow ridge that a search may miss; on this grid it
+does not.
 """
 
 from __future__ import annotations
@@ -41,7 +42,9 @@ def best_wave(trial: Trial, objective: Objective, rounds: int = 4) -> tuple[Arra
     width, turn = frequencies[1] - frequencies[0], bends[1]
     best_alpha, best_score, centre, middle = np.zeros(9), -np.inf, low, 0.0
     for _ in range(rounds):
-        term, frequency, bend = (axis.ravel() for axis in np.meshgrid(terms, frequencies, bends, indexing="ij"))
+        frequency, bend = (axis.ravel() for axis in np.meshgrid(frequencies, bends, indexing="ij"))
+        term = np.repeat(terms, len(frequency))
+        frequency, bend = np.tile(frequency, len(terms)), np.tile(bend, len(terms))
         outcome = run(trial, single_waves(term, frequency, bend, trial.limits.servo.angle))
         values = scores(objective, trial, outcome)
         leader = int(np.argmax(values))
