@@ -94,7 +94,7 @@ class Arm:
     @cached_property
     def to_monomial(self) -> Array:
         """T (n, n) with q = T z."""
-        return legendre_to_monomial(self.order)
+        return legendre_to_monomial(self.order).copy()  # torch takes no array that cannot be written to
 
     @cached_property
     def from_monomial(self) -> Array:

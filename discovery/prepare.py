@@ -27,7 +27,7 @@ from tentacle.waveform import Rest, Waveform
 MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
 LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
-NEIGHBOURS, JUMP = 15, 10.0
+NEIGHBOURS, JUMP, OF_WAY = 15, 10.0, 0.3
 LEAST_MOTION = 2.0  # noise sigmas
 LEAST_RATE = 0.01  # rad/s
 
@@ -204,20 +204,23 @@ def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:
     """Frames (T,) that jump out of the motion: shown twice, stamped wrongly, or misread.
 
     Each is held against the cubic through the two frames before and the two after it, base angle included, in units of
-    its own noise. An arm's motion strays from that alike over many frames; a frame that is JUMP times as far off as
-    those around it, and the farthest of its neighbours, is none.
+    its own noise. An arm's motion strays from that alike over many frames, and by little beside its way from frame to
+    frame; a frame that is JUMP times as far off as those around it, and OF_WAY of that way, and the farthest of its
+    neighbours, is none.
     """
     total = observation.coefficients.copy()
     total[:, 0] += observation.theta
     between = (4.0 * (total[1:-3] + total[3:-1]) - total[:-4] - total[4:]) / 6.0
     stray = np.einsum("tkl,tl->tk", observation.root[2:-2], total[2:-2] - between)
-    squares = np.zeros(total.shape[0])
+    way = np.einsum("tkl,tl->tk", observation.root[2:-2], 0.5 * (total[3:-1] - total[1:-3]))
+    squares, ways = np.zeros(total.shape[0]), np.zeros(total.shape[0])
+    ways[2:-2] = np.sum(way**2, axis=1)
     seen = observation.seen
     whole = seen[2:-2] & seen[:-4] & seen[1:-3] & seen[3:-1] & seen[4:]
     squares[2:-2] = np.where(whole, np.sum(stray**2, axis=1), 0.0)
     around = median_filter(squares, size=NEIGHBOURS, mode="nearest")
     farthest = squares >= maximum_filter(squares, size=5, mode="nearest")
-    return farthest & (squares > JUMP**2 * np.maximum(around, 2.0 * total.shape[1]))
+    return farthest & (squares > OF_WAY**2 * ways) & (squares > JUMP**2 * np.maximum(around, 2.0 * total.shape[1]))
 
 
 def without_jumps(observation: ShapeObservation) -> tuple[ShapeObservation, int]:

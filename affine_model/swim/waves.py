@@ -1,9 +1,9 @@
 """Single waves: gaits of one term of eq. 20, over frequency and bend. The best of them is where optimise begins.
 
 As printed, eq. 20 adds its phase to every harmonic alike, so alpha_8 and alpha_9 bend the square and the saw-tooth
-into a family of shapes. Every best gait found so far is one square wave bent towards a triangle, at the servo's full
-speed from end to end. In the nine-dimensional box it lies on a narrow ridge that a search may miss; on this grid it
-does not.
+into a family of shapes. With all that a hobby servo can do, the best gaits found are one square wave bent towards a
+triangle, at the servo's full speed from end to end. In the nine-dimensional box it lies on a narrow ridge that a search
+may miss; on this grid it does not. Where the frequency is held low, the search finds more (Table II: up to 19 %).
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], p
     if ladder.third_opinion is not None:
         opinion = f"PyElastica's Cosserat rod, which also shears: first frequency in air {ladder.third_opinion:.4g} Hz."
         words = (*words, opinion)
-    picture = Picture(shapes_figure(_scene(file.stem, ladder)), "Shapes of the driven motion at some instants.")
+    picture = Picture(shapes_figure(_scene(file.stem, model, ladder)), "Shapes of the driven motion at some instants.")
     tables = tuple(Table(t.title, t.header, t.rows, numeric=tuple(range(2, len(t.header)))) for t in both)
     sections = [Section("Ladder", words, tables, (picture,)), *_validity_sections(model, maps)]
     origin = Origin("tentacle " + " ".join(sys.argv[1:]), versions=versions(), inputs=input_hashes([file]))
