@@ -2,7 +2,8 @@
 promise computed finely.
 
 More evaluations never give less: the gaits that come to judgement after N evaluations are among those that come after
-more, because a climb starts where the search rises above all climbs before it, wherever it may end.
+more, because a climb starts where the search rises above all climbs before it, or after so many gaits, wherever it may
+end.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from tentacle.gait import Gait
 
 _SURE_SECONDS, _SURE_STEP = 300.0, 2e-3  # a gait of three frequencies beats: its largest angle may come late
 _RISE = 0.01  # share by which the search's best must have risen before it is climbed from again
+_MILESTONE = 1250  # evaluations after which the search's best is climbed from in any case, and after 4 times as many
 ORIGINS = ("best sine", "single wave", "search")  # in the order of judgement: one gait, two, and all others
 
 
@@ -150,13 +152,15 @@ def optimise(
     wave, _ = best_wave(ready, objective)
     top, highest = climb(ready, objective, box, box.unit(wave[:, None])[:, 0])
     judged = [sure_of_limits(ready, sine[:, None]), top]  # a sine is a gait of eq. 20 too
-    climbed_from, course = highest, list[Generation]()
+    climbed_from, milestone, course = highest, _MILESTONE, list[Generation]()
     for generation in search(ready, objective, box, method, evaluations=evaluations, seed=seed, noted=noted):
         course.append(generation)
         # Two bars: a beat whose good half the trial saw promises more than its climb keeps.
-        if generation.best_score > max(highest, climbed_from + _RISE * abs(climbed_from)):
+        due = generation.evaluations >= milestone
+        if due or generation.best_score > max(highest, climbed_from + _RISE * abs(climbed_from)):
+            milestone *= 4 if due else 1
             top, reached = climb(ready, objective, box, generation.best_unit)
-            climbed_from, highest = generation.best_score, max(highest, reached)
+            climbed_from, highest = max(climbed_from, generation.best_score), max(highest, reached)
             judged.append(top)
         if watch is not None:
             watch(generation)

@@ -31,4 +31,5 @@ def test_one_row_keeps_to_the_map_and_gains():
     lines = cells([row])
     assert len(lines) == 3
     assert {len(line) for line in lines} == {len(HEADER)}
+    assert row.reference is not None
     assert ratios(row.reference) == (1.0, 1.0)
