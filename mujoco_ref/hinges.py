@@ -17,7 +17,7 @@ from tentacle.signals import Array
 # Columns of a hinge's memory: the bristle's stretch, the Maxwell branch's dashpot [rad].
 BRISTLE, DASHPOT = range(2)
 SOFT_SPOT_WIDTH = 0.08  # standard deviation along s of the dip (catalogue)
-PRESLIDING = 0.25  # the bristle yields at this share of c_f: it must be stiff against the arm, yet resolved
+PRESLIDING = 0.25  # where no slip is given, the bristle yields at this share of c_f: it must be stiff against the arm, yet resolved
 
 
 def soft_spot(parameters: Parameters, s: Array) -> Array:
@@ -37,7 +37,8 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.links**2
     c_f = value(parameters, "dry_friction", "c_f")
     made["yield_moment"] = chain.stiffness / chain.links * c_f
-    made["yield_angle"] = max(PRESLIDING * c_f, 1e-9) / chain.links
+    slip = value(parameters, "dry_friction", "slip", PRESLIDING * c_f)  # curvature at which it gives way
+    made["yield_angle"] = max(slip, 1e-9) / chain.links
     made["maxwell"] = value(parameters, "viscoelasticity", "g") * chain.stiffness
     made["relaxation"] = value(parameters, "viscoelasticity", "tau", 0.3)
     return made

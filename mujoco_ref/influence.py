@@ -116,7 +116,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "cubic_stiffness": ("beta",),
     "intrinsic_curvature": ("c0",),
     "viscoelasticity": ("g", "tau"),
-    "dry_friction": ("c_f",),
+    "dry_friction": ("c_f", "slip"),
     "soft_spot": ("depth", "s0"),
     "stiffness_drift": ("rate",),
     "servo_lag": ("tau",),
