@@ -17,7 +17,7 @@ from tentacle.signals import Array
 # Columns of a hinge's memory: the bristle's stretch, the Maxwell branch's dashpot [rad].
 BRISTLE, DASHPOT = range(2)
 SOFT_SPOT_WIDTH = 0.08  # standard deviation along s of the dip (catalogue)
-PRESLIDING = 0.25  # where no slip is given, the bristle yields at this share of c_f: it must be stiff against the arm, yet resolved
+PRESLIDING = 0.25  # of c_f, where no slip is given: the bristle must be stiff against the arm, yet resolved
 
 
 def soft_spot(parameters: Parameters, s: Array) -> Array:
