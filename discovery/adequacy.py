@@ -18,6 +18,7 @@ MATERIAL = (
     0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
 )
 ALLOWANCE = 1.5  # times the reduction's error as measured: another simulator, or an arm, differs by as much again
+UNCERTAINTY = 2.0  # standard deviations of the fit's parameters that the frames held out are granted
 LAGS = 20
 LIKE_BASELINE = (
     2.0  # times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
@@ -69,6 +70,8 @@ def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, reduction: float 
     reduction: rms in noise sigmas of what the model cannot follow for reasons of its own (discovery.reduction).
     """
     experiments, allowed = problem.experiments, MATERIAL**2 + (ALLOWANCE * reduction) ** 2
+    if held_out:  # these frames carry the parameters' own uncertainty on top of the noise
+        allowed += (UNCERTAINTY * fitted.spread) ** 2
     parts = [
         _live(judged_rows(experiment, residuals, held_out))
         for experiment, residuals in zip(experiments, fitted.residuals, strict=True)
@@ -81,7 +84,6 @@ def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, reduction: float 
     ratio = squares / max(count, 1)
     structure = float(np.sqrt(max(ratio - 1.0, 0.0)))
     threshold = float(chi_square.isf(SIGNIFICANCE, count)) / count
-    # Held-out frames carry the parameters' own uncertainty on top of the noise.
     threshold += allowed
     coloured = any(experiment.correlation > 1.0 for experiment in experiments)
     if coloured:

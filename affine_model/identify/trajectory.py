@@ -29,7 +29,8 @@ class Fit:
     free: the fitted parameters; values, covariance of them alone, all else marginalised; parameters (R,) the whole
     vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
     (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
-    parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests.
+    parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; spread: rms in noise
+    sigmas that the unknowns' own uncertainty adds to the frames that were not fitted.
     """
 
     free: tuple[ParameterName, ...]
@@ -44,6 +45,7 @@ class Fit:
     jacobian: Array
     used_residuals: Array
     evaluations: int
+    spread: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -128,14 +130,21 @@ class Problem:
 
     def jacobian(self, unknowns: Array) -> Array:
         """d residuals / d unknowns (N, P) by central differences, one batch; one-sided where a bound is in the way."""
+        return self.jacobian_everywhere(unknowns)[0]
+
+    def jacobian_everywhere(self, unknowns: Array) -> tuple[Array, list[Array]]:
+        """The same, and that of all frames (T, K, P) a recording, as residuals()."""
         scales, (low, high) = self.scales(), self.bounds()
         ahead = np.minimum(unknowns + DIFFERENCE * scales, high)
         behind = np.maximum(unknowns - DIFFERENCE * scales, low)
         batch = np.repeat(unknowns[:, None], 2 * unknowns.size, axis=1)
         places = np.arange(unknowns.size)
         batch[places, 2 * places], batch[places, 2 * places + 1] = ahead, behind
-        values, _ = self.residuals(batch)
-        return (values[:, 0::2] - values[:, 1::2]) / (ahead - behind)
+        values, everything = self.residuals(batch)
+        width = ahead - behind
+        return (values[:, 0::2] - values[:, 1::2]) / width, [
+            (rows[:, :, 0::2] - rows[:, :, 1::2]) / width for rows in everything
+        ]
 
     def slope(self, unknowns: Array, value: Array) -> Array:
         """The same by one-sided differences from the residuals (N,) there: for the steps of a search."""
@@ -167,11 +176,12 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
         most=most,
     )
     unknowns = lowest.unknowns * scales
-    return _finished(problem, unknowns, problem.jacobian(unknowns), lowest.rounds)
+    return _finished(problem, unknowns, lowest.rounds)
 
 
-def _finished(problem: Problem, unknowns: Array, jacobian: Array, evaluations: int) -> Fit:
+def _finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
     used, everything = problem.residuals(unknowns[:, None])
+    jacobian, everywhere = problem.jacobian_everywhere(unknowns)
     low, high = problem.bounds()
     count = len(problem.free)
     information = jacobian.T @ jacobian
@@ -196,13 +206,25 @@ def _finished(problem: Problem, unknowns: Array, jacobian: Array, evaluations: i
         jacobian=jacobian,
         used_residuals=used[:, 0],
         evaluations=evaluations,
+        spread=_held_out_spread(problem, everywhere, covariance),
     )
+
+
+def _held_out_spread(problem: Problem, everywhere: list[Array], covariance: Array) -> float:
+    """What the unknowns' own covariance (P, P) makes of the frames that were not fitted: rms in noise sigmas."""
+    total, count = 0.0, 0
+    for experiment, slope in zip(problem.experiments, everywhere, strict=True):
+        rows = slope[~experiment.used].reshape(-1, slope.shape[2])
+        rows = rows[np.any(rows != 0.0, axis=1)]
+        total += float(np.einsum("rp,pq,rq->", rows, covariance, rows))
+        count += rows.shape[0]
+    return float(np.sqrt(max(total, 0.0) / count)) if count else 0.0
 
 
 def evaluate(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
     """The problem at its start, not fitted (its Jacobian included)."""
     unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
-    return _finished(problem, unknowns, problem.jacobian(unknowns), 0)
+    return _finished(problem, unknowns, 0)
 
 
 def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:

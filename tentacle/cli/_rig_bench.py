@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 from dataclasses import replace
@@ -165,7 +166,9 @@ def _ask(question: str, board) -> str:
 
 
 def emulate(arguments: argparse.Namespace) -> int:
-    """Runs until Ctrl-C."""
+    """Runs until Ctrl-C or a polite kill, both of which a shell may have ignored for us; the board ends with it."""
+    for name in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(name, signal.default_int_handler)
     from rig.emulator import Emulator
     from rig.setup_file import write_setup
 
