@@ -16,6 +16,7 @@ from benchmarks._rig_scene import (
     LIMITS,
     TABLE,
     WAVE,
+    damage,
     gaps,
     killed_while_recording,
     once,
@@ -215,14 +216,7 @@ def fuzz(frames: int) -> Outcome:
             Frame(Type.LOAD, number & 255, (number & 0xFFFFFFFF).to_bytes(4, "little") + source.randbytes(12))
         )
         data = bytearray(original)
-        at = source.randrange(len(data))
-        match source.randrange(3):
-            case 0:
-                data[at] = source.randrange(256)
-            case 1:
-                del data[at]
-            case _:
-                data.insert(at, data[at])
+        damage(data, source)
         wrong += sum(encode(frame) != original for frame in Parser().feed(bytes(data) + b"\0"))
     words = f"board: {' / '.join(board.stdout.strip().splitlines()[-3:])}; host: {wrong} damaged frames accepted"
     return Outcome(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import subprocess
 import sys
 import threading
@@ -148,3 +149,15 @@ def killed_while_recording(emulator: Emulator, folder: Path, seconds: float) -> 
         killed = 1e-6 * emulator.truth().board_us
         child.kill()
         return path, to_neutral(emulator), killed
+
+
+def damage(data: bytearray, source: random.Random) -> None:
+    """One fault of a line, in place: a byte changed, lost or doubled."""
+    at = source.randrange(len(data))
+    match source.randrange(3):
+        case 0:
+            data[at] = source.randrange(256)
+        case 1:
+            del data[at]
+        case _:
+            data.insert(at, data[at])

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks._rig_scene import damage
 from rig import protocol
 from rig.protocol import Frame, LoadSample, Parser, Type
 
@@ -59,14 +60,7 @@ def test_damaged_frames_are_not_accepted() -> None:
         sample = protocol.encode(Frame(Type.LOAD, number & 255, number.to_bytes(4, "little") + source.randbytes(12)))
         data = bytearray(sample)
         for _ in range(source.randint(1, 4)):
-            at = source.randrange(len(data))
-            match source.randrange(3):
-                case 0:
-                    data[at] = source.randrange(256)
-                case 1:
-                    del data[at]
-                case _:
-                    data.insert(at, data[at])
+            damage(data, source)
         parser = Parser()
         for frame in parser.feed(bytes(data) + b"\0"):
             wrong += protocol.encode(frame) != sample
