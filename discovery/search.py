@@ -71,12 +71,13 @@ def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Proble
     experiments, kept = [], []
     for experiment, values in zip(problem.experiments, nuisances, strict=True):
         changed = replace(experiment, remembers=wanted)
-        memory = experiment.memory(order, values)
-        memory = np.zeros(order) if memory is None else memory
-        memory = memory if changed.begins_with_memory else memory[:0]
-        moving = order if experiment.release is None else 1
+        start, moving, memory, shift = experiment.parts(order, values)
+        if not changed.begins_with_memory:
+            memory = memory[:0]
+        elif not memory.size:
+            memory = np.zeros(order)
         experiments.append(changed)
-        kept.append(np.concatenate([values[: order + moving], memory, values[-2:]]))
+        kept.append(np.concatenate([start, moving, memory, shift]))
     return replace(problem, experiments=tuple(experiments)), tuple(kept)
 
 
@@ -252,14 +253,8 @@ def _on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
     more, fewer = h.problem.arm.order, arm.order
     nuisances = []
     for experiment, values in zip(h.problem.experiments, h.fitted.nuisances, strict=True):
-        blocks = [values[:fewer]]
-        if experiment.release is None:
-            blocks += [values[more : more + fewer]]
-            blocks += [values[2 * more : 2 * more + fewer]] if experiment.begins_with_memory else []
-            blocks += [values[-2:]]
-        else:
-            blocks += [values[-3:]]
-        nuisances.append(np.concatenate(blocks))
+        start, moving, memory, shift = experiment.parts(more, values)
+        nuisances.append(np.concatenate([start[:fewer], moving[:fewer], memory[:fewer], shift]))
     problem = replace(h.problem, arm=arm, parameters=h.fitted.parameters)
     fitted = fit(problem, tuple(nuisances), tolerance=1e-6, most=20)
     return hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted)

@@ -97,6 +97,11 @@ class Experiment:
         rest = seen[-1] if seen.size else RATE_PRIOR / RATE_REACH
         return RATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
 
+    def parts(self, order: int, nuisances: Array) -> tuple[Array, Array, Array, Array]:
+        """Initial shape, rates (or, released, the instant), memory (empty where there is none) and shift."""
+        moving = order + (order if self.release is None else 1)
+        return nuisances[:order], nuisances[order:moving], nuisances[moving:-2], nuisances[-2:]
+
     def memory(self, order: int, nuisances: Array) -> Array | None:
         """The memory at the start (n, B), out of the nuisances (M, B)."""
         return nuisances[2 * order : 3 * order] if self.begins_with_memory else None
