@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 from affine_model.curvature import Array
 from tentacle.waveform import Waveform
 
+FORGOTTEN = 5.0  # s: what a lag or a gear saw longer ago than this is of no account
 PLAY_SMOOTHING = 0.006  # s: the play operator's corners are rounded over this time, so that theta has two derivatives
 
 
@@ -55,16 +56,20 @@ def _with_play(table: Array, step: float, play: float) -> Array:
     return table + np.array([lost, rate, np.gradient(rate, step)])
 
 
-def base_table(waveform: Waveform, t0: float, step: float, steps: int, lag: Array, play: Array) -> Array:
+def base_table(
+    waveform: Waveform, t0: float, step: float, steps: int, lag: Array, play: Array, *, known_from: float | None = None
+) -> Array:
     """theta, rate, acceleration at the step middles for B individuals: (3, S, B), or (3, S, 1) where all share one.
 
-    lag (B,) [s] is that of servo_lag, play (B,) [rad] that of backlash (the gear comes before the lag).
+    lag (B,) [s] is that of servo_lag, play (B,) [rad] that of backlash (the gear comes before the lag). known_from [s]:
+    since when the waveform is known (default: t0); what the lag and the gear hold at t0 comes from there.
     """
-    table = waveform(step_middles(t0, step, steps))
     if not (np.any(lag > 0.0) or np.any(play > 0.0)):
-        return table[:, :, None]
+        return waveform(step_middles(t0, step, steps))[:, :, None]
+    before = 0 if known_from is None else round(min(max(t0 - known_from, 0.0), FORGOTTEN) / step)
+    table = waveform(step_middles(t0 - before * step, step, before + steps))
     bent = {}
     for pair in zip(lag.tolist(), play.tolist(), strict=True):
         if pair not in bent:
-            bent[pair] = _lagged(_with_play(table, step, pair[1]), step, pair[0])
+            bent[pair] = _lagged(_with_play(table, step, pair[1]), step, pair[0])[:, before:]
     return np.stack([bent[pair] for pair in zip(lag.tolist(), play.tolist(), strict=True)], axis=-1)

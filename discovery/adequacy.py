@@ -64,12 +64,12 @@ def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
     return total, lags * rows.shape[1]
 
 
-def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, reduction: float = 0.0) -> Adequacy:
+def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, granted: float = 0.0) -> Adequacy:
     """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones.
 
-    reduction: rms in noise sigmas of what the model cannot follow for reasons of its own (discovery.reduction).
+    granted: rms in noise sigmas of what the model may leave for reasons of its own.
     """
-    experiments, allowed = problem.experiments, MATERIAL**2 + (ALLOWANCE * reduction) ** 2
+    experiments, allowed = problem.experiments, MATERIAL**2 + granted**2
     if held_out:  # these frames carry the parameters' own uncertainty on top of the noise
         allowed += (UNCERTAINTY * fitted.spread) ** 2
     parts = [

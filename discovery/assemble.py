@@ -86,7 +86,9 @@ def assembled(
             effects, verdict = ("third_curvature",), "effect"
         elif verdict in ("effect", "group"):
             effects = (*effects, "third_curvature")
-    named = {name: parameters.get(name, {}) for name in effects}
+    # A group's other members have their values in the rival models.
+    known = {k: v for h in found.rivals for k, v in estimates(h, found.looseness).items()} | parameters
+    named = {name: known.get(name, {}) for name in effects}
     d = prepared[0].recording.declaration
     base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
     augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)

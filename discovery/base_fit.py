@@ -11,7 +11,7 @@ from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
 from affine_model.identify.observation import POSE, ShapeObservation
 from affine_model.identify.sufficient_step import sufficient_step
-from affine_model.identify.trajectory import Fit, ParameterName, Problem, fit, fit_multistart
+from affine_model.identify.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, fit_multistart
 from discovery.floor import noise_deviation
 from discovery.prepare import recalibrated
 from tentacle.model import Model
@@ -170,8 +170,11 @@ def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
         ]
         if max(changes) < SAME_NOISE and step == problem.step:
             break
-        problem = replace(problem, experiments=experiments, parameters=fitted.parameters, step=step)
-        fitted = fit(problem, fitted.nuisances)
+        changed = replace(problem, experiments=experiments, parameters=fitted.parameters, step=step)
+        again = fit(changed, fitted.nuisances)
+        if np.max(np.abs(again.used_residuals)) >= RAN_AWAY:  # what stood before was better than none
+            break
+        problem, fitted = changed, again
         problem = replace(problem, parameters=fitted.parameters)
     return problem, fitted
 

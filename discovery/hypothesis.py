@@ -10,16 +10,21 @@ from affine_model.arm import parameter_rows
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.trajectory import Fit, Problem
-from discovery.adequacy import Adequacy, adequacy
+from discovery.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
 from tentacle.model import Estimate
 
 NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
+LAWS_DIFFER = (
+    0.015  # of what was unexplained: no law is known better, and another simulator's, or a servo's, differs so
+)
 
 
 @dataclass(frozen=True)
 class Hypothesis:
     """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out
-    frames, less a penalty for each parameter.
+    frames, less a penalty for each parameter. reduction: the model's own error on fitted and held-out frames; laws:
+    what the effects added may leave there because no law is known exactly; both rms in noise sigmas, and neither is
+    called missing physics.
     """
 
     effects: tuple[str, ...]
@@ -29,6 +34,13 @@ class Hypothesis:
     train: Adequacy
     judged: Adequacy
     reduction: tuple[float, float] = (0.0, 0.0)
+    laws: tuple[float, float] = (0.0, 0.0)
+
+    def laws_of_more(self) -> tuple[float, float]:
+        """What laws may leave once there are effects: of the structure that the model without any left."""
+        if self.effects:
+            return self.laws
+        return LAWS_DIFFER * self.train.structure, LAWS_DIFFER * self.judged.structure
 
 
 def held_out_misfit(problem: Problem, fitted: Fit) -> float:
@@ -47,16 +59,27 @@ def nats_per_parameter(problem: Problem) -> float:
 
 
 def hypothesis(
-    effects: tuple[str, ...], problem: Problem, fitted: Fit, reduction: tuple[float, float] = (0.0, 0.0)
+    effects: tuple[str, ...],
+    problem: Problem,
+    fitted: Fit,
+    reduction: tuple[float, float] = (0.0, 0.0),
+    laws: tuple[float, float] = (0.0, 0.0),
 ) -> Hypothesis:
-    """A fit judged; reduction: the model's own error in noise sigmas on fitted and held-out frames, no missing
-    physics.
-    """
+    """A fit judged; reduction, laws: what it may leave and why (see Hypothesis)."""
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
-    train = adequacy(problem, fitted, held_out=False, reduction=reduction[0])
-    judged = adequacy(problem, fitted, held_out=True, reduction=reduction[1])
-    return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction)
+    granted = np.hypot(ALLOWANCE * np.array(reduction), laws)
+    train = adequacy(problem, fitted, held_out=False, granted=float(granted[0]))
+    judged = adequacy(problem, fitted, held_out=True, granted=float(granted[1]))
+    return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction, laws)
+
+
+def material_gain(current: Hypothesis) -> float:
+    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, of the reduction's or of the
+    laws', over all residuals.
+    """
+    structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2 + current.laws[0] ** 2
+    return 0.5 * structure * current.fitted.count
 
 
 def looseness(judged: Hypothesis) -> float:

@@ -30,6 +30,8 @@ FEWEST_FRAMES = 30
 NEIGHBOURS, JUMP, OF_WAY = 15, 10.0, 0.3
 LEAST_MOTION = 2.0  # noise sigmas
 LEAST_RATE = 0.01  # rad/s
+# Radians that the seen root turns for a radian of the servo, below which its frame turns along, or one sign is wrong.
+TURNING, OPPOSITE = 0.35, -0.6
 
 
 class CannotTellError(Exception):
@@ -71,20 +73,38 @@ def _base(recording: Recording) -> Waveform:
     return HeldOutside(fit_base_motion(recording.motor), recording.motor.t[0], recording.motor.t[-1])
 
 
-def _turns_with_base(recording: Recording, theta: Array) -> bool:
-    """Whether the midline is given in a frame that turns with the servo: then its root does not follow theta."""
-    data = recording.midline
-    if data is None or np.ptp(theta) < 0.05:
-        return False
-    near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
-    if not near.size:
-        return False
-    seen = np.isfinite(data.xy[:, near]).all(axis=(1, 2))
-    if seen.sum() < 10:
-        return False
-    direction = np.arctan2(-data.xy[seen][:, near, 0], data.xy[seen][:, near, 1]).mean(axis=1)
-    slope = np.polyfit(theta[seen] - theta[seen].mean(), np.unwrap(direction), 1)[0]
-    return bool(slope < 0.35)
+def _following(recording: Recording, base: Waveform) -> float | None:
+    """How far the seen root turns for a radian of the servo: 1 as declared, 0 in a frame that turns with the servo, -1
+    where the two count in opposite senses. None where the base hardly turns or the root is not seen.
+    """
+    if recording.midline is not None:
+        data = recording.midline
+        near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
+        times, points = data.t, data.xy[:, near]
+        seen = np.isfinite(points).all(axis=(1, 2))
+        direction = np.unwrap(np.arctan2(-points[seen, :, 0], points[seen, :, 1]), axis=0).mean(axis=1)
+    elif recording.shape is not None:
+        track = recording.shape
+        times, seen = track.t, track.accepted & np.isfinite(track.coefficients).all(axis=1)
+        direction = track.coefficients[seen, 0] + base(times[seen])[0]  # a track counts the root from the servo's angle
+    else:
+        return None
+    theta = base(times)[0]
+    if np.ptp(theta) < 0.05 or seen.sum() < 10 or not np.isfinite(direction).all():
+        return None
+    return float(np.polyfit(theta[seen] - theta[seen].mean(), direction, 1)[0])
+
+
+def _with_sign_reversed(recording: Recording, base: Waveform) -> Recording:
+    """The recording with its servo's log in the opposite sense; what was seen stays as it was seen."""
+    assert recording.motor is not None
+    motor = replace(recording.motor, command=-recording.motor.command, angle=-recording.motor.angle)
+    shape = recording.shape
+    if shape is not None:
+        coefficients = shape.coefficients.copy()
+        coefficients[:, 0] += 2.0 * base(shape.t)[0]
+        shape = replace(shape, coefficients=coefficients)
+    return replace(recording, motor=motor, shape=shape)
 
 
 def _turned(xy: Array, theta: Array) -> Array:
@@ -94,13 +114,13 @@ def _turned(xy: Array, theta: Array) -> Array:
 
 
 def _observation(
-    recording: Recording, base: Waveform
+    recording: Recording, base: Waveform, turning: bool
 ) -> tuple[ShapeObservation | MarkerObservation, Array | None, float, list[str]]:
     length, words = recording.declaration.specimen.length, []
     if recording.midline is not None:
         data = recording.midline
         theta = base(data.t)[0]
-        if _turns_with_base(recording, theta):
+        if turning:
             words.append("The midline turns with the base: it is taken as given in the base's own turning frame.")
             data = type(data)(data.t, data.s, _turned(data.xy, theta), data.sigma)
         counts = np.isfinite(data.xy).all(axis=2).sum(axis=1)
@@ -133,7 +153,18 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     Raises InputError where no shape was measured at all, CannotTellError where too little was.
     """
     base = _base(recording)
-    observation, points, sigma, words = _observation(recording, base)
+    following = _following(recording, base)
+    opposite = following is not None and following < OPPOSITE
+    if opposite:
+        recording = _with_sign_reversed(recording, base)
+        base = _base(recording)
+    turning = following is not None and OPPOSITE <= following < TURNING
+    observation, points, sigma, words = _observation(recording, base, turning)
+    if opposite:
+        words.append(
+            f"In {recording.name} the arm's root turns against the servo's log ({following:.2f} rad a radian): "
+            "the log's sign is taken as reversed. Declare `mirrored` in [camera] or turn the log's sign."
+        )
     times = observation.t
     if isinstance(observation, ShapeObservation):
         observation, jumps = without_jumps(observation)
@@ -174,6 +205,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         noise_gain=np.ones(channels),
         release_sigma=2.0 * interval,
         rates_seen=rates,
+        base_known_from=None if recording.motor is None else float(recording.motor.t[0]),
     )
     return Prepared(recording, experiment, points, sigma, tuple(words))
 

@@ -27,7 +27,8 @@ VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by le
 @dataclass(frozen=True)
 class Candidate:
     """An absent effect as the score test sees it: gain [nats], linear estimate of its strengths, the shape values at
-    which the gain is largest, its sensitivity freed of the base (N, S), and the plain one.
+    which the gain is largest, its sensitivity freed of the base (N, S); surveyed: strengths found beyond the linear
+    regime, another place to start from (None where that was not asked).
     """
 
     effect: Effect
@@ -35,6 +36,7 @@ class Candidate:
     strengths: Array
     shapes: tuple[float, ...]
     sensitivity: Array
+    surveyed: Array | None = None
 
     @property
     def free(self) -> tuple[ParameterName, ...]:

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from affine_model.arm import Arm, parameter_index
-from affine_model.curvature import Array
-from affine_model.effects import catalogue
-from affine_model.identify.sufficient_step import sufficient_step, unbiased_noise
-from affine_model.identify.trajectory import Fit, Problem, fit
-from discovery.adequacy import ALLOWANCE, MATERIAL
+from affine_model.arm import Arm
 from discovery.base_fit import settled
-from discovery.hypothesis import Hypothesis, hypothesis, looseness, nats_per_parameter
+from discovery.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter
+from discovery.refit import LINEAR, on_arm, polished, refit, refitted, with_noise_of, without
 from discovery.score import Candidate, score, survey
 
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
-LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
 HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
 TIE = 5.0  # nats: effects closer than this to the best are not told apart
+TWINS = 0.25  # of the material gain: the same
 MOST_EFFECTS = 3
 NEAR = 20.0  # nats: alternatives this close to the best are refitted with its noise
 SWAPS = 3  # of the score test's ranking, tried in the place of each earlier effect
@@ -51,84 +43,6 @@ class Search:
     margin: float
 
 
-def _with_candidate(problem: Problem, start: Fit, candidate: Candidate, share: float) -> Problem:
-    parameters = start.parameters.copy()
-    for shape, value in zip(candidate.effect.shapes, candidate.shapes, strict=True):
-        parameters[parameter_index(candidate.effect.name, shape.name)] = value
-    for strength, value in zip(candidate.effect.strengths, candidate.strengths, strict=True):
-        low, high = strength.bounds
-        # Never start on the bound: there the difference quotients are one-sided and the fit may stick.
-        kept = np.clip(share * value, low + 1e-3 * strength.nominal, high - 1e-3 * strength.nominal)
-        reach = 20.0 * strength.nominal
-        parameters[parameter_index(candidate.effect.name, strength.name)] = np.clip(kept, -reach, reach)
-    return replace(problem, free=(*problem.free, *candidate.free), parameters=parameters)
-
-
-def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, tuple[Array, ...]]:
-    """The problem with the memory at the start of each run among its unknowns where an effect relaxes, else without."""
-    wanted = any(catalogue()[effect].relaxation_time is not None for effect, _ in problem.free)
-    order = problem.arm.order
-    experiments, kept = [], []
-    for experiment, values in zip(problem.experiments, nuisances, strict=True):
-        changed = replace(experiment, remembers=wanted)
-        start, moving, memory, shift = experiment.parts(order, values)
-        if not changed.begins_with_memory:
-            memory = memory[:0]
-        elif not memory.size:
-            memory = np.zeros(order)
-        experiments.append(changed)
-        kept.append(np.concatenate([start, moving, memory, shift]))
-    return replace(problem, experiments=tuple(experiments)), tuple(kept)
-
-
-def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
-    """The current model with the candidate added, fitted from its linear estimate; from half of it where that fails
-    to gain.
-    """
-    best: Fit | None = None
-    used: Problem | None = None
-    for share in (1.0, 0.4):
-        problem = _with_candidate(current.problem, current.fitted, candidate, share)
-        problem, nuisances = _remembering(problem, current.fitted.nuisances)
-        fitted = fit(problem, nuisances, tolerance=_enough(current), most=20)
-        if best is None or fitted.misfit < best.misfit:
-            best, used = fitted, problem
-        if current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
-            break
-    assert best is not None
-    assert used is not None
-    effects = (*current.effects, candidate.effect.name)
-    return hypothesis(effects, replace(used, parameters=best.parameters), best, current.reduction)
-
-
-def _enough(current: Hypothesis) -> float:
-    """When a trial fit has converged, as a share of its misfit: to a nat, or to little beside what is unexplained."""
-    misfit = current.fitted.misfit
-    unexplained = max(misfit - 0.5 * current.fitted.count, 0.0)
-    return max(1.0, 2e-3 * unexplained) / max(misfit, 1.0)
-
-
-def without(current: Hypothesis, effect: str) -> Hypothesis:
-    """The current model less one of its effects, refitted."""
-    parameters = current.fitted.parameters.copy()
-    for parameter in catalogue()[effect].parameters:
-        parameters[parameter_index(effect, parameter.name)] = parameter.neutral
-    free = tuple(name for name in current.problem.free if name[0] != effect)
-    problem = replace(current.problem, free=free, parameters=parameters)
-    problem, nuisances = _remembering(problem, current.fitted.nuisances)
-    fitted = fit(problem, nuisances, tolerance=1e-6, most=20)
-    rest = tuple(name for name in current.effects if name != effect)
-    return hypothesis(rest, replace(problem, parameters=fitted.parameters), fitted, current.reduction)
-
-
-def material_gain(current: Hypothesis) -> float:
-    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, or the reduction's, over all
-    residuals.
-    """
-    structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2
-    return 0.5 * structure * current.fitted.count
-
-
 def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candidate]:
     """The candidates worth a refit: the best of the score test and, where the residual is large, the best of the
     survey too.
@@ -142,8 +56,7 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
     chosen = {candidate.effect.name: candidate for candidate in best[: REFITTED - 2]}
     for name, (gain, strengths) in sorted(surveyed.items(), key=lambda item: -item[1][0])[: REFITTED - 2]:
         if gain > price * len(by_name[name].effect.parameters):
-            # Start where the survey found the gain; the linear estimate is far off in this regime.
-            chosen[name] = replace(by_name[name], strengths=strengths, gain=gain)
+            chosen[name] = replace(by_name[name], surveyed=strengths, gain=max(gain, by_name[name].gain))
     return list(chosen.values())
 
 
@@ -156,13 +69,7 @@ def _tried(current: Hypothesis, promising: list[Candidate]) -> list[Hypothesis]:
     if current.train.structure < LINEAR:
         gained = current.fitted.misfit - first.fitted.misfit
         rest = [candidate for candidate in rest if candidate.gain > HOPELESS * gained - 20.0]
-    return sorted([first, *_refitted(current, rest)], key=lambda h: -h.evidence)
-
-
-def _refitted(current: Hypothesis, chosen: list[Candidate]) -> list[Hypothesis]:
-    """Each candidate refitted, side by side: the kernel lets other threads run while it computes."""
-    with ThreadPoolExecutor(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2) as pool:
-        return list(pool.map(lambda candidate: refit(current, candidate), chosen))
+    return sorted([first, *refitted(current, rest)], key=lambda h: -h.evidence)
 
 
 def settled_together(tried: list[Hypothesis]) -> list[Hypothesis]:
@@ -171,21 +78,12 @@ def settled_together(tried: list[Hypothesis]) -> list[Hypothesis]:
     """
     best = tried[0]
     problem, fitted = settled(best.problem, best.fitted)
-    near = [h for h in tried[1:] if best.evidence - h.evidence < NEAR * looseness(best)]
+    reach = max(NEAR * looseness(best), material_gain(best))
+    near = [h for h in tried[1:] if best.evidence - h.evidence < reach]
     if problem is not best.problem:
-        near = [_with_noise_of(problem, h) for h in near]
-        best = hypothesis(best.effects, problem, fitted, best.reduction)
+        near = [with_noise_of(h, problem) for h in near]
+        best = hypothesis(best.effects, problem, fitted, best.reduction, best.laws)
     return sorted([best, *near], key=lambda h: -h.evidence)
-
-
-def _with_noise_of(problem: Problem, h: Hypothesis) -> Hypothesis:
-    experiments = tuple(
-        replace(own, noise_gain=other.noise_gain)
-        for own, other in zip(h.problem.experiments, problem.experiments, strict=True)
-    )
-    changed = replace(h.problem, experiments=experiments, step=problem.step, parameters=h.fitted.parameters)
-    fitted = fit(changed, h.fitted.nuisances, tolerance=1e-6, most=20)
-    return hypothesis(h.effects, replace(changed, parameters=fitted.parameters), fitted, h.reduction)
 
 
 def search(base: Hypothesis, seen: Arm | None = None) -> Search:
@@ -217,13 +115,11 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
             current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
         if current.fitted.misfit > WORTH_GOING_ON[len(current.effects)] * base.fitted.misfit:
             break
-    current = _polished(current)
+    current = polished(current)
     loose = looseness(current)
-    rivals = [
-        h
-        for h in alternatives
-        if len(h.effects) == len(current.effects) and current.evidence - h.evidence < TIE * loose
-    ]
+    # Models that differ by less than any of them errs are not told apart, whatever the nats between them say.
+    tie = max(TIE * loose, TWINS * material_gain(current))
+    rivals = [h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < tie]
     others = [h.evidence for h in (alternatives or single) if h.effects != current.effects]
     margin = (current.evidence - max(others)) / loose if others and current.effects else LARGEST_MARGIN
     return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals), margin)
@@ -240,35 +136,12 @@ def _with_fewer_coordinates(
     current: Hypothesis, alternatives: list[Hypothesis], arm: Arm
 ) -> tuple[Hypothesis, list[Hypothesis]]:
     """The hypotheses on an arm of fewer coordinates where the best fits no worse there; else as they are."""
-    fewer = _on_arm(current, arm)
+    fewer = on_arm(current, arm)
     if fewer.evidence < current.evidence:
         return current, alternatives
-    ordered = sorted([fewer, *(_on_arm(h, arm) for h in alternatives)], key=lambda h: -h.evidence)
+    ordered = sorted([fewer, *(on_arm(h, arm) for h in alternatives)], key=lambda h: -h.evidence)
     best, *rest = settled_together(ordered)
     return best, rest
-
-
-def _on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
-    """The hypothesis refitted on an arm of fewer coordinates; no reduction's loss is granted to it."""
-    more, fewer = h.problem.arm.order, arm.order
-    nuisances = []
-    for experiment, values in zip(h.problem.experiments, h.fitted.nuisances, strict=True):
-        start, moving, memory, shift = experiment.parts(more, values)
-        nuisances.append(np.concatenate([start[:fewer], moving[:fewer], memory[:fewer], shift]))
-    problem = replace(h.problem, arm=arm, parameters=h.fitted.parameters)
-    fitted = fit(problem, tuple(nuisances), tolerance=1e-6, most=20)
-    return hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted)
-
-
-def _polished(chosen: Hypothesis) -> Hypothesis:
-    """The chosen hypothesis at a step so fine that its parameters are not biased by it."""
-    step = sufficient_step(chosen.problem, chosen.fitted, unbiased_noise(chosen.problem))
-    if not chosen.effects or step == chosen.problem.step:
-        return chosen
-    problem = replace(chosen.problem, step=step, parameters=chosen.fitted.parameters)
-    fitted = fit(problem, chosen.fitted.nuisances)
-    problem = replace(problem, parameters=fitted.parameters)
-    return hypothesis(chosen.effects, problem, fitted, chosen.reduction)
 
 
 def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:
@@ -282,7 +155,7 @@ def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothes
         if smaller.evidence > current.evidence - TIE:
             return smaller, []
         swaps = [c for c in score(smaller.problem, smaller.fitted) if c.effect.name not in current.effects][:SWAPS]
-        found += _refitted(smaller, swaps)
+        found += refitted(smaller, swaps)
     ordered = sorted([current, *found], key=lambda h: -h.evidence)
     if ordered[0] is current:
         return current, ordered[1:]

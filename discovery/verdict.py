@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from discovery.hypothesis import Hypothesis
-from discovery.search import Search
+from discovery.search import MOST_EFFECTS, Search
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
-DOMINANT = 0.04  # the same, whatever the noise: measured arms are never followed down to a motion capture's microns
+DOMINANT = 0.07  # the same, whatever the noise: measured arms are never followed down to a motion capture's microns
 AGREED = 0.2  # where what all rivals agree on leaves no more than this share, the rest of their difference is a detail
 
 
@@ -60,7 +60,8 @@ def decide(search: Search) -> Decision:
         margin = max(gate.statistic / gate.threshold for gate in (*base.train.gates, *base.judged.gates))
         return Decision("nothing_missing", (), float(np.clip(1.0 - 0.5 * max(margin, 0.0) ** 8, 0.5, 0.98)), ())
     share = structure_share(search, chosen)
-    explained = bool(chosen.effects) and (passed or share < _tolerated(chosen))
+    few = len(chosen.effects) < MOST_EFFECTS or _against_baseline(chosen)  # three that do not suffice explain nothing
+    explained = bool(chosen.effects) and (passed or (few and share < _tolerated(chosen)))
     if not explained:
         words = ["No effect of the catalogue, nor a combination of up to three, brings the residual down to the noise."]
         if chosen.effects:
@@ -91,9 +92,12 @@ def decide(search: Search) -> Decision:
 
 def _tolerated(chosen: Hypothesis) -> float:
     """The share of the first error that may stay unexplained under a named effect."""
-    against_baseline = any(experiment.correlation > 1.0 for experiment in chosen.problem.experiments)
     rest = max(chosen.train.structure, chosen.judged.structure)
-    return NEARLY if against_baseline or rest < 1.0 else DOMINANT
+    return NEARLY if _against_baseline(chosen) or rest < 1.0 else DOMINANT
+
+
+def _against_baseline(chosen: Hypothesis) -> bool:
+    return any(experiment.correlation > 1.0 for experiment in chosen.problem.experiments)
 
 
 def _confidence(search: Search, passed: bool, share: float) -> float:

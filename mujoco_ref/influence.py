@@ -104,7 +104,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "inertia": (),
     "weight": (),
     "third_curvature": (),
-    "added_mass": ("C_a",),
+    "added_mass": ("C_a", "tangential"),
     "skin_drag": ("C_t",),
     "linear_drag": ("c_n",),
     "current": ("U_x", "U_y"),
@@ -132,6 +132,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "vortex": ("C_L", "f"),
     "magnet": ("strength", "x", "y"),
 }
+NORMAL_ONLY = 1e-3  # a share of the added mass along the tangent that is none
 UNCATALOGUED = ("thread", "clamp_slip", "suction", "mount_resonance", "vortex", "magnet")
 
 
@@ -140,12 +141,19 @@ def refuse_unknown(parameters: Parameters) -> None:
     for effect, values in parameters.items():
         if effect not in KNOWN:
             raise InputError("no such effect", field=effect, expected=f"one of {', '.join(KNOWN)}")
-        for name, value in values.items():
+        for name, given in values.items():
             if name not in KNOWN[effect]:
                 expected = f"one of {', '.join(KNOWN[effect]) or '(it has no parameters)'}"
                 raise InputError("no such parameter", field=f"{effect}.{name}", expected=expected)
-            if not np.isfinite(value):
-                raise InputError(f"{value!r} is not usable", field=f"{effect}.{name}", expected="a finite number")
+            if not np.isfinite(given):
+                raise InputError(f"{given!r} is not usable", field=f"{effect}.{name}", expected="a finite number")
+    along = value(parameters, "added_mass", "tangential")
+    if abs(along) > NORMAL_ONLY and value(parameters, "added_mass", "C_a") != 0.0:
+        raise InputError(
+            f"{along:g} is not usable",
+            field="added_mass.tangential",
+            expected="0: water is carried along a section's normal only here",
+        )
 
 
 def value(parameters: Parameters, effect: str, name: str, default: float = 0.0) -> float:

@@ -36,7 +36,7 @@ class Experiment:
     how many frames that noise hangs together; above 1 where it stands for what a baseline leaves unexplained, which
     is not white. remembers: the model has a Maxwell branch, whose state at the start is then unknown too (an arm that
     is held still until its release has forgotten). rates_seen (K,): rms rates of the Legendre coordinates in the
-    recording [rad/s], as far as it shows them.
+    recording [rad/s], as far as it shows them. base_known_from [s]: since when the base motion is recorded (None: t0).
     """
 
     name: str
@@ -51,6 +51,7 @@ class Experiment:
     correlation: float = 1.0
     remembers: bool = False
     rates_seen: Array = field(default_factory=lambda: np.zeros(0))
+    base_known_from: float | None = None
 
     @property
     def begins_with_memory(self) -> bool:
@@ -151,7 +152,9 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     steps = int(np.ceil(experiment.duration / step)) + 1
     steps += steps % 2
     start = experiment.t0 if experiment.release is None else experiment.release
-    base = base_table(experiment.base, start, step, steps, value["tau"], value["play"])
+    base = base_table(
+        experiment.base, start, step, steps, value["tau"], value["play"], known_from=experiment.base_known_from
+    )
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
     memory = None if memory is None else arm.to_monomial @ memory

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.identify.trajectory import Fit, Problem
+from affine_model.identify.trajectory import RAN_AWAY, Fit, Problem
 
 STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
 OF_NOISE = 0.05  # noise sigmas (rms): a nat for every 800 values, and of it all models have the same
@@ -47,7 +47,8 @@ def sufficient_step(problem: Problem, fitted: Fit, of_noise: float = OF_NOISE) -
     for coarse, fine in pairwise(STEPS):
         finer = shown(fine)
         changes = [np.sqrt(np.mean((a - b) ** 2)) for a, b in zip(finer, last, strict=True)]
-        if max(changes) < 0.75 * allowed:
+        stable = max(float(np.max(np.abs(b))) for b in last) < RAN_AWAY
+        if stable and max(changes) < 0.75 * allowed:
             return coarse
         last = finer
     return STEPS[-1]

@@ -19,6 +19,7 @@ from affine_model.identify.levenberg import minimise
 ParameterName = tuple[str, str]  # effect, parameter
 DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
 ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
+RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
 PRIOR_REACH = 3.0
 
 
@@ -119,7 +120,7 @@ class Problem:
             place += size
             prediction = predict(self.arm, experiment, parameters, nuisances, self.step)
             error = whitened_residuals(experiment, parameters, prediction)
-            error[:, :, np.isfinite(prediction.batch.diverged)] = 1e6
+            error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
             everything.append(error)
             used.append(error[experiment.used].reshape(-1, count))
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))

@@ -1,0 +1,196 @@
+"""A hypothesis changed and fitted again: an effect more or less, other noise, an arm of fewer coordinates, a finer
+step.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from affine_model.arm import Arm, parameter_index
+from affine_model.curvature import Array
+from affine_model.effects import catalogue
+from affine_model.identify.sufficient_step import sufficient_step, unbiased_noise
+from affine_model.identify.trajectory import Fit, Problem, fit
+from discovery.hypothesis import Hypothesis, hypothesis
+from discovery.score import Candidate
+
+LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
+SHARES = (1.0, 0.4)  # of a candidate's estimated strengths, to start from
+# Beyond the linear picture the base has bent itself to what is missing, and a refit starts from elsewhere too:
+STIFFER = (0.6, 0.8, 1.0, 1.3, 1.7)  # times the elasticity
+RELAXATIONS = (None, 0.003, 0.01)  # s: damping over elasticity (None: as fitted)
+DRAGGIER = (1.0, 1.4)  # times the drag
+NEAR_NOISE = 0.5 * (1.0 + LINEAR**2)  # nats a residual: a fit this good has found its valley
+COUNTERPART = {("damping", "eta"): ("elasticity", "E"), ("damping", "d0"): ("elasticity", "k0")}
+COUNTERPART[("damping", "d1")] = ("elasticity", "k1")
+
+
+def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
+    """The current model with the candidate added, fitted from its estimated strengths; from the next best start where
+    that fails to gain what was promised.
+    """
+    problem = _with_candidate(current.problem, current.fitted, candidate)
+    problem, nuisances = _remembering(problem, current.fitted.nuisances)
+    best: Fit | None = None
+    beyond = current.train.structure >= LINEAR
+    for start in _starts(problem, nuisances, current, candidate):
+        fitted = fit(_at(problem, start), nuisances, tolerance=_enough(current), most=20)
+        if best is None or fitted.misfit < best.misfit:
+            best = fitted
+        near_noise = not beyond or best.misfit < NEAR_NOISE * best.count
+        if near_noise and current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
+            break
+    assert best is not None
+    step = sufficient_step(problem, best)
+    if beyond and step < problem.step:  # a law that bends sharply may need a finer step than the model without it
+        problem = replace(problem, step=step)
+        best = fit(_at(problem, best.values), best.nuisances, tolerance=_enough(current), most=20)
+    effects = (*current.effects, candidate.effect.name)
+    problem = replace(problem, parameters=best.parameters)
+    return hypothesis(effects, problem, best, current.reduction, current.laws_of_more())
+
+
+def refitted(current: Hypothesis, chosen: list[Candidate]) -> list[Hypothesis]:
+    """Each candidate refitted, side by side: the kernel lets other threads run while it computes."""
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2) as pool:
+        return list(pool.map(lambda candidate: refit(current, candidate), chosen))
+
+
+def without(current: Hypothesis, effect: str) -> Hypothesis:
+    """The current model less one of its effects."""
+    parameters = current.fitted.parameters.copy()
+    for parameter in catalogue()[effect].parameters:
+        parameters[parameter_index(effect, parameter.name)] = parameter.neutral
+    free = tuple(name for name in current.problem.free if name[0] != effect)
+    problem = replace(current.problem, free=free, parameters=parameters)
+    problem, nuisances = _remembering(problem, current.fitted.nuisances)
+    return _again(replace(current, effects=tuple(e for e in current.effects if e != effect)), problem, nuisances)
+
+
+def with_noise_of(h: Hypothesis, problem: Problem) -> Hypothesis:
+    """The hypothesis under another's noise and step, so that their evidence is comparable."""
+    experiments = tuple(
+        replace(own, noise_gain=other.noise_gain)
+        for own, other in zip(h.problem.experiments, problem.experiments, strict=True)
+    )
+    changed = replace(h.problem, experiments=experiments, step=problem.step, parameters=h.fitted.parameters)
+    return _again(h, changed, h.fitted.nuisances)
+
+
+def on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
+    """The hypothesis on an arm of fewer coordinates; no reduction's loss is granted to it."""
+    more, fewer = h.problem.arm.order, arm.order
+    nuisances = []
+    for experiment, values in zip(h.problem.experiments, h.fitted.nuisances, strict=True):
+        start, moving, memory, shift = experiment.parts(more, values)
+        nuisances.append(np.concatenate([start[:fewer], moving[:fewer], memory[:fewer], shift]))
+    problem = replace(h.problem, arm=arm, parameters=h.fitted.parameters)
+    return _again(replace(h, reduction=(0.0, 0.0)), problem, tuple(nuisances))
+
+
+def polished(chosen: Hypothesis) -> Hypothesis:
+    """The chosen hypothesis at a step so fine that its parameters are not biased by it."""
+    step = sufficient_step(chosen.problem, chosen.fitted, unbiased_noise(chosen.problem))
+    if not chosen.effects or step == chosen.problem.step:
+        return chosen
+    problem = replace(chosen.problem, step=step, parameters=chosen.fitted.parameters)
+    return _again(chosen, problem, chosen.fitted.nuisances, tolerance=1e-7, most=40)
+
+
+def _again(
+    h: Hypothesis, problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-6, most: int = 20
+) -> Hypothesis:
+    """The changed problem fitted, judged with what was granted before."""
+    fitted = fit(problem, nuisances, tolerance=tolerance, most=most)
+    return hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted, h.reduction, h.laws)
+
+
+def _enough(current: Hypothesis) -> float:
+    """When a trial fit has converged, as a share of its misfit: to a nat, or to little beside what is unexplained."""
+    misfit = current.fitted.misfit
+    unexplained = max(misfit - 0.5 * current.fitted.count, 0.0)
+    return max(1.0, 2e-3 * unexplained) / max(misfit, 1.0)
+
+
+def _with_candidate(problem: Problem, start: Fit, candidate: Candidate) -> Problem:
+    """The problem with the candidate's parameters free, its shapes at their best values."""
+    parameters = start.parameters.copy()
+    for shape, value in zip(candidate.effect.shapes, candidate.shapes, strict=True):
+        parameters[parameter_index(candidate.effect.name, shape.name)] = value
+    return replace(problem, free=(*problem.free, *candidate.free), parameters=parameters)
+
+
+def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, tuple[Array, ...]]:
+    """The problem with the memory at the start of each run among its unknowns where an effect relaxes, else without."""
+    wanted = any(catalogue()[effect].relaxation_time is not None for effect, _ in problem.free)
+    order = problem.arm.order
+    experiments, kept = [], []
+    for experiment, values in zip(problem.experiments, nuisances, strict=True):
+        changed = replace(experiment, remembers=wanted)
+        start, moving, memory, shift = experiment.parts(order, values)
+        if not changed.begins_with_memory:
+            memory = memory[:0]
+        elif not memory.size:
+            memory = np.zeros(order)
+        experiments.append(changed)
+        kept.append(np.concatenate([start, moving, memory, shift]))
+    return replace(problem, experiments=tuple(experiments)), tuple(kept)
+
+
+def _starts(problem: Problem, nuisances: tuple[Array, ...], current: Hypothesis, candidate: Candidate) -> list[Array]:
+    """Values (F,) of the free parameters to begin from: the fitted base with shares of the estimated strengths; before
+    them, where the residual is beyond the linear picture, the best of a grid of bases and strengths, one batch.
+    """
+    given = [_started(problem, candidate, share * candidate.strengths) for share in SHARES]
+    if current.train.structure < LINEAR:
+        return given
+    if candidate.surveyed is not None:
+        given.append(_started(problem, candidate, candidate.surveyed))
+    columns = given if problem.prior_free else [column for start in given for column in _bent(problem, start)]
+    flat = np.concatenate(nuisances)
+    batch = np.array([np.concatenate([column, flat]) for column in columns]).T
+    values, _ = problem.residuals(batch)
+    order = np.argsort(np.einsum("nb,nb->b", values, values))
+    return [columns[order[0]], given[0]]
+
+
+def _at(problem: Problem, values: Array) -> Problem:
+    """The problem begun at those values (F,) of its free parameters."""
+    parameters = problem.parameters.copy()
+    parameters[problem.rows()] = values
+    return replace(problem, parameters=parameters)
+
+
+def _started(problem: Problem, candidate: Candidate, strengths: Array) -> Array:
+    """The free parameters (F,) with the candidate's strengths, within bounds and never on one: there the difference
+    quotients are one-sided and the fit may stick.
+    """
+    parameters = problem.parameters.copy()
+    for strength, value in zip(candidate.effect.strengths, strengths, strict=True):
+        low, high = strength.bounds
+        kept = np.clip(value, low + 1e-3 * strength.nominal, high - 1e-3 * strength.nominal)
+        reach = 20.0 * strength.nominal
+        parameters[parameter_index(candidate.effect.name, strength.name)] = np.clip(kept, -reach, reach)
+    return parameters[problem.rows()]
+
+
+def _bent(problem: Problem, start: Array) -> list[Array]:
+    """The start (F,) with other elasticity, damping and drag."""
+    columns = []
+    for stiffer, relaxation, draggier in product(STIFFER, RELAXATIONS, DRAGGIER):
+        column = start.copy()
+        for place, name in enumerate(problem.free):
+            if name[0] == "elasticity":
+                column[place] *= stiffer
+            elif name[0] == "drag":
+                column[place] *= draggier
+        for damping, elasticity in COUNTERPART.items():
+            if relaxation is not None and damping in problem.free and elasticity in problem.free:
+                column[problem.free.index(damping)] = relaxation * column[problem.free.index(elasticity)]
+        columns.append(column)
+    return columns
