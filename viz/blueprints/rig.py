@@ -14,7 +14,7 @@ from viz.palette import AUGMENTED, MEASURED, NEUTRAL
 
 @dataclass(frozen=True)
 class LivePaths:
-    """Where a run that is being recorded keeps what: entity paths, and its time line; camera: None where it has none."""
+    """Where a run that is being recorded keeps what: entity paths, its time line; camera: None without one."""
 
     command: str
     angle: str
