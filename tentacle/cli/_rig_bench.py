@@ -188,16 +188,13 @@ def emulate(arguments: argparse.Namespace) -> int:
         print(
             f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}", flush=True
         )
-        slow = False
+        late = False
         try:
             while running.exit_status() is None:
                 time.sleep(0.2)
-                if not slow and _behind(running) > LATE:
-                    slow = True
-                    words = (
-                        "this computer is too busy: the emulated board falls behind its clock; a smaller --rate helps"
-                    )
-                    print(words, file=sys.stderr, flush=True)
+                if not late and _behind(running) > LATE:
+                    late = True
+                    print("this computer is too busy: the board falls behind its clock; try --rate", file=sys.stderr)
         except KeyboardInterrupt:
             print("ended")
             return 0
@@ -205,8 +202,11 @@ def emulate(arguments: argparse.Namespace) -> int:
 
 
 def _behind(running: Emulator) -> float:
-    """How far the emulated board is behind its own clock [s of it]."""
-    truth = running.truth()
+    """How far the emulated board is behind its own clock [s of it]; 0 where it cannot be told."""
+    try:
+        truth = running.truth()
+    except InputError:
+        return 0.0
     return truth.board_time(time.monotonic()) - 1e-6 * truth.board_us
 
 
