@@ -85,6 +85,10 @@ def long_run(folder: Path, seconds: float) -> dict[str, float]:
           f"{missing} lost, {doubled} doubled, {wrong_samples(samples, start, seconds)} wrong")  # fmt: skip
     print(f"clock: worst error {1e3 * max(errors):.3f} ms; camera: {1e3 * offset.offset:.2f} "
           f"+- {1e3 * offset.sigma:.2f} ms, true {1e3 * truth:.2f} ms")  # fmt: skip
+    if end.outcome != "complete":
+        raise RuntimeError(
+            f"the long run ended as {end.outcome} ({end.words}): it has no figures; is the machine quiet?"
+        )
     return {
         "samples_lost": float(missing + doubled),
         "clock_ms": 1e3 * max(errors),

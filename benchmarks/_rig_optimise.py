@@ -10,6 +10,7 @@ import numpy as np
 from benchmarks._rig_scene import LIMITS, SPECIMEN, setup_for
 from rig.connection import connected, opened_camera
 from rig.emulator import Emulator, EmulatorSettings
+from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits
 from rig.optimise import StudyPlan, Trial, best, optimise
@@ -90,7 +91,12 @@ def optimised(
             propose = proposer(space, plan, believed=DECLARED, told=lambda d: verdicts.append(d.headline))
         with connected(setup) as board, opened_camera(setup, board.time) as camera:
             runner = trial_runner(setup, board, camera)
-            return list(optimise(folder / "study", study, runner, first, propose=propose)), verdicts
+            done: list[Trial] = []
+            try:
+                done.extend(optimise(folder / "study", study, runner, first, propose=propose))
+            except Fault as fault:
+                print(f"{folder.name}: broke off after {len(done)} trials: {fault}")
+            return done, verdicts
 
 
 def side_by_side(folder: Path, trials: int, samples: int, every: int, rate: float) -> dict[str, float]:
@@ -103,13 +109,16 @@ def side_by_side(folder: Path, trials: int, samples: int, every: int, rate: floa
     if every:
         courses[f"with, every {every}"] = optimised(folder / "with", space, plan, trials, every, rate)
     true = {name: [true_propulsion(space, plan, trial.point) for trial in done] for name, (done, _) in courses.items()}
-    top = max(top, *(max(values) for values in true.values()))  # of all that was ever tried on this arm
+    top = max([top, *(value for values in true.values() for value in values)])  # of all that was tried on this arm
     print(f"rig optimise, re-identification side by side; best known gait of the arm {1e3 * top:.2f} mN")
     print("trials  " + "  ".join(f"{name:>34s}" for name in courses))
     gaps: dict[str, list[float]] = {name: [] for name in courses}
     for count in sorted({min(n, trials) for n in (1, 5, 10, 15, 20, 25, trials)}):
         cells = []
         for name, (done, _) in courses.items():
+            if len(done) < count:
+                cells.append("-")
+                continue
             chosen = best(done[:count])
             gaps[name].append(1.0 - true[name][done.index(chosen)] / top)
             cells.append(f"gap {100 * gaps[name][-1]:5.1f} % ({chosen.source})")
@@ -117,7 +126,5 @@ def side_by_side(folder: Path, trials: int, samples: int, every: int, rate: floa
     for name, (_, verdicts) in courses.items():
         for verdict in verdicts:
             print(f"{name}: {verdict}")
-    figures = {"gap_after_30": gaps["without"][-1]}
-    if every:
-        figures["gap_after_30_reidentified"] = gaps[f"with, every {every}"][-1]
-    return figures
+    named = dict(zip(courses, ("gap_after_30", "gap_after_30_reidentified"), strict=False))
+    return {named[name]: gaps[name][-1] for name, (done, _) in courses.items() if len(done) == trials}
