@@ -88,7 +88,7 @@ def optimised(
         study = StudyPlan(space, trials, plan, reidentify, seed=5)
         propose = None
         if reidentify:
-            propose = proposer(space, plan, believed=DECLARED, told=lambda d: verdicts.append(d.headline))
+            propose = proposer(space, plan, believed=DECLARED, told=verdicts.append)
         with connected(setup) as board, opened_camera(setup, board.time) as camera:
             runner = trial_runner(setup, board, camera)
             done: list[Trial] = []

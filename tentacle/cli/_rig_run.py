@@ -114,7 +114,7 @@ def optimise(arguments: argparse.Namespace) -> int:
         if arguments.reidentify:
             propose = proposer(
                 space, plan.plan, believed=model, seed=arguments.seed, progress=diagnosing,
-                told=lambda found: print(found.headline, flush=True),
+                told=lambda words: print(words, flush=True),
             )  # fmt: skip
         for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts):
             trials.append(trial)

@@ -132,7 +132,7 @@ def test_an_arm_that_swings_is_not_taken_for_the_lamp() -> None:
 def test_camera_delay_from_servo_taps() -> None:
     source = np.random.default_rng(5)
     times = np.arange(0, 8, 0.02) + 100.0
-    motion = sum(0.1 * np.sin(2 * np.pi * f * (times - 100)) for f in (1.1, 1.7, 2.3))
+    motion = np.sum([0.1 * np.sin(2 * np.pi * f * (times - 100)) for f in FREQUENCIES], axis=0)
     frames = np.arange(0.3, 8, 1 / 30) + 100.0
     late = 0.049
     seen = 0.03 - 0.98 * np.interp(frames - late, times, motion) + source.normal(0, 0.01, frames.size)  # mirrored, too

@@ -18,6 +18,7 @@ def test_a_preview_is_small_and_shows_the_same(width: int) -> None:
     picture = np.full((width * 9 // 16, width), 200, dtype=np.uint8)
     picture[:, : width // 2] = 40
     small = cv2.imdecode(np.frombuffer(preview(compressed(picture, 0.0).jpeg), np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert small is not None
     assert small.shape == (min(width, PREVIEW_WIDTH) * 9 // 16, min(width, PREVIEW_WIDTH))
     middle = small.shape[1] // 2
     assert small[:, : middle - 8].mean() == pytest.approx(40, abs=2)  # JPEG rings beside an edge
