@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks._rig_optimise import DECLARED as SOFT
-from benchmarks._rig_scene import DECLARED, setup_for
+from benchmarks._rig_scene import CAMERA, DECLARED, setup_for
 from rig.arm_plant import ArmPlant
 from rig.bench_log import LogColumns, calibration_of, load_cell_signal, read_bench_log
 from rig.calibrate import camera_scale, fit_line, load_cell_calibration, read_cell, servo_calibration
@@ -170,6 +171,9 @@ def test_servo_taps_of_the_emulated_rig(emulator: Emulator, tmp_path: Path) -> N
     assert main(["rig", "calibrate", "camera-offset", str(file), "--tap"]) == 0
     found = read_setup(file).camera
     assert found is not None
+    words = ["--points", "100", "40", "225", "40", "--metres", "0.1"]
+    assert main(["rig", "calibrate", "camera-scale", str(file), *words]) == 0
+    assert read_setup(file).recording.declaration.camera == replace(CAMERA, metres_per_px=0.1 / 125)
     assert found.offset == pytest.approx(EmulatedOptics.of(DECLARED).offset, abs=3e-3)
 
 
