@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from benchmarks._rig_faults import Outcome
@@ -42,39 +44,41 @@ def _finished(folder: Path) -> tuple[int, int]:
     return outcomes.count("complete"), len(outcomes) - outcomes.count("complete")
 
 
-def _again(folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(_command(folder), capture_output=True, text=True, check=False, timeout=180)
+@contextmanager
+def _in_second_trial(folder: Path, seed: int) -> Iterator[tuple[Emulator, subprocess.Popen[bytes]]]:
+    """An emulated rig, and the process that optimises on it, in the middle of its second trial."""
+    with Emulator(folder / "emulator", EmulatorSettings(seed=seed)) as emulator:
+        write_setup(setup_for(emulator), folder / "rig.toml")
+        with subprocess.Popen(_command(folder), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+            _until_second_trial_moves(process, emulator, folder)
+            yield emulator, process
+
+
+def _again(folder: Path) -> tuple[int, int, int]:
+    """The same command once more: its exit status, and how many recordings are complete, and are not."""
+    status = subprocess.run(_command(folder), capture_output=True, check=False, timeout=180).returncode
+    return status, *_finished(folder)
 
 
 def killed_host(folder: Path) -> Outcome:
     """kill -9 of the optimising process in its second trial, then the same command again."""
-    with Emulator(folder / "emulator", EmulatorSettings(seed=21)) as emulator:
-        write_setup(setup_for(emulator), folder / "rig.toml")
-        with subprocess.Popen(_command(folder), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-            _until_second_trial_moves(process, emulator, folder)
-            process.kill()
-            neutral = to_neutral(emulator)
-        again = _again(folder)
-    complete, broken = _finished(folder)
-    words = (
-        f"at neutral after {neutral:.2f} s; resumed (exit status {again.returncode}): {complete} complete, {broken} not"
-    )
-    good = neutral <= 0.5 and again.returncode == 0 and (complete, broken) == (TRIALS, 1)
+    with _in_second_trial(folder, 21) as (emulator, process):
+        process.kill()
+        neutral = to_neutral(emulator)
+        process.wait()
+        status, complete, broken = _again(folder)
+    words = f"at neutral after {neutral:.2f} s; resumed (exit status {status}): {complete} complete, {broken} not"
+    good = neutral <= 0.5 and (status, complete) == (0, TRIALS) and broken >= 1  # more where the computer is busy
     return Outcome("optimise: host killed -9 and started again", words, good)
 
 
 def killed_board(folder: Path) -> Outcome:
     """kill -9 of the board in the second trial; the host must say so and end, and go on when the board is back."""
-    with Emulator(folder / "emulator", EmulatorSettings(seed=22)) as emulator:
-        write_setup(setup_for(emulator), folder / "rig.toml")
-        with subprocess.Popen(_command(folder), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
-            _until_second_trial_moves(process, emulator, folder)
-            emulator.kill()
-            said = process.communicate(timeout=90)[1].decode().strip().splitlines()[-1]
-            status = process.returncode
+    with _in_second_trial(folder, 22) as (emulator, process):
+        emulator.kill()
+        said = process.communicate(timeout=90)[1].decode().strip().splitlines()[-1]
     with Emulator(folder / "emulator", EmulatorSettings(seed=23)):
-        again = _again(folder)
-    complete, broken = _finished(folder)
-    words = f"exit status {status}, {said!r}; resumed ({again.returncode}): {complete} complete, {broken} not"
-    good = status == 3 and said.startswith("tentacle: link_lost") and again.returncode == 0 and complete == TRIALS
+        status, complete, broken = _again(folder)
+    words = f"exit status {process.returncode}, {said!r}; resumed ({status}): {complete} complete, {broken} not"
+    good = process.returncode == 3 and said.startswith("tentacle: link_lost") and (status, complete) == (0, TRIALS)
     return Outcome("optimise: board killed -9 and started again", words, good)

@@ -80,7 +80,7 @@ def reduction_error(declaration: Declaration, problem: Problem, fitted: Fit) -> 
 
 
 def _rms(parts: list[Array]) -> float:
-    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+    return float(np.sqrt(np.mean(np.concatenate([part.ravel() for part in parts]) ** 2)))
 
 
 def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, NDArray[np.bool_], float]:

@@ -127,7 +127,7 @@ def views(folder: Path) -> None:
 
 def live(folder: Path) -> None:
     """A run on the emulated rig, photographed while it lasts."""
-    from rig import recorder
+    from rig import live_feed
     from rig.connection import connected, opened_camera
     from rig.motion import motion_of
     from rig.record import record
@@ -149,7 +149,7 @@ def live(folder: Path) -> None:
         setup = read_setup(folder / "emulated" / "rig.toml")
         motion = motion_of(read_waveform(folder / "wave.toml"), 8.0, setup.limits, {})
         with headless_viewer() as viewer, connected(setup) as board, opened_camera(setup, board.time) as camera:
-            send_live_layout(viewer.url, recorder.APPLICATION, live_paths())
+            send_live_layout(viewer.url, live_feed.APPLICATION, live_paths(camera=True))
             out, address = folder / "run.rrd", viewer.url
             words = {"name": "run", "viewer": address}
             run = threading.Thread(target=record, args=(setup, board, camera, motion, out), kwargs=words)

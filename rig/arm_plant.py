@@ -71,14 +71,23 @@ class ArmPlant:
             self._first = False
             self.force = float(-self._stepper.reading[3] - self._tare[1])
 
+    @property
+    def servo_angle(self) -> float:
+        """Where the servo is [rad]."""
+        return float(self._servo.state[0])
+
+    def midline(self, s: Array) -> Array:
+        """Points (N, 2) [m] of the arm in the base frame at s (N,), 0 at the base and 1 at the tip."""
+        angles = np.cumsum(self._state.q[2:])
+        return midline_points(angles[None], self._state.q[None, :2], self._length, s)[0]
+
     def answer(self) -> bytes:
         """angle [rad], force on the load cell along +y less its reading at rest [N], current [mA], midline points
         [m].
         """
-        angles = np.cumsum(self._state.q[2:])
-        points = midline_points(angles[None], self._state.q[None, :2], self._length, np.linspace(0, 1, POINTS))[0]
+        points = self.midline(np.linspace(0, 1, POINTS))
         current = 30.0 + 20.0 * abs(self._servo.state[2]) / 10.0
-        return _ANSWER.pack(float(self._servo.state[0]), self.force, current, *points.ravel().tolist())
+        return _ANSWER.pack(self.servo_angle, self.force, current, *points.ravel().tolist())
 
 
 def main(words: list[str]) -> int:

@@ -122,6 +122,11 @@ class Camera:
         """Whether no frame has come for STALLED_AFTER real seconds."""
         return self._ended or time.monotonic() - self._last > STALLED_AFTER
 
+    @property
+    def silence(self) -> float:
+        """Host-time seconds since the last frame came."""
+        return (time.monotonic() - self._last) * self._time.rate
+
     def close(self) -> None:
         """Stops the thread and lets the source go."""
         self._running = False

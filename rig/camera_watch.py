@@ -67,7 +67,7 @@ class CameraWatch:
             self._flashes.add_frames(frames)
         now = self._time.now()
         if self._camera.stalled and self._stalled_since is None:
-            self._stalled_since = now
+            self._stalled_since = now - self._camera.silence
         elif not self._camera.stalled and self._stalled_since is not None:
             self._gaps.append((self._stalled_since, now))
             self._stalled_since = None

@@ -68,7 +68,7 @@ def record(
             end = PlayEnd(fault.kind, str(fault), 0)
             run.to_neutral()
         stop = run.stop_record(end)
-        _film(recorder, path, {"outcome": end.outcome, **stop})
+        add_film(recorder, path, {"outcome": end.outcome, **stop})
         recorder.stop(end.outcome, stop)
     return RunResult(path, end.outcome, end.words, run.mean_thrust(end), run.count, board.counters.samples_lost)
 
@@ -107,7 +107,7 @@ def _start_record(setup: RigSetup, board: Board, motion: Motion, name: str) -> d
     }
 
 
-def _film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
+def add_film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
     """The frames of the run as one video with true times, so that tracking can read it; the frames themselves stay."""
     if not stop["start_us"] or stop["camera"] is None:
         return

@@ -23,17 +23,17 @@ import rerun as rr
 from rig.camera import CameraFrame
 from rig.clock import ClockFit
 from rig.fault import Fault
+from rig.live_feed import APPLICATION, BOARD_TIME, LiveFeed
 from rig.protocol import NO_ANGLE, Event, EventCode, LoadSample, Sample, ServoSample
 from tentacle.declaration_file import format_recording_file, parse_recording_file
 
-APPLICATION = "tentacle-twin rig"
 FORMAT = "tentacle-rig-run"
 VERSION = 1
 START, STOP = "/rig/start", "/rig/stop"
 LOAD, THRUST = "/rig/load_cell/counts", "/rig/load_cell/thrust"
 COMMAND, ANGLE, CURRENT = "/rig/servo/command", "/rig/servo/angle", "/rig/servo/current"
 EVENTS, CLOCK, CAMERA = "/rig/events", "/rig/clock", "/rig/camera"
-BOARD_TIME, HOST_TIME, SAMPLE = "board_time", "host_time", "sample"
+HOST_TIME, SAMPLE = "host_time", "sample"
 FLUSH_EVERY = 0.15  # s; so much and what is on its way is lost when the host is killed
 FLUSH_WITHIN = 5.0  # s; a disk that takes longer is lost
 LEAST_FREE = 64 * 2**20  # bytes; under this a run is ended while there is still room to end it properly
@@ -67,10 +67,8 @@ class Recorder:
         path.parent.mkdir(parents=True, exist_ok=True)
         self._require_space()
         self._stream = rr.RecordingStream(APPLICATION, send_properties=True)
-        sinks: list[Any] = [rr.FileSink(str(path))]
-        if viewer is not None:
-            sinks.append(rr.GrpcSink(viewer))
-        self._stream.set_sinks(*sinks)
+        self._stream.set_sinks(rr.FileSink(str(path)))
+        self._live = None if viewer is None else LiveFeed(viewer)
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)
         self._declaration = parse_recording_file(start["recording"])
@@ -117,6 +115,8 @@ class Recorder:
             words = f"{EventCode(event.code).name} {event.value}"
             self._stream.log(EVENTS, rr.TextLog(words, level="INFO"))
             self._stream.reset_time()
+            if self._live is not None:
+                self._live.event(EVENTS, event.board_us, words)
 
     def begin(self, zero_us: int) -> None:
         """The waveform's time 0 is at board time zero_us [us]: samples from now on also go into the recording."""
@@ -130,6 +130,8 @@ class Recorder:
             self._stream.log(CAMERA, rr.EncodedImage(contents=frame.jpeg, media_type="image/jpeg"))
             self._stream.reset_time()
         self._written_since |= bool(frames)
+        if self._live is not None:
+            self._live.frames(frames)
 
     def video(self, file: Path) -> None:
         """Puts a video of the run beside its signals, as tentacle.recording_rrd lays it out."""
@@ -145,6 +147,8 @@ class Recorder:
         values = [fit.host_zero, fit.board_zero, fit.skew, fit.sigma, fit.round_trip]
         self._stream.log(CLOCK, rr.Scalars(values))
         self._stream.reset_time()
+        if self._live is not None:
+            self._live.clock(fit)
 
     def flush_if_due(self) -> None:
         """Call often; every FLUSH_EVERY it begins to write what was appended, and does not wait for it.
@@ -205,6 +209,8 @@ class Recorder:
         self._stopped = True
         self._writer.shutdown()
         self._hand_over()
+        if self._live is not None:
+            self._live.close()
         self._text(STOP, {"outcome": outcome, **record})
         self._declare(outcome)
         counts = {name: count for name, count in self._rows.items() if count}
@@ -224,14 +230,14 @@ class Recorder:
 
     def _scalars(self, entity: str, samples: Sequence[Sample], values: Any) -> None:
         board = np.array([s.board_us for s in samples], dtype=np.int64) * 1000
-        self._stream.send_columns(
-            entity,
-            indexes=[
-                rr.TimeColumn(BOARD_TIME, duration=board.astype("timedelta64[ns]")),
-                rr.TimeColumn(SAMPLE, sequence=[s.number for s in samples]),
-            ],
-            columns=rr.Scalars.columns(scalars=values),
-        )
+        indexes = [
+            rr.TimeColumn(BOARD_TIME, duration=board.astype("timedelta64[ns]")),
+            rr.TimeColumn(SAMPLE, sequence=[s.number for s in samples]),
+        ]
+        columns = rr.Scalars.columns(scalars=values)
+        self._stream.send_columns(entity, indexes=indexes, columns=columns)
+        if self._live is not None:
+            self._live.columns(entity, indexes, columns)
 
     def _recording_rows(self, name: str, samples: Sequence[Sample], columns: dict[str, Any]) -> None:
         """Rows of a signal in the layout of tentacle.recording_rrd; only from the waveform's time 0 on."""

@@ -14,7 +14,6 @@ from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits, predicted_propulsion
 from rig.optimise import propulsion
 from rig.run_file import Run, read_run, to_recording
-from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.recording import Recording
@@ -40,10 +39,11 @@ def proposer(
     believed: Model | None = None,
     count: int = 2,
     seed: int = 0,
-    told: Callable[[Diagnosis], None] = lambda _: None,
+    told: Callable[[str], None] = lambda _: None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Callable[[Sequence[Path]], list[dict[str, float]]]:
-    """A function that diagnoses the recordings that differ most and gives a model's best gaits; told hears the verdict.
+    """A function that diagnoses the recordings that differ most and gives a model's best gaits; told hears the verdict,
+    or why there is none (no arm to be seen, say): then nothing is proposed, and the search goes on.
 
     The model is the augmented one, unless the one `believed` so far, or the paper's as refitted, is nearer to the
     thrust that all the recordings measured: the load cell has no part in the diagnosis, and checks it.
@@ -53,8 +53,12 @@ def proposer(
         runs = [read_run(path) for path in recordings]
         points = [{name: float(run.start["waveform"][name]) for name in space.bounds} for run in runs]
         chosen = unlike(points, space, MOST_RECORDINGS)
-        diagnosis = diagnose([tracked(runs[k]) for k in chosen], seed=seed, progress=progress)
-        told(diagnosis)
+        try:
+            diagnosis = diagnose([tracked(runs[k]) for k in chosen], seed=seed, progress=progress)
+        except InputError as error:
+            told(f"no diagnosis: {error}")
+            return []
+        told(diagnosis.headline)
         measured = [propulsion(r, *plan.window(p["frequency_hz"])) for r, p in zip(runs, points, strict=True)]
         models = [
             m for m in (diagnosis.augmented_model, diagnosis.base_model, believed) if m is not None and m.parameters

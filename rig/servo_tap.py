@@ -1,35 +1,61 @@
 """The camera's delay from servo taps: where no LED can be in the picture, the arm itself is the signal.
 
-The base is turned to and fro quickly; the arm's root, as the camera sees it, turns with the servo and lags behind by
-the camera's delay alone, however soft the arm.
+The base is turned to and fro; the arm's root, as the camera sees it, turns with the servo and lags behind by the
+camera's delay alone. The root alone, and slowly: what bends farther out lags too, by as much as the camera, and a
+shape fitted to the whole arm, or a quick motion, carries some of that into the base angle.
 """
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
+import cv2
 import numpy as np
 
 from rig.board import Board
-from rig.camera import Camera, CameraFrame
+from rig.camera import Camera, CameraFrame, Image
 from rig.camera_offset import LARGEST_OFFSET, CameraOffset
 from rig.fault import Fault
 from rig.motion import motion_of
 from rig.play import PlayEnd, PlayStart, play
 from rig.protocol import NO_ANGLE, ServoSample
 from rig.setup_file import RigSetup
-from rig.stills import encode_video
 from tentacle.errors import InputError
+from tentacle.recording import Declaration
 from tentacle.signals import Array
 from tentacle.waveform import Multisine
-from vision.track import track
 
 SECONDS = 8.0
-FREQUENCIES = (1.1, 1.7, 2.3)  # Hz, no multiples of one another: no delay looks like another
-SWING = 0.12  # rad, each
+FREQUENCIES = (0.4, 0.65, 0.9)  # Hz, no multiples of one another: no delay looks like another
+SWING = 0.16  # rad, each
 LEAST_SWING = 0.02  # rad rms that the camera must see
 FEWEST_FRAMES = 30
+ROOT = (0.04, 0.25)  # of the length: where the root's direction is read
+BEND = 1e-3  # s; what the root of a soft cone in water bends by looks like so much delay (1.2 ms at worst, MuJoCo)
+BESIDE = 3.0  # root half thicknesses to either side
+LEAST_CONTRAST = 25.0  # grey levels between arm and ground
+
+
+def root_angle(image: Image, declared: Declaration, about: float = 0.0) -> float:
+    """The direction of the arm's root [rad] in a grey picture (height, width), from the declared arm's; NaN if unseen.
+
+    On lines across the direction `about` [rad] the darkness has a centre; a parabola through the centres has the
+    root's direction at the base: what is bent is bent by a curvature, and adds nothing there.
+    """
+    assert declared.camera is not None
+    length, aside = declared.specimen.length, BESIDE * float(declared.specimen.section.half_thickness(np.zeros(1))[0])
+    along, across = np.linspace(ROOT[0] * length, ROOT[1] * length, 24), np.linspace(-aside, aside, 241)
+    normal, arm = np.array([np.cos(about), np.sin(about)]), np.array([-np.sin(about), np.cos(about)])
+    pixels = declared.camera.to_pixels(across[:, None] * normal + along[:, None, None] * arm).astype(np.float32)
+    lines = cv2.remap(image, pixels[..., 0], pixels[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    level, _ = cv2.threshold(lines, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    below = lines <= level
+    if below.all() or not below.any():
+        return float("nan")
+    light, dark = float(lines[~below].mean()), float(lines[below].mean())
+    darkness = np.clip((light - lines.astype(float)) / max(light - dark, 1.0), 0.0, 1.0)
+    weight = darkness.sum(axis=1)
+    if light - dark < LEAST_CONTRAST or weight.min() < 1.0:
+        return float("nan")
+    return about - float(np.arctan(np.polyfit(along, darkness @ across / weight, 2)[1]))
 
 
 def delay(frame_times: Array, seen: Array, servo_times: Array, servo: Array) -> CameraOffset:
@@ -56,14 +82,15 @@ def delay(frame_times: Array, seen: Array, servo_times: Array, servo: Array) -> 
     curvature = (left[best - 1] - 2 * left[best] + left[best + 1]) / 1e-6
     shift = 0.5 * 1e-3 * (left[best - 1] - left[best + 1]) / (left[best - 1] - 2 * left[best] + left[best + 1])
     variance = left[best] / (inside.sum() - 3)
-    return CameraOffset(float(grid[best] + shift), float(np.sqrt(2 * variance / curvature)), int(inside.sum()))
+    sigma = float(np.hypot(np.sqrt(2 * variance / curvature), BEND))
+    return CameraOffset(float(grid[best] + shift), sigma, int(inside.sum()))
 
 
 def delay_by_taps(setup: RigSetup, board: Board, camera: Camera) -> CameraOffset:
     """Moves the servo for SECONDS and finds the camera's delay; the arm ends at neutral.
 
-    Fault where the run does not complete or the arm is not seen; InputError where no camera is declared, or the limits
-    forbid the motion.
+    Fault where the run does not complete, the board has no feedback of the servo's angle, or the arm is not seen;
+    InputError where no camera is declared, or the limits forbid the motion.
     """
     declared = setup.recording.declaration
     if declared.camera is None:
@@ -82,15 +109,21 @@ def delay_by_taps(setup: RigSetup, board: Board, camera: Camera) -> CameraOffset
         elif not isinstance(item, PlayStart):
             servo += [sample for sample in item if isinstance(sample, ServoSample)]
         frames += camera.take()
+    if any(sample.angle_urad == NO_ANGLE for sample in servo):
+        raise Fault(
+            "camera", "the servo's own lag cannot be told from the camera's without its angle (kFeedback): use the LED"
+        )
     fit = board.clock.fit()
     times = np.array([fit.to_board(frame.host_s) for frame in frames])
     servo_times = np.array([1e-6 * sample.board_us for sample in servo])
-    angles = 1e-6 * np.array([s.command_urad if s.angle_urad == NO_ANGLE else s.angle_urad for s in servo])
-    if len(times) < FEWEST_FRAMES:
-        raise Fault("camera", f"the camera gave {len(times)} frames")
-    with tempfile.TemporaryDirectory() as folder:
-        video = Path(folder) / "taps.mp4"
-        encode_video(times - times[0], [frame.jpeg for frame in frames], video)
-        shape = track(video, declared, None)
-    seen = np.where(shape.accepted, shape.coefficients[:, 0], np.nan)
-    return delay(shape.t + times[0], seen, servo_times, angles)
+    angles = 1e-6 * np.array([sample.angle_urad for sample in servo])
+    seen = np.full(len(frames), np.nan)
+    for k, frame in enumerate(frames):
+        image = _grey(frame)
+        first = root_angle(image, declared)
+        seen[k] = root_angle(image, declared, first) if np.isfinite(first) else first
+    return delay(times, seen, servo_times, angles)
+
+
+def _grey(frame: CameraFrame) -> Image:
+    return np.asarray(cv2.imdecode(np.frombuffer(frame.jpeg, np.uint8), cv2.IMREAD_GRAYSCALE), dtype=np.uint8)

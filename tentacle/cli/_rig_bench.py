@@ -8,8 +8,14 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tentacle.errors import InputError
+
+if TYPE_CHECKING:
+    from rig.emulator import Emulator
+
+LATE = 0.25  # s; the board's watchdog bites then
 
 
 def ports(_arguments: argparse.Namespace) -> int:
@@ -182,13 +188,26 @@ def emulate(arguments: argparse.Namespace) -> int:
         print(
             f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}", flush=True
         )
+        late = False
         try:
             while running.exit_status() is None:
                 time.sleep(0.2)
+                if not late and _behind(running) > LATE:
+                    late = True
+                    print("this computer is too busy: the board falls behind its clock; try --rate", file=sys.stderr)
         except KeyboardInterrupt:
             print("ended")
             return 0
     raise InputError("the emulated board has ended", file=arguments.folder)
+
+
+def _behind(running: Emulator) -> float:
+    """How far the emulated board is behind its own clock [s of it]; 0 where it cannot be told."""
+    try:
+        truth = running.truth()
+    except InputError:
+        return 0.0
+    return truth.board_time(time.monotonic()) - 1e-6 * truth.board_us
 
 
 def _emulated(arguments):

@@ -32,7 +32,7 @@ def record(arguments: argparse.Namespace) -> int:
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
     with (
-        _viewer(arguments.view) as viewer,
+        _viewer(arguments.view, camera=setup.camera is not None) as viewer,
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
         _progress() as progress,
@@ -114,7 +114,7 @@ def optimise(arguments: argparse.Namespace) -> int:
         if arguments.reidentify:
             propose = proposer(
                 space, plan.plan, believed=model, seed=arguments.seed, progress=diagnosing,
-                told=lambda found: print(found.headline, flush=True),
+                told=lambda words: print(words, flush=True),
             )  # fmt: skip
         for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts):
             trials.append(trial)
@@ -147,27 +147,33 @@ def _progress() -> Iterator[Callable[[str, float], None]]:
 
 
 @contextmanager
-def _viewer(wanted: bool) -> Iterator[str | None]:
+def _viewer(wanted: bool, *, camera: bool) -> Iterator[str | None]:
     """A Rerun viewer on this machine alone, fed while the run lasts."""
     if not wanted:
         yield None
         return
-    from rig import recorder
+    from rig import live_feed
     from tentacle.cli._live_viewer import start_viewer
     from viz.blueprints.rig import send_live_layout
 
     start_viewer(VIEWER_PORT)
     address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
-    send_live_layout(address, recorder.APPLICATION, live_paths())
+    send_live_layout(address, live_feed.APPLICATION, live_paths(camera=camera))
     with contextlib.suppress(KeyboardInterrupt):
         yield address
 
 
-def live_paths() -> LivePaths:
-    """Where the recorder keeps what a live view shows."""
-    from rig import recorder
+def live_paths(*, camera: bool) -> LivePaths:
+    """Where the live feed keeps what a live view shows."""
+    from rig import live_feed, recorder
     from viz.blueprints.rig import LivePaths
 
     return LivePaths(
-        recorder.COMMAND, recorder.ANGLE, recorder.CURRENT, recorder.THRUST, recorder.EVENTS, recorder.BOARD_TIME
+        recorder.COMMAND,
+        recorder.ANGLE,
+        recorder.CURRENT,
+        recorder.THRUST,
+        recorder.EVENTS,
+        live_feed.BOARD_TIME,
+        live_feed.PREVIEW if camera else None,
     )

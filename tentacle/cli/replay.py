@@ -7,6 +7,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.errors import InputError
+
 HELP = "from a recorded .rrd alone: track and diagnose it again, or drive an emulated rig with its commands"
 
 
@@ -17,7 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="DIR", help="verdict.json, report.html, ... go there"
     )
     parser.add_argument("--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as for diagnose")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, help="as for diagnose (default: 0)")
     parser.add_argument(
         "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"
     )
@@ -26,6 +28,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose again, or drive; 3 where the rig did not complete the run."""
     if arguments.drive is not None:
+        if arguments.baseline or arguments.seed is not None:
+            raise InputError("has no part in driving a rig", field="--baseline, --seed", expected="--drive alone")
         return _drive(arguments)
     from tentacle.cli import diagnose
 
@@ -33,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
         recordings=[arguments.recording],
         baseline=arguments.baseline,
         held_out=[],
-        seed=arguments.seed,
+        seed=arguments.seed or 0,
         out=arguments.out,
         json=False,
     )

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks._rig_optimise import DECLARED as SOFT
+from benchmarks._rig_scene import CAMERA, DECLARED, setup_for
+from rig.arm_plant import ArmPlant
 from rig.bench_log import LogColumns, calibration_of, load_cell_signal, read_bench_log
 from rig.calibrate import camera_scale, fit_line, load_cell_calibration, read_cell, servo_calibration
 from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frames
+from rig.emulated_camera import EmulatedOptics, draw
+from rig.emulator import Emulator
 from rig.fault import Fault
 from rig.play import arm
 from rig.safety import ServoCalibration
-from rig.servo_tap import delay
+from rig.servo_tap import FREQUENCIES, SWING, delay, root_angle
+from rig.setup_file import CameraSettings, read_setup, write_setup
+from tentacle.cli import main
 from tentacle.errors import InputError
 from tentacle.specimen import STANDARD_GRAVITY
+from tentacle.waveform import Multisine
 
 DATA = Path(os.environ.get("TENTACLE_DATA", Path(__file__).parents[2].parent / "shared" / "data")) / "thrust_bench"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="no thrust_bench data (tentacle data says where it is)")
@@ -124,18 +133,53 @@ def test_an_arm_that_swings_is_not_taken_for_the_lamp() -> None:
 def test_camera_delay_from_servo_taps() -> None:
     source = np.random.default_rng(5)
     times = np.arange(0, 8, 0.02) + 100.0
-    motion = sum(0.1 * np.sin(2 * np.pi * f * (times - 100)) for f in (1.1, 1.7, 2.3))
+    motion = np.sum([0.1 * np.sin(2 * np.pi * f * (times - 100)) for f in FREQUENCIES], axis=0)
     frames = np.arange(0.3, 8, 1 / 30) + 100.0
     late = 0.049
     seen = 0.03 - 0.98 * np.interp(frames - late, times, motion) + source.normal(0, 0.01, frames.size)  # mirrored, too
     seen[::17] = np.nan  # frames that were rejected
     found = delay(frames, seen, times, motion)
-    assert found.sigma < 1e-3
-    assert abs(found.offset - late) < 4 * found.sigma
+    assert found.sigma < 2e-3
+    assert abs(found.offset - late) < 2 * found.sigma
     with pytest.raises(Fault, match="not seen to follow"):
         delay(frames, source.normal(0, 0.05, frames.size), times, motion)
     with pytest.raises(Fault, match="frames"):
         delay(frames[:20], seen[:20], times, motion)
+
+
+def test_the_root_of_a_soft_arm_tells_the_delay() -> None:
+    """The MuJoCo arm, its lag and its bend known: the delay is the camera's alone, within 3 ms."""
+    taps, plant, late = Multisine((SWING,) * 3, FREQUENCIES, (0.0,) * 3), ArmPlant(SOFT, {}), 0.049
+    optics, s = EmulatedOptics.of(DECLARED), np.linspace(0.0, 1.0, 24)
+    times = np.arange(0.0, 6.0, 0.01)
+    servo, frames, seen = [], [], []
+    for t in times:
+        plant.advance(t, float(taps(t)[0]), True)
+        servo.append(plant.servo_angle)
+        if t >= len(frames) / 20:
+            image = draw(plant.midline(s), 0.0, optics)
+            frames.append(t + late)
+            seen.append(root_angle(image, DECLARED, root_angle(image, DECLARED)))
+    found = delay(np.array(frames), np.array(seen), times, np.array(servo))
+    assert abs(found.offset - late) < 3e-3
+
+
+def test_servo_taps_of_the_emulated_rig(emulator: Emulator, tmp_path: Path) -> None:
+    """Two stiff links with a spring between them: the outer one bends behind the servo, and must not count."""
+    file = tmp_path / "rig.toml"
+    write_setup(setup_for(emulator, camera=CameraSettings("emulated")), file)
+    tap = ["rig", "calibrate", "camera-offset", str(file), "--tap"]
+    assert any(main(tap) == 0 for _ in range(3))  # a computer too busy to speak for 0.25 s is sent away: once more
+    found = read_setup(file).camera
+    assert found is not None
+    words = ["--points", "100", "40", "225", "40", "--metres", "0.1"]
+    assert main(["rig", "calibrate", "camera-scale", str(file), *words]) == 0
+    assert read_setup(file).recording.declaration.camera == replace(CAMERA, metres_per_px=0.1 / 125)
+    assert found.offset == pytest.approx(EmulatedOptics.of(DECLARED).offset, abs=3e-3)
+
+
+def test_no_arm_in_sight_has_no_root() -> None:
+    assert np.isnan(root_angle(np.full((240, 320), 200, dtype=np.uint8), DECLARED))
 
 
 def test_two_estimates_that_agree_are_weighed_and_others_not() -> None:

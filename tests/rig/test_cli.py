@@ -102,7 +102,7 @@ def test_ctrl_c_twice_stops_the_motor_and_writes_the_stop_record(bench: Path, tm
         str(out),
     ]
     with started(*words) as process:
-        wait_for(lambda: abs(read_truth(bench / "truth").pulse_us - NEUTRAL_US) > 100)
+        wait_for(lambda: 100 < abs(read_truth(bench / "truth").pulse_us - NEUTRAL_US) < NEUTRAL_US)  # 0: limp
         process.send_signal(signal.SIGINT)
         time.sleep(0.3)
         assert process.poll() is None  # the first waits for the run's end

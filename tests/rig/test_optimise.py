@@ -12,7 +12,7 @@ import pytest
 
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
-from rig.optimise import JOURNAL, StudyPlan, Trial, best, cut_torn_line, optimise, propulsion
+from rig.optimise import JOURNAL, NEAR, StudyPlan, Trial, best, cut_torn_line, optimise, propulsion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
 from rig.run_file import read_run
@@ -92,6 +92,18 @@ def test_the_search_climbs_and_every_trial_is_a_recording(space: GaitSpace, tmp_
         run = read_run(trial.recording)
         assert run.outcome == "complete"
         assert run.start["waveform"]["trial"] == trial.number
+
+
+def test_every_other_trial_steps_from_the_best(space: GaitSpace, tmp_path: Path) -> None:
+    """The search alone spends its trials in corners: steps from the best are what betters a model's gait."""
+    trials = list(optimise(tmp_path, StudyPlan(space, trials=16, plan=TrialPlan(3, 1), seed=2), Bench()))
+    near = [k for k, trial in enumerate(trials) if trial.source == "near the best"]
+    assert near == [9, 11, 13, 15]
+    width = np.ptp(np.array(list(space.bounds.values())), axis=1)
+    for k in near:
+        before = best(trials[:k]).point
+        steps = [(trials[k].point[name] - before[name]) for name in space.bounds]
+        assert np.abs(steps / width).max() < 4 * NEAR
 
 
 def test_a_killed_study_goes_on_where_it_was(space: GaitSpace, tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import predicted_propulsion
 from rig.reidentify import proposer, unlike
 from rig.safety import SafetyLimits
+from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 
@@ -44,9 +45,9 @@ def test_the_model_that_the_load_cell_bears_out_proposes(
     believed, augmented = model(1.3e5), model(0.6e5)
     points = space.sample(4, seed=1)
     measured = dict(enumerate(predicted_propulsion(model(true), space, points, PLAN)))
-    said = SimpleNamespace(augmented_model=augmented, base_model=Model(ARM, WATER))
+    said = SimpleNamespace(augmented_model=augmented, base_model=Model(ARM, WATER), headline="a tip mass")
     runs = [SimpleNamespace(number=k, start={"waveform": point}) for k, point in enumerate(points)]
-    heard: list[object] = []
+    heard: list[str] = []
     monkeypatch.setattr(reidentify, "read_run", lambda path: runs[int(path.name)])
     monkeypatch.setattr(reidentify, "tracked", lambda run: run)
     monkeypatch.setattr(reidentify, "diagnose", lambda _recordings, **_: said)
@@ -54,4 +55,19 @@ def test_the_model_that_the_load_cell_bears_out_proposes(
     monkeypatch.setattr(reidentify, "best_gaits", lambda chosen, *_: [chosen])
     propose = proposer(space, PLAN, believed=believed, told=heard.append)
     assert propose([Path(str(k)) for k in range(4)]) == [believed if true == 1.3e5 else augmented]
-    assert heard == [said]
+    assert heard == ["a tip mass"]
+
+
+def test_recordings_that_show_no_arm_propose_nothing(space: GaitSpace, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search goes on, and it is said why nothing is proposed."""
+    runs = [SimpleNamespace(path=Path(str(k)), start={"waveform": p}) for k, p in enumerate(space.sample(2, seed=1))]
+
+    def nothing_seen(run: SimpleNamespace) -> None:
+        raise InputError("has no video", file=run.path)
+
+    heard: list[str] = []
+    monkeypatch.setattr(reidentify, "read_run", lambda path: runs[int(path.name)])
+    monkeypatch.setattr(reidentify, "tracked", nothing_seen)
+    assert proposer(space, PLAN, told=heard.append)([Path("0"), Path("1")]) == []
+    assert len(heard) == 1
+    assert "has no video" in heard[0]

@@ -38,20 +38,25 @@ def test_a_run_is_whole_and_on_time(
     assert emulator.truth().pulse_us == NEUTRAL_US
 
 
+@pytest.mark.parametrize("percent", [1.0, 3.0])
 def test_a_bad_line_costs_time_but_no_sample_and_no_truth(
-    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
+    board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration, percent: float
 ) -> None:
-    emulator.say("line", 0.01, 0.01, 0.01)
+    """So many of the bytes damaged, a third each corrupted, dropped, doubled: a run is whole, or it stops safely and
+    says so; and what is accepted is what the board measured, however it ends.
+    """
+    share = 0.01 * percent / 3.0
+    emulator.say("line", share, share, share)
     arm(board, limits, servo)
     samples, start, end = played(board, 2.0)
-    assert end.outcome == "complete"
-    assert gaps(samples) == 0
-    counters = board.counters
-    assert counters.samples_lost == 0
-    assert counters.host_bad_frames > 50
-    assert counters.retries > 0
-    assert wrong_samples(samples, start, 2.0) == 0  # what is accepted is what the board measured
     emulator.say("line", 0.0, 0.0, 0.0)
+    assert wrong_samples(samples, start, 2.0) == 0
+    assert end.outcome == "complete" or end.words
+    if end.outcome == "complete":
+        assert gaps(samples) == board.counters.samples_lost == 0
+        assert board.counters.host_bad_frames > 15 * percent  # 70 samples a second, 20 bytes and more each
+        assert board.counters.retries > 0
+    assert to_neutral(emulator) < 1.0
 
 
 def test_unplugged_and_plugged_in_again(

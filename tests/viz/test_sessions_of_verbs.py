@@ -11,6 +11,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
+import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
 from tentacle.errors import InputError
@@ -71,10 +72,12 @@ def test_two_models_are_held_against_one_another(case, tmp_path):
 
 def test_a_running_rig_is_followed_on_the_boards_time():
     """Every path is in a view, and the time panel follows the line that was asked for."""
-    paths = LivePaths("/rig/a", "/rig/b", "/rig/c", "/rig/d", "/rig/e", "board_time")
+    paths = LivePaths("/rig/a", "/rig/b", "/rig/c", "/rig/d", "/rig/e", "board_time", "/rig/f")
     blueprint = rig_blueprint(paths)
     said = str([vars(part) for part in walk(blueprint.root_container)])
-    assert [path for path in ("/rig/a", "/rig/b", "/rig/c", "/rig/d", "/rig/e") if path not in said] == []
+    assert [path for path in ("/rig/a", "/rig/b", "/rig/c", "/rig/d", "/rig/e", "/rig/f") if path not in said] == []
+    blind = rig_blueprint(replace(paths, camera=None))
+    assert not any(isinstance(part, rrb.Spatial2DView) for part in walk(blind.root_container))
     assert blueprint.time_panel.timeline == "board_time"
     assert blueprint.time_panel.play_state == "following"
 

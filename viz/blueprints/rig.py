@@ -1,4 +1,4 @@
-"""rig live: servo and load cell over the board's time as they come, and what happened below."""
+"""rig live: servo and load cell over the board's time as they come, what the camera sees, and what happened below."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from viz.palette import AUGMENTED, MEASURED, NEUTRAL
 
 @dataclass(frozen=True)
 class LivePaths:
-    """Where a run that is being recorded keeps what: entity paths, and its time line."""
+    """Where a run that is being recorded keeps what: entity paths, its time line; camera: None without one."""
 
     command: str
     angle: str
@@ -22,6 +22,7 @@ class LivePaths:
     thrust: str
     events: str
     timeline: str
+    camera: str | None = None
 
 
 def live_view(name: str, lines: dict[Any, rr.SeriesLines]) -> rrb.TimeSeriesView:
@@ -41,11 +42,13 @@ def rig_blueprint(paths: LivePaths) -> rrb.Blueprint:
         timeline_columns=[TimelineColumn(paths.timeline, visible=True)],
         text_log_columns=[TextLogColumn("LogLevel"), TextLogColumn("Body")],
     )
+    seen = [] if paths.camera is None else [rrb.Spatial2DView(origin=paths.camera, name="camera")]
     return rrb.Blueprint(
         rrb.Vertical(
             live_view("servo angle [rad]", angles),
             live_view("thrust [N]", force),
             rrb.Horizontal(
+                *seen,
                 live_view("servo current [A]", drawn),
                 rrb.TextLogView(origin=paths.events, name="events", columns=columns),
             ),
