@@ -136,7 +136,7 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
             words.append(f"{experiment.name}: {', '.join(curvatures + markers)} say nothing about any parameter.")
     offset, sigma = known.clock
     if abs(offset) > CLOCK_DOUBT * sigma:
-        words.append(f"The motor's clock seems off by {1e3 * offset:.1f} ms +- {1e3 * sigma:.1f} ms (diagnose it).")
+        words.append(f"The motor's clock seems off by {1e3 * offset:.2g} ms +- {1e3 * sigma:.1g} ms (diagnose it).")
     return words
 
 

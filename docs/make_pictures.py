@@ -1,6 +1,6 @@
 """The documentation's pictures, from the tool itself: python docs/make_pictures.py [GROUP...]
 
-Groups: examples, views, reports, figures (default: all). Views need a Vulkan driver, reports Chromium, the rig's
+Groups: examples, views, reports, figures, maps (default: all). Views need a Vulkan driver, reports Chromium, the rig's
 view g++. The arm swims in a current that its declaration leaves out; the rest is what a user would type.
 """
 

@@ -20,20 +20,28 @@ def model_report(
     scenes: Sequence[Scene],
     recordings: Sequence[Recording],
     origin: Origin,
+    drawn: Mapping[str, tuple[float, float]] | None = None,
 ) -> str:
     """report.html of an identified model: its parameters with intervals, and every run beside its recording.
 
     regression: the paper's values (effect.parameter -> value), empty where it could not be done. A recording a scene.
+    drawn: the bootstrap's intervals (effect.parameter -> low, high), where it was asked for.
     """
     rows = [row[:5] for row in parameter_rows(model, None)]
     header: tuple[str, ...] = ("effect", "parameter", "value", "95 % interval", "unit")
+    names = [f"{effect}.{name}" for effect, values in model.parameters.items() for name in values]
+    if drawn:
+        ends = [drawn.get(name) for name in names]
+        shown = ["" if pair is None else f"{number(pair[0])} to {number(pair[1])}" for pair in ends]
+        rows = [(*row, interval) for row, interval in zip(rows, shown, strict=True)]
+        header = (*header, "by the bootstrap")
     if regression:
-        names = [f"{effect}.{name}" for effect, values in model.parameters.items() for name in values]
         rows = [(*row, number(regression.get(name))) for row, name in zip(rows, names, strict=True)]
         header = (*header, "by the paper's regression")
+    numeric = (2, len(header) - 1) if regression else (2,)
     arm = f"The arm is described by {model.order} curvature coordinates."
     sections = [
-        Section("Parameters", [arm, *words], [Table("Parameters of the model", header, rows, numeric=(2, 5))]),
+        Section("Parameters", [arm, *words], [Table("Parameters of the model", header, rows, numeric=numeric)]),
         runs_section(scenes),
         *(run_section(scene, recording) for scene, recording in zip(scenes, recordings, strict=True)),
     ]

@@ -130,7 +130,17 @@ def extremes(recordings: list[Recording], model: Model) -> Figure:
     from viz.figures.extremes import extremes_figure
     from viz.scene import model_scene
 
+    for recording in recordings:
+        _needs_shapes(recording)
     return extremes_figure([model_scene(beside_model(recording, model)) for recording in recordings])
+
+
+def _needs_shapes(recording: Recording) -> None:
+    """InputError where q was not measured: markers alone give points, no curvature coordinates."""
+    from tentacle.errors import InputError
+
+    if recording.video is None and recording.shape is None and recording.midline is None:
+        raise InputError("has no shapes", file=recording.name, expected="a recording with a video or a midline")
 
 
 def stills(recording: Recording, model: Model | None) -> Figure:

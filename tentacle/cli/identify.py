@@ -71,7 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
             (folder / "identification.json").write_text(json.dumps(summary, indent=1) + "\n")
             write_model(found.model, folder / "model.toml")
             judges = check or recordings
-            page = model_report(found.model, lines[0], found.words, found.regression, scenes, judges, origin)
+            told = (found.model, lines[0], found.words, found.regression)
+            page = model_report(*told, scenes, judges, origin, found.bootstrap)
             write_report(page, folder / "report.html")
             text = model_markdown(found.model, (lines[0], *found.words))
             write_comparison(scenes[0], judges[0], text, folder / "session.rrd")

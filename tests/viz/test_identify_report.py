@@ -11,8 +11,15 @@ def test_a_fit_shows_its_parameters_and_its_error(case):
     scene = scene_of(case.diagnosis.runs[0])
     page = model_report(
         case.diagnosis.base_model, "A sentence.", ["in words"], {"elasticity.E": 188000.0}, [scene],
-        case.recordings[:1], Origin("tentacle"),
+        case.recordings[:1], Origin("tentacle"), {"elasticity.E": (291000.0, 333000.0)},
     )  # fmt: skip
     error = f"{scene.judged_rms_mm(scene.models[0]):.3g} mm"
-    for wanted in ("280 to 340", ">188000</td>", "in words", f">{error}</dd>", "Recording: chirp 1"):
+    for wanted in (
+        "280 to 340",
+        "291000 to 333000",
+        ">188000</td>",
+        "in words",
+        f">{error}</dd>",
+        "Recording: chirp 1",
+    ):
         assert wanted in page
