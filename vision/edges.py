@@ -100,7 +100,7 @@ def measure_edges(
     ratio = inside / max(inside + float(np.median(alone.contrast[sound])), 1.0) if sound.any() else 1.0
     pixels = _pixels(image, expected, lens, blur, half, LEVEL_REACH)
     tell = sound & ~_beside_something(pixels, expected, blur, half, alone, sound)
-    greys, known = side_greys(expected.kind, tell, level_sums(*pixels, expected.depth, blur, half, ratio))
+    greys, known = side_greys(expected.kind, tell, level_sums(*pixels, expected.depth, blur, half, ratio), ratio)
     contrast = greys[:, 1] - greys[:, 0]
     measure_profiles(
         *pixels, expected.depth, blur, half, greys, ratio, reach, offset, information, misfit, found, softer
