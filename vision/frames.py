@@ -87,9 +87,8 @@ def _read_video(path: Path, patience: float) -> Iterator[Frame]:
     device = path.is_char_device()
     with closing(_Growing(path, patience)) if patience and not device else nullcontext(str(path)) as source:
         try:
-            container = av.open(
-                source, mode="r", format="v4l2" if device else None, options=AT_ONCE if patience else {}
-            )
+            options = AT_ONCE if patience else {}
+            container = av.open(source, mode="r", format="v4l2" if device else None, options=options)
         except (FFmpegError, ValueError) as error:
             raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
         with container:

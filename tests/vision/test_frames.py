@@ -153,7 +153,7 @@ def test_a_camera_counts_its_time_from_its_first_frame(tmp_path, monkeypatch):
 
     def camera(file, mode, format, options):
         assert (file, format) == ("/dev/null", "v4l2")
-        return opened(str(tmp_path / "camera.mkv"), mode=mode)
+        return opened(str(tmp_path / "camera.mkv"), mode=mode, options=options)
 
     monkeypatch.setattr("vision.frames.av.open", camera)
     read = list(read_frames(Path("/dev/null"), patience=1.0))  # a character device, as /dev/video0 is
