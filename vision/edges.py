@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from tentacle.signals import Array
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
-from vision.levels import side_greys
-from vision.profiles import count_strange, fit_profiles, gather, level_sums, measure_profiles
+from vision.levels import count_strange, side_greys
+from vision.profiles import fit_profiles, gather, level_sums, measure_profiles
 from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST = 256  # samples that a searched profile may have

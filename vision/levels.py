@@ -25,6 +25,28 @@ HELD = 1e-6  # prior information on each unknown, so that a stretch without an o
 
 
 @njit(cache=True, nogil=True)
+def count_strange(
+    start: NDArray[np.int64],
+    grey: Array,
+    place: Array,
+    blur: float,
+    half: Array,
+    inside: Array,
+    outside: Array,
+    limit: float,
+) -> NDArray[np.int64]:
+    """How many of each edge's pixels (E,), those within the blur apart, differ by more than limit from inside and
+    outside (E,) [grey]."""
+    strange = np.zeros(len(start) - 1, dtype=np.int64)
+    for e in range(len(start) - 1):
+        fuzzy = 2.0 * blur + half[e]
+        for k in range(start[e], start[e + 1]):
+            if abs(place[k]) > fuzzy and abs(grey[k] - (outside[e] if place[k] > 0.0 else inside[e])) > limit:
+                strange[e] += 1
+    return strange
+
+
+@njit(cache=True, nogil=True)
 def side_greys(kind: Array, sound: NDArray[np.bool_], packed: Array, ratio: float) -> tuple[Array, NDArray[np.bool_]]:
     """Greys (E, 3) along both sides: inside and outside at the edge, slope of the ground outward; and which are known.
 

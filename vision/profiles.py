@@ -208,28 +208,6 @@ def _share(d: float, depth: float, blur: float, half: float, thin: bool) -> floa
 
 
 @njit(cache=True, nogil=True)
-def count_strange(
-    start: NDArray[np.int64],
-    grey: Array,
-    place: Array,
-    blur: float,
-    half: Array,
-    inside: Array,
-    outside: Array,
-    limit: float,
-) -> NDArray[np.int64]:
-    """How many of each edge's pixels (E,), those within the blur apart, differ by more than limit from inside and
-    outside (E,) [grey]."""
-    strange = np.zeros(len(start) - 1, dtype=np.int64)
-    for e in range(len(start) - 1):
-        fuzzy = 2.0 * blur + half[e]
-        for k in range(start[e], start[e + 1]):
-            if abs(place[k]) > fuzzy and abs(grey[k] - (outside[e] if place[k] > 0.0 else inside[e])) > limit:
-                strange[e] += 1
-    return strange
-
-
-@njit(cache=True, nogil=True)
 def level_sums(
     start: NDArray[np.int64], grey: Array, place: Array, depth: Array, blur: float, half: Array, ratio: float
 ) -> Array:

@@ -172,8 +172,10 @@ def test_a_video_that_a_codec_has_smoothed_is_tracked(tmp_path):
         MotorSignal(scene.t, scene.theta, scene.theta),
     )
     assert shape.accepted.mean() > 0.9
-    error, _ = errors(scene, shape)
-    assert np.sqrt(np.mean(error[:, 1] ** 2)) < 5e-3  # rad; the codec's own errors go with its blocks, far above noise
+    error, covariance = errors(scene, shape)
+    # rad; the codec's own errors go with its blocks, far above noise, and differ from scene to scene: 1 to 6 mrad
+    assert np.sqrt(np.mean(error[:, 1] ** 2)) < 8e-3
+    assert z_rms(error, covariance) < 2.0  # and they are stated
 
 
 def test_a_long_video_does_not_grow_in_memory(tmp_path):
