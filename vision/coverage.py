@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+FINE = 3  # fine pixels to a pixel's side, where a blur acts before the pixels do
 
 
 @njit(cache=True)
@@ -60,6 +62,31 @@ def polygon_coverage(polygon: Array, size: tuple[int, int]) -> Array:
         _accumulate(signed_area, np.ascontiguousarray(polygon - (left, top), dtype=float))
         np.cumsum(signed_area, axis=1, out=signed_area)
         coverage[top:bottom, left:right] = np.minimum(np.abs(signed_area[:, :-2]), 1.0)
+    return coverage
+
+
+def blurred_coverage(polygons: list[Array], size: tuple[int, int], blur: float) -> Array:
+    """Mean coverage (height, width) by polygons (P, 2) [px], seen through a normal blur of that many px.
+
+    A lens blurs the light before the pixels collect it. To blur the pixels' values instead would move an edge that runs
+    along a row by up to 0.01 px, to and fro with its place in the pixel: so the blur acts on finer pixels here.
+    """
+    coverage = np.zeros(size[::-1])
+    margin = int(4.0 * blur) + 2
+    ends = np.array([[polygon.min(axis=0), polygon.max(axis=0)] for polygon in polygons])
+    first = np.maximum(np.floor(ends[:, 0].min(axis=0)).astype(int), 0) - margin
+    last = np.minimum(np.ceil(ends[:, 1].max(axis=0)).astype(int) + 1, size) + margin
+    if np.any(last - first <= 2 * margin):
+        return coverage
+    width, height = (last - first).tolist()
+    fine = np.zeros((FINE * height, FINE * width))
+    for polygon in polygons:
+        fine += polygon_coverage((polygon - first + 0.5) * FINE - 0.5, (FINE * width, FINE * height))
+    fine = cv2.GaussianBlur(fine, (0, 0), FINE * blur)
+    window = fine.reshape(height, FINE, width, FINE).mean(axis=(1, 3)) / len(polygons)
+    left, top = np.maximum(first, 0)
+    right, bottom = np.minimum(last, size)
+    coverage[top:bottom, left:right] = window[top - first[1] : bottom - first[1], left - first[0] : right - first[0]]
     return coverage
 
 

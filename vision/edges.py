@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from tentacle.signals import Array
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
-from vision.levels import side_greys
+from vision.levels import count_strange, side_greys
 from vision.profiles import fit_profiles, gather, level_sums, measure_profiles
+from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST = 256  # samples that a searched profile may have
+STRANGE = 4.0  # times the usual rms of a profile's residual
 LEVEL_REACH = 6.0  # px beyond the blur, to either side, from which the greys beside an edge are told
 
 
@@ -97,13 +99,32 @@ def measure_edges(
     inside = float(np.median(alone.level[sound])) if sound.any() else 0.0
     ratio = inside / max(inside + float(np.median(alone.contrast[sound])), 1.0) if sound.any() else 1.0
     pixels = _pixels(image, expected, lens, blur, half, LEVEL_REACH)
-    greys, known = side_greys(expected.kind, sound, level_sums(*pixels, expected.depth, blur, half, ratio))
+    tell = sound & ~_beside_something(pixels, expected, blur, half, alone, sound)
+    greys, known = side_greys(expected.kind, tell, level_sums(*pixels, expected.depth, blur, half, ratio), ratio)
     contrast = greys[:, 1] - greys[:, 0]
     measure_profiles(
         *pixels, expected.depth, blur, half, greys, ratio, reach, offset, information, misfit, found, softer
     )
     found &= known & (polarity * contrast > 0)
     return Edges(offset + _inward(expected, blur), greys[:, 0], contrast, information, misfit, found, softer)
+
+
+def _beside_something(
+    pixels: tuple[NDArray[np.int64], Array, Array],
+    expected: Outline,
+    blur: float,
+    half: Array,
+    alone: Edges,
+    sound: NDArray[np.bool_],
+) -> NDArray[np.bool_]:
+    """Edges (E,) that are sound, but with a bubble close by: within the pixels that would tell the greys."""
+    if not sound.any():
+        return ~sound
+    weight = sound.astype(float)
+    inside, told = neighbours_mean(expected.kind, alone.level, weight, AROUND)
+    contrast, _ = neighbours_mean(expected.kind, alone.contrast, weight, AROUND)
+    usual = max(float(np.median(alone.misfit[sound])), PLAIN * float(np.median(np.abs(alone.contrast[sound]))))
+    return (told > 0.5) & (count_strange(*pixels, blur, half, inside, inside + contrast, STRANGE * usual) > 1)
 
 
 def _half(smear: Array | float, count: int) -> Array:

@@ -11,12 +11,9 @@ from scipy.fft import dct
 from tentacle.signals import Array
 from vision.edges import Edges, fit_edges, measure_edges, search_edges
 from vision.kinematics import SHARED, Geometry, Outline, outline
-from vision.robust import MISFIT, disturbed, neighbours_mean, normal_matrix, robust_step
+from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
 
 BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
-PLAIN = (
-    0.015  # of the contrast: what a codec leaves of an edge is rough by as much, where it has smoothed the noise away
-)
 LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near

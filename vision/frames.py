@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from tentacle.errors import InputError
 
 Grey = NDArray[np.uint8]
+# a look at seconds of the stream before the first frame would run to a growing file's end, and take it for the last
+AT_ONCE = {"analyzeduration": "0", "fpsprobesize": "0"}
 POLL = 0.01  # s between looks at a file that grows
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
@@ -65,15 +67,16 @@ class _Growing:
     """A file that is still being written: reading waits for more, up to patience [s] (the interface PyAV asks for)."""
 
     def __init__(self, path: Path, patience: float) -> None:
-        self._file, self._patience = path.open("rb"), patience
+        self._file, self._patience, self._over = path.open("rb"), patience, False
 
     def read(self, size: int) -> bytes:
-        """Up to size bytes; none where nothing came for as long as patience lasts."""
+        """Up to size bytes; none, and then none ever, where nothing came for as long as patience lasts."""
         waited = 0.0
-        while not (data := self._file.read(size)) and waited < self._patience:
+        while not (data := self._file.read(size)) and not self._over:
             time.sleep(POLL)
             waited += POLL
-        return data
+            self._over = waited >= self._patience
+        return b"" if self._over else data
 
     def close(self) -> None:
         """Close the file."""
@@ -84,7 +87,8 @@ def _read_video(path: Path, patience: float) -> Iterator[Frame]:
     device = path.is_char_device()
     with closing(_Growing(path, patience)) if patience and not device else nullcontext(str(path)) as source:
         try:
-            container = av.open(source, mode="r", format="v4l2" if device else None)
+            options = AT_ONCE if patience else {}
+            container = av.open(source, mode="r", format="v4l2" if device else None, options=options)
         except (FFmpegError, ValueError) as error:
             raise InputError("it is not a video that can be read", file=path, expected="mp4, mkv, avi, webm") from error
         with container:

@@ -1,7 +1,8 @@
 """The greys beside the arm's edges, from all pixels of a stretch of one side together.
 
 Light that changes across the edge changes arm and ground in proportion: one slope serves both. With two free slopes the
-edge's place would lose three quarters of what the pixels say of it.
+edge's place would lose three quarters of what the pixels say of it. Likewise one slope along the edge: beside a gap,
+where a stretch lies to one side of its middle, changing light would else move the edge.
 
 A long stretch tells them best, a short one follows uneven light. Lepski's rule chooses, place by place: the longest
 stretch that puts the edge where the shorter ones put it, but for what noise explains (Lepski 1991).
@@ -19,37 +20,64 @@ STRETCHES = np.array([16, 45, 130, 400])  # stations to either side
 DIFFERENT = 2.0  # standard deviations
 LEAST_EDGES = 4  # in a stretch
 KNOT = 8  # stations between two places where the greys are told; straight lines between
+SUMS = 24  # that are kept along a side
 HELD = 1e-6  # prior information on each unknown, so that a stretch without an outside has an answer
 
 
 @njit(cache=True, nogil=True)
-def side_greys(kind: Array, sound: NDArray[np.bool_], packed: Array) -> tuple[Array, NDArray[np.bool_]]:
+def count_strange(
+    start: NDArray[np.int64],
+    grey: Array,
+    place: Array,
+    blur: float,
+    half: Array,
+    inside: Array,
+    outside: Array,
+    limit: float,
+) -> NDArray[np.int64]:
+    """How many of each edge's pixels (E,), those within the blur apart, differ by more than limit from inside and
+    outside (E,) [grey]."""
+    strange = np.zeros(len(start) - 1, dtype=np.int64)
+    for e in range(len(start) - 1):
+        fuzzy = 2.0 * blur + half[e]
+        for k in range(start[e], start[e + 1]):
+            if abs(place[k]) > fuzzy and abs(grey[k] - (outside[e] if place[k] > 0.0 else inside[e])) > limit:
+                strange[e] += 1
+    return strange
+
+
+@njit(cache=True, nogil=True)
+def side_greys(kind: Array, sound: NDArray[np.bool_], packed: Array, ratio: float) -> tuple[Array, NDArray[np.bool_]]:
     """Greys (E, 3) along both sides: inside and outside at the edge, slope of the ground outward; and which are known.
 
-    packed (E, 16): profiles.level_sums; the sound edges (E,) tell.
+    packed (E, 16): profiles.level_sums; the sound edges (E,) tell. ratio: the arm's grey over the ground's.
     """
     count = len(kind)
     greys, known = np.zeros((count, 3)), np.zeros(count, dtype=np.bool_)
-    window, answer = np.empty(17), np.empty(6)
+    window, answer = np.empty(SUMS), np.empty(6)
+    row = np.zeros(SUMS)
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
         stations = len(index)
         if stations == 0:
             continue
-        total = np.zeros((stations + 1, 17))  # running sums of packed, and of the sound edges
+        total = np.zeros((stations + 1, SUMS))  # running sums of packed, of the sound edges, and of what has a slope
         for k in range(stations):
             e = index[k]
-            for i in range(17):
-                total[k + 1, i] = total[k, i]
-                if sound[e]:
-                    total[k + 1, i] += packed[e, i] if i < 16 else 1.0
+            total[k + 1] = total[k]
+            if sound[e]:
+                row[:16], row[16] = packed[e], 1.0
+                _lean(packed[e], ratio, row[17:23])
+                row[23] = row[21] * k * k
+                row[17:23] *= k
+                total[k + 1] += row
         knots = (stations - 1) // KNOT + 2
         told, there = np.zeros((knots, 3)), np.zeros(knots, dtype=np.bool_)
         noises = np.empty(knots)
         for knot in range(knots):
             k = min(knot * KNOT, stations - 1)
             window[:] = total[min(k + STRETCHES[0] + 1, stations)] - total[max(k - STRETCHES[0], 0)]
-            _solve(window, answer)
+            _solve(window, k, ratio, answer)
             noises[knot] = answer[5]
         noise = np.median(noises)
         for knot in range(knots):
@@ -59,7 +87,7 @@ def side_greys(kind: Array, sound: NDArray[np.bool_], packed: Array) -> tuple[Ar
                 window[:] = total[min(k + reach + 1, stations)] - total[max(k - reach, 0)]
                 if window[16] < LEAST_EDGES:
                     continue
-                _solve(window, answer)
+                _solve(window, k, ratio, answer)
                 if there[knot] and (answer[3] - middle) ** 2 > DIFFERENT * DIFFERENT * noise * variance:
                     break
                 told[knot], middle, variance = answer[:3], answer[3], answer[4]
@@ -73,19 +101,40 @@ def side_greys(kind: Array, sound: NDArray[np.bool_], packed: Array) -> tuple[Ar
     return greys, known
 
 
+@njit(cache=True, inline="always")
+def _lean(packed: Array, ratio: float, out: Array) -> None:
+    """Into out (6,): products of the light's share ratio (1 - c) + c with the four unknowns' rows, itself, the grey."""
+    out[0] = ratio * packed[0] + packed[1]
+    out[1] = ratio * packed[1] + packed[2]
+    out[2] = ratio * packed[3] + packed[4]
+    out[3] = ratio * packed[6] + packed[7]
+    out[4] = ratio * out[0] + out[1]
+    out[5] = ratio * packed[10] + packed[11]
+
+
 @njit(cache=True, nogil=True)
-def _solve(window: Array, answer: Array) -> None:
+def _solve(window: Array, middle: int, ratio: float, answer: Array) -> None:
     """Into answer (6,): greys (3), the half-way grey, its variance per squared grey of noise, the noise's variance.
 
-    By Cholesky's factors L of the normal matrix: x = L'^-1 L^-1 b; the half-way grey is h x, its variance |L^-1 h|^2.
+    All at station middle; the fifth unknown is the light's slope along the side. By Cholesky's factors L of the normal
+    matrix: x = L'^-1 L^-1 b; the half-way grey is h x, its variance |L^-1 h|^2.
     """
-    factor, half_way, right = np.empty((4, 4)), np.empty(4), np.empty(4)
+    factor, half_way, right = np.zeros((5, 5)), np.zeros(5), np.empty(5)
+    lean = np.empty(6)
+    _lean(window, ratio, lean)
     at = 0
     for i in range(4):
-        half_way[i], right[i] = 0.5 if i < 2 else 0.0, window[10 + i]
+        right[i] = window[10 + i]
+        factor[4, i] = window[17 + i] - middle * lean[i]
         for j in range(i + 1):
-            value = window[at] + (HELD if i == j else 0.0)
+            factor[i, j] = window[at]
             at += 1
+    right[4] = window[22] - middle * lean[5]
+    factor[4, 4] = window[23] - 2.0 * middle * window[21] + middle * middle * lean[4]
+    half_way[:2] = 0.5
+    for i in range(5):
+        for j in range(i + 1):
+            value = factor[i, j] + (HELD if i == j else 0.0)
             for k in range(j):
                 value -= factor[i, k] * factor[j, k]
             factor[i, j] = np.sqrt(max(value, 1e-9)) if i == j else value / factor[j, j]
@@ -95,14 +144,14 @@ def _solve(window: Array, answer: Array) -> None:
         half_way[i] /= factor[i, i]
         right[i] /= factor[i, i]
     explained, answer[4] = 0.0, 0.0
-    for i in range(4):
+    for i in range(5):
         explained += right[i] * right[i]
         answer[4] += half_way[i] * half_way[i]
-    for i in range(3, -1, -1):
-        for k in range(i + 1, 4):
+    for i in range(4, -1, -1):
+        for k in range(i + 1, 5):
             right[i] -= factor[k, i] * right[k]
         right[i] /= factor[i, i]
         if i < 3:
             answer[i] = right[i]
     answer[3] = 0.5 * (right[0] + right[1])
-    answer[5] = max(max(window[14] - explained, 0.0) / max(window[15] - 4.0, 1.0), 0.1)
+    answer[5] = max(max(window[14] - explained, 0.0) / max(window[15] - 5.0, 1.0), 0.1)

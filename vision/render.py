@@ -17,10 +17,11 @@ from tentacle.errors import InputError
 from tentacle.recording import Camera
 from tentacle.signals import Array, Midline
 from tentacle.specimen import Specimen
-from vision.coverage import polygon_coverage
+from vision.coverage import blurred_coverage
 from vision.looks import Look
 from vision.scenery import Scenery, frame_faults
 
+AHEAD = 0.5  # px, the share of the lens' blur that acts on the arm before the pixels do; the rest comes after
 SMEAR_STEP = 0.7  # px that the fastest outline point may move between two instants of one exposure
 
 
@@ -88,7 +89,7 @@ class _Arm:
         return bend_by_lens(self.camera.to_pixels(np.array(corners)), self.size, self.look)
 
     def coverage(self, time: float) -> tuple[Array, Array]:
-        """Mean coverage by arm and by clamp over the exposure centred on time; each (height, width)."""
+        """Mean blurred coverage by arm and by clamp over the exposure centred on time; each (height, width)."""
         arm = self._smeared(self.outline, time)
         return arm, self._smeared(self.clamp, time) if self.look.clamp else np.zeros_like(arm)
 
@@ -97,10 +98,7 @@ class _Arm:
         moved = np.abs(outline(time + 0.5 * exposure) - outline(time - 0.5 * exposure)).max()
         count = 1 if exposure == 0 else max(1, int(np.ceil(moved / SMEAR_STEP)))
         instants = time + exposure * ((np.arange(count) + 0.5) / count - 0.5)
-        total = polygon_coverage(outline(instants[0]), self.size)
-        for instant in instants[1:]:
-            total += polygon_coverage(outline(instant), self.size)
-        return total / count
+        return blurred_coverage([outline(instant) for instant in instants], self.size, min(self.look.blur, AHEAD))
 
 
 class Renderer:
@@ -124,7 +122,7 @@ class Renderer:
         self._scenery = Scenery(look, size, seed)
 
     def coverage(self, time: float) -> Array:
-        """The arm's mean coverage over the exposure (height, width)."""
+        """The arm's mean coverage over the exposure (height, width), through a first share of the lens' blur."""
         return self._arm.coverage(time)[0]
 
     def mean(self, time: float, shown: Array | None = None) -> Array:
@@ -141,7 +139,8 @@ class Renderer:
         scene += clamped * (0.6 * look.arm_level - scene)
         scenery.put_in_front(scene, self._arm.outline(time), time)
         scene *= scenery.light
-        return np.asarray(cv2.GaussianBlur(scene, (0, 0), look.blur) if look.blur > 0 else scene, dtype=float)
+        rest = np.sqrt(max(look.blur**2 - AHEAD**2, 0.0))
+        return np.asarray(cv2.GaussianBlur(scene, (0, 0), rest) if rest > 0 else scene, dtype=float)
 
     def frame(self, time: float, rng: np.random.Generator) -> NDArray[np.uint8]:
         """A frame as the camera gives it: with noise, whole greys, and compression."""

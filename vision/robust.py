@@ -10,6 +10,7 @@ from tentacle.signals import Array
 
 TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)
 MISFIT = 2.5  # times the usual profile residual: no plain step
+PLAIN = 0.015  # of the contrast: an edge is rough by as much where a codec has smoothed the noise away
 LEAP = 0.2  # of the contrast around: something else
 TOGETHER = 3  # strange profiles among five neighbours that make a disturbance
 NEIGHBOURS = 8  # stations beside a disturbed edge that go with it

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from vision.lens import Lens
 from vision.pool import PENALTY, Pooled, pool
 
 ORDERS = (1, 2, 3, 4, 5)
+NO_OUTLINE = np.zeros((0, 2))
 
 
 @dataclass(frozen=True)
@@ -79,13 +80,17 @@ def track_fully(
     lens: Lens | None = None,
     progress: Callable[[Seen], None] | None = None,
     patience: float = 0.0,
+    outlines: bool = False,
 ) -> Tracking:
-    """As track, with every frame's own result, the pooled estimate and remarks."""
+    """As track, with every frame's own result, the pooled estimate and remarks.
+
+    outlines: keep each frame's outline for an overlay; without them a frame's result is 2 kB, all that memory grows by.
+    """
     follower, results = stream(video, declaration, motor, order, lens, patience)
     seen: list[Seen] = []
     try:
         for result in results:
-            seen.append(result)
+            seen.append(result if outlines else replace(result, outline_px=NO_OUTLINE))
             if progress is not None:
                 progress(result)
     except InputError as error:

@@ -89,6 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
                 if arguments.live
                 else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
                 arguments.live,
+                outlines=arguments.overlay is not None,
             )
         shape, remarks, seen = tracked.shape, tracked.remarks, tracked.seen
     if arguments.out.suffix == ".rrd":

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from pathlib import Path
 
 import av
 import cv2
@@ -143,3 +144,30 @@ def test_a_codec_that_nobody_knows(tmp_path):
     (tmp_path / "unknown.mp4").write_bytes(data.replace(b"avc1", b"zzzz").replace(b"avcC", b"zzzC"))
     with pytest.raises(InputError, match=r"unknown\.mp4"):
         list(read_frames(tmp_path / "unknown.mp4"))
+
+
+def test_a_camera_counts_its_time_from_its_first_frame(tmp_path, monkeypatch):
+    frames = [np.roll(ramp(), 3 * k, axis=1) for k in range(6)]
+    write_video(tmp_path / "camera.mkv", frames, 5000.0 + np.arange(6) / 25)
+    opened = av.open
+
+    def camera(file, mode, format, options):
+        assert (file, format) == ("/dev/null", "v4l2")
+        return opened(str(tmp_path / "camera.mkv"), mode=mode, options=options)
+
+    monkeypatch.setattr("vision.frames.av.open", camera)
+    read = list(read_frames(Path("/dev/null"), patience=1.0))  # a character device, as /dev/video0 is
+    assert [frame.t for frame in read] == pytest.approx(np.arange(6) / 25, abs=1e-3)  # mkv counts milliseconds
+    assert all(np.array_equal(a, b.image) for a, b in zip(frames, read, strict=True))
+
+
+def test_a_device_that_is_no_camera():
+    with pytest.raises(InputError, match="/dev/null"):
+        list(read_frames(Path("/dev/null")))
+
+
+def test_a_variable_rate_keeps_each_frames_own_time(tmp_path):
+    times = np.cumsum([0.0, 0.02, 0.05, 0.011, 0.4, 0.03])
+    write_video(tmp_path / "variable.mp4", [np.roll(ramp(), 3 * k, axis=1) for k in range(6)], times)
+    read = [frame.t for frame in read_frames(tmp_path / "variable.mp4")]
+    np.testing.assert_allclose(read, times, atol=1e-6)  # time stamps to the microsecond

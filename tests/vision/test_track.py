@@ -1,5 +1,6 @@
 """Tracking rendered videos, whose truth is known exactly."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from vision.pool import pool
 from vision.render import bend_by_lens, frame_times, render
 from vision.scene import swaying
 from vision.scenery import frame_faults
-from vision.track import track, track_fully
+from vision.track import stream, track, track_fully
 
 
 def film(scene, look, folder, seed=2, name="video.mp4"):
@@ -171,5 +172,52 @@ def test_a_video_that_a_codec_has_smoothed_is_tracked(tmp_path):
         MotorSignal(scene.t, scene.theta, scene.theta),
     )
     assert shape.accepted.mean() > 0.9
-    error, _ = errors(scene, shape)
-    assert np.sqrt(np.mean(error[:, 1] ** 2)) < 5e-3  # rad; the codec's own errors go with its blocks, far above noise
+    error, covariance = errors(scene, shape)
+    # rad; the codec's own errors go with its blocks, far above noise, and differ from scene to scene: 1 to 6 mrad
+    assert np.sqrt(np.mean(error[:, 1] ** 2)) < 8e-3
+    assert z_rms(error, covariance) < 2.0  # and they are stated
+
+
+def test_a_long_video_does_not_grow_in_memory(tmp_path):
+    scene = swaying(seed=1, frames=20, size=(160, 120))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1))
+    there_and_back = [*range(20), *range(18, 0, -1)]
+    order = [there_and_back[k % len(there_and_back)] for k in range(220)]
+    times = np.arange(220) / scene.camera.fps
+    write_video(tmp_path / "long.mp4", [pictures[k] for k in order], times)
+    motor = MotorSignal(times, scene.theta[order], scene.theta[order])
+    _, results = stream(tmp_path / "long.mp4", Declaration(scene.specimen, camera=scene.camera), motor)
+    accepted = 0
+    try:
+        for k, seen in enumerate(results):
+            accepted += seen.accepted
+            if k == 60:  # every frame from here on is the same work again
+                tracemalloc.start()
+        growth = tracemalloc.get_traced_memory()[0]
+    finally:
+        tracemalloc.stop()
+    assert accepted > 200
+    assert growth < 200_000  # bytes: six pictures in flight; 160 frames' results kept would be 500 kB
+
+
+def test_tracking_follows_a_file_that_is_still_being_written(tmp_path):
+    scene = swaying(seed=1, frames=60, size=(320, 180))
+    frames = render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1)
+    write_video(tmp_path / "whole.mkv", frames, scene.t)
+    data = (tmp_path / "whole.mkv").read_bytes()
+    growing = tmp_path / "growing.mkv"
+    growing.write_bytes(data[: len(data) * 2 // 3])
+    declaration = Declaration(scene.specimen, camera=scene.camera)
+    motor = MotorSignal(scene.t, scene.theta, scene.theta)
+    came: list[float] = []
+
+    def add(result):  # the rest of the file comes only after frames of its first part have been told
+        if not came:
+            with growing.open("ab") as file:
+                file.write(data[len(data) * 2 // 3 :])
+        came.append(result.t)
+
+    live = track_fully(growing, declaration, motor, order=2, progress=add, patience=2.0).shape
+    assert len(came) == 60
+    whole = track(tmp_path / "whole.mkv", declaration, motor, order=2)
+    np.testing.assert_array_equal(live.coefficients, whole.coefficients)
