@@ -47,6 +47,25 @@ def test_energy_is_constant_over_ten_seconds(parameters, order):
     assert np.max(np.abs(total - total[0])) < 1e-6 * exchanged  # measured: 2e-7 at this step
 
 
+def test_added_mass_in_all_directions_only_rescales_an_arm(parameters):
+    # (rho_s + C_a rho_w) x'' = forces: the same motion as with all forces divided by 1 + C_a rho_w / rho_s. So such
+    # water can be told neither from a softer arm nor, under gravity, from a wrong density (effect buoyancy).
+    arm, h = Arm(CONE, WATER, Gravity(magnitude=0.0), order=2, nodes=8), 1 / 1000
+    t = h * (np.arange(2000) + 0.5)
+    w = 2 * np.pi * 1.2
+    base = 0.4 * np.stack([np.sin(w * t), w * np.cos(w * t), -(w**2) * np.sin(w * t)])[:, :, None]
+    share = 1.0 / (1.0 + 0.8 * WATER.density / CONE.density)
+    carried = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1, added_mass__C_a=0.8,
+                         added_mass__tangential=1.0)  # fmt: skip
+    softer = parameters(elasticity__E=2e5 * share, damping__eta=2e3 * share, drag__C_perp=1.1 * share)
+    one, other = (simulate(arm, p[:, None], base, h).q[..., 0] for p in (carried, softer))
+    assert np.ptp(one[:, 0]) > 0.2
+    # Left: rotary inertia, which the water has none of: (r / L)^2 / 4, a thousandth of the motion.
+    np.testing.assert_allclose(one, other, atol=2e-3 * np.ptp(one[:, 0]))
+    along_normal = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1, added_mass__C_a=0.8)
+    assert np.max(np.abs(simulate(arm, along_normal[:, None], base, h).q[..., 0] - other)) > 5e-3
+
+
 def test_terminal_speed_on_the_rail(parameters):
     # A rigid straight arm held across the rail (theta = 90 degrees) sinks along y: drag 1/2 rho C_perp A v^2 balances
     # the weight.

@@ -1,5 +1,7 @@
 """The trajectory fit: shapes without loss, a minimum that scipy agrees with, intervals, bounds, base signals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
@@ -10,12 +12,13 @@ from affine_model.base_signal import base_table, play_operator, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.identify.experiment import Experiment
 from affine_model.identify.levenberg import minimise
-from affine_model.identify.observation import POSE, fit_shapes, from_track
-from affine_model.identify.trajectory import Problem, fit
+from affine_model.identify.observation import POSE, ShapeObservation, fit_shapes, from_track
+from affine_model.identify.sufficient_step import sufficient_step
+from affine_model.identify.trajectory import RAN_AWAY, Problem, evaluate, fit
 from affine_model.simulate import simulate
 from tentacle.signals import Midline, ShapeTrack
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
-from tentacle.waveform import Chirp
+from tentacle.waveform import Chirp, Sine
 
 ARM = Arm(Specimen(Cone(0.0125, 0.004), 0.14, 1070.0), WATER, Gravity())
 WAVE = Chirp(0.5, 0.3, 2.0, 6.0)
@@ -136,6 +139,36 @@ def test_lag_is_the_exact_first_order_lag():
     # Piecewise linear input: error (omega step)^2 / 12 = 3.5e-5.
     assert np.allclose(table[0, late], gain * np.sin(omega * t[late] - phase), atol=1e-4)
     assert np.allclose(table[2, late], -(omega**2) * gain * np.sin(omega * t[late] - phase), atol=1e-4 * omega**2)
+
+
+@pytest.mark.parametrize(("tau", "play"), [(0.06, 0.0), (0.0, 0.05), (0.04, 0.05)])
+def test_a_lag_and_a_gear_begin_with_what_they_went_through(tau, play):
+    step, omega = 1 / 400, 2 * np.pi * 0.7
+    wave = lambda t: np.stack([np.sin(omega * t), omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t)])  # noqa: E731
+    both = np.array([tau]), np.array([play])
+    whole = base_table(wave, 0.0, step, 1200, *both)[:, :, 0]
+    late = base_table(wave, 2.0, step, 400, *both, known_from=0.0)[:, :, 0]
+    assert np.allclose(late, whole[:, 800:], atol=1e-12)
+    # Without its past a run begins elsewhere: a gear in its middle, a lag along the tangent.
+    assert abs(base_table(wave, 2.0, step, 400, *both)[0, 0, 0] - late[0, 0]) > 1e-4
+
+
+def test_a_step_at_which_the_motion_runs_away_is_not_taken_for_one_that_suffices():
+    arm = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0), WATER, Gravity(0.0), order=6, nodes=8)
+    parameters = neutral_parameters()
+    for (effect, name), value in ((("elasticity", "E"), 1e5), (("drag", "C_perp"), 1.0)):
+        parameters[parameter_index(effect, name)] = value  # and no damping
+    t = np.arange(0.0, 4.0, 1 / 60)
+    wave = Sine(1.0, 6.0)  # so violent that the motion runs away at 1/75 s and at 1/150 s alike
+    blank, unit = np.zeros((t.size, POSE + 6)), np.repeat(1e3 * np.eye(POSE + 6)[None], t.size, axis=0)
+    observation = ShapeObservation(t, wave(t)[0], 0.14, blank, unit, np.zeros(t.size), np.zeros(t.size))
+    experiment = Experiment("own", observation, wave, 0.0, 4.2, None, np.ones(t.size, bool), np.ones(POSE + 6))
+    problem = Problem(arm, (experiment,), (("elasticity", "E"),), parameters, 1 / 1200)
+    fitted = evaluate(problem, (np.zeros(14),))
+    coarse = [evaluate(replace(problem, step=1 / rate), (np.zeros(14),)) for rate in (75, 150)]
+    assert np.max(np.abs(fitted.used_residuals)) < RAN_AWAY
+    assert all(np.max(np.abs(found.used_residuals)) == RAN_AWAY for found in coarse)
+    assert sufficient_step(problem, fitted) < 1 / 150
 
 
 def test_play_follows_behind_by_half_its_width():

@@ -46,6 +46,18 @@ def test_a_midline_that_turns_with_the_base_is_turned_back(recorded):
     np.testing.assert_allclose(turning.points, standing.points, atol=1e-6)
 
 
+def test_a_servo_log_of_the_other_sign_is_turned_round(recorded):
+    recording = recorded(seconds=4.0)
+    motor = recording.motor
+    reversed_log = replace(recording, motor=replace(motor, command=-motor.command, angle=-motor.angle))
+    right, wrong = prepare(recording, hold_out=False), prepare(reversed_log, hold_out=False)
+    assert not right.words
+    assert "against the servo's log" in wrong.words[0]
+    t = right.experiment.observation.t
+    np.testing.assert_allclose(wrong.experiment.base(t), right.experiment.base(t), atol=1e-12)
+    np.testing.assert_array_equal(wrong.experiment.observation.coefficients, right.experiment.observation.coefficients)
+
+
 def test_noise_that_is_not_stated_is_found(recorded):
     recording = recorded(seconds=4.0, noise=2e-4)
     silent = replace(recording.midline, sigma=np.full_like(recording.midline.sigma, np.nan))
