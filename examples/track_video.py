@@ -21,6 +21,7 @@ from vision.looks import look_named
 from vision.overlay import contact_sheet
 from vision.render import frame_times, render
 from vision.track import track_fully
+from viz.figures.style import house_style, new_figure
 from viz.track import track_scene
 
 arm = Specimen(Cone(base_radius=0.0125, tip_radius=0.003), length=0.14, density=1070.0)
@@ -46,6 +47,12 @@ print(*tracked.remarks, sep="\n")
 # %%
 sheet = contact_sheet(read_frames(Path("tank.mp4")), tracked.seen)
 write_picture(Path("track_video.png"), sheet)
+with house_style():
+    figure = new_figure(4.2)
+    axes = figure.subplots()
+    axes.imshow(sheet)
+    axes.set_axis_off()
+figure
 
 # %%
 seen = track_scene(Recording("tank", Declaration(arm, WATER, camera=camera), motor=motor, shape=shape)).subject.xy
