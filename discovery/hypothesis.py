@@ -42,6 +42,18 @@ class Hypothesis:
             return self.laws
         return LAWS_DIFFER * self.train.structure, LAWS_DIFFER * self.judged.structure
 
+    def granted_in(self, problem: Problem) -> tuple[tuple[float, float], tuple[float, float]]:
+        """reduction and laws in sigmas of another problem's noise: what they are in millimetres stays."""
+        ratio = noise_ratio(self.problem, problem)
+        (fitted, held_out), laws = self.reduction, self.laws
+        return (ratio * fitted, ratio * held_out), (ratio * laws[0], ratio * laws[1])
+
+
+def noise_ratio(one: Problem, other: Problem) -> float:
+    """How many times larger the first problem's noise is, rms over recordings and channels."""
+    pairs = zip(one.experiments, other.experiments, strict=True)
+    return float(np.sqrt(np.mean([np.mean((a.noise_gain / b.noise_gain) ** 2) for a, b in pairs])))
+
 
 def held_out_misfit(problem: Problem, fitted: Fit) -> float:
     """Half the sum of squared whitened residuals on the frames that were not fitted [nats]."""

@@ -79,7 +79,8 @@ def with_noise_of(h: Hypothesis, problem: Problem) -> Hypothesis:
         for own, other in zip(h.problem.experiments, problem.experiments, strict=True)
     )
     changed = replace(h.problem, experiments=experiments, step=problem.step, parameters=h.fitted.parameters)
-    return _again(h, changed, h.fitted.nuisances)
+    reduction, laws = h.granted_in(changed)
+    return _again(replace(h, reduction=reduction, laws=laws), changed, h.fitted.nuisances)
 
 
 def on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:

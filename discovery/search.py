@@ -82,8 +82,15 @@ def settled_together(tried: list[Hypothesis]) -> list[Hypothesis]:
     near = [h for h in tried[1:] if best.evidence - h.evidence < reach]
     if problem is not best.problem:
         near = [with_noise_of(h, problem) for h in near]
-        best = hypothesis(best.effects, problem, fitted, best.reduction, best.laws)
+        best = hypothesis(best.effects, problem, fitted, *best.granted_in(problem))
     return sorted([best, *near], key=lambda h: -h.evidence)
+
+
+def tied_within(current: Hypothesis, loose: float) -> float:
+    """Nats of evidence within which others are not told from it: models that differ by less than any of them errs are
+    one, whatever the nats between them say.
+    """
+    return max(TIE * loose, TWINS * material_gain(current))
 
 
 def search(base: Hypothesis, seen: Arm | None = None) -> Search:
@@ -117,8 +124,7 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
             break
     current = polished(current)
     loose = looseness(current)
-    # Models that differ by less than any of them errs are not told apart, whatever the nats between them say.
-    tie = max(TIE * loose, TWINS * material_gain(current))
+    tie = tied_within(current, loose)
     rivals = [h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < tie]
     others = [h.evidence for h in (alternatives or single) if h.effects != current.effects]
     margin = (current.evidence - max(others)) / loose if others and current.effects else LARGEST_MARGIN

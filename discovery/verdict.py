@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discovery.hypothesis import Hypothesis
-from discovery.search import MOST_EFFECTS, Search
+from discovery.hypothesis import Hypothesis, noise_ratio
+from discovery.refit import without
+from discovery.search import MOST_EFFECTS, Search, tied_within
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
@@ -27,13 +28,14 @@ class Decision:
 
 def structure_share(search: Search, reached: Hypothesis) -> float:
     """How much of the structured error (noise taken off) a model leaves, 0 .. 1, on held-out frames where there are
-    any.
+    any; both in sigmas of the noise that this model leaves.
     """
 
     def structure(h: Hypothesis) -> float:
         return h.judged.structure if h.judged.gates else h.train.structure
 
-    before = structure(search.base)
+    square = (1.0 + structure(search.base) ** 2) * noise_ratio(search.base.problem, reached.problem) ** 2
+    before = float(np.sqrt(max(square - 1.0, 0.0)))
     return structure(reached) / before if before > 0 else 0.0
 
 
@@ -60,9 +62,8 @@ def decide(search: Search) -> Decision:
         margin = max(gate.statistic / gate.threshold for gate in (*base.train.gates, *base.judged.gates))
         return Decision("nothing_missing", (), float(np.clip(1.0 - 0.5 * max(margin, 0.0) ** 8, 0.5, 0.98)), ())
     share = structure_share(search, chosen)
-    few = len(chosen.effects) < MOST_EFFECTS or _against_baseline(chosen)  # three that do not suffice explain nothing
-    explained = bool(chosen.effects) and (passed or (few and share < _tolerated(chosen)))
-    if not explained:
+    named = chosen if passed else _dominant(search)
+    if not chosen.effects or named is None:
         words = ["No effect of the catalogue, nor a combination of up to three, brings the residual down to the noise."]
         if chosen.effects:
             words.append(
@@ -72,10 +73,19 @@ def decide(search: Search) -> Decision:
         return Decision("unknown", (), float(np.clip(1.0 - np.exp(-8.0 * share), 0.5, 0.95)), tuple(words))
     words = []
     if not passed:
+        share = structure_share(search, named)
         words.append(
-            f"{' + '.join(chosen.effects)} explains all but {100 * share:.0f} % of the structured error; "
+            f"{' + '.join(named.effects)} explains all but {100 * share:.0f} % of the structured error; "
             "the rest is above the noise and has no name here."
         )
+    if named is not chosen:
+        more = " + ".join(chosen.effects[len(named.effects) :])
+        words.append(f"The augmented model follows a part of that rest with {more}: this is no finding.")
+        twins = _twins_of(search, named)
+        if twins:
+            words.append("These data do not split " + ", ".join((*named.effects, *twins)) + ".")
+            return Decision("group", (*named.effects, *twins), 0.7, tuple(words))
+        return Decision("effect", named.effects, _confidence(search, passed, share), tuple(words))
     if not search.rivals:
         return Decision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
     alternatives = sorted({name for h in (chosen, *search.rivals) for name in h.effects} - set(search.core.effects))
@@ -88,6 +98,35 @@ def decide(search: Search) -> Decision:
         return Decision("effect", agreed, _confidence(search, passed, share), tuple(words))
     words.append("These data do not split " + ", ".join(alternatives) + ".")
     return Decision("group", (*alternatives, *agreed), 0.9 if passed else 0.7, tuple(words))
+
+
+def _dominant(search: Search) -> Hypothesis | None:
+    """The first of the effects found, as few as leave a tolerated share under a rest that has no name.
+
+    None where all of three are needed: what three do not bring down to the noise they do not explain. Against a
+    baseline, whose own rest is granted already, all that were found.
+    """
+    part = search.chosen
+    if _against_baseline(part):
+        return part if part.effects and structure_share(search, part) < _tolerated(part) else None
+    parts = [part]
+    for effect in reversed(part.effects[1:]):
+        part = without(part, effect)
+        parts.append(part)
+    for part in reversed(parts):
+        if 0 < len(part.effects) < MOST_EFFECTS and structure_share(search, part) < _tolerated(part):
+            return part
+    return None
+
+
+def _twins_of(search: Search, named: Hypothesis) -> tuple[str, ...]:
+    """Single effects that do as well alone as the one that is named."""
+    alone = {h.effects: h for h in search.single}
+    own = alone.pop(named.effects, None)
+    if own is None:
+        return ()
+    tie = tied_within(own, search.looseness)
+    return tuple(effects[0] for effects, h in alone.items() if own.evidence - h.evidence < tie)
 
 
 def _tolerated(chosen: Hypothesis) -> float:
