@@ -27,6 +27,7 @@ ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances i
 PARTIAL = 0.5  # an account that leaves more of the structured error than this is none to build on
 SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
 HELPS = 0.8  # more coordinates must bring the reduction's error below this share of what it was
+OF_MOTION = 7e-4  # of an arm's motion: neither its shape nor its laws, nor another's numerics, are known better
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
 
 
@@ -145,7 +146,9 @@ def _diagnosed(
         base_problem, base = _base_hypothesis(setting, fitted, known, warm=paper)
     progress("running the reference")
     base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
-    structure = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
+    least = OF_MOTION * _motion(base_problem)
+    lost = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
+    structure = (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least)))
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure), setting.arm(order))
     decision = decide(found)
@@ -193,6 +196,18 @@ def _reduced_enough(
             break
         (problem, fitted), reduction = higher, again
     return problem, fitted, reduction
+
+
+def _motion(problem: Problem) -> float:
+    """rms of the motion in noise sigmas, as far as shapes show it (markers: 0)."""
+    squares = [0.0]
+    for experiment in problem.experiments:
+        if isinstance(observation := experiment.observation, ShapeObservation):
+            seen = observation.seen
+            change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
+            whitened = np.einsum("tkl,tl->tk", observation.root[seen], change) / experiment.noise_gain
+            squares.append(float(np.mean(whitened**2)))
+    return float(np.sqrt(np.mean(squares[1:]))) if len(squares) > 1 else 0.0
 
 
 def _most_coordinates(problem: Problem) -> int:
