@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from affine_model.effects import catalogue
 from discovery.hypothesis import Hypothesis, noise_ratio
 from discovery.refit import without
 from discovery.search import MOST_EFFECTS, Search, tied_within
@@ -57,12 +58,13 @@ def decide(search: Search) -> Decision:
     it explains.
     """
     base, chosen = search.base, search.chosen
-    passed = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
+    adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
+    passed = adequate and not _strained(chosen)
     if not chosen.effects and passed:
         margin = max(gate.statistic / gate.threshold for gate in (*base.train.gates, *base.judged.gates))
         return Decision("nothing_missing", (), float(np.clip(1.0 - 0.5 * max(margin, 0.0) ** 8, 0.5, 0.98)), ())
     share = structure_share(search, chosen)
-    named = chosen if passed else _dominant(search)
+    named = chosen if passed else _dominant(search, AGREED if adequate else 0.0)
     if not chosen.effects or named is None:
         words = ["No effect of the catalogue, nor a combination of up to three, brings the residual down to the noise."]
         if chosen.effects:
@@ -100,11 +102,20 @@ def decide(search: Search) -> Decision:
     return Decision("group", (*alternatives, *agreed), 0.9 if passed else 0.7, tuple(words))
 
 
-def _dominant(search: Search) -> Hypothesis | None:
+def _strained(chosen: Hypothesis) -> bool:
+    """Whether a combination stands only with an effect as strong as it can be: it fills in for something else."""
+    if len(chosen.effects) < 2:
+        return False
+    strengths = {(name, strength.name) for name in chosen.effects for strength in catalogue()[name].strengths}
+    values = dict(zip(chosen.fitted.free, chosen.fitted.values, strict=True))
+    return any(name in strengths and values[name] != 0.0 for name in chosen.fitted.at_bound)
+
+
+def _dominant(search: Search, least: float) -> Hypothesis | None:
     """The first of the effects found, as few as leave a tolerated share under a rest that has no name.
 
     None where all of three are needed: what three do not bring down to the noise they do not explain. Against a
-    baseline, whose own rest is granted already, all that were found.
+    baseline, whose own rest is granted already, all that were found. least: a share that is tolerated at any rate.
     """
     part = search.chosen
     if _against_baseline(part):
@@ -114,7 +125,7 @@ def _dominant(search: Search) -> Hypothesis | None:
         part = without(part, effect)
         parts.append(part)
     for part in reversed(parts):
-        if 0 < len(part.effects) < MOST_EFFECTS and structure_share(search, part) < _tolerated(part):
+        if 0 < len(part.effects) < MOST_EFFECTS and structure_share(search, part) < max(_tolerated(part), least):
             return part
     return None
 
