@@ -46,8 +46,8 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
         if near_noise and current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
             break
     assert best is not None
-    step = sufficient_step(problem, best)
-    if beyond and step < problem.step:  # a law that bends sharply may need a finer step than the model without it
+    # A law that bends sharply may need a finer step than the model without it.
+    if beyond and (step := sufficient_step(problem, best)) < problem.step:
         problem = replace(problem, step=step)
         best = fit(_at(problem, best.values), best.nuisances, tolerance=_enough(current), most=20)
     effects = (*current.effects, candidate.effect.name)

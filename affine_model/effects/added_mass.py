@@ -4,10 +4,13 @@ A slender body carries none along its tangent; simulators that put the water's m
 too.
 """
 
+from typing import Any
+
 from affine_model.effect import Effect, Parameter
 
 
-def _carried(x, p):
+def _carried(x: Any, p: Any) -> Any:
+    """kg/m along the normal."""
     return 0.25 * 3.141592653589793 * p.C_a * x.fluid_density * x.width**2
 
 
