@@ -15,7 +15,7 @@ PAGE = ROOT / "docs" / "howto" / "own_effect.md"
 def test_add_your_own_effect_runs_as_written(tmp_path):
     text = PAGE.read_text()
     law, session = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    (printed,) = re.findall(r"It prints\n\n```\n(.*?)```", text, re.DOTALL)
+    (printed,) = re.findall(r"It prints\n\n```text\n(.*?)```", text, re.DOTALL)
     (tmp_path / "my_effects").mkdir()
     (tmp_path / "my_effects" / "fillet.py").write_text(law)
     (tmp_path / "session.py").write_text(session)

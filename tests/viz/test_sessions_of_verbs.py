@@ -108,6 +108,7 @@ def test_the_viewer_listens_on_this_machine_only(monkeypatch):
         raise OSError("not started in this test")
 
     monkeypatch.setattr("viz.viewer.subprocess.Popen", note)
+    monkeypatch.setenv("DISPLAY", ":0")
     with pytest.raises(OSError, match="not started"), headless_viewer():
         pass
     for start in (open_native, serve_web):
