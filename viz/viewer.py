@@ -68,14 +68,19 @@ def has_screen() -> bool:
     return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+def require_screen() -> None:
+    """Raises InputError, naming the other ways to look, where no window can be opened."""
+    if not has_screen():
+        raise InputError("no screen here to open the viewer on", expected="--web, or --screenshot OUT.png")
+
+
 def open_native(files: Sequence[Path]) -> int:
     """Open the desktop viewer and wait until it is closed; its exit status. It listens on this machine only.
 
     Raises InputError where there is no screen for it.
     """
+    require_screen()
     found = [str(file) for file in require_recordings(files)]
-    if not has_screen():
-        raise InputError("no screen here to open the viewer on", expected="--web, or --screenshot OUT.png")
     with running(["--port", str(free_port()), *found]) as process:
         return process.wait()
 

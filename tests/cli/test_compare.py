@@ -8,8 +8,8 @@ from tentacle.cli._twins import affine_twin, net_weight, reference_twin, shape_e
 from tentacle.cli._validity import AMPLITUDES, ORDERS, RATIOS, Validity, cell, own_slenderness, own_taper, variants
 from tentacle.model import Estimate, Model
 from tentacle.model_file import model_tables
-from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.runner import Runner
+from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Ramped, Sine
 from tests.cli.test_reports import made_up
 from tests.page import problems

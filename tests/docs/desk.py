@@ -82,10 +82,9 @@ def set_desk(desk: Path) -> Path:
     (desk / "arm.toml").write_text(ARM)
     (desk / "long.toml").write_text(ARM.replace("length_m = 0.14", "length_m = 0.2"))
     shutil.copy(desk / "arm.toml", desk / "short.toml")
-    chirp, sine = "--chirp 0.5 0.3 2 --duration 3 --fps 30", "--sine 0.5 0.8 --duration 3 --fps 30"
+    chirp, sine = "--chirp 0.5 0.3 2 --duration 3 --fps 20", "--sine 0.4 2 --duration 3 --fps 20"
     asked(f"simulate {desk}/arm.toml --out {desk}/my_arm {chirp} --video clean --size 320 240")
-    asked(f"import {desk}/my_arm --out {desk}/my_arm.rrd")
-    asked(f"track {desk}/my_arm.rrd --out {desk}/tracked.rrd")
+    asked(f"track {desk}/my_arm --out {desk}/my_arm.rrd")  # so neither the figures nor the diagnosis need do it again
     asked(f"simulate {desk}/arm.toml --out {desk}/sine.rrd {sine}")
     asked(f"simulate {desk}/arm.toml --out {desk}/chirp.rrd {chirp}")
     asked(f"identify {desk}/sine.rrd --out {desk}/answer")
@@ -95,8 +94,7 @@ def set_desk(desk: Path) -> Path:
     for name in ("session.rrd", "gait/session.rrd"):
         (desk / name).parent.mkdir(exist_ok=True)
         shutil.copy(desk / "answer" / "session.rrd", desk / name)
-    shutil.copytree(desk / "my_arm", desk / "swim")
-    shutil.copy(desk / "tracked.rrd", desk / "my_arm_tracked.rrd")
+    shutil.copy(desk / "my_arm.rrd", desk / "my_arm_tracked.rrd")
     shutil.copy(desk / "answer" / "model.toml", desk / "model.toml")
     shutil.copy(desk / "my_arm" / "recording.toml", desk / "recording.toml")
     shutil.copy(desk / "my_arm" / "video.mp4", desk / "video.mp4")
@@ -152,4 +150,5 @@ def begun(command: str, folder: Path, shell: dict[str, str], until: str, seconds
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
     assert status in (0, 2, 130, -signal.SIGINT), f"{command}\n{said.read_text()}"  # 2: make, whose recipe was stopped
-    assert "Traceback" not in said.read_text(), f"{command}\n{said.read_text()}"
+    dask = command.startswith("dask")  # stopped while it starts its workers, it says so at length
+    assert dask or "Traceback" not in said.read_text(), f"{command}\n{said.read_text()}"

@@ -55,10 +55,12 @@ def spans(text: str) -> list[str]:
 def shown(pages: list[Path]) -> dict[str, str]:
     """Command -> the page that shows it first; those inside marked blocks are left out, since these run whole."""
     found: dict[str, str] = {}
+    run_whole = {line for page in pages for b in blocks(page) if b.marked for line in lines_of(b.code)}
     for page in pages:
         fenced = [line for b in blocks(page) if b.language in SHELL and not b.marked for line in lines_of(b.code)]
         for command in [*fenced, *spans(page.read_text())]:
-            found.setdefault(command, page.name)
+            if command not in run_whole:
+                found.setdefault(command, page.name)
     return found
 
 
