@@ -72,11 +72,12 @@ def illegible(svg) -> list[str]:
 
     White on a map (an image, or a mesh of cells) lies on the map and not on the paper.
     """
+    hatches = {path for pattern in svg.iter(f"{SVG}pattern") for path in pattern.iter()}  # they lie on their bar
     found, is_map = set(), any(e.tag == f"{SVG}image" or "QuadMesh" in (e.get("id") or "") for e in svg.iter())
     for element in svg.iter():
         is_text = element.tag == f"{SVG}text"
         is_line = element.tag in (f"{SVG}path", f"{SVG}use", f"{SVG}line")
-        if not (is_text or is_line):
+        if not (is_text or is_line) or element in hatches:
             continue
         given = colours(element.get("style", ""))
         is_bare_marker = element.tag == f"{SVG}use" and "stroke:" not in element.get("style", "")

@@ -58,9 +58,12 @@ def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator
     try:
         yield process
     finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGTERM)
-        process.wait()
+        for order in (signal.SIGTERM, signal.SIGKILL):  # one that is busy with a page does not hear the first
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, order)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(5.0)
+                break
 
 
 def has_screen() -> bool:

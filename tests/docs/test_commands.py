@@ -126,7 +126,7 @@ def bench(desk: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path
     shell = environment(lab)
     shutil.copy(desk / "wave.toml", lab)
     with begun(f"{EMULATE} --rate 2", lab, shell, "in another terminal"):
-        record = "tentacle rig record emu/rig.toml wave.toml --seconds 1 --out run.rrd"
+        record = "tentacle rig record emu/rig.toml wave.toml --seconds 2 --out run.rrd"
         done = subprocess.run(record.split(), cwd=lab, env=shell, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         yield lab
