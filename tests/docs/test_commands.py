@@ -35,8 +35,8 @@ class How:
     """How a command is run where not as shown.
 
     add: options put after it; swap: a text in it and what stands there instead; until: a pattern of files, or words,
-    after which it is ended by Ctrl-C; status: those that it may end with; says: what it must say, one of several between bars; typed: on
-    standard input.
+    after which it is ended by Ctrl-C; status: those that it may end with; says: what it must say, one of several
+    between bars; typed: on standard input.
     """
 
     add: str = ""
