@@ -110,7 +110,7 @@ def polished(chosen: Hypothesis) -> Hypothesis:
 
 
 def spared(chosen: Hypothesis) -> Hypothesis:
-    """The chosen hypothesis without the shapes that its data do not need: at 0 each is as if the law did not have it."""
+    """The chosen hypothesis without the shapes that its data do not need: at 0 the law is as if it had none."""
     for effect in chosen.effects:
         for shape in catalogue()[effect].shapes:
             name = (effect, shape.name)
