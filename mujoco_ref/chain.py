@@ -33,12 +33,21 @@ class Mount:
 
 
 @dataclass(frozen=True)
+class Hung:
+    """A point mass [kg] that hangs from the tip beside the specimen's payload, at a reach [m] beyond it along the last
+    link."""
+
+    mass: float = 0.0
+    reach: float = 0.0
+
+
+@dataclass(frozen=True)
 class Chain:
     """A compiled chain of `links` hinges and the geometry that the water needs.
 
     model: MuJoCo's, complete in itself (stiffness, damping, weight, buoyancy as gravcomp). Per link (n + 1,): start and
-    length [m] along the arm, mass [kg]. payload [kg] at the tip. hinge_s (n,), stiffness (n,) [N m/rad of hinge
-    angle], damping (n,) [N m s/rad].
+    length [m] along the arm, mass [kg]. payload [kg] at the tip, with what hangs there. hinge_s (n,), stiffness (n,)
+    [N m/rad of hinge angle], damping (n,) [N m s/rad].
     """
 
     model: Any
@@ -105,7 +114,7 @@ def build_spec(
     damping: Array,
     fluid: Fluid,
     gravity: Gravity,
-    tip_mass: float,
+    hung: Hung,
     mount: Mount,
 ) -> Any:
     """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for the eye: they carry no mass."""
@@ -141,10 +150,12 @@ def build_spec(
         size = [float(specimen.section.half_thickness(middle)), 0.5 * lengths[k], 0.0]
         geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, pos=[0.0, 0.5 * lengths[k], 0.0])
         geom.quat, geom.mass, geom.contype, geom.conaffinity = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], 0.0, 0, 0
-    if tip_mass > 0.0:
-        payload = body.add_body(name="payload", pos=[0.0, lengths[-1], 0.0])
-        point = max(1e-4 * tip_mass * lengths[-1] ** 2, SMALLEST_INERTIA)  # a point mass, as nearly as MuJoCo takes it
-        payload.mass, payload.inertia, payload.explicitinertial = tip_mass, [point] * 3, True
+    for name, point in (("payload", Hung(specimen.tip_mass)), ("hung", hung)):
+        if point.mass <= 0.0:
+            continue
+        payload = body.add_body(name=name, pos=[0.0, lengths[-1] + point.reach, 0.0])
+        turning = max(1e-4 * point.mass * lengths[-1] ** 2, SMALLEST_INERTIA)  # as nearly a point as MuJoCo takes
+        payload.mass, payload.inertia, payload.explicitinertial = point.mass, [turning] * 3, True
         payload.ipos = [0.0, 0.0, 0.0]  # left out, MuJoCo 4.0 puts it at `pos` once more
     return spec
 
@@ -156,21 +167,21 @@ def build_chain(
     damping: Array,
     fluid: Fluid,
     gravity: Gravity,
-    tip_mass: float | None = None,
+    hung: Hung | None = None,
     mount: Mount | None = None,
 ) -> Chain:
     """Compile the chain; stiffness k and damping d (n,) at the hinges in the paper's units (per unit curvature c).
 
-    A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. tip_mass [kg] replaces the
-    specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
+    A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. hung: what the tip
+    carries beside the specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
     """
     if links < 2:
         raise InputError(f"{links} is too few", field="links", expected="an integer >= 2")
     starts, ends = link_bounds(links)
     refuse_bad_stiffness(hinge_positions(links), stiffness)
-    payload = specimen.tip_mass if tip_mass is None else tip_mass
+    hung = hung or Hung()
     spec = build_spec(
-        specimen, links, links * stiffness, links * damping, fluid, gravity, payload, mount or Mount()
+        specimen, links, links * stiffness, links * damping, fluid, gravity, hung, mount or Mount()
     )  # fmt: skip
     mass, _, _, _ = _inertia_of_links(specimen, starts, ends)
     return Chain(
@@ -180,7 +191,7 @@ def build_chain(
         start=specimen.length * starts,
         length=specimen.length * (ends - starts),
         mass=mass,
-        payload=payload,
+        payload=specimen.tip_mass + hung.mass,
         hinge_s=hinge_positions(links),
         stiffness=links * stiffness,
         damping=links * damping,

@@ -25,6 +25,7 @@ WATER = np.dtype(
         ("C_perp", _F),  # normal drag coefficient on the width, eq. 15
         ("C_t", _F),  # skin friction coefficient on the wetted perimeter
         ("C_a", _F),  # added mass over the water in a circle of the width
+        ("tangential", _F),  # that along the tangent, over that along the normal
         ("c_n", _F),  # linear drag along the normal [Pa s]; half of it along the tangent
         ("U_x", _F),  # steady current [m/s]
         ("U_y", _F),
@@ -112,7 +113,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "wall": ("B", "distance"),
     "buoyancy": ("density_error",),
     "gravity_tilt": ("tilt",),
-    "tip_mass": ("mass",),
+    "tip_mass": ("mass", "reach"),
     "cubic_stiffness": ("beta",),
     "intrinsic_curvature": ("c0",),
     "viscoelasticity": ("g", "tau"),
@@ -132,7 +133,6 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "vortex": ("C_L", "f"),
     "magnet": ("strength", "x", "y"),
 }
-NORMAL_ONLY = 1e-3  # a share of the added mass along the tangent that is none
 UNCATALOGUED = ("thread", "clamp_slip", "suction", "mount_resonance", "vortex", "magnet")
 
 
@@ -147,13 +147,6 @@ def refuse_unknown(parameters: Parameters) -> None:
                 raise InputError("no such parameter", field=f"{effect}.{name}", expected=expected)
             if not np.isfinite(given):
                 raise InputError(f"{given!r} is not usable", field=f"{effect}.{name}", expected="a finite number")
-    along = value(parameters, "added_mass", "tangential")
-    if abs(along) > NORMAL_ONLY and value(parameters, "added_mass", "C_a") != 0.0:
-        raise InputError(
-            f"{along:g} is not usable",
-            field="added_mass.tangential",
-            expected="0: water is carried along a section's normal only here",
-        )
 
 
 def value(parameters: Parameters, effect: str, name: str, default: float = 0.0) -> float:
@@ -173,6 +166,7 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         C_perp=take("drag", "C_perp"),
         C_t=take("skin_drag", "C_t"),
         C_a=take("added_mass", "C_a"),
+        tangential=take("added_mass", "tangential"),
         c_n=take("linear_drag", "c_n"),
         U_x=take("current", "U_x"),
         U_y=take("current", "U_y"),

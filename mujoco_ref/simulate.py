@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mujoco_ref.chain import build_chain, flexural, hinge_positions
+from mujoco_ref.chain import Hung, build_chain, flexural, hinge_positions
 from mujoco_ref.hinges import hinge_records, soft_spot
 from mujoco_ref.influence import Parameters, refuse_unknown, tip_record, value, water_record
 from mujoco_ref.midline import midline_points
@@ -121,9 +121,10 @@ def make_stepper(
     stiffness = flexural(specimen, s, value(parameters, "elasticity", "E"), k0, k1) * soft_spot(parameters, s)
     d0, d1 = value(parameters, "damping", "d0"), value(parameters, "damping", "d1")
     damping = flexural(specimen, s, value(parameters, "damping", "eta"), d0, d1)
-    payload = specimen.tip_mass + value(parameters, "tip_mass", "mass")
-    base, mount = base_record(parameters, servo, rail, specimen.mass + payload)
-    chain = build_chain(specimen, links, stiffness, damping, model.fluid, gravity, payload, mount)
+    moving = specimen.mass + specimen.tip_mass + value(parameters, "tip_mass", "mass")
+    base, mount = base_record(parameters, servo, rail, moving)
+    hung = Hung(value(parameters, "tip_mass", "mass"), value(parameters, "tip_mass", "reach") * specimen.length)
+    chain = build_chain(specimen, links, stiffness, damping, model.fluid, gravity, hung, mount)
     pull = (gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle))
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)

@@ -197,13 +197,16 @@ def water_forces(
                 ux, uy = vx0 - reach * rate * c - wx, vy0 - reach * rate * s - wy
                 ax = ax0 + reach * (rate**2 * s - acceleration * c) - wax
                 ay = ay0 - reach * (rate**2 * c + acceleration * s) - way
-                u_n, u_t, a_n = ux * c + uy * s, -ux * s + uy * c, ax * c + ay * s
+                u_n, u_t, a_n, a_t = ux * c + uy * s, -ux * s + uy * c, ax * c + ay * s, -ax * s + ay * c
+                # Carried every way, it is mass: -m a. Carried along the normal alone,
                 # -d/dt(m u_n n) = -m [(a_n + rate u_t) n + rate u_n t]; couple -u x P = m u_n u_t.
-                f_n, f_t = -carried * (a_n + rate * u_t), -carried * rate * u_n
+                round_it = water.tangential * carried
+                across = carried - round_it
+                f_n, f_t = -carried * a_n - across * rate * u_t, -across * rate * u_n - round_it * a_t
                 gx, gy = f_n * c - f_t * s, f_n * s + f_t * c
                 fx, fy = fx + gx, fy + gy
-                moment += px * gy - py * gx + carried * u_n * u_t - turning * acceleration
-                _add_tensor(composite, px, py, carried, 0.0, turning, c, s)
+                moment += px * gy - py * gx + across * u_n * u_t - turning * acceleration
+                _add_tensor(composite, px, py, carried, round_it, turning, c, s)
         force[2 + k] += moment - (x0 * fy - y0 * fx)
         if water.density > 0.0:
             # Rows of the composite's matrix for the joint at (x0, y0): arms p' = (-y, x).

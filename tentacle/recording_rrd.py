@@ -33,12 +33,12 @@ from tentacle.declaration_file import format_recording_file
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.recording_from_rrd import read_rrd
+from tentacle.rrd_stream import new_stream
 from tentacle.video_file import frame_files
 from tentacle.write_folder import describe
 
 __all__ = ["log_recording", "read_rrd", "write_rrd"]
 
-APPLICATION = "tentacle-twin"
 MEDIA_TYPES = {
     ".mp4": "video/mp4",
     ".mkv": "video/x-matroska",
@@ -55,7 +55,7 @@ def write_rrd(recording: Recording, file: Path) -> None:
     if not file.parent.is_dir():
         raise InputError("no such folder", file=file.parent)
     partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    stream = rr.RecordingStream(APPLICATION, recording_id=_identity(recording))
+    stream = new_stream(_identity(recording))
     try:
         stream.save(partial)
         log_recording(recording, stream)

@@ -14,6 +14,7 @@ import rerun.blueprint as rrb
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.recording import Declaration, Recording
+from tentacle.rrd_stream import new_stream
 from viz.blueprints.diagnose import diagnose_blueprint
 from viz.blueprints.run import Shown
 from viz.scene import Scene, paired, scene_of
@@ -27,8 +28,6 @@ from viz.topics.residual import log_residual, log_spectra
 from viz.topics.thrust import log_thrust
 from viz.topics.verdict import log_verdict
 
-APPLICATION = "tentacle-twin"
-
 
 def session_id(*words: str) -> UUID:
     """An identity for a session that depends on its words alone, so that the same input gives the same one."""
@@ -39,7 +38,7 @@ def session_id(*words: str) -> UUID:
 def session_file(path: Path, identity: UUID) -> Iterator[rr.RecordingStream]:
     """A stream into path. The file appears under its name only when the block ends without an error."""
     unfinished = path.with_name(path.name + ".unfinished")
-    session = rr.RecordingStream(APPLICATION, recording_id=identity, send_properties=False)
+    session = new_stream(identity, send_properties=False)
     try:
         session.save(unfinished)
         yield session

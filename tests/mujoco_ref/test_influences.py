@@ -71,6 +71,32 @@ def test_maxwell_branch_stiffens_fast_motion_and_not_the_rest_shape():
     assert found / base == pytest.approx(np.sqrt(1.5), rel=0.02)
 
 
+def test_water_carried_every_way_is_as_much_mass_of_the_arm():
+    """A cone's water fills its own volume, so that C_a = .5 every way is 499 kg/m^3 more arm, where nothing weighs."""
+    carried = {"C_a": 0.5, "tangential": 1.0}
+    effects = {"damping": {"eta": 300.0}, "drag": {"C_perp": 1.1}}
+    heavier = Specimen(CONE.section, CONE.length, CONE.density + 0.5 * WATER.density)
+    wave = Sine(0.4, 1.5)
+    light = simulate(model_of(CONE, WATER, **effects, added_mass=carried), wave, 1.0, 60.0).midline.xy
+    heavy = simulate(model_of(heavier, WATER, **effects), wave, 1.0, 60.0).midline.xy
+    plain = simulate(model_of(CONE, WATER, **effects), wave, 1.0, 60.0).midline.xy
+    # The sections' own rotary inertia is the arm's alone: (r / L)^2 = .008 of the rest at the base.
+    assert np.abs(light - heavy).max() < 1e-2 * np.abs(plain - heavy).max()
+
+
+def test_a_weight_ahead_of_the_tip_pulls_with_a_longer_lever():
+    """A small load P at a reach r beyond a cantilever's tip turns that tip by P (L^2 / 2 + r L) / EI."""
+    length, reach = 0.2, 0.3
+    bending = 2e5 * float(STRIP.second_moment(0.0))
+    pull = 0.01 * bending / length**2
+    light = Specimen(STRIP, length, 1e-6)
+    hung = {"tip_mass": {"mass": pull / Gravity().magnitude, "reach": reach}}
+    state = equilibrium(make_stepper(model_of(light, AIR, Gravity(np.pi / 2)), hung, links=40), 0.0)
+    turned = -float(np.sum(state.q[2:]))
+    # Order 2 in 1 / 40, and 1e-4 of nonlinearity.
+    assert turned == pytest.approx(pull * length**2 * (0.5 + reach) / bending, rel=1e-3)
+
+
 def test_cubic_stiffness_hardens_with_amplitude():
     stepper = make_stepper(model_of(CONE), {"cubic_stiffness": {"beta": 2.0}})
 

@@ -134,3 +134,15 @@ def test_writing_that_fails_leaves_nothing(tmp_path: Path) -> None:
         write_rrd(recording, tmp_path / "run.rrd")
     assert list(tmp_path.glob("*rrd*")) == []
     assert list(tmp_path.glob(".*")) == []
+
+
+def test_many_files_leave_no_threads_behind(tmp_path: Path) -> None:
+    """One stream's thread may wait for the next to end it; not one a file."""
+    if not Path("/proc/self/task").is_dir():
+        pytest.skip("threads are counted where Linux lists them")
+    recording = full_recording()
+    write_rrd(recording, tmp_path / "first.rrd")
+    before = len(list(Path("/proc/self/task").iterdir()))
+    for k in range(6):
+        write_rrd(recording, tmp_path / f"{k}.rrd")
+    assert len(list(Path("/proc/self/task").iterdir())) <= before + 2
