@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from discovery.calibration import Calibration
+from discovery.trials.design import ROUND
 from discovery.trials.outcome import Outcome
 from discovery.trials.scores import Share
 from tentacle.signals import Array
@@ -92,3 +93,12 @@ def fit_calibration(outcomes: Sequence[Outcome]) -> Calibration:
         means = np.bincount(place, weights[order] * right[order]) / total
         tables[verdict] = (tuple(knots.tolist()), tuple(np.round(pooled(means, total), 4).tolist()), len(chosen))
     return Calibration(tables)
+
+
+def cross_calibrated(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """Every trial with the confidence that a map fitted to the other half of the trials gives it: what the map is
+    worth on recordings that it was not made from.
+    """
+    rounds = len(ROUND)  # by turns, so that both halves hold every kind
+    maps = [fit_calibration([o for o in outcomes if o.index // rounds % 2 == half]) for half in (0, 1)]
+    return [replace(o, confidence=maps[1 - o.index // rounds % 2](o.verdict, o.uncalibrated)) for o in outcomes]

@@ -7,7 +7,7 @@ import pytest
 
 from discovery.calibration import Calibration, calibrated, stored
 from discovery.trials.outcome import Outcome, outcome
-from discovery.trials.reliability import calibration_gap, fit_calibration, pooled, reliability
+from discovery.trials.reliability import calibration_gap, cross_calibrated, fit_calibration, pooled, reliability
 from discovery.trials.scores import Share, baseline_hit, confusion, scores
 
 
@@ -142,6 +142,18 @@ def test_calibration_finds_the_hit_rate():
     ]
     assert calibration_gap([b for b in reliability(fresh) if b.right.count >= 200]) < 0.08
     assert calibration_gap(reliability(drawn(4000, 3.0, 1))) > 0.2
+
+
+def test_each_half_is_calibrated_by_the_other():
+    """Verdicts that state .9 and are right in one half only: each half is told of the other's luck."""
+    trials = [
+        made(k, uncalibrated=0.9, named=("current",) if k // 16 % 2 else ("wall",), hidden=("current",))
+        for k in range(400)
+    ]
+    assert [o.hit for o in trials[::16]][:4] == [False, True, False, True]
+    crossed = cross_calibrated(trials)
+    assert all(o.confidence > 0.9 for o in crossed if not o.hit)
+    assert all(o.confidence < 0.1 for o in crossed if o.hit)
 
 
 def test_few_trials_move_the_map_little_and_it_only_rises():
