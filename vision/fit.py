@@ -82,11 +82,13 @@ def refine(
             return None
         x = x + robust_step(np.ascontiguousarray(expected.jacobian[:, :order]), edges.offset, base, 6, 0.4)[0]
     sound, first = np.zeros(0, dtype=np.bool_), None
+    total = x + theta * (np.arange(order) == 0)
+    expected = outline(geometry, theta, x, shared)
+    # swept once: the second time the place differs by far too little to be swept otherwise
+    swept = sweep(geometry, total, shared, expected, *motion.at(t, total), exposure)
     for reach in (NARROW, FINAL):
-        expected = outline(geometry, theta, x, shared)
+        expected = expected if first is None else outline(geometry, theta, x, shared)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
-        total = x + theta * (np.arange(order) == 0)
-        swept = sweep(geometry, total, shared, expected, *motion.at(t, total), exposure)
         place = (image, expected, geometry.lens, reach, sight.polarity, sight.blur, swept)
         edges = fit_edges(*place) if first is None else measure_edges(*place, first, sound)
         usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, shared, expected, swept)
