@@ -18,7 +18,7 @@ from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST = 256  # samples that a searched profile may have
 STRANGE = 4.0  # times the usual rms of a profile's residual
-LEVEL_REACH = 6.0  # px beyond the blur, to either side, from which the greys beside an edge are told
+LEVEL_REACH = 4.0  # px beyond the blur from which the greys beside an edge are told; a mirror image is often near
 
 
 @dataclass(frozen=True)

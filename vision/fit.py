@@ -21,7 +21,7 @@ FINAL = 1.2  # px: a short profile sees least of what else is near
 ENDS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
 TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
-SIDEWAYS = 1.0  # px that an end may move sideways in an exposure, and still be told
+SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
 SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
 
 
@@ -183,7 +183,7 @@ def _end(
     names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge", "span")
     rows = Outline(*(getattr(expected, name)[index] for name in names))
     nothing = np.zeros(len(index))
-    if swept.slip[index].max() > SIDEWAYS:
+    if swept.slip[index].max() > SIDEWAYS * 2.0 * expected.span[index].sum():
         return index, nothing
     swept = Sweep(swept.width[index], swept.shift[index], swept.slip[index])
     coarse = search_edges(image, rows, geometry.lens, ends, sight.polarity)
