@@ -7,7 +7,7 @@ import numpy as np
 from affine_model.identify.trajectory import Fit, Problem
 from discovery.calibration import calibrated
 from discovery.compare import errors, floor_errors, midline_error, run_comparison
-from discovery.hypothesis import estimates, hypothesis
+from discovery.hypothesis import Hypothesis, estimates, hypothesis
 from discovery.next_experiment import DURATION, Proposal, propose
 from discovery.prepare import Prepared
 from discovery.reduction import Reduction
@@ -21,6 +21,7 @@ from tentacle.recording import Recording
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform_file import waveform_table
 
+ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
 LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
@@ -94,7 +95,7 @@ def assembled(
     augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
     if rest is not None:
         words = (*words, _rest_words(rest))
-    proposal = propose(found.chosen, found.rivals, LIMITS, seed) if found.rivals else None
+    proposal = propose(*_to_be_split(found, verdict), LIMITS, seed)
     if proposal is not None:
         words = (*words, _proposal_words(proposal))
     candidates = list(found.candidates[:12])
@@ -120,6 +121,15 @@ def assembled(
         words=(*words, *decision.words),
         seed=seed,
     )
+
+
+def _to_be_split(found: Search, verdict: str) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:
+    """The hypotheses that the next experiment is to tell apart: the chosen one and its rivals; where nothing explains
+    the data and nothing rivals it, the best accounts by one effect.
+    """
+    if found.rivals or verdict != "unknown" or len(found.single) < 2:
+        return found.chosen, found.rivals
+    return found.single[0], found.single[1:ACCOUNTS]
 
 
 def _proposal_words(proposal: Proposal) -> str:

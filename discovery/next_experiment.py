@@ -79,7 +79,8 @@ def propose(chosen: Hypothesis, rivals: tuple[Hypothesis, ...], limits: ServoLim
     source = chosen.problem.experiments[0]
     if not rivals or source.release is not None or not isinstance(source.observation, ShapeObservation):
         return None
-    splits = tuple(sorted({name for h in (chosen, *rivals) for name in h.effects}))
+    sets = [set(h.effects) for h in (chosen, *rivals)]
+    splits = tuple(sorted(set.union(*sets) - set.intersection(*sets)))
     best: Proposal | None = None
     for waveform in candidates(limits, seed):
         gap = min(_gap(chosen, rival, source, waveform) for rival in rivals)

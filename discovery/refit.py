@@ -15,8 +15,8 @@ from affine_model.arm import Arm, parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.sufficient_step import sufficient_step, unbiased_noise
-from affine_model.identify.trajectory import Fit, Problem, fit
-from discovery.hypothesis import Hypothesis, hypothesis
+from affine_model.identify.trajectory import Fit, Problem, evaluate, fit
+from discovery.hypothesis import Hypothesis, hypothesis, material_gain, nats_per_parameter
 from discovery.score import Candidate
 
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
@@ -38,18 +38,24 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     problem, nuisances = _remembering(problem, current.fitted.nuisances)
     best: Fit | None = None
     beyond = current.train.structure >= LINEAR
-    for start in _starts(problem, nuisances, current, candidate):
+    promised = current.fitted.misfit - 0.5 * candidate.gain
+    starts = _starts(problem, nuisances, current, candidate)
+    for start in starts:
         fitted = fit(_at(problem, start), nuisances, tolerance=_enough(current), most=20)
         if best is None or fitted.misfit < best.misfit:
             best = fitted
         near_noise = not beyond or best.misfit < NEAR_NOISE * best.count
-        if near_noise and current.fitted.misfit - best.misfit > 0.5 * candidate.gain:
+        if near_noise and best.misfit < promised:
             break
     assert best is not None
-    # A law that bends sharply may need a finer step than the model without it.
-    if beyond and (step := sufficient_step(problem, best)) < problem.step:
-        problem = replace(problem, step=step)
-        best = fit(_at(problem, best.values), best.nuisances, tolerance=_enough(current), most=20)
+    # A law that bends sharply may need a finer step than the model without it. Where the linear picture holds and yet
+    # breaks its promise, the fit may have fled from where it needs one.
+    place = best if beyond else evaluate(_at(problem, starts[0]), nuisances) if best.misfit > promised else None
+    if place is not None and (step := sufficient_step(problem, place)) < problem.step:
+        finer = replace(problem, step=step)
+        again = fit(_at(finer, place.values), place.nuisances, tolerance=_enough(current), most=20)
+        if beyond or again.misfit < best.misfit:
+            problem, best = finer, again
     effects = (*current.effects, candidate.effect.name)
     problem = replace(problem, parameters=best.parameters)
     return hypothesis(effects, problem, best, current.reduction, current.laws_of_more())
@@ -101,6 +107,24 @@ def polished(chosen: Hypothesis) -> Hypothesis:
         return chosen
     problem = replace(chosen.problem, step=step, parameters=chosen.fitted.parameters)
     return _again(chosen, problem, chosen.fitted.nuisances, tolerance=1e-7, most=40)
+
+
+def spared(chosen: Hypothesis) -> Hypothesis:
+    """The chosen hypothesis without the shapes that its data do not need: at 0 the law is as if it had none."""
+    for effect in chosen.effects:
+        for shape in catalogue()[effect].shapes:
+            name = (effect, shape.name)
+            if shape.neutral != 0.0 or name not in chosen.problem.free:
+                continue
+            parameters = chosen.fitted.parameters.copy()
+            parameters[parameter_index(*name)] = 0.0
+            free = tuple(other for other in chosen.problem.free if other != name)
+            problem = replace(chosen.problem, free=free, parameters=parameters)
+            simpler = _again(chosen, problem, chosen.fitted.nuisances)
+            needed = max(nats_per_parameter(chosen.problem), material_gain(chosen))
+            if simpler.evidence > chosen.evidence - needed:
+                chosen = simpler
+    return chosen
 
 
 def _again(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from affine_model.arm import Arm
 from discovery.base_fit import settled
 from discovery.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter
-from discovery.refit import LINEAR, on_arm, polished, refit, refitted, with_noise_of, without
+from discovery.refit import LINEAR, on_arm, polished, refit, refitted, spared, with_noise_of, without
 from discovery.score import Candidate, score, survey
 
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
@@ -122,7 +122,7 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
             current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
         if current.fitted.misfit > WORTH_GOING_ON[len(current.effects)] * base.fitted.misfit:
             break
-    current = polished(current)
+    current = spared(polished(current))
     loose = looseness(current)
     tie = tied_within(current, loose)
     rivals = [h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < tie]

@@ -14,6 +14,7 @@ from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
 DOMINANT = 0.07  # the same, whatever the noise: measured arms are never followed down to a motion capture's microns
+STANDS_OUT = 1.0  # noise sigmas: a rest that is as large as the noise is seen in the picture of residuals
 AGREED = 0.2  # where what all rivals agree on leaves no more than this share, the rest of their difference is a detail
 
 
@@ -61,8 +62,8 @@ def decide(search: Search) -> Decision:
     adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
     passed = adequate and not _strained(chosen)
     if not chosen.effects and passed:
-        margin = max(gate.statistic / gate.threshold for gate in (*base.train.gates, *base.judged.gates))
-        return Decision("nothing_missing", (), float(np.clip(1.0 - 0.5 * max(margin, 0.0) ** 8, 0.5, 0.98)), ())
+        sure = float(np.clip(1.0 - 0.5 * _room_used(base), 0.5, 0.98))
+        return Decision("nothing_missing", (), sure, _hidden_below(base))
     share = structure_share(search, chosen)
     named = chosen if passed else _dominant(search, AGREED if adequate else 0.0)
     if not chosen.effects or named is None:
@@ -100,6 +101,23 @@ def decide(search: Search) -> Decision:
         return Decision("effect", agreed, _confidence(search, passed, share), tuple(words))
     words.append("These data do not split " + ", ".join(alternatives) + ".")
     return Decision("group", (*alternatives, *agreed), 0.9 if passed else 0.7, tuple(words))
+
+
+def _room_used(h: Hypothesis) -> float:
+    """Share of what a model may leave, noise and its own error, that it does leave; of both stretches the larger."""
+    sizes = [gate for gate in (*h.train.gates, *h.judged.gates) if gate.name == "chi-square"]
+    return max((max(gate.statistic - 1.0, 0.0) / (gate.threshold - 1.0) for gate in sizes), default=1.0)
+
+
+def _hidden_below(h: Hypothesis) -> tuple[str, ...]:
+    """Says so where the model's own error, not the noise, bounds what can be seen."""
+    left = max(h.train.structure, h.judged.structure)
+    if left < STANDS_OUT:
+        return ()
+    return (
+        f"What is left is {left:.1f} times the noise and no more than the reduced model may err by itself: "
+        "an effect smaller than that would not show.",
+    )
 
 
 def _strained(chosen: Hypothesis) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import struct
 import sys
 from pathlib import Path
@@ -91,7 +92,8 @@ class ArmPlant:
 
 
 def main(words: list[str]) -> int:
-    """Answers until the pipe closes."""
+    """Answers until the pipe closes: Ctrl-C is for the emulator, which then closes it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     read_end, write_end = int(words[0]), int(words[1])
     hidden = json.loads(Path(words[3]).read_text()) if len(words) > 3 else {}
     plant = ArmPlant(read_model(Path(words[2])), hidden)

@@ -58,13 +58,31 @@ def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator
     try:
         yield process
     finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGTERM)
-        process.wait()
+        for order in (signal.SIGTERM, signal.SIGKILL):  # one that is busy with a page does not hear the first
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, order)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(5.0)
+                break
+
+
+def has_screen() -> bool:
+    """Whether a window can be opened."""
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def require_screen() -> None:
+    """Raises InputError, naming the other ways to look, where no window can be opened."""
+    if not has_screen():
+        raise InputError("no screen here to open the viewer on", expected="--web, or --screenshot OUT.png")
 
 
 def open_native(files: Sequence[Path]) -> int:
-    """Open the desktop viewer and wait until it is closed; its exit status. It listens on this machine only."""
+    """Open the desktop viewer and wait until it is closed; its exit status. It listens on this machine only.
+
+    Raises InputError where there is no screen for it.
+    """
+    require_screen()
     found = [str(file) for file in require_recordings(files)]
     with running(["--port", str(free_port()), *found]) as process:
         return process.wait()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import socket
 import subprocess
 import sys
@@ -15,7 +14,7 @@ PAGE_PORT = 9090
 
 def start_viewer(port: int, page_port: int = PAGE_PORT) -> subprocess.Popen[bytes] | None:
     """Starts a viewer that listens on this machine alone; None where one is there. InputError where it fails."""
-    from viz.viewer import viewer_program, wait_until_listening
+    from viz.viewer import has_screen, viewer_program, wait_until_listening
 
     with socket.socket() as probe:
         if probe.connect_ex((LOOPBACK, port)) == 0:
@@ -34,8 +33,3 @@ def start_viewer(port: int, page_port: int = PAGE_PORT) -> subprocess.Popen[byte
         page = f"http://{LOOPBACK}:{page_port}/?url={address.replace('+', '%2B')}"
         print(f"no screen here: open {page} in a browser; the viewer is process {process.pid}", file=sys.stderr)
     return process
-
-
-def has_screen() -> bool:
-    """Whether a window can be opened."""
-    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

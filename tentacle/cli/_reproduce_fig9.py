@@ -120,7 +120,7 @@ def _write_page(
     ]
     figure = thrust_map_figure(arms)
     for axes in figure.axes:
-        axes.set_title(axes.get_title().replace("measured", "reference").replace("model", "affine"))
+        axes.title.set_text(axes.get_title().replace("measured", "reference").replace("model", "affine"))
     rows = [
         (f"{1e3 * length:.0f} mm", f"{rank:.4f}", f"{100 * ratio:.1f} %")
         for length, rank, ratio in zip(LENGTHS, ranks, ratios, strict=True)

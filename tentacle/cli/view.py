@@ -36,6 +36,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("only a screenshot has an instant", field="--at", expected="--screenshot OUT.png with it")
     if arguments.screenshot is not None and arguments.screenshot.suffix != ".png":
         raise InputError("not a picture's name", file=arguments.screenshot, field="--screenshot", expected="OUT.png")
+    if arguments.screenshot is None and not arguments.web:  # said before videos are made ready for a session
+        viewer.require_recordings([file for file in arguments.files if not file.is_dir()])
+        viewer.require_screen()
     with tempfile.TemporaryDirectory(prefix="tentacle-view-") as folder:
         shown = [with_layout(file, Path(folder) / f"{number}.rrd") for number, file in enumerate(arguments.files)]
         if arguments.screenshot is not None:

@@ -8,8 +8,11 @@ from tentacle.cli._twins import affine_twin, net_weight, reference_twin, shape_e
 from tentacle.cli._validity import AMPLITUDES, ORDERS, RATIOS, Validity, cell, own_slenderness, own_taper, variants
 from tentacle.model import Estimate, Model
 from tentacle.model_file import model_tables
+from tentacle.runner import Runner
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Ramped, Sine
+from tests.cli.test_reports import made_up
+from tests.page import problems
 
 
 def swimmer() -> Model:
@@ -171,10 +174,13 @@ def test_a_grid_of_arms_is_one_page_beside_theirs(tmp_path, capsys, monkeypatch,
     for file, modulus in zip(files, (2e5, 4e5), strict=True):
         write_model(swimmer().with_effect("elasticity", E=Estimate.exact(modulus)), file)
     monkeypatch.setattr(_ladder, "climb", lambda *_: ladder)
-    assert main(["compare", *map(str, files), "--out", str(tmp_path / "grid"), "--no-map"]) == 0
+    monkeypatch.setattr(Runner, "run", made_up)  # a map takes minutes
+    assert main(["compare", *map(str, files), "--out", str(tmp_path / "grid")]) == 0
     assert [line.split(",")[0] for line in (tmp_path / "grid" / "grid.csv").read_text().splitlines()] == [
         "arm", "one", "two"
     ]  # fmt: skip
     for name in ("report.html", "one/report.html", "one/session.rrd", "two/ladder.csv"):
         assert (tmp_path / "grid" / name).stat().st_size > 0
+    for page in (tmp_path / "grid").rglob("report.html"):
+        assert problems(page.read_text()) == []
     assert "order 4" in capsys.readouterr().out

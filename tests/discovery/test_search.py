@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from discovery.adequacy import ljung_box
-from discovery.hypothesis import looseness, parameter_interval
+from discovery.hypothesis import hypothesis, looseness, parameter_interval
 from discovery.next_experiment import _gap, candidates, propose
 from discovery.score import score
 from discovery.search import refit, search, without
@@ -43,6 +43,17 @@ def test_nothing_hidden_nothing_named(plain):
     assert outcome.chosen is plain
     assert (decision.verdict, decision.effects) == ("nothing_missing", ())
     assert probabilities(outcome) == {}
+    assert decision.words == ()
+
+
+def test_where_the_model_s_own_error_hides_the_rest_it_says_so_and_is_less_sure(plain, with_current):
+    """A current's residual that is granted to the reduction: nothing can be named, and nothing is sure."""
+    size = with_current.train.structure
+    hidden = hypothesis((), with_current.problem, with_current.fitted, (size, size))
+    decision = decide(search(hidden))
+    assert decision.verdict == "nothing_missing"
+    assert any("would not show" in sentence for sentence in decision.words)
+    assert decision.confidence < decide(search(plain)).confidence - 0.1
 
 
 def test_a_hidden_current_is_named_and_measured(found):

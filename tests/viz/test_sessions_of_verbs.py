@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
 import socket
+import subprocess
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -108,6 +110,7 @@ def test_the_viewer_listens_on_this_machine_only(monkeypatch):
         raise OSError("not started in this test")
 
     monkeypatch.setattr("viz.viewer.subprocess.Popen", note)
+    monkeypatch.setenv("DISPLAY", ":0")
     with pytest.raises(OSError, match="not started"), headless_viewer():
         pass
     for start in (open_native, serve_web):
@@ -139,6 +142,31 @@ def test_a_web_page_is_served_here_alone_until_ctrl_c_and_nothing_is_left_behind
     while any(answers("127.0.0.1", port) for port in seen) and time.monotonic() < deadline:
         time.sleep(0.1)
     assert [answers("127.0.0.1", port) for port in seen] == [False, False]
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is not installed")
+def test_a_browser_opens_what_the_web_page_serves(case, tmp_path):
+    """The viewer's program is fetched from this machine, starts in the browser and draws its frame."""
+    import cv2
+
+    session = write_recording_view(replace(case.recordings[0], video=None), tmp_path / "view.rrd")
+    picture = tmp_path / "page.png"
+    quiet = ["--headless", "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-sync"]
+    drawing = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # WebGL without a GPU
+    shown = [f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=20000", f"--screenshot={picture}"]
+
+    def visit(words: str) -> None:
+        page = words.split()[0] + "&renderer=webgl"
+        command = ["chromium", *quiet, *drawing, *shown, "--window-size=800,500", page]
+        subprocess.run(command, check=True, capture_output=True, timeout=60)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        serve_web([session], told=visit)
+    drawn = cv2.imread(str(picture))
+    assert drawn is not None
+    # a page whose program fails is of one colour, or a line of text; the viewer has bars, panels and buttons
+    assert len(np.unique(drawn.reshape(-1, 3), axis=0)) > 50
 
 
 def answers(address: str, port: int) -> bool:

@@ -25,7 +25,8 @@ def budget_figure(budget: ErrorBudget) -> Figure:
         values = [float(getattr(budget, field)) for _, field, _, _ in SHARES]
         for row, ((_, _, role, hatch), value) in enumerate(zip(SHARES, values, strict=True)):
             axes.barh(row, value, color=role.hex, hatch=hatch, edgecolor=INK, lw=0.5)
-            axes.annotate(f" {number(value)} mm", (value, row), va="center", fontsize=8)
+            where = {"xytext": (4, 0), "textcoords": "offset points"}
+            axes.annotate(f"{number(value)} mm", (value, row), va="center", fontsize=8, **where)
         axes.set_yticks(range(len(SHARES)), [name for name, _, _, _ in SHARES])
         axes.invert_yaxis()
         axes.set_xlim(0, 1.15 * max(*values, 1e-6))

@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from tentacle.signals import Array
 from viz.figures.style import INK, house_style, new_figure
-from viz.palette import SEQUENTIAL_MAP
+from viz.palette import NEUTRAL, SEQUENTIAL_MAP
 
 MARKERS = "osDv^P*X"
 LEAST = 1e-4
@@ -36,7 +37,7 @@ def flexibility_figure(
                 ratios = np.broadcast_to(np.asarray(frequency_ratio, dtype=float), error.shape)
                 shown = panel.scatter(
                     flexibility[arm], np.maximum(error, LEAST), c=ratios, s=12, marker=marker, norm=colours,
-                    cmap=SEQUENTIAL_MAP, linewidths=0.0, label=arm,
+                    cmap=SEQUENTIAL_MAP, linewidths=0.4, edgecolors=INK,
                 )  # fmt: skip
             for level in levels:
                 panel.axhline(level, color=INK, linewidth=0.7, linestyle="--")
@@ -47,8 +48,12 @@ def flexibility_figure(
             panel.set_title(title)
             panel.set_xlabel("drag / stiffness")
         panels[0].set_ylabel("relative error")
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=min(3, len(labels)))
+        arms = next(iter(errors.values()))
+        handles = [
+            Line2D([], [], color=NEUTRAL.hex, marker=marker, linestyle="", markersize=4, label=arm)
+            for arm, marker in zip(arms, MARKERS, strict=False)
+        ]
+        figure.legend(handles=handles, loc="outside upper center", ncols=min(3, len(handles)))
         if shown is not None:
             bar = figure.colorbar(shown, ax=list(panels), label="frequency / first mode")
             bar.set_ticks(list(frequency_ratio), labels=[f"{ratio:g}" for ratio in frequency_ratio])

@@ -32,7 +32,8 @@ def validity_figure(
             colours = panel.pcolormesh(
                 x, y, shown, shading="nearest", cmap=SEQUENTIAL_MAP, norm=LogNorm(*LIMITS), rasterized=True
             )
-            crossed = [level for level in levels if np.nanmin(error) < level < np.nanmax(error)]
+            known = error[np.isfinite(error)]
+            crossed = [level for level in levels if known.size and known.min() < level < known.max()]
             if crossed:
                 lines = panel.contour(
                     x, y, np.log10(np.where(np.isfinite(error), np.maximum(error, LIMITS[0]), np.nan)),

@@ -1,0 +1,288 @@
+"""Every shell command that README and docs show is executed; one that is added is executed as it stands.
+
+Marked blocks run whole (test_documentation.py); all other commands run here, each in a copy of the desk. What would
+take long is shortened by its own documented options, or ended by Ctrl-C once it has begun to write; what needs
+hardware, a screen or a network says so in one line, and that line is what is held here.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.docs.desk import begun, environment
+from tests.docs.shown import PAGES, ROOT, shown, stray
+from tests.page import problems
+from viz.viewer import free_port
+
+COMMANDS = shown([ROOT / "README.md", *PAGES])
+EMULATE = "tentacle rig emulate emu"
+BOARD = re.compile(r"(emu/)?rig\.toml|run\.rrd")  # what only an emulated rig gives
+
+
+@dataclass(frozen=True)
+class How:
+    """How a command is run where not as shown.
+
+    add: options put after it; swap: a text in it and what stands there instead; until: a pattern of files, or words,
+    after which it is ended by Ctrl-C; status: those that it may end with; says: what it must say, one of several
+    between bars; typed: on standard input.
+    """
+
+    add: str = ""
+    swap: tuple[str, str] = ("", "")
+    until: str = ""
+    status: tuple[int, ...] = (0,)
+    says: str = ""
+    typed: str = ""
+
+
+OFFLINE = "--dry-run --quiet --no-deps --no-index --no-build-isolation"
+QUICK = "--evaluations 60 --no-reference"
+NO_SCREEN = How(status=(2,), says="no screen here to open the viewer on; expected --web, or --screenshot OUT.png")
+STOPPED_MAKE = f"-o setup BIN={{programs}} -f {ROOT / 'Makefile'}"
+SPECIAL = {
+    "make demo": How(add=STOPPED_MAKE, until="out/demo"),
+    "make test": How(add=f"-o setup BIN={{programs}} -C {ROOT}", says="1 passed"),
+    "make firmware-check": How(add=f"-C {ROOT} BUILD={{here}}/build", says="core: all checks passed"),
+    "pip install -c constraints.txt .": How(add=OFFLINE),
+    "pip install pyelastica": How(add="--dry-run --no-deps --no-index", status=(1,), says="No matching distribution"),
+    "tentacle reproduce fig9 --out fig9": How(add="--workers 1", until="fig9/cells"),
+    "tentacle reproduce table1 --out table1": How(add="--seconds 3 --workers 1", until="table1/cells"),
+    "tentacle reproduce table2 --out table2 --seed 1": How(add="--evaluations 20"),
+    "tentacle compare arm.toml --out comparison": How(add="--no-map"),
+    "tentacle compare arm.toml --out comparison --tapers 0.5 --slenderness 20":
+        How(add="--workers 1", until="comparison"),
+    "tentacle compare short.toml long.toml --out grid": How(add="--workers 1", until="grid"),
+    "tentacle blind-trial 40 --out blind --seed 1 --workers 4": How(add="--workers 1", until="blind/trials"),
+    "tentacle optimise arm.toml --out gait": How(add=QUICK),
+    "tentacle optimise answer/model.toml --out gait": How(add=QUICK),
+    "tentacle view session.rrd --web": How(until="(Ctrl-C ends it)"),
+    "tentacle track camera.mkv --live 5 --length 0.14 --base-radius 0.0125 --tip-radius 0.0015 --out live.csv":
+        How(swap=("--live 5", "--live 1")),
+    "tentacle track /dev/video0 --live 5 --length 0.14 --base-radius 0.0125 --tip-radius 0.0015 --out live.csv":
+        How(swap=("/dev/video0", "/dev/video99"), status=(2,), says="/dev/video99: there is no such file"),
+    "tentacle rig check emu/rig.toml": How(status=(0, 3), says="limits obeyed by the board"),
+    "tentacle rig calibrate load-cell emu/rig.toml --masses 0 0.02 0.05 0.1":
+        How(add="--seconds 0.5", status=(2,), says="tentacle: the readings", typed="\n" * 4),
+    "tentacle rig calibrate servo emu/rig.toml --angles -0.6 -0.3 0 0.3 0.6":
+        How(add="--seconds 0.5", typed="-0.6\n-0.3\n0\n0.3\n0.6\n", says="636.6 us/rad"),
+    "tentacle rig calibrate camera-offset emu/rig.toml": How(add="--flashes 6", says="after exposure"),
+    "tentacle rig calibrate camera-offset emu/rig.toml --tap": How(status=(0, 3), says="frames arrive|WATCHDOG"),
+    "tentacle rig record emu/rig.toml wave.toml --seconds 20 --out run.rrd --view": How(add="--seconds 1"),
+    "tentacle rig campaign emu/rig.toml examples/campaign.toml --out specimen": How(until="specimen/*.rrd"),
+    "tentacle rig optimise emu/rig.toml --model model.toml --out study --trials 30": How(until="study/*.rrd"),
+    "tentacle rig optimise emu/rig.toml --model model.toml --out study-2 --trials 30 --reidentify 10":
+        How(until="study-2/*.rrd"),
+    f"{EMULATE} --model model.toml --hidden hidden.json": How(until="in another terminal"),
+    "python benchmarks/swim.py --json swim.json": How(add="--help", says="--short"),
+}  # fmt: skip
+CLUSTER = (
+    "dask scheduler --host 127.0.0.1",
+    "dask worker tcp://127.0.0.1:8786 --nthreads 1 --nworkers 8",
+    "dask scheduler --host 127.0.0.1 --port 8786",
+    "dask worker tcp://127.0.0.1:8786 --nthreads 1",
+    "tentacle compare arm.toml --out comparison --cluster tcp://127.0.0.1:8786",
+)
+FOLDER = (  # the firmware's copy: one after the other
+    "mkdir -p rig/firmware/due/tentacle_rig/src",
+    "cp -r rig/firmware/core rig/firmware/due/tentacle_rig/src/",
+)
+ELSEWHERE = (*CLUSTER, *FOLDER, EMULATE)  # these run below, with or around others
+
+
+def how(command: str) -> How:
+    """How a command is run: as the table says, else as its kind is, else as shown."""
+    if command in SPECIAL:
+        return SPECIAL[command]
+    if command.startswith("pip install 'tentacle-twin["):
+        return How(add=OFFLINE, swap=("tentacle-twin[", ".["))
+    if command.startswith("apt-get install "):
+        return How(add="--simulate")
+    if command.startswith("pytest "):
+        return How(add="--collect-only --quiet", swap=("tests/", f"{ROOT}/tests/"))
+    if command.startswith("tentacle view ") and "--" not in command:
+        return NO_SCREEN
+    return How()
+
+
+@pytest.fixture(scope="module")
+def bench(desk: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """`tentacle rig emulate emu &` as it runs, at twice the pace of time; and a run that was recorded on it."""
+    if shutil.which("g++") is None:
+        pytest.skip("no g++ here: the board's core cannot be compiled (Debian: apt-get install g++)")
+    pytest.importorskip("serial", reason="pyserial is not installed: pip install tentacle-twin[rig]")
+    lab = tmp_path_factory.mktemp("lab")
+    shell = environment(lab)
+    shutil.copy(desk / "wave.toml", lab)
+    with begun(f"{EMULATE} --rate 2", lab, shell, "in another terminal"):
+        record = "tentacle rig record emu/rig.toml wave.toml --seconds 2 --out run.rrd"
+        done = subprocess.run(record.split(), cwd=lab, env=shell, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        yield lab
+
+
+def beside_the_rig(place: Path, bench: Path) -> None:
+    """The emulated rig in a folder of one's own: a copy of its rig.toml, links to its port and camera."""
+    for folder in (place, place / "emu"):
+        folder.mkdir(exist_ok=True)
+        shutil.copy(bench / "emu" / "rig.toml", folder)
+        for name in ("port", "truth"):
+            (folder / name).symlink_to(bench / "emu" / name)
+    shutil.copy(bench / "run.rrd", place)
+
+
+@pytest.fixture(scope="module")
+def tried(
+    request: pytest.FixtureRequest, desk: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[dict[str, Future[None]]]:
+    """The selected commands, two at a time: most wait for a child, a port or a file. One rig takes one at a time."""
+    selected = [item.callspec.params["command"] for item in request.session.items if of_this_test(item)]
+    found: dict[str, Future[None]] = {command: Future() for command in selected}
+    board = [command for command in selected if BOARD.search(command)]
+    bench = request.getfixturevalue("bench") if board else None
+
+    def settle(command: str) -> None:
+        try:
+            place = tmp_path_factory.mktemp("reader")
+            execute(command, desk, place, bench if command in board else None)
+            found[command].set_result(None)
+        except BaseException as outcome:  # a skip is one, too; the test raises it
+            found[command].set_exception(outcome)
+
+    with ThreadPoolExecutor(2) as pool:
+        pool.submit(lambda: [settle(command) for command in board])
+        for command in set(selected) - set(board):
+            pool.submit(settle, command)
+        yield found
+
+
+def of_this_test(item: pytest.Item) -> bool:
+    return item.originalname == "test_a_command_that_is_shown_does_what_is_shown"  # type: ignore[attr-defined]
+
+
+def without_its_output(command: str, place: Path) -> None:
+    """What the command is to write is not there yet."""
+    for name in re.findall(r"--out (\S+)", command):
+        if f" {name}/" not in command:
+            shutil.rmtree(place / name) if (place / name).is_dir() else (place / name).unlink(missing_ok=True)
+
+
+@pytest.mark.parametrize("command", [command for command in COMMANDS if command not in ELSEWHERE], ids=str)
+def test_a_command_that_is_shown_does_what_is_shown(command: str, tried: dict[str, Future[None]]) -> None:
+    tried[command].result()
+
+
+def execute(command: str, desk: Path, place: Path, bench: Path | None) -> None:
+    """A shown command in a copy of the desk: its status, what it says, the files it names, and any report it wrote."""
+    needs(command)
+    run, shell = how(command), environment(place)
+    if command.startswith("pip "):
+        place = bare_source(place / "desk")
+    else:
+        place = Path(shutil.copytree(desk, place / "desk"))
+    if bench is not None:
+        beside_the_rig(place, bench)
+    if command == "make test":
+        shell["PYTEST_ADDOPTS"] = "tests/test_readme.py::test_its_pictures_are_there -p no:cacheprovider"
+    (place / "docs").mkdir()
+    without_its_output(command, place)
+    line = f"{command.replace(*run.swap) if run.swap[0] else command} {run.add}".strip()
+    line = line.replace("{programs}", str(place.parent / "programs")).replace("{here}", str(place))
+    if run.until:
+        with begun(line, place, shell, run.until):
+            return
+    for _ in range(3):
+        done = subprocess.run(["bash", "-c", line], cwd=place, env=shell, input=run.typed, capture_output=True,
+                              text=True, timeout=300, check=False)  # fmt: skip
+        said = done.stdout + done.stderr
+        close_the_viewer(said)
+        if bench is None or done.returncode != 3:
+            break  # 3 is a fault of the rig: its watchdog bites where this computer is too busy; asked again, it works
+        without_its_output(command, place)
+    assert done.returncode in run.status, f"{line}\n{said}"
+    assert any(words in said for words in run.says.split("|")), f"{line}\n{said}"
+    assert "does not provide the extra" not in said
+    assert "Traceback" not in said
+    if command.startswith("python -m affine_model.formulas"):
+        assert (place / "docs" / "catalogue.md").read_text() == (ROOT / "docs" / "catalogue.md").read_text()
+    for option, name in re.findall(r"--(out|screenshot) (\S+)", command) if run.status == (0,) else ():
+        assert (place / name).exists(), f"{line}: --{option}\n{said}"
+    for page in place.rglob("report.html"):
+        assert problems(page.read_text()) == [], page
+
+
+def needs(command: str) -> None:
+    """Skip, saying what is missing, a command whose program is not on this machine."""
+    program = command.partition(" ")[0]
+    if program in ("make", "apt-get") and shutil.which(program) is None:
+        pytest.skip(f"{program} is not installed")
+    if command == "make firmware-check" and shutil.which("g++") is None:
+        pytest.skip("no g++ here: the board's core cannot be compiled (Debian: apt-get install g++)")
+    if program == "pip":
+        for name in ("pip", "setuptools"):
+            if importlib.util.find_spec(name) is None:
+                pytest.skip(f"{name} is not here: no wheel can be built without a download")
+    if command.startswith("apt-get install"):
+        names = command.split()[2:]
+        known = subprocess.run(["apt-cache", "show", *names], capture_output=True, check=False)
+        if known.returncode != 0:
+            pytest.skip(f"apt-get's lists do not have {', '.join(names)} (apt-get update)")
+
+
+def bare_source(folder: Path) -> Path:
+    """What pip reads of a checkout to know the package and its extras."""
+    (folder / "tentacle").mkdir(parents=True)
+    for name in ("pyproject.toml", "README.md", "LICENSE", "constraints.txt", "tentacle/__init__.py"):
+        shutil.copy(ROOT / name, folder / name)
+    return folder
+
+
+def close_the_viewer(said: str) -> None:
+    """The viewer that `--view` leaves open, and tells the process of."""
+    told = re.search(r"the viewer is process (\d+)", said)
+    if told is not None:
+        os.killpg(int(told[1]), signal.SIGTERM)
+
+
+def test_a_cluster_of_this_machine_takes_a_comparison(desk: Path, tmp_path: Path) -> None:
+    """The commands of both pages, the port a free one; ended by Ctrl-C once a worker has written a result."""
+    pytest.importorskip("distributed", reason="distributed is not installed: pip install tentacle-twin[cluster]")
+    place, shell, port = Path(shutil.copytree(desk, tmp_path / "desk")), environment(tmp_path), str(free_port())
+    plain, many, scheduler, one, compare = (command.replace("8786", port) for command in CLUSTER)
+    with (
+        begun(f"{plain} --port {port} --no-dashboard", place, shell, "Scheduler at"),
+        begun(f"{many} --nworkers 2 --no-dashboard", place, shell, "Registered to"),
+    ):
+        pass
+    with (
+        begun(f"{scheduler} --no-dashboard", place, shell, "Scheduler at"),
+        begun(f"{one} --no-dashboard", place, shell, "Registered to"),
+        begun(compare, place, shell, "comparison/cells/*"),
+    ):
+        pass
+
+
+def test_the_core_is_copied_to_where_the_sketch_looks(tmp_path: Path) -> None:
+    ignored = shutil.ignore_patterns("build", "src")
+    shutil.copytree(ROOT / "rig" / "firmware", tmp_path / "rig" / "firmware", ignore=ignored)
+    done = subprocess.run(["bash", "-euc", "\n".join(FOLDER)], cwd=tmp_path, check=False)
+    assert done.returncode == 0
+    sketch = tmp_path / "rig" / "firmware" / "due" / "tentacle_rig"
+    for name in re.findall(r'#include "(src/[^"]+)"', (sketch / "tentacle_rig.ino").read_text()):
+        assert (sketch / name).is_file(), name
+
+
+def test_the_table_holds_only_what_is_shown_and_no_block_hides_a_command() -> None:
+    assert set(SPECIAL) | set(ELSEWHERE) <= set(COMMANDS)
+    assert {page.name: stray(page) for page in PAGES if stray(page)} == {}
