@@ -218,3 +218,10 @@ def _waves(sway: Array) -> Array:
     """
     waves = np.asarray(dct(sway, norm="ortho"), dtype=float)
     return waves[SLOW] / np.sqrt(max(float(np.mean(waves**2)), 1e-12))
+
+
+def drawing(fit: FrameFit) -> Array:
+    """The fitted outline, base to tip and back, some 80 points (N, 2) [px]."""
+    sides = [fit.expected.points[fit.expected.kind == side] for side in (0, 1)]
+    step = max(len(sides[0]) // 40, 1)
+    return np.concatenate([sides[0][::step], sides[1][::-1][::step]])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.fit import ENDS, FrameFit, Sight, refine
+from vision.fit import ENDS, FrameFit, Sight, drawing, refine
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
@@ -210,7 +210,7 @@ class Follower:
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
             waves=fit.waves,
-            outline_px=self.geometry.lens.bend(_drawing(fit)),
+            outline_px=self.geometry.lens.bend(drawing(fit)),
         )
 
     def _repeats(self, frame: Frame) -> bool:
@@ -273,13 +273,6 @@ def _change(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> float:
     if before.shape != after.shape:
         return np.inf
     return float(np.mean(cv2.absdiff(np.ascontiguousarray(before[::7]), np.ascontiguousarray(after[::7]))))
-
-
-def _drawing(fit: FrameFit) -> Array:
-    """The fitted outline, base to tip and back, some 80 points (N, 2) [px]."""
-    sides = [fit.expected.points[fit.expected.kind == side] for side in (0, 1)]
-    step = max(len(sides[0]) // 40, 1)
-    return np.concatenate([sides[0][::step], sides[1][::-1][::step]])
 
 
 def follow(frames: Iterable[Frame], follower: Follower) -> Iterator[Seen]:

@@ -27,10 +27,10 @@ class Motion:
 
     def at(self, t: float, x: Array) -> tuple[Array, Array]:
         """Speed and acceleration (K,) at time t, where the shape is x: of the parabola, or the line, through all."""
-        if not self.known:
+        chords = [((x - other) / (t - when), t - when) for when, other in self.known if when != t]
+        if not chords:
             return np.zeros(len(x)), np.zeros(len(x))
-        chords = [((x - other) / (t - when), t - when) for when, other in self.known]
-        if len(chords) == 1:
+        if len(chords) == 1 or chords[0][1] == chords[1][1]:
             return chords[0][0], np.zeros(len(x))
         (near, near_gap), (far, far_gap) = chords
         half = (near - far) / (far_gap - near_gap)  # half the acceleration: chord = speed - half gap

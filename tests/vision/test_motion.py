@@ -27,6 +27,7 @@ def test_speed_and_acceleration_of_a_parabola():
     later, _ = Motion(((0.3, path(0.3)), (0.25, path(0.25)))).at(t, path(t))  # from what follows, as well
     np.testing.assert_allclose(later, speed, atol=1e-9)
     assert not np.any(Motion().at(t, path(t)))
+    assert not np.any(Motion(((t, path(0.0)),)).at(t, path(t)))  # two frames of one time stamp tell no speed
 
 
 def test_mean_place_of_a_turning_straight_arm():
