@@ -126,6 +126,7 @@ def main() -> None:
         results.append(judge_look(LOOKS[name], (1,) if short else (1, 2, 3), 30 if short else 150, size))
         print(table(results[-1:]) if len(results) == 1 else table(results[-1:]).splitlines()[-1], flush=True)
     figures["rms_over_limit_max"] = max(result.rms_over_limit for result in results)
+    figures["rms_over_pose_known_max"] = max(result.rms_over_pose_known for result in results)
     figures["z_rms_min"] = min(result.z_rms for result in results)
     figures["z_rms_max"] = max(result.z_rms for result in results)
     figures["false_accepts"] = float(sum(result.false_accepts for result in results))

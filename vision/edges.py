@@ -12,12 +12,13 @@ from tentacle.signals import Array
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
 from vision.levels import count_strange, side_greys
+from vision.motion import Sweep
 from vision.profiles import fit_profiles, gather, level_sums, measure_profiles
 from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST = 256  # samples that a searched profile may have
 STRANGE = 4.0  # times the usual rms of a profile's residual
-LEVEL_REACH = 6.0  # px beyond the blur, to either side, from which the greys beside an edge are told
+LEVEL_REACH = 4.0  # px beyond the blur from which the greys beside an edge are told; a mirror image is often near
 
 
 @dataclass(frozen=True)
@@ -59,22 +60,29 @@ def fit_edges(
     reach: float,
     polarity: float,
     blur: float,
-    smear: Array | float = 0.0,
+    swept: Sweep,
 ) -> Edges:
     """Each edge to a part of a pixel with its own greys; right where it is within about 2 px of its place.
 
-    blur [px] is the lens' and the pixel's; smear [px], how far the edge moves while the shutter is open, is one each
-    (E,) or one for all.
+    blur [px] is the lens' and the pixel's; swept tells how the edges move while the shutter is open.
     """
     count = len(expected.points)
-    half = _half(smear, count)
+    half = 0.5 * swept.width
     offset, contrast, information, misfit, level = (np.zeros(count) for _ in range(5))
     found = np.zeros(count, dtype=np.bool_)
     pixels = _pixels(image, expected, lens, blur, half, reach)
     out = (offset, contrast, information, misfit, level, found)
     fit_profiles(*pixels, expected.depth, blur, half, reach, *out)
     found &= polarity * contrast > 0
-    return Edges(offset + _inward(expected, blur), level, contrast, information, misfit, found, np.zeros((count, 2)))
+    return Edges(
+        offset + _inward(expected, blur) - swept.shift,
+        level,
+        contrast,
+        information,
+        misfit,
+        found,
+        np.zeros((count, 2)),
+    )
 
 
 def measure_edges(
@@ -84,7 +92,7 @@ def measure_edges(
     reach: float,
     polarity: float,
     blur: float,
-    smear: Array | float,
+    swept: Sweep,
     alone: Edges,
     sound: NDArray[np.bool_],
 ) -> Edges:
@@ -93,7 +101,7 @@ def measure_edges(
     alone: the same edges, fitted each by itself; sound (E,): those of them that tell the greys.
     """
     count = len(expected.points)
-    half = _half(smear, count)
+    half = 0.5 * swept.width
     offset, information, misfit = (np.zeros(count) for _ in range(3))
     found, softer = np.zeros(count, dtype=np.bool_), np.zeros((count, 2))
     inside = float(np.median(alone.level[sound])) if sound.any() else 0.0
@@ -106,7 +114,9 @@ def measure_edges(
         *pixels, expected.depth, blur, half, greys, ratio, reach, offset, information, misfit, found, softer
     )
     found &= known & (polarity * contrast > 0)
-    return Edges(offset + _inward(expected, blur), greys[:, 0], contrast, information, misfit, found, softer)
+    return Edges(
+        offset + _inward(expected, blur) - swept.shift, greys[:, 0], contrast, information, misfit, found, softer
+    )
 
 
 def _beside_something(
@@ -125,10 +135,6 @@ def _beside_something(
     contrast, _ = neighbours_mean(expected.kind, alone.contrast, weight, AROUND)
     usual = max(float(np.median(alone.misfit[sound])), PLAIN * float(np.median(np.abs(alone.contrast[sound]))))
     return (told > 0.5) & (count_strange(*pixels, blur, half, inside, inside + contrast, STRANGE * usual) > 1)
-
-
-def _half(smear: Array | float, count: int) -> Array:
-    return 0.5 * np.broadcast_to(np.asarray(smear, dtype=float), count)
 
 
 def _inward(expected: Outline, blur: float) -> Array:

@@ -10,7 +10,8 @@ from scipy.fft import dct
 
 from tentacle.signals import Array
 from vision.edges import Edges, fit_edges, measure_edges, search_edges
-from vision.kinematics import SHARED, Geometry, Outline, outline
+from vision.kinematics import CORNER, SHARED, Geometry, Outline, outline
+from vision.motion import Motion, Sweep, sweep
 from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
 
 BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
@@ -20,6 +21,7 @@ FINAL = 1.2  # px: a short profile sees least of what else is near
 ENDS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
 TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
+SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
 SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
 
 
@@ -59,16 +61,16 @@ def refine(
     x: Array,
     shared: Array,
     sight: Sight,
-    rate: Array,
+    t: float,
+    motion: Motion,
     exposure: float,
     reaches: tuple[float, ...] = (10.0, 5.0),
     ends: float = ENDS,
 ) -> FrameFit | None:
     """Fit x from a start that is within about the first reach [px]; None where too few edges are found.
 
-    rate (K,) [rad/s] is the predicted speed of x, that of theta added to its first entry: over the exposure [s] it
-    smears the edge, and the profile that is looked for is smeared alike. ends [px]: how far along the arm its two ends
-    are looked for.
+    motion tells the speed at time t [s]: over the exposure [s] it smears the edge, and the profile that is looked for
+    is smeared alike. ends [px]: how far along the arm its two ends are looked for.
     """
     x = np.array(x, dtype=float)
     order = len(x)
@@ -80,13 +82,16 @@ def refine(
             return None
         x = x + robust_step(np.ascontiguousarray(expected.jacobian[:, :order]), edges.offset, base, 6, 0.4)[0]
     sound, first = np.zeros(0, dtype=np.bool_), None
+    total = x + theta * (np.arange(order) == 0)
+    expected = outline(geometry, theta, x, shared)
+    # swept once: the second time the place differs by far too little to be swept otherwise
+    swept = sweep(geometry, total, shared, expected, *motion.at(t, total), exposure)
     for reach in (NARROW, FINAL):
-        expected = outline(geometry, theta, x, shared)
+        expected = expected if first is None else outline(geometry, theta, x, shared)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
-        smear = np.abs(jacobian @ rate) * exposure
-        place = (image, expected, geometry.lens, reach, sight.polarity, sight.blur, smear)
+        place = (image, expected, geometry.lens, reach, sight.polarity, sight.blur, swept)
         edges = fit_edges(*place) if first is None else measure_edges(*place, first, sound)
-        usable = _usable(edges, expected, sight)
+        usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, shared, expected, swept)
         floor = max(0.5 * _ordinary(edges, usable), PLAIN * sight.contrast)
         usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
         usable &= True if first is None else sound
@@ -95,7 +100,7 @@ def refine(
         base = _trust(edges, expected.kind, usable)
         step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02)
         if first is not None:
-            return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends)
+            return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends, swept)
         x, first, sound = x + step, edges, weight > 0
     return None
 
@@ -103,6 +108,12 @@ def refine(
 def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:
     """Side edges (E,) that are there and stand out; the ends move with the recording's parameters, hardly with x."""
     return edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast) & (expected.kind < 2)
+
+
+def _clear_of_ends(geometry: Geometry, shared: Array, expected: Outline, swept: Sweep) -> NDArray[np.bool_]:
+    """Edges (E,) that no end of the arm slips over during the exposure."""
+    away = np.minimum(expected.s, 1.0 - expected.s) * geometry.length * (1.0 + shared[2])
+    return away > CORNER - 1.0 + 0.5 * swept.slip
 
 
 def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
@@ -129,12 +140,13 @@ def _summary(
     sight: Sight,
     step: Array,
     ends: float,
+    swept: Sweep,
 ) -> FrameFit:
     """Normal equations in (x, g), with weights by what each profile tells and by how well it fits."""
     order = len(x)
     usual = _ordinary(edges, weight > 0)
     for kind in (2, 3):
-        end, offset = _end(image, geometry, expected, kind, sight, ends, usual)
+        end, offset = _end(image, geometry, expected, kind, sight, ends, usual, swept)
         seen = np.count_nonzero(offset)
         # a real end is no perfect cut: all of its edges together weigh no more than their common error allows
         weight[end], edges.offset[end] = base.max() * (offset != 0.0) / (1.0 + seen * END_ERROR), offset
@@ -156,13 +168,24 @@ def _summary(
 
 
 def _end(
-    image: NDArray[np.uint8], geometry: Geometry, expected: Outline, kind: int, sight: Sight, ends: float, usual: float
+    image: NDArray[np.uint8],
+    geometry: Geometry,
+    expected: Outline,
+    kind: int,
+    sight: Sight,
+    ends: float,
+    usual: float,
+    swept: Sweep,
 ) -> tuple[NDArray[np.intp], Array]:
-    """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do: a clamp hides it."""
+    """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do (a
+    clamp hides it), or moves sideways (its corners pass)."""
     index = np.flatnonzero(expected.kind == kind)
     names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge", "span")
     rows = Outline(*(getattr(expected, name)[index] for name in names))
     nothing = np.zeros(len(index))
+    if swept.slip[index].max() > SIDEWAYS * 2.0 * expected.span[index].sum():
+        return index, nothing
+    swept = Sweep(swept.width[index], swept.shift[index], swept.slip[index])
     coarse = search_edges(image, rows, geometry.lens, ends, sight.polarity)
     like = sight.polarity * coarse.contrast
     alike = coarse.found & (like > 0.5 * sight.contrast) & (like < 1.6 * sight.contrast)
@@ -170,7 +193,7 @@ def _end(
         return index, nothing
     shift = float(np.median(coarse.offset[alike]))
     rows = replace(rows, points=rows.points + shift * rows.normals)
-    sharp = fit_edges(image, rows, geometry.lens, NARROW, sight.polarity, sight.blur)
+    sharp = fit_edges(image, rows, geometry.lens, NARROW, sight.polarity, sight.blur, swept)
     middle = float(np.median(sharp.offset[sharp.found])) if sharp.found.any() else 0.0
     agree = sharp.found & (np.abs(sharp.offset - middle) < 0.5) & (sharp.misfit < MISFIT * usual)
     if np.count_nonzero(agree) < max(0.7 * len(index), 1):
@@ -195,3 +218,10 @@ def _waves(sway: Array) -> Array:
     """
     waves = np.asarray(dct(sway, norm="ortho"), dtype=float)
     return waves[SLOW] / np.sqrt(max(float(np.mean(waves**2)), 1e-12))
+
+
+def drawing(fit: FrameFit) -> Array:
+    """The fitted outline, base to tip and back, some 80 points (N, 2) [px]."""
+    sides = [fit.expected.points[fit.expected.kind == side] for side in (0, 1)]
+    step = max(len(sides[0]) // 40, 1)
+    return np.concatenate([sides[0][::step], sides[1][::-1][::step]])

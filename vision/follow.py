@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.fit import ENDS, FrameFit, Sight, refine
+from vision.fit import ENDS, FrameFit, Sight, drawing, refine
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
 from vision.locate import locate
+from vision.motion import Motion
 
 FIRST_FRAMES = 16  # frames from which the recording's parameters are first estimated
 LEAST_SCORE = 0.45  # of a coarse find
@@ -27,6 +28,7 @@ SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
 STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
 REPEAT, USUAL = 0.1, 31  # a repeat's share of the usual change, which is the median over so many pictures
 LOOK_AGAIN = 5  # frames between searches for a lost arm
+NEAR = 3  # frames: a neighbour further off says nothing of a speed
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,6 @@ class Follower:
         # outward from the frame where the arm was found, so that each start is near
         walk = [range(index, len(frames)), range(index - 1, -1, -1)]
         shapes: dict[int, Array] = {index: begin}
-        still = np.zeros(self.size)
         reaches = (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, *STARTING)
         for sweep in range(4):
             fits = {}
@@ -106,26 +107,39 @@ class Follower:
                     if near is None:
                         continue
                     ends = 1.5 * PRIOR[2] * self.geometry.length if sweep < 2 else ENDS
-                    fit = self._fit(frames[k], near, still, reaches if sweep == 0 else STARTING, ends)
+                    motion = self._among(frames, shapes, k) if sweep > 0 else Motion()
+                    fit = self._fit(frames[k], near, motion, reaches if sweep == 0 else STARTING, ends)
                     if fit is not None and fit.sigma < 3.0:
                         shapes[k], fits[k] = fit.x, fit
             if not fits:
                 raise InputError("the arm's edges cannot be followed in the first frames", expected="the arm in view")
             self._settle(list(fits.values()))
             if sweep < 2:
-                self._look_at_edges(frames[index], shapes.get(index, begin), list(fits.values()))
+                motion = self._among(frames, shapes, index)
+                self._look_at_edges(frames[index], shapes.get(index, begin), motion, list(fits.values()))
             else:
                 self._sharpen(list(fits.values()))
+        # so that the very first frames' motion is known too, from those that follow
+        self._history = [(frames[k].t, shapes[k] + self._turn(frames[k].t)) for k in (2, 1) if k in shapes]
+
+    def _among(self, frames: list[Frame], shapes: dict[int, Array], k: int) -> Motion:
+        """Frame k's motion, by the shapes of the two nearest frames."""
+        near = sorted((other for other in shapes if other != k), key=lambda other: abs(other - k))[:2]
+        return Motion(tuple((frames[i].t, shapes[i] + self._turn(frames[i].t)) for i in near if abs(i - k) <= NEAR))
+
+    def _turn(self, t: float) -> Array:
+        """The motor's part (K,) of an arm's angles: in the first entry."""
+        return self.theta(t) * (np.arange(self.size) == 0)
 
     def _known(self, t: float) -> float | None:
         return None if self._theta is None else self._theta(t)
 
     def _fit(
-        self, frame: Frame, x: Array, rate: Array, reaches: tuple[float, ...], ends: float = ENDS
+        self, frame: Frame, x: Array, motion: Motion, reaches: tuple[float, ...], ends: float = ENDS
     ) -> FrameFit | None:
         assert self.sight is not None
-        theta = self.theta(frame.t)
-        return refine(frame.image, self.geometry, theta, x, self.shared, self.sight, rate, self.exposure, reaches, ends)
+        arm = (self.geometry, self.theta(frame.t), x, self.shared)
+        return refine(frame.image, *arm, self.sight, frame.t, motion, self.exposure, reaches, ends)
 
     def _settle(self, fits: list[FrameFit]) -> None:
         """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement)."""
@@ -136,7 +150,7 @@ class Follower:
             gradient = gradient + slope
         self.shared = self.shared + np.linalg.solve(information, gradient)
 
-    def _look_at_edges(self, frame: Frame, x: Array, fits: list[FrameFit]) -> None:
+    def _look_at_edges(self, frame: Frame, x: Array, motion: Motion, fits: list[FrameFit]) -> None:
         """Choose contrast and blur as the edges show them."""
         assert self.sight is not None
         polarity = self.sight.polarity
@@ -146,7 +160,7 @@ class Follower:
         chosen = self.sight
         for blur in BLURS:
             self.sight = replace(chosen, blur=blur)
-            fit = self._fit(frame, x, np.zeros(self.size), (5.0,))
+            fit = self._fit(frame, x, motion, (5.0,))
             if fit is None:
                 continue
             misfit = float(np.median(fit.edges.misfit[fit.weight > 0.1]))
@@ -169,8 +183,8 @@ class Follower:
         if self._repeats(frame):
             return self._rejected(frame, "repeats the frame before")
         fit, reason = None, "arm not found"
-        for x, rate, reaches in self._starts(frame):
-            fit = self._fit(frame, x, rate, reaches)
+        for x, motion, reaches in self._starts(frame):
+            fit = self._fit(frame, x, motion, reaches)
             if fit is None:
                 continue
             reason = why_rejected(frame.image, self.geometry, self.theta(frame.t), self.shared, fit, self.sight)
@@ -180,7 +194,7 @@ class Follower:
             self._lost += 1
             return self._rejected(frame, reason)
         self._lost = 0
-        self._history = [*self._history[-1:], (frame.t, fit.x)]
+        self._history = [*self._history[-2:], (frame.t, fit.x + self._turn(frame.t))]
         seen_contrast = float(np.median((self.sight.polarity * fit.edges.contrast)[fit.weight > 0.1]))
         self.sight = replace(self.sight, contrast=(1.0 - SLOWLY) * self.sight.contrast + SLOWLY * seen_contrast)
         self._sharpen([fit], SLOWLY)
@@ -196,7 +210,7 @@ class Follower:
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
             waves=fit.waves,
-            outline_px=self.geometry.lens.bend(_drawing(fit)),
+            outline_px=self.geometry.lens.bend(drawing(fit)),
         )
 
     def _repeats(self, frame: Frame) -> bool:
@@ -212,28 +226,28 @@ class Follower:
         self._changes = [*self._changes[1 - USUAL :], change]
         return change < REPEAT * usual
 
-    def _starts(self, frame: Frame) -> Iterator[tuple[Array, Array, tuple[float, ...]]]:
+    def _starts(self, frame: Frame) -> Iterator[tuple[Array, Motion, tuple[float, ...]]]:
         """Where to begin: constant velocity, then the last shape with a wider reach, then a search of the picture."""
         assert self.sight is not None
-        none = np.zeros(self.size)
-        if len(self._history) == 2 and self._lost < LOOK_AGAIN:
-            (t0, x0), (t1, x1) = self._history
-            rate = (x1 - x0) / (t1 - t0)
-            ahead = min(frame.t - t1, 2.0 * (t1 - t0)) if self._lost else frame.t - t1
-            turning = rate.copy()
-            turning[0] += (self.theta(t1) - self.theta(t0)) / (t1 - t0)
-            yield x1 + rate * ahead, turning, (10.0, 5.0)
-            yield x1, turning, (24.0, 12.0, 5.0)
-        elif self._history and self._lost < LOOK_AGAIN:
-            yield self._history[-1][1], none, (24.0, 12.0, 5.0)
+        others = [entry for entry in self._history if entry[0] != frame.t][-2:]
+        if others and self._lost < LOOK_AGAIN:
+            motion = Motion(tuple(others))
+            t1, last = others[-1]
+            last = last - self._turn(t1)
+            if len(others) == 2:
+                t0, before = others[0]
+                rate = (last + self._turn(t0) - before) / (t1 - t0)
+                ahead = min(frame.t - t1, 2.0 * abs(t1 - t0)) if self._lost else frame.t - t1
+                yield last + rate * ahead, motion, (10.0, 5.0)
+            yield last, motion, (24.0, 12.0, 5.0)
         if not self._history or self._lost % LOOK_AGAIN == 0:
             found = locate(
                 frame.image, self.geometry, self.shared, self._known(frame.t), polarities=(self.sight.polarity,)
             )
             if found.score > LEAST_SCORE:
-                begin = none.copy()
+                begin = np.zeros(self.size)
                 begin[:3] = found.x
-                yield begin, none, (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0)
+                yield begin, Motion(), (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0)
 
     def _rejected(self, frame: Frame, reason: str) -> Seen:
         k = self.size
@@ -259,13 +273,6 @@ def _change(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> float:
     if before.shape != after.shape:
         return np.inf
     return float(np.mean(cv2.absdiff(np.ascontiguousarray(before[::7]), np.ascontiguousarray(after[::7]))))
-
-
-def _drawing(fit: FrameFit) -> Array:
-    """The fitted outline, base to tip and back, some 80 points (N, 2) [px]."""
-    sides = [fit.expected.points[fit.expected.kind == side] for side in (0, 1)]
-    step = max(len(sides[0]) // 40, 1)
-    return np.concatenate([sides[0][::step], sides[1][::-1][::step]])
 
 
 def follow(frames: Iterable[Frame], follower: Follower) -> Iterator[Seen]:

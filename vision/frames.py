@@ -140,6 +140,8 @@ def _luma(picture: VideoFrame) -> Grey:
         plane = picture.planes[0]
         rows = np.asarray(memoryview(plane), dtype=np.uint8).reshape(-1, plane.line_size)  # pyright: ignore[reportArgumentType]
         grey = rows[: picture.height, : picture.width]
+    elif any(component.is_alpha for component in picture.format.components):
+        grey = _over_black(np.asarray(picture.to_ndarray(format="bgra"), dtype=np.uint8))
     else:
         grey = np.asarray(picture.to_ndarray(format="gray"), dtype=np.uint8)
     turns = round(picture.rotation / 90) % 4
@@ -167,8 +169,15 @@ def read_picture(path: Path) -> Grey:
     elif picture.dtype != np.uint8:
         raise InputError(f"{picture.dtype} pixels are not known", file=path, expected="8 or 16 bit")
     if picture.ndim == 3 and picture.shape[2] in (2, 4):
-        alpha = picture[:, :, -1:].astype(float) / 255.0
-        picture = np.rint(picture[:, :, :-1] * alpha).astype(np.uint8)
+        return _over_black(np.asarray(picture, dtype=np.uint8))
     if picture.ndim == 3:
         picture = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if picture.shape[2] == 3 else picture[:, :, 0]
     return np.ascontiguousarray(picture, dtype=np.uint8)
+
+
+def _over_black(picture: Grey) -> Grey:
+    """Grey of a picture (H, W, 2 or 4) whose last channel is its opacity, what shows through it black."""
+    alpha = picture[:, :, -1:].astype(float) / 255.0
+    shown = np.rint(picture[:, :, :-1] * alpha).astype(np.uint8)
+    grey = cv2.cvtColor(shown, cv2.COLOR_BGR2GRAY) if shown.shape[2] == 3 else shown[:, :, 0]
+    return np.ascontiguousarray(grey, dtype=np.uint8)

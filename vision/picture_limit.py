@@ -1,6 +1,7 @@
 """The Cramer-Rao limit of a rendered picture: every pixel's information on the shape, smear, light and JPEG included.
 
-What is known to it: base, base angle, light, bubbles. A bubble hides what lies behind it. JPEG rounds each block's
+What is known to it: light, reflection, bubbles, radius. Base, base angle offset and length are known too, or are
+constants of the recording that its frames must tell. A bubble hides what lies behind it. JPEG rounds each block's
 cosine coefficients; a normal coefficient that is seen rounded to steps tells sum (dP)^2 / P over the steps.
 """
 
@@ -18,6 +19,7 @@ from vision.render import Renderer
 from vision.scene import Scene, exact_midline
 
 STEP = 2e-3  # rad, of the central differences
+COMMON = {"offset": 1e-3, "u": 0.2, "v": 0.2, "length": 1e-3}  # steps: rad, px, px, relative
 BLOCK = 8  # px
 LUMA = np.array(  # ITU-T T.81, Table K.1: JPEG's steps at quality 50
     [
@@ -33,26 +35,66 @@ LUMA = np.array(  # ITU-T T.81, Table K.1: JPEG's steps at quality 50
 )
 
 
-def picture_limit(scene: Scene, look: Look, seed: int, order: int, frames: range) -> Array:
-    """Root mean square (order,) of the least standard deviations of q [rad] over some frames of a scene."""
+def picture_information(scene: Scene, look: Look, seed: int, order: int, frames: range) -> Array:
+    """What each of some frames says (F, order + 4, order + 4) of its q, and of the recording's offset, base and length.
+
+    Per rad, px, px and relative length; by central differences of the mean pictures.
+    """
     q = np.zeros((len(scene.t), order))
     q[:, : min(order, scene.q.shape[1])] = scene.q[:, :order]
-    changed = [(j, sign) for j in range(order) for sign in (1.0, -1.0)]
-    renderers = {(j, sign): _renderer(scene, q + sign * STEP * np.eye(order)[j], look, seed) for j, sign in changed}
+    changes: list[tuple[Array, dict[str, float]]] = [(STEP * row, {}) for row in np.eye(order)]
+    changes += [(np.zeros(order), {name: step}) for name, step in COMMON.items()]
+    steps = np.array([STEP] * order + list(COMMON.values()))
+    pairs = []
+    for dq, common in changes:
+        back = {name: -step for name, step in common.items()}
+        pairs.append((_renderer(scene, q + dq, look, seed, **common), _renderer(scene, q - dq, look, seed, **back)))
     still = _renderer(scene, q, look, seed)
-    variances = []
+    information = []
     for frame in frames:
         time = float(scene.t[frame])
-        mean = still.mean(time)
-        pictures = {key: still.mean(time, renderer.coverage(time)) for key, renderer in renderers.items()}
-        slopes = [(pictures[j, 1.0] - pictures[j, -1.0]) / (2.0 * STEP) for j in range(order)]
-        variances.append(np.diag(np.linalg.inv(_information(mean, np.array(slopes), look))))
-    return np.sqrt(np.mean(variances, axis=0))
+        slopes = [still.mean(time, up.coverage(time)) - still.mean(time, down.coverage(time)) for up, down in pairs]
+        slopes = np.array(slopes) / (2.0 * steps[:, None, None])
+        information.append(_information(still.mean(time), slopes, look))
+    return np.array(information)
 
 
-def _renderer(scene: Scene, q: Array, look: Look, seed: int) -> Renderer:
-    midline = exact_midline(scene.t, scene.theta + scene.offset, q, scene.specimen.length)
-    return Renderer(midline, scene.specimen, scene.camera, scene.size, replace(look), seed, scene.theta)
+def pose_known_limit(information: Array, order: int) -> Array:
+    """Root mean square (order,) over the frames of the least standard deviations of q [rad], all else known."""
+    variance = np.linalg.inv(information[:, :order, :order])
+    return np.sqrt(np.mean(np.diagonal(variance, axis1=1, axis2=2), axis=0))
+
+
+def recording_limit(information: Array, order: int, count: int) -> Array:
+    """As pose_known_limit, where offset, base and length are constants that the recording's count frames must tell.
+
+    The constants' information is the sum over the frames of what each says of them once its q is free (Schur
+    complement), the frames given standing for all count; their covariance G leans on q by L = -A^-1 B, so that the
+    variance of q is A^-1 + L G L'.
+    """
+    within, across = information[:, :order, :order], information[:, :order, order:]
+    covariance = np.linalg.inv(within)
+    lean = -covariance @ across
+    told = information[:, order:, order:] + np.swapaxes(across, 1, 2) @ lean
+    constants = np.linalg.inv(count * told.mean(axis=0))
+    variance = covariance + lean @ constants @ np.swapaxes(lean, 1, 2)
+    return np.sqrt(np.mean(np.diagonal(variance, axis1=1, axis2=2), axis=0))
+
+
+def _renderer(
+    scene: Scene,
+    q: Array,
+    look: Look,
+    seed: int,
+    offset: float = 0.0,
+    u: float = 0.0,
+    v: float = 0.0,
+    length: float = 0.0,
+) -> Renderer:
+    base = (scene.camera.base_px[0] + u, scene.camera.base_px[1] + v)
+    camera = replace(scene.camera, base_px=base)
+    midline = exact_midline(scene.t, scene.theta + scene.offset + offset, q, scene.specimen.length * (1.0 + length))
+    return Renderer(midline, scene.specimen, camera, scene.size, look, seed, scene.theta)
 
 
 def _information(mean: Array, slopes: Array, look: Look) -> Array:

@@ -17,7 +17,7 @@ from vision.encode import write_video
 from vision.lens import Lens
 from vision.looks import LOOKS, Look
 from vision.paper_pipeline import paper_track
-from vision.picture_limit import picture_limit
+from vision.picture_limit import picture_information, pose_known_limit, recording_limit
 from vision.render import frame_times, render
 from vision.scene import Scene, swaying
 from vision.track import Tracking, track_fully
@@ -29,6 +29,9 @@ FALSE_SIGMAS, FALSE_ANGLE = 6.0, 0.02  # an accepted q1 this far off, in its own
 class LookResult:
     """One look, all its videos together: rms, limit [rad] and their ratio for q1, q2; paper_rms by the paper's method.
 
+    limit is the recording's, whose frames must tell base, offset and length too; rms_over_pose_known is the ratio to
+    the lower limit of one who knows these.
+
     z_rms: errors of (offset, q) whitened by the stated covariance. missed: share of sound frames that were rejected.
     false_accepts: frames accepted with an error far beyond the stated one. orders: those chosen, one a seed.
     """
@@ -38,6 +41,7 @@ class LookResult:
     rms: tuple[float, float]
     limit: tuple[float, float]
     rms_over_limit: float
+    rms_over_pose_known: float
     z_rms: float
     missed: float
     false_accepts: int
@@ -119,15 +123,17 @@ def false_accepts(scene: Scene, shape: ShapeTrack) -> int:
     return int(np.sum((off > FALSE_ANGLE) & (off > FALSE_SIGMAS * np.sqrt(covariance[:, 1, 1]))))
 
 
-def least_rms(filmed: Filmed, order: int) -> Array:
-    """The picture's own limit (order,) [rad] over the scene's shapes; base and base angle known."""
+def least_rms(filmed: Filmed, order: int) -> tuple[Array, Array]:
+    """The recording's own limit (order,) [rad] over the scene's shapes; and that with base, offset and length known."""
     count = len(filmed.scene.t)
-    return picture_limit(filmed.scene, filmed.look, filmed.seed, order, range(count // 10, count, max(count // 4, 1)))
+    frames = range(count // 10, count, max(count // 4, 1))
+    information = picture_information(filmed.scene, filmed.look, filmed.seed, order, frames)
+    return recording_limit(information, order, count), pose_known_limit(information, order)
 
 
 def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int, int]) -> LookResult:
     """Film and track one video a seed; the order is left to the data."""
-    squares, limits, z, orders, paper, missed, wrong, total = [], [], [], [], [], 0, 0, 0
+    squares, limits, known, z, orders, paper, missed, wrong, total = [], [], [], [], [], [], 0, 0, 0
     exposure = 0.004 if look.name.startswith("tank") else 0.0
     for seed in seeds:
         scene = swaying(seed, frames, size=size, exposure=exposure)
@@ -138,7 +144,9 @@ def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int,
         shape = tracked.shape
         error, covariance = errors(scene, shape)
         squares.append(error[:, 1:3] ** 2)
-        limits.append(least_rms(filmed, shape.coefficients.shape[1] - 1)[:2])
+        least, pose_known = least_rms(filmed, shape.coefficients.shape[1] - 1)
+        limits.append(least[:2])
+        known.append(pose_known[:2])
         z.append(z_squares(error, covariance))
         orders.append(shape.coefficients.shape[1] - 1)
         missed += sum(reason not in ("", "repeats the frame before") for reason in shape.reason)
@@ -148,6 +156,7 @@ def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int,
             paper.append(errors(scene, baseline)[0][:, 1:3] ** 2)
     rms = np.sqrt(np.mean(np.concatenate(squares), axis=0))
     limit = np.sqrt(np.mean(np.square(limits), axis=0))
+    pose_known_rms = np.sqrt(np.mean(np.square(known), axis=0))
     paper_rms = np.sqrt(np.mean(np.concatenate(paper), axis=0))
     return LookResult(
         look=look.name,
@@ -155,6 +164,7 @@ def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int,
         rms=(float(rms[0]), float(rms[1])),
         limit=(float(limit[0]), float(limit[1])),
         rms_over_limit=float(np.max(rms / limit)),
+        rms_over_pose_known=float(np.max(rms / pose_known_rms)),
         z_rms=float(np.sqrt(np.mean(np.concatenate(z)))),
         missed=missed / total,
         false_accepts=wrong,
@@ -183,14 +193,16 @@ def validate(
 def table(results: list[LookResult]) -> str:
     """The report as text: mrad, ratios, shares."""
     lines = [
-        "look        frames  rms q1/q2 mrad  limit q1/q2  rms/limit  z-rms  missed  false  orders  paper q1/q2 mrad",
-        "-" * 106,
+        "look        frames  rms q1/q2 mrad  limit q1/q2  rms/limit  pose known  z-rms  missed  false  orders"
+        "  paper q1/q2 mrad",
+        "-" * 118,
     ]
     for r in results:
         rms, limit, paper = ([1e3 * value for value in pair] for pair in (r.rms, r.limit, r.paper_rms))
         lines.append(
             f"{r.look:10s} {r.frames:7d}   {rms[0]:5.2f}/{rms[1]:6.2f}   {limit[0]:5.2f}/{limit[1]:5.2f}"
-            f"   {r.rms_over_limit:8.2f}  {r.z_rms:5.2f}  {100 * r.missed:5.1f}%  {r.false_accepts:5d}"
+            f"   {r.rms_over_limit:8.2f}  {r.rms_over_pose_known:10.2f}"
+            f"  {r.z_rms:5.2f}  {100 * r.missed:5.1f}%  {r.false_accepts:5d}"
             f"  {','.join(map(str, r.orders)):6s}  {paper[0]:7.1f}/{paper[1]:7.1f}"
         )
     return "\n".join(lines)

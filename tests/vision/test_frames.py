@@ -171,3 +171,39 @@ def test_a_variable_rate_keeps_each_frames_own_time(tmp_path):
     write_video(tmp_path / "variable.mp4", [np.roll(ramp(), 3 * k, axis=1) for k in range(6)], times)
     read = [frame.t for frame in read_frames(tmp_path / "variable.mp4")]
     np.testing.assert_allclose(read, times, atol=1e-6)  # time stamps to the microsecond
+
+
+@pytest.mark.parametrize(
+    ("codec", "stored"),
+    [("ffv1", "gray"), ("ffv1", "gray16le"), ("ffv1", "bgra"), ("qtrle", "argb"), ("ffv1", "yuva420p")],
+)
+def test_videos_of_every_depth(tmp_path, codec, stored):
+    grey = ramp()
+    picture = np.dstack([grey, grey, grey, np.full_like(grey, 255)])
+    video = tmp_path / ("v.mov" if codec == "qtrle" else "v.mkv")
+    with av.open(str(video), "w") as container:
+        stream = container.add_stream(codec, rate=20)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, stored
+        if stored.startswith("gray"):
+            deep = grey.astype(np.uint16) * 257 if "16" in stored else grey
+            frame = av.VideoFrame.from_ndarray(deep, format=stored)
+        else:
+            frame = av.VideoFrame.from_ndarray(picture, format="rgba").reformat(format=stored)
+        container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    (read,) = read_frames(video)
+    assert read.image.dtype == np.uint8
+    # luma of limited range has 219 steps for 255, and is rounded there and back
+    np.testing.assert_allclose(read.image.astype(int), grey.astype(int), atol=2)
+
+
+def test_what_is_transparent_in_a_video_is_black(tmp_path):
+    picture = np.full((48, 64, 4), 200, np.uint8)
+    picture[:, 32:, 3] = 0
+    with av.open(str(tmp_path / "v.mov"), "w") as container:
+        stream = container.add_stream("qtrle", rate=20)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "argb"
+        container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgba").reformat(format="argb")))
+        container.mux(stream.encode(None))
+    (read,) = read_frames(tmp_path / "v.mov")
+    assert read.image[24, 50] < 3

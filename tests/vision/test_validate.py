@@ -10,7 +10,7 @@ from tentacle.signals import MotorSignal
 from vision.encode import write_video
 from vision.limit import edge_sigma, shape_limit, straight_arm_limit
 from vision.looks import CLEAN, TANK_LENS
-from vision.picture_limit import jpeg_steps, picture_limit
+from vision.picture_limit import jpeg_steps, picture_information, pose_known_limit, recording_limit
 from vision.render import render
 from vision.scene import swaying
 from vision.track import track
@@ -63,7 +63,7 @@ def test_report_of_a_look_with_a_lens():
 
 def test_the_pictures_limit_is_the_edges_limit_where_nothing_disturbs():
     scene = swaying(seed=1, frames=3, size=(640, 360))
-    exact = picture_limit(scene, CLEAN, 1, 2, range(1, 2))
+    exact = pose_known_limit(picture_information(scene, CLEAN, 1, 2, range(1, 2)), 2)
     blur = np.sqrt(CLEAN.blur**2 + 1 / 12)  # of the lens, and the pixel's own
     sigma_e = edge_sigma(CLEAN.noise, 150.0, blur)
     rows = shape_limit(scene.q[1], scene.theta[1] + scene.offset, sigma_e, 0.66 * 360)
@@ -74,5 +74,27 @@ def test_jpeg_costs_information_and_its_steps_are_those_of_the_standard():
     assert jpeg_steps(50)[0, 0] == 16
     assert jpeg_steps(85)[7, 7] == 30  # (99 x 30 + 50) // 100
     scene = swaying(seed=1, frames=3, size=(640, 360))
-    limits = [picture_limit(scene, replace(CLEAN, jpeg_quality=q), 1, 2, range(1, 2))[0] for q in (0, 95, 60)]
+    looks = [replace(CLEAN, jpeg_quality=q) for q in (0, 95, 60)]
+    limits = [pose_known_limit(picture_information(scene, look, 1, 2, range(1, 2)), 2)[0] for look in looks]
     assert limits[0] < limits[1] < limits[2]
+
+
+def test_the_recordings_limit_is_what_the_best_linear_estimate_reaches():
+    scene = swaying(seed=2, frames=6, size=(320, 180))
+    count, order = 6, 2
+    information = picture_information(scene, CLEAN, 2, order, range(count))
+    # all frames' q and the recording's constants in one least-squares problem, solved for data drawn with its noise
+    roots = np.linalg.cholesky(information)  # a frame's data: L' (q, g) + normal noise of variance 1
+    size = order + 4
+    design = np.zeros((count * size, count * order + 4))
+    for k, root in enumerate(roots):
+        rows = slice(k * size, (k + 1) * size)
+        design[rows, k * order : (k + 1) * order] = root.T[:, :order]
+        design[rows, -4:] = root.T[:, order:]
+    noise = np.random.default_rng(0).standard_normal((len(design), 4000))
+    error = np.linalg.lstsq(design, noise)[0][: count * order].reshape(count, order, -1)
+    reached = np.sqrt(np.mean(error**2, axis=(0, 2)))
+    np.testing.assert_allclose(reached, recording_limit(information, order, count), rtol=0.03)  # 4000 draws: 1.5 %
+    known = pose_known_limit(information, order)
+    assert np.all(recording_limit(information, order, count) > known)  # what must be told costs
+    np.testing.assert_allclose(recording_limit(information, order, 10**6), known, rtol=1e-3)  # ... less, the longer
