@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks._rig_filmed import filmed_run
 from benchmarks._rig_optimise import DECLARED, HIDDEN
 from tentacle.cli import main
 from tentacle.waveform import Chirp
+from tests.rig.filmed import filmed_run
 
 
 @pytest.fixture
