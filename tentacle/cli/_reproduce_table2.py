@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
         with (folder / "table2.csv").open("w", encoding="utf-8", newline="") as file:
             csv.writer(file).writerows([table.HEADER, *lines])
         (folder / "table2.json").write_text(json.dumps([_row(row) for row in rows], indent=1) + "\n")
-        _write_page(rows, lines, arguments.seed, folder / "report.html")
+        _write_page(rows, lines, arguments, folder / "report.html")
     _print_table(table.HEADER, lines)
     for remark in table.REMARKS:
         print(remark)
@@ -71,7 +71,7 @@ def _print_table(header: tuple[str, ...], lines: list[tuple[str, ...]]) -> None:
         print("  ".join([*left, *right]))
 
 
-def _write_page(rows: list[Row], lines: list[tuple[str, ...]], seed: int, path: Path) -> None:
+def _write_page(rows: list[Row], lines: list[tuple[str, ...]], arguments: argparse.Namespace, path: Path) -> None:
     import numpy as np
 
     from affine_model.swim.table2 import HEADER, MOTIONS, PRINTED, REMARKS, ratios
@@ -93,13 +93,15 @@ def _write_page(rows: list[Row], lines: list[tuple[str, ...]], seed: int, path: 
         motions = {motion: (t, gait(t)[0]) for motion, gait in zip(MOTIONS[:3], row.gaits[:3], strict=True)}
         pictures.append(Picture(motion_figure(motions), f"Base motions of the {name} arm."))
     numeric = tuple(range(2, len(HEADER)))
-    section = Section("Table II", REMARKS, (Table("Swimming speeds [cm/s].", HEADER, lines, numeric),), pictures)
+    unbroken = [(line[0].replace(" ", "\N{NO-BREAK SPACE}"), *line[1:]) for line in lines]
+    section = Section("Table II", REMARKS, (Table("Swimming speeds [cm/s].", HEADER, unbroken, numeric),), pictures)
     printed = ", ".join(f"{PRINTED[row.length].ratio:.1f}" for row in rows)
     of_map, of_servo = (", ".join(f"{ratios(speeds)[which]:.2f}" for speeds in measured) for which in (0, 1))
     headline = (
         f"Gait over the better sine, 14, 21, 25 cm, on the reference: {of_map} within the paper's map, {of_servo} with "
         f"all that the servo can do; {printed} in the paper's tank."
     )
-    origin = Origin(f"tentacle reproduce table2 --seed {seed}", seed, versions())
+    command = f"tentacle reproduce table2 --seed {arguments.seed} --evaluations {arguments.evaluations}"
+    origin = Origin(command, arguments.seed, versions())
     report = Report("reproduce", "Table II", headline, [section], origin)
     write_report(render(report), path)
