@@ -14,7 +14,7 @@ from discovery.assemble import assembled, cannot_tell
 from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
 from discovery.hypothesis import hypothesis, looseness
 from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
-from discovery.reduction import Reduction, reduction_error
+from discovery.reduction import Reduction, reduction_error, without_reduction
 from discovery.search import search
 from discovery.unnamed import unnamed_rest
 from discovery.verdict import decide, structure_share
@@ -28,6 +28,7 @@ PARTIAL = 0.5  # an account that leaves more of the structured error than this i
 SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
 HELPS = 0.8  # more coordinates must bring the reduction's error below this share of what it was
 OF_MOTION = 7e-4  # of an arm's motion: neither its shape nor its laws, nor another's numerics, are known better
+REMAINS = 0.3  # of the reduction's error once the chain's is taken off: another simulator, or an arm, has a like one
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
 
 
@@ -146,16 +147,21 @@ def _diagnosed(
         base_problem, base = _base_hypothesis(setting, fitted, known, warm=paper)
     progress("running the reference")
     base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
+    base_problem, base, share = _relieved(base_problem, base, reduction)
     least = OF_MOTION * _motion(base_problem)
-    lost = (0.0, 0.0) if reduction is None else (reduction.structure, reduction.judged)
+    lost = (0.0, 0.0) if reduction is None else (share * reduction.structure, share * reduction.judged)
     structure = (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least)))
     progress("searching the catalogue")
     found = search(hypothesis((), base_problem, base, structure), setting.arm(order))
     decision = decide(found)
     explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
-    final = found.chosen.problem.experiments  # with the noise as the final model leaves it
-    prepared = [replace(p, experiment=experiment) for p, experiment in zip(prepared, final, strict=True)]
+    # With the noise as the final model leaves it; the errors are stated of what was measured, reduction and all.
+    final = found.chosen.problem.experiments
+    prepared = [
+        replace(p, experiment=replace(experiment, observation=p.experiment.observation))
+        for p, experiment in zip(prepared, final, strict=True)
+    ]
     progress("comparing")
     return assembled(found, decision, rest, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 
@@ -196,6 +202,22 @@ def _reduced_enough(
             break
         (problem, fitted), reduction = higher, again
     return problem, fitted, reduction
+
+
+def _relieved(problem: Problem, fitted: Fit, reduction: Reduction | None) -> tuple[Problem, Fit, float]:
+    """The base fitted to what was measured less the reduction's error, and the share of that error that may be left:
+    the chain was run with the declared model, whose motion is wrong by what is missing.
+
+    As it was, and all of the error, where that is small, is not known everywhere, or does not help.
+    """
+    less = None if reduction is None or reduction.worst < SMALL_REDUCTION else without_reduction(problem, reduction)
+    if less is None:
+        return problem, fitted, 1.0
+    again = settled(less, fit(replace(less, parameters=fitted.parameters), fitted.nuisances))
+    if again[1].misfit > fitted.misfit:
+        return problem, fitted, 1.0
+    missing = hypothesis((), *again).train.structure
+    return *again, min(1.0, REMAINS + missing / max(_motion(again[0]), 1e-9))
 
 
 def _motion(problem: Problem) -> float:

@@ -1,7 +1,8 @@
 """What the affine reduction itself loses: the declared model's fit to a MuJoCo chain with the very same parameters.
 
 The chain knows nothing missing, so what the reduced model cannot follow of it is the reduction's own error, and no
-physics.
+physics. It is known frame by frame, and so it is taken off what was measured before anything is sought there (a control
+variate, as in multi-fidelity estimation: Peherstorfer, Willcox and Gunzburger 2018).
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from affine_model.curvature import Array, midline
 from affine_model.identify.experiment import Experiment, predict
@@ -29,12 +30,15 @@ POINTS = np.linspace(0.0, 1.0, 41)
 @dataclass(frozen=True)
 class Reduction:
     """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch
-    that was fitted and over the one held out; millimetres: rms on the midline, over both.
+    that was fitted and over the one held out; millimetres: rms on the midline, over both. beyond: one a recording, what
+    the chain shows beyond the reduced model, (T, K) at the recording's frames, in its shape coefficients; None where
+    the chain was not run, or not over all of it.
     """
 
     structure: float
     judged: float
     millimetres: float
+    beyond: tuple[Array | None, ...] = ()
 
     @property
     def worst(self) -> float:
@@ -64,46 +68,75 @@ def reduction_error(declaration: Declaration, problem: Problem, fitted: Fit) -> 
         tables.setdefault(effect, {})[parameter] = Estimate.exact(value)
     model = Model(declaration.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
     fitted_rows, judged_rows, distances = [], [], []
+    beyond: list[Array | None] = [None] * len(problem.experiments)
     for place, experiment in enumerate(problem.experiments):
         if not isinstance(experiment.observation, ShapeObservation) or experiment.release is not None:
             continue
         try:
-            rows, used, distance = _against_chain(model, problem, fitted, place)
+            virtual, rows, distance = _against_chain(model, problem, fitted, place)
         except InputError:
             return None
+        used = virtual.used
+        beyond[place] = _beyond(experiment, virtual, rows)
         fitted_rows.append(rows[used])
         judged_rows.append(rows[~used] if (~used).any() else rows[used])
         distances.append(distance)
     if not distances:
         return None
-    return Reduction(_rms(fitted_rows), _rms(judged_rows), 1e3 * float(np.sqrt(np.mean(np.square(distances)))))
+    lost = 1e3 * float(np.sqrt(np.mean(np.square(distances))))
+    return Reduction(_rms(fitted_rows), _rms(judged_rows), lost, tuple(beyond))
+
+
+def without_reduction(problem: Problem, reduction: Reduction) -> Problem | None:
+    """The problem with what was measured less what the chain shows beyond the reduced model; None where that is not
+    known of every recording.
+    """
+    experiments = []
+    for experiment, beyond in zip(problem.experiments, reduction.beyond, strict=True):
+        observation = experiment.observation
+        if beyond is None or not isinstance(observation, ShapeObservation):
+            return None
+        less = replace(observation, coefficients=observation.coefficients - beyond)
+        experiments.append(replace(experiment, observation=less))
+    return replace(problem, experiments=tuple(experiments))
+
+
+def _beyond(experiment: Experiment, virtual: Experiment, rows: Array) -> Array | None:
+    """Residuals (T', K) of the reduced model against the chain, as coefficients at the recording's frames."""
+    seen, shown = experiment.observation, virtual.observation
+    assert isinstance(shown, ShapeObservation)
+    if seen.t[-1] > shown.t[-1] + 0.5:  # a frame or two behind the chain's end hold its last value
+        return None
+    coefficients = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
+    return np.array([np.interp(seen.t, shown.t, column) for column in coefficients.T]).T
 
 
 def _rms(parts: list[Array]) -> float:
     return float(np.sqrt(np.mean(np.concatenate([part.ravel() for part in parts]) ** 2)))
 
 
-def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Array, NDArray[np.bool_], float]:
-    """Whitened residuals (T, K) of the reduced model fitted to the chain, which frames were fitted, and the midlines'
-    rms distance [m].
+def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Experiment, Array, float]:
+    """The chain's run as an experiment, begun in the fitted state; whitened residuals (T, K) of the reduced model
+    fitted to it; the midlines' rms distance [m].
     """
-    experiment = problem.experiments[place]
+    experiment, arm = problem.experiments[place], problem.arm
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
     interval = float(np.median(np.diff(observation.t)))
     duration = min(experiment.duration - 0.3, LONGEST)
-    chain = simulate(model, _Later(experiment.base, experiment.t0), duration, 1.0 / interval, s=POINTS)
+    shape, moving, _, _ = experiment.parts(arm.order, fitted.nuisances[place])
+    chain = simulate(
+        model, _Later(experiment.base, experiment.t0), duration, 1.0 / interval, s=POINTS,
+        initial_q=arm.to_monomial @ shape, initial_q_rate=arm.to_monomial @ moving,
+    )  # fmt: skip
     virtual = _virtual(experiment, observation, chain.midline)
-    start = fitted.nuisances[place].copy()
-    order = problem.arm.order
-    start[: 2 * order] = 0.0
     alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
-    again = fit(alone, (start,), most=12)
-    shown = predict(problem.arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
-    points = midline(shown.q[:, :, 0], shown.theta[:, 0], problem.arm.specimen.length, POINTS)
+    again = fit(alone, (fitted.nuisances[place],), most=12)
+    shown = predict(arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
+    points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, POINTS)
     points = points + shown.shift[:, 0]
     distance = np.sqrt(np.mean(np.sum((points - chain.midline.xy) ** 2, axis=2)))
-    return again.residuals[0], virtual.used, float(distance)
+    return virtual, again.residuals[0], float(distance)
 
 
 def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midline) -> Experiment:
