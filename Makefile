@@ -11,8 +11,9 @@ $(STAMP): pyproject.toml constraints.txt .ci/set_up
 	@.ci/set_up $(VENV)
 	@touch $@
 
-# The emulated board is ended by its watchdog where both cores are taken: the rig's tests run after the others, alone.
-BOARD := tests/rig tests/docs/test_commands.py
+# The emulated board is ended by its watchdog, and a viewer is given up, where both cores are taken: their tests run
+# after the others, alone.
+BOARD := tests/rig tests/docs/test_commands.py tests/viz/test_sessions_of_verbs.py
 test: setup
 	$(BIN)/python -m pytest -n 2 --dist loadfile $(BOARD:%=--ignore=%)
 	$(BIN)/python -m pytest $(BOARD)
