@@ -1,9 +1,9 @@
-# make setup | test | demo | lint | clean. Needs python 3.11 or newer and pip; everything else goes into .venv.
+# make setup | test | commands | demo | lint | clean. Needs python 3.11 or newer and pip; everything else goes into .venv.
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/set-up-from-pyproject-and-constraints
 
-.PHONY: setup test demo lint clean firmware-check
+.PHONY: setup test commands demo lint clean firmware-check
 
 setup: $(STAMP)
 
@@ -12,11 +12,15 @@ $(STAMP): pyproject.toml constraints.txt .ci/set_up
 	@touch $@
 
 # The emulated board is ended by its watchdog, and a viewer is given up, where both cores are taken: their tests run
-# after the others, alone.
-BOARD := tests/rig tests/docs/test_commands.py tests/viz/test_sessions_of_verbs.py
+# after the others, alone. What runs every command that the docs show takes long, and has a target of its own.
+BOARD := tests/rig tests/viz/test_sessions_of_verbs.py
+SHOWN := tests/docs/test_commands.py
 test: setup
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(BOARD:%=--ignore=%)
+	$(BIN)/python -m pytest -n 2 --dist loadfile $(BOARD:%=--ignore=%) --ignore=$(SHOWN)
 	$(BIN)/python -m pytest $(BOARD)
+
+commands: setup
+	$(BIN)/python -m pytest $(SHOWN)
 
 demo: setup
 	$(BIN)/tentacle demo
