@@ -222,14 +222,14 @@ def _relieved(problem: Problem, fitted: Fit, reduction: Reduction | None) -> tup
 
 def _motion(problem: Problem) -> float:
     """rms of the motion in noise sigmas, as far as shapes show it (markers: 0)."""
-    squares = [0.0]
+    squares = []
     for experiment in problem.experiments:
         if isinstance(observation := experiment.observation, ShapeObservation):
             seen = observation.seen
             change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
             whitened = np.einsum("tkl,tl->tk", observation.root[seen], change) / experiment.noise_gain
             squares.append(float(np.mean(whitened**2)))
-    return float(np.sqrt(np.mean(squares[1:]))) if len(squares) > 1 else 0.0
+    return float(np.sqrt(np.mean(squares))) if squares else 0.0
 
 
 def _most_coordinates(problem: Problem) -> int:

@@ -55,6 +55,11 @@ def noise_ratio(one: Problem, other: Problem) -> float:
     return float(np.sqrt(np.mean([np.mean((a.noise_gain / b.noise_gain) ** 2) for a, b in pairs])))
 
 
+def against_baseline(h: Hypothesis) -> bool:
+    """Whether the noise stands for a baseline's own rest, which hangs together over many frames."""
+    return any(experiment.correlation > 1.0 for experiment in h.problem.experiments)
+
+
 def held_out_misfit(problem: Problem, fitted: Fit) -> float:
     """Half the sum of squared whitened residuals on the frames that were not fitted [nats]."""
     total = 0.0

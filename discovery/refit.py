@@ -16,7 +16,7 @@ from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.identify.sufficient_step import sufficient_step, unbiased_noise
 from affine_model.identify.trajectory import Fit, Problem, evaluate, fit
-from discovery.hypothesis import Hypothesis, hypothesis, material_gain, nats_per_parameter
+from discovery.hypothesis import Hypothesis, against_baseline, hypothesis, material_gain, nats_per_parameter
 from discovery.score import Candidate
 
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
@@ -114,7 +114,7 @@ def spared(chosen: Hypothesis) -> Hypothesis:
 
     Against a baseline all are kept: its own rest, taken for noise, hides what a shape is worth.
     """
-    if any(experiment.correlation > 1.0 for experiment in chosen.problem.experiments):
+    if against_baseline(chosen):
         return chosen
     for effect in chosen.effects:
         for shape in catalogue()[effect].shapes:

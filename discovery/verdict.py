@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.effects import catalogue
-from discovery.hypothesis import Hypothesis, noise_ratio
+from discovery.hypothesis import Hypothesis, against_baseline, noise_ratio
 from discovery.refit import without
 from discovery.search import MOST_EFFECTS, Search, tied_within
 from tentacle.diagnosis import Verdict
@@ -136,7 +136,7 @@ def _dominant(search: Search, least: float) -> Hypothesis | None:
     baseline, whose own rest is granted already, all that were found. least: a share that is tolerated at any rate.
     """
     part = search.chosen
-    if _against_baseline(part):
+    if against_baseline(part):
         return part if part.effects and structure_share(search, part) < _tolerated(part) else None
     parts = [part]
     for effect in reversed(part.effects[1:]):
@@ -161,11 +161,7 @@ def _twins_of(search: Search, named: Hypothesis) -> tuple[str, ...]:
 def _tolerated(chosen: Hypothesis) -> float:
     """The share of the first error that may stay unexplained under a named effect."""
     rest = max(chosen.train.structure, chosen.judged.structure)
-    return NEARLY if _against_baseline(chosen) or rest < 1.0 else DOMINANT
-
-
-def _against_baseline(chosen: Hypothesis) -> bool:
-    return any(experiment.correlation > 1.0 for experiment in chosen.problem.experiments)
+    return NEARLY if against_baseline(chosen) or rest < 1.0 else DOMINANT
 
 
 def _confidence(search: Search, passed: bool, share: float) -> float:
