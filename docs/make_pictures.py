@@ -22,21 +22,6 @@ QUALITY = 88  # of WebP: text stays sharp, at a fifth of a PNG's size
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
             "--disable-background-networking", "--disable-sync"]  # fmt: skip
 ENVIRONMENT = {"PYTHONPATH": str(ROOT), "PATH": "/usr/local/bin:/usr/bin:/bin"}
-ARM = """\
-order = 2
-[specimen]
-section = "cone"
-base_radius_m = 0.0125
-tip_radius_m = 0.0015
-length_m = 0.14
-density_kg_m3 = 1070.0
-[fluid]
-density_kg_m3 = 998.0
-[effects]
-elasticity.E = {value = 2.0e5, unit = "Pa"}
-damping.eta = {value = 300.0, unit = "Pa s"}
-drag.C_perp = {value = 1.1}
-"""
 SPEEDS = """\
 arm,motion,speed_m_s
 14 cm,low sine,0.0006
@@ -96,8 +81,10 @@ def material(folder: Path) -> None:
     """What views, reports and figures show: recordings, and every verb's answer."""
     from first_hour import film
 
+    from docs.arm import shown_arm
+
     film(folder / "swim", 8.0)
-    (folder / "arm.toml").write_text(ARM)
+    (folder / "arm.toml").write_text(shown_arm())
     (folder / "speeds.csv").write_text(SPEEDS)
     for command in (
         "tentacle track swim --out tracked.rrd",
@@ -195,6 +182,7 @@ def maps(folder: Path) -> None:
     """The reduced model beside the reference: where it serves, Figure 9 on both, and the arm in MuJoCo's camera."""
     import cv2
 
+    from docs.arm import shown_arm
     from tentacle.cli._validity import AMPLITUDES, LEVELS, ORDERS, RATIOS, validity_maps, variants
     from tentacle.model_file import read_model
     from tentacle.runner import Runner
@@ -202,7 +190,7 @@ def maps(folder: Path) -> None:
     from viz.figures.style import save
     from viz.figures.validity_map import validity_figure
 
-    (folder / "thick.toml").write_text(ARM + "added_mass.C_a = {value = 1.0}\n")
+    (folder / "thick.toml").write_text(shown_arm() + "added_mass.C_a = {value = 1.0}\n")
     tentacle("tentacle compare thick.toml --tapers 0.5 --slenderness 20 --out mapped", folder)
     keep(photograph(folder / "mapped" / "report.html", 1180), "report_validity")
     # The same call as the verb's: its results are found, not computed.

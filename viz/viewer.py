@@ -1,4 +1,4 @@
-"""Opening recordings: the native viewer, a web page on this machine only, or a picture without a screen."""
+"""Opening recordings: the native viewer, or a picture without a screen. The web page is in page.py."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
-from urllib.parse import quote
 
 from tentacle.errors import InputError
 
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from rerun.experimental import ViewerClient
 
 LOOPBACK = "127.0.0.1"
-PATIENCE = 30.0  # s for the viewer to come up
+PATIENCE = 60.0  # s for the viewer to come up: 0.2 on a free computer, but its program has 290 MB to be read
 INSTALL_VULKAN = "apt-get install mesa-vulkan-drivers (a software Vulkan driver) and try again"
 
 
@@ -86,26 +85,6 @@ def open_native(files: Sequence[Path]) -> int:
     found = [str(file) for file in require_recordings(files)]
     with running(["--port", str(free_port()), *found]) as process:
         return process.wait()
-
-
-def serve_web(files: Sequence[Path], told: Callable[[str], None] = print) -> int:
-    """Serve the viewer as a web page on 127.0.0.1 until Ctrl-C; the exit status. told is given its address.
-
-    Raises InputError where it does not come up.
-    """
-    found = [str(file) for file in require_recordings(files)]
-    data, page = free_port(), free_port()
-    ports = ["--port", str(data), "--web-viewer-port", str(page)]
-    with tempfile.TemporaryFile() as said, running(["--serve-web", *ports, *found], said) as process:
-        try:
-            source = wait_until_listening(process, data)
-            wait_until_listening(process, page)
-        except ConnectionError as error:
-            raise InputError(str(error), field="--web", expected="a viewer that serves a page") from None
-        told(f"http://{LOOPBACK}:{page}/?url={quote(source, safe='')}  (Ctrl-C ends it)")
-        with suppress(KeyboardInterrupt):
-            return process.wait()
-        return 0
 
 
 def free_port() -> int:

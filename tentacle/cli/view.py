@@ -31,6 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tentacle.errors import InputError
     from viz import viewer
+    from viz.page import serve_web
 
     if arguments.at is not None and arguments.screenshot is None:
         raise InputError("only a screenshot has an instant", field="--at", expected="--screenshot OUT.png with it")
@@ -44,7 +45,9 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.screenshot is not None:
             print(viewer.screenshot(shown, arguments.screenshot, arguments.at))
             return 0
-        return viewer.serve_web(shown) if arguments.web else viewer.open_native(shown)
+        if arguments.web:
+            return serve_web(shown, told=lambda words: print(words, flush=True))
+        return viewer.open_native(shown)
 
 
 def with_layout(file: Path, place: Path) -> Path:

@@ -15,24 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
+from docs.arm import shown_arm
 from tentacle.cli import main
 from tests.docs.shown import ROOT
 
-ARM = """\
-order = 2
-[specimen]
-section = "cone"
-base_radius_m = 0.0125
-tip_radius_m = 0.0015
-length_m = 0.14
-density_kg_m3 = 1070.0
-[fluid]
-density_kg_m3 = 998.0
-[effects]
-elasticity.E = {value = 2.0e5, unit = "Pa"}
-damping.eta = {value = 300.0, unit = "Pa s"}
-drag.C_perp = {value = 1.1}
-"""
 SPEEDS = "arm,motion,speed_m_s\n14 cm,sine,0.0012\n14 cm,sine,0.0010\n14 cm,optimised,0.0066\n"
 
 
@@ -47,7 +33,9 @@ def environment(folder: Path) -> dict[str, str]:
         script = programs / name
         script.write_text(f'#!/bin/sh\nexec "{sys.executable}" {arguments} "$@"\n')
         script.chmod(0o755)
-    bare = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    # nor anything that a reader's shell does not have: with the last, words that wait in a buffer would come at once
+    absent = ("DISPLAY", "WAYLAND_DISPLAY", "PYTHONUNBUFFERED")
+    bare = {name: value for name, value in os.environ.items() if name not in absent}
     return {**bare, "PYTHONPATH": str(ROOT), "PATH": f"{programs}:{os.environ['PATH']}", "OMP_NUM_THREADS": "1"}
 
 
@@ -79,8 +67,8 @@ def asked(command: str) -> None:
 def set_desk(desk: Path) -> Path:
     """Everything that a shown command reads, small: 3 s of one arm, filmed and as midlines; what verbs made of it."""
     desk.mkdir()
-    (desk / "arm.toml").write_text(ARM)
-    (desk / "long.toml").write_text(ARM.replace("length_m = 0.14", "length_m = 0.2"))
+    (desk / "arm.toml").write_text(shown_arm())
+    (desk / "long.toml").write_text(shown_arm().replace("length_m = 0.14", "length_m = 0.2"))
     shutil.copy(desk / "arm.toml", desk / "short.toml")
     chirp, sine = "--chirp 0.5 0.3 2 --duration 3 --fps 20", "--sine 0.4 2 --duration 3 --fps 20"
     asked(f"simulate {desk}/arm.toml --out {desk}/my_arm {chirp} --video clean --size 320 240")
@@ -125,10 +113,11 @@ def film_in_matroska(video: Path, file: Path) -> None:
 
 
 @contextmanager
-def begun(command: str, folder: Path, shell: dict[str, str], until: str, seconds: float = 90.0) -> Iterator[Path]:
+def begun(command: str, folder: Path, shell: dict[str, str], until: str, seconds: float = 240.0) -> Iterator[Path]:
     """A command while it runs, from the moment that it has said `until` or written a file of that pattern.
 
-    Gives the file with what it says. It is ended by Ctrl-C, as by hand, and whatever it started with it.
+    Gives the file with what it says. It is ended by Ctrl-C, as by hand, and whatever it started with it. The
+    first command of a new checkout compiles its kernels: 20 s on a free computer, hence the patience.
     """
     said = folder / f"said_{len(list(folder.glob('said_*')))}.txt"
     with said.open("w") as stream:

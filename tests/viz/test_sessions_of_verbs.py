@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import re
 import socket
 import time
 from dataclasses import replace
 from pathlib import Path
-from urllib.parse import urljoin
+from urllib.error import HTTPError
+from urllib.parse import parse_qs, urljoin, urlsplit
 from urllib.request import urlopen
 
 import numpy as np
@@ -20,8 +22,9 @@ from tentacle.recording import Recording
 from tentacle.recording_rrd import write_rrd
 from viz.blueprints.rig import LivePaths, rig_blueprint
 from viz.compare import Motion, model_markdown, motions_scene, write_comparison
+from viz.page import serve_web
 from viz.track import track_scene, write_recording_view
-from viz.viewer import DECLARATION, headless_viewer, holds, open_native, require_recordings, screenshot, serve_web
+from viz.viewer import DECLARATION, headless_viewer, holds, open_native, require_recordings, screenshot
 
 
 def entities(path: Path) -> set[str]:
@@ -112,9 +115,10 @@ def test_the_viewer_listens_on_this_machine_only(monkeypatch):
     monkeypatch.setenv("DISPLAY", ":0")
     with pytest.raises(OSError, match="not started"), headless_viewer():
         pass
-    for start in (open_native, serve_web):
-        with pytest.raises(OSError, match="not started"):
-            start([])
+    with pytest.raises(OSError, match="not started"):
+        open_native([])
+    with pytest.raises(OSError, match="not started"):
+        serve_web([], told=print)
     assert [command[command.index("--bind") + 1] for command in asked] == ["127.0.0.1"] * 3
 
 
@@ -129,8 +133,15 @@ def test_a_web_page_is_served_here_alone_until_ctrl_c_and_nothing_is_left_behind
         assert "<html" in html
         parts = [fetched(urljoin(page, name)) for name in re.findall(r"re_viewer[\w.]*\.(?:js|wasm)", html)]
         assert any(part.startswith(b"\0asm") for part in parts)  # the viewer itself comes from here, too
+        data = parse_qs(urlsplit(page).query)["url"]
+        assert [fetched(address) for address in data] == [session.read_bytes()]
+        with pytest.raises(HTTPError, match="404"):
+            fetched(urljoin(data[0], "/etc/hostname"))
         ports = [int(port) for port in re.findall(r"127\.0\.0\.1(?::|%3A)(\d+)", page)]
         assert len(ports) == 2  # the page's and the data's
+        before = processor_seconds(str(ports[0]))
+        time.sleep(2.0)
+        assert processor_seconds(str(ports[0])) - before < 0.2  # it spun at 1.3 to 2 s, when it read the file itself
         others = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
         for address in others - {"127.0.0.1"}:
             assert [answers(address, port) for port in ports] == [False, False]
@@ -148,6 +159,17 @@ def test_a_web_page_is_served_here_alone_until_ctrl_c_and_nothing_is_left_behind
 def fetched(address: str) -> bytes:
     with urlopen(address, timeout=20.0) as answer:
         return answer.read()
+
+
+def processor_seconds(words: str) -> float:
+    """Processor time [s] that processes with these words on their command line have taken, where Linux tells."""
+    lines = [
+        (process / "stat").read_text()
+        for process in Path("/proc").glob("[0-9]*")
+        if words in (process / "cmdline").read_text()
+    ]
+    ticks = [sum(map(int, line.rpartition(")")[2].split()[11:13])) for line in lines]  # utime and stime of proc(5)
+    return sum(ticks) / os.sysconf("SC_CLK_TCK")
 
 
 def answers(address: str, port: int) -> bool:
