@@ -59,15 +59,20 @@ def drive(
     *,
     interrupts: Interrupts | None = None,
     progress: Callable[[str, float], None] = lambda _phase, _share: None,
-) -> tuple[RunResult, ReplayComparison]:
-    """Plays a recording's commands on a rig, records that, and compares. InputError where they are beyond its
-    limits.
+) -> tuple[RunResult, ReplayComparison | None]:
+    """Plays a recording's commands on a rig, records that, and compares; None where a fault of the rig ended it within
+    its first second. InputError where the commands are beyond the rig's limits.
     """
     motion = logged_motion(path)
     result = record(
         setup, board, None, motion, out, name=f"replay of {path.stem}", interrupts=interrupts, progress=progress
     )
-    return result, compare(path, read_run(out))
+    try:
+        return result, compare(path, read_run(out))
+    except InputError:
+        if result.outcome == "complete":
+            raise
+        return result, None
 
 
 def compare(path: Path, replayed: Run) -> ReplayComparison:

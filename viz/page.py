@@ -60,7 +60,7 @@ def given(files: Sequence[Path], page: str) -> Iterator[list[str]]:
             with file.open("rb") as stream, suppress(ConnectionError):  # a page may be closed while it loads
                 shutil.copyfileobj(stream, self.wfile)
 
-        def log_message(self, *_: object) -> None:
+        def log_message(self, format: str, *args: object) -> None:
             """Nothing: the address is all that a reader is told."""
 
     with ThreadingHTTPServer((LOOPBACK, 0), Giver) as server:

@@ -86,17 +86,18 @@ def small_video(recording: Recording) -> SmallVideo:
         stream = container.add_stream("libsvtav1", rate=30)
         stream.options = {"preset": "10", "crf": str(QUALITY), "g": str(KEY_FRAME_EVERY), "svtav1-params": "lp=1"}
         stream.pix_fmt = "yuv420p"
-        stream.time_base = Fraction(1, TICKS)
+        stream.codec_context.time_base = Fraction(1, TICKS)  # else 1 / rate, and uneven frames collide
         for t, seen in frames(recording):
             frame = upright(seen)
             if not times:
                 scale = min(1.0, MAXIMUM_WIDTH / frame.width)
                 size = (even(frame.width * scale), even(frame.height * scale))
                 stream.width, stream.height = size
-            if times and t <= times[-1]:
+            ticks = round(t * TICKS)
+            if times and ticks <= round(times[-1] * TICKS):
                 continue  # a duplicated frame: the mp4 needs rising times, and the viewer shows the earlier one
             small = frame.reformat(*size, format="yuv420p")
-            small.pts, small.time_base = round(t * TICKS), Fraction(1, TICKS)
+            small.pts, small.time_base = ticks, Fraction(1, TICKS)
             small.pict_type = av.video.frame.PictureType.NONE
             container.mux(stream.encode(small))
             times.append(t)

@@ -61,6 +61,9 @@ def _drive(arguments: argparse.Namespace) -> int:
     except Fault as fault:
         print(f"tentacle: {fault.kind}: {fault}", file=sys.stderr)
         return 3
+    if difference is None:
+        print(f"tentacle: {result.outcome}: {result.words}", file=sys.stderr)
+        return 3
     thrust = "not measured" if difference.thrust is None else f"{1e3 * difference.thrust:.2f} mN"
     print(f"{result.outcome}: {difference.seconds:.1f} s replayed into {out}")
     print(

@@ -112,8 +112,10 @@ def run(arguments: argparse.Namespace) -> int:
         print(json.dumps({key: None if value != value else value for key, value in summary.items()}, indent=1))
         return 0
     print(f"{summary['accepted']} of {summary['frames']} frames accepted, {summary['order']} curvature coordinates")
+    aside, along = 1e3 * shape.base_shift
     print(
-        f"scale {shape.scale:.5f} +- {shape.scale_sigma:.5f} of the declared, base {1e3 * shape.base_shift} mm from it"
+        f"scale {shape.scale:.5f} +- {shape.scale_sigma:.5f} of the declared; base {aside:+.2f} mm aside of the"
+        f" declared, {along:+.2f} mm along the arm"
     )
     for remark in remarks:
         print(remark)

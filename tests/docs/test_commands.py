@@ -27,6 +27,8 @@ from viz.viewer import free_port
 
 COMMANDS = shown([ROOT / "README.md", *PAGES])
 EMULATE = "tentacle rig emulate emu"
+PATIENCE = 900.0  # s: a model of a new order is compiled first, 35 s of a processor that eight may share
+RIG_TRIES = 5
 BOARD = re.compile(r"(emu/)?rig\.toml|run\.rrd")  # what only an emulated rig gives
 
 
@@ -118,18 +120,35 @@ def how(command: str) -> How:
 
 @pytest.fixture(scope="module")
 def bench(desk: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """`tentacle rig emulate emu &` as it runs, at twice the pace of time; and a run that was recorded on it."""
+    """`tentacle rig emulate emu &` as it runs; and a run that was recorded on it."""
     if shutil.which("g++") is None:
         pytest.skip("no g++ here: the board's core cannot be compiled (Debian: apt-get install g++)")
     pytest.importorskip("serial", reason="pyserial is not installed: pip install tentacle-twin[rig]")
     lab = tmp_path_factory.mktemp("lab")
     shell = environment(lab)
     shutil.copy(desk / "wave.toml", lab)
-    with begun(f"{EMULATE} --rate 2", lab, shell, "in another terminal"):
+    with begun(EMULATE, lab, shell, "in another terminal"):
         record = "tentacle rig record emu/rig.toml wave.toml --seconds 2 --out run.rrd"
-        done = subprocess.run(record.split(), cwd=lab, env=shell, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
+        done = asked(record, lab, shell, tries=RIG_TRIES)
+        assert done.returncode == 0, done.stdout + done.stderr
         yield lab
+
+
+def asked(
+    line: str, place: Path, shell: dict[str, str], typed: str = "", tries: int = 1
+) -> subprocess.CompletedProcess[str]:
+    """A command, run to its end. It is asked again, after a fault of the rig (3), until all tries are spent.
+
+    The rig's watchdog bites where this computer is too busy to feed it for a quarter of a second.
+    """
+    while True:
+        done = subprocess.run(["bash", "-c", line], cwd=place, env=shell, input=typed, capture_output=True,
+                              text=True, timeout=PATIENCE, check=False)  # fmt: skip
+        close_the_viewer(done.stdout + done.stderr)
+        tries -= 1
+        if done.returncode != 3 or tries == 0:
+            return done
+        without_its_output(line, place)
 
 
 def beside_the_rig(place: Path, bench: Path) -> None:
@@ -202,14 +221,10 @@ def execute(command: str, desk: Path, place: Path, bench: Path | None) -> None:
     if run.until:
         with begun(line, place, shell, run.until):
             return
-    for _ in range(3):
-        done = subprocess.run(["bash", "-c", line], cwd=place, env=shell, input=run.typed, capture_output=True,
-                              text=True, timeout=300, check=False)  # fmt: skip
-        said = done.stdout + done.stderr
-        close_the_viewer(said)
-        if bench is None or done.returncode != 3:
-            break  # 3 is a fault of the rig: its watchdog bites where this computer is too busy; asked again, it works
-        without_its_output(command, place)
+    done = asked(line, place, shell, run.typed, tries=RIG_TRIES if bench is not None else 1)
+    said = done.stdout + done.stderr
+    if done.returncode == 2 and "mesa-vulkan-drivers" in said:
+        pytest.skip(f"this machine draws no picture: {said.strip()}")
     assert done.returncode in run.status, f"{line}\n{said}"
     assert any(words in said for words in run.says.split("|")), f"{line}\n{said}"
     assert "does not provide the extra" not in said

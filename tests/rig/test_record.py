@@ -169,6 +169,7 @@ def test_a_replayed_run_is_the_run(setup: RigSetup, tmp_path: Path) -> None:
         record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), tmp_path / "run.rrd", name="first")
         result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert result.outcome == "complete"
+    assert difference is not None
     assert difference.seconds > 1.9
     # Chords of the motion 20 ms apart, twice: each up to (2 pi)^2 0.5 0.02^2 / 8 = 1e-3 rad; the thrust's noise is
     # 0.33 mN.
