@@ -11,8 +11,8 @@ $(STAMP): pyproject.toml constraints.txt .ci/set_up
 	@.ci/set_up $(VENV)
 	@touch $@
 
-# The emulated board is ended by its watchdog, and a viewer is given up, where both cores are taken: their tests run
-# after the others, alone. What runs every command that the docs show takes long, and has a target of its own.
+# The emulated board is ended by its watchdog where both cores are taken, and a viewer's processor time is measured: their
+# tests run after the others, alone. What runs every command that the docs show takes minutes: a target of its own.
 BOARD := tests/rig tests/viz/test_sessions_of_verbs.py
 SHOWN := tests/docs/test_commands.py
 test: setup
