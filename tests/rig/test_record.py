@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from benchmarks._rig_scene import DECLARED, TABLE, WAVE, killed_while_recording, setup_for
+from rig.board import Board
 from rig.camera import Camera
 from rig.connection import connected, opened_camera
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator
-from rig.motion import motion_of
-from rig.record import record
+from rig.motion import Motion, motion_of
+from rig.record import RunResult, record
 from rig.run_file import read_run, to_recording
 from rig.settle import SettleRule
 from rig.setup_file import CameraSettings, RigSetup, read_setup, write_setup
@@ -177,3 +178,20 @@ def test_a_replayed_run_is_the_run(setup: RigSetup, tmp_path: Path) -> None:
     assert difference.angle < 5e-3
     assert difference.thrust is not None
     assert difference.thrust < 2e-3
+
+
+def test_a_replay_that_a_fault_cut_short_is_a_fault_and_no_bad_input(
+    setup: RigSetup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the board's watchdog bites in the first second, that is said, and not that the recording is too short."""
+    from rig.replay import drive
+
+    def cut(setup: RigSetup, board: Board, camera: None, _: Motion, path: Path, **__: object) -> RunResult:
+        done = record(setup, board, camera, motion_of(WAVE, 0.5, setup.limits, TABLE), path, name="cut")
+        return replace(done, outcome="watchdog")
+
+    with connected(setup) as board:
+        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), tmp_path / "run.rrd", name="first")
+        monkeypatch.setattr("rig.replay.record", cut)
+        result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
+    assert (result.outcome, difference) == ("watchdog", None)
