@@ -12,10 +12,10 @@ from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.assemble import assembled, cannot_tell
 from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
-from discovery.hypothesis import hypothesis, looseness
+from discovery.hypothesis import Hypothesis, hypothesis, looseness, noise_ratio
 from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error, without_reduction
-from discovery.search import search
+from discovery.search import Search, search
 from discovery.unnamed import unnamed_rest
 from discovery.verdict import decide, structure_share
 from tentacle.diagnosis import Diagnosis
@@ -147,12 +147,9 @@ def _diagnosed(
         base_problem, base = _base_hypothesis(setting, fitted, known, warm=paper)
     progress("running the reference")
     base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
-    base_problem, base, share = _relieved(base_problem, base, reduction)
-    least = OF_MOTION * _motion(base_problem)
-    lost = (0.0, 0.0) if reduction is None else (share * reduction.structure, share * reduction.judged)
-    structure = (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least)))
     progress("searching the catalogue")
-    found = search(hypothesis((), base_problem, base, structure), setting.arm(order))
+    found = search(_relieved(base_problem, base, reduction), setting.arm())
+    found, reduction = _searched_again(found, setting, (base_problem, base), reduction)
     decision = decide(found)
     explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
@@ -204,20 +201,57 @@ def _reduced_enough(
     return problem, fitted, reduction
 
 
-def _relieved(problem: Problem, fitted: Fit, reduction: Reduction | None) -> tuple[Problem, Fit, float]:
-    """The base fitted to what was measured less the reduction's error, and the share of that error that may be left:
-    the chain was run with the declared model, whose motion is wrong by what is missing.
+def _relieved(problem: Problem, fitted: Fit, reduction: Reduction | None, missing: float | None = None) -> Hypothesis:
+    """The base fitted to what was measured less the reduction's error, granted what may be left of that error: the
+    chain was run with a model whose motion is wrong by what is missing [noise sigmas] (None: by what the base leaves).
 
-    As it was, and all of the error, where that is small, is not known everywhere, or does not help.
+    As it was, and granted all of the error, where that is small, is not known everywhere, or is not this arm's: taken
+    off data that do not hold it, its whole square would come on top of the misfit, and here half of it does.
     """
     less = None if reduction is None or reduction.worst < SMALL_REDUCTION else without_reduction(problem, reduction)
-    if less is None:
-        return problem, fitted, 1.0
+    if reduction is None or less is None:
+        return _granted(problem, fitted, reduction, 1.0)
     again = settled(less, fit(replace(less, parameters=fitted.parameters), fitted.nuisances))
-    if again[1].misfit > fitted.misfit:
-        return problem, fitted, 1.0
-    missing = hypothesis((), *again).train.structure
-    return *again, min(1.0, REMAINS + missing / max(_motion(again[0]), 1e-9))
+    if again[1].misfit - fitted.misfit > 0.5 * 0.5 * reduction.structure**2 * fitted.count:
+        return _granted(problem, fitted, reduction, 1.0)
+    if missing is None:
+        missing = hypothesis((), *again).train.structure
+    return _granted(*again, reduction, min(1.0, REMAINS + missing / max(_motion(again[0]), 1e-9)))
+
+
+def _granted(problem: Problem, fitted: Fit, reduction: Reduction | None, share: float) -> Hypothesis:
+    """The base judged, granted that share of the reduction's error and what no model of its motion knows better."""
+    least = OF_MOTION * _motion(problem)
+    lost = (0.0, 0.0) if reduction is None else (share * reduction.structure, share * reduction.judged)
+    return hypothesis((), problem, fitted, (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least))))
+
+
+def _searched_again(
+    found: Search, setting: Setting, base: tuple[Problem, Fit], reduction: Reduction | None
+) -> tuple[Search, Reduction | None]:
+    """The search once more where what was found explains much and yet leaves too much, and the reduction's error by
+    which it went: now as the chain shows it that has the effects found. As before where this leaves no less.
+    """
+    chosen = found.chosen
+    small = reduction is None or reduction.worst < SMALL_REDUCTION
+    enough = chosen.train.passed and chosen.judged.passed
+    if small or enough or not chosen.effects or structure_share(found, chosen) > PARTIAL:
+        return found, reduction
+    if chosen.problem.arm.order != base[0].arm.order:
+        return found, reduction
+    with_effects = reduction_error(setting.declaration, chosen.problem, chosen.fitted, chosen.effects)
+    if with_effects is None:
+        return found, reduction
+    again = search(_relieved(*base, with_effects, chosen.train.structure), setting.arm())
+    noise = noise_ratio(again.chosen.problem, chosen.problem)
+    if _left(again.chosen) * noise > _left(chosen):
+        return found, reduction
+    return again, with_effects
+
+
+def _left(h: Hypothesis) -> float:
+    """What a hypothesis leaves that is not noise, of both stretches the larger [noise sigmas]."""
+    return max(h.train.structure, h.judged.structure)
 
 
 def _motion(problem: Problem) -> float:

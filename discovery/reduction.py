@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from affine_model.arm import parameter_index
 from affine_model.curvature import Array, midline
+from affine_model.effects import catalogue
 from affine_model.identify.experiment import Experiment, predict
 from affine_model.identify.observation import ShapeObservation, fit_shapes
 from affine_model.identify.trajectory import Fit, Problem, fit
@@ -46,6 +48,11 @@ class Reduction:
         return max(self.structure, self.judged)
 
 
+def _outside_the_arm(name: str) -> bool:
+    effect = catalogue()[name]
+    return effect.base is not None or effect.measurement is not None
+
+
 @dataclass(frozen=True)
 class _Later:
     """A base motion counted from another zero of time."""
@@ -58,15 +65,28 @@ class _Later:
         return self.motion(np.asarray(t) + self.t0)
 
 
-def reduction_error(declaration: Declaration, problem: Problem, fitted: Fit) -> Reduction | None:
+def reduction_error(
+    declaration: Declaration, problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
+) -> Reduction | None:
     """The reduction's error at the fitted parameters; None where no recording shows shapes of a moving base, or where
     the chain cannot be run with these parameters (then nothing is known of it).
+
+    added: effects beside the base's, which stay as fitted. Those of servo and camera do not bend the arm: neither chain
+    nor reduced model has them.
     """
-    names = {name: float(value) for name, value in zip(fitted.free, fitted.values, strict=True)}
+    bending = tuple(name for name in added if not _outside_the_arm(name))
+    parameters = fitted.parameters.copy()
+    for name in set(added) - set(bending):
+        for parameter in catalogue()[name].parameters:
+            parameters[parameter_index(name, parameter.name)] = parameter.neutral
+    free = tuple(name for name in problem.free if name[0] not in added)
+    shapes = tuple((name, parameter.name) for name in bending for parameter in catalogue()[name].parameters)
     tables: dict[str, dict[str, Estimate]] = {}
-    for (effect, parameter), value in names.items():
-        tables.setdefault(effect, {})[parameter] = Estimate.exact(value)
+    for effect, parameter in (*free, *shapes):
+        tables.setdefault(effect, {})[parameter] = Estimate.exact(float(parameters[parameter_index(effect, parameter)]))
     model = Model(declaration.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
+    fitted = replace(fitted, parameters=parameters)
+    problem = replace(problem, free=free)
     fitted_rows, judged_rows, distances = [], [], []
     beyond: list[Array | None] = [None] * len(problem.experiments)
     for place, experiment in enumerate(problem.experiments):
@@ -143,10 +163,12 @@ def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midlin
     """The chain's midline as if it had been measured without noise by this recording's camera."""
     t = experiment.t0 + seen.t
     theta = experiment.base(t)[0]
-    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, 1e-4)
-    fitted_until = observation.t[experiment.used].max()
     live = np.flatnonzero(observation.seen)
     typical = observation.root[live[live.size // 2]]
+    by_edges = bool(typical[1, 1] == 0.0)  # a track: its base is known
+    order = observation.order
+    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, order, 1e-4, by_edges=by_edges)
+    fitted_until = observation.t[experiment.used].max()
     shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
     return replace(
         experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=t <= fitted_until

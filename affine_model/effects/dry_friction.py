@@ -7,7 +7,7 @@ DRY_FRICTION = Effect(
     title="Dry friction in the material",
     parameters=(
         Parameter("c_f", "rad", 0.02, (0.0, 3.0), "friction moment over stiffness, the curvature that it holds"),
-        Parameter("slip", "rad", 0.01, (0.001, 1.0), "curvature at which it gives way", scan=(0.01, 0.001, 0.1)),
+        Parameter("slip", "rad", 0.01, (1e-4, 1.0), "curvature at which it gives way", scan=(0.01, 0.001, 0.1)),
     ),
     source="Prandtl 1928, elastoplastic element; as internal friction: Kimball and Lovell 1927",
     family="elastic",

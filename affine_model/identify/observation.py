@@ -95,11 +95,15 @@ class MarkerObservation:
         return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))
 
 
-def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: float) -> ShapeObservation:
+def fit_shapes(
+    data: Midline, theta: Array, length: float, order: int, sigma: float, *, by_edges: bool = False
+) -> ShapeObservation:
     """Least-squares shape coefficients of every frame of a midline.
 
     theta (T,) recorded base angle; sigma [m] stands in where the data state none. Frames with too few points get
     root 0: they weigh nothing. Gauss-Newton from the straight arm along the points' mean direction; all frames at once.
+    by_edges: as a tracker of the arm's edges sees it, from a base and at a scale that it knows: shift and scale stay 0
+    and only the distance along the normals counts. A shape that has more coordinates is then bent into fewer as there.
     """
     frames, points = data.xy.shape[:2]
     stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, sigma)
@@ -124,8 +128,16 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, sigma: fl
         jacobian[..., 3] = size * shape
         jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, length, data.s, order)
         error = (xy - predicted) * weight[..., None]
+        if by_edges:
+            phi = angle[:, None] + monomial_angle(q, data.s)
+            across = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
+            error = np.sum(error * across, axis=2, keepdims=True) * across
+            jacobian[:] = np.einsum("tpx,tpxk->tpk", across, jacobian)[:, :, None] * across[..., None]
+            jacobian[..., 1:POSE] = 0.0
         weighted = (jacobian * weight[..., None, None]).reshape(frames, 2 * points, count)
         normal = np.einsum("tpk,tpl->tkl", weighted, weighted)
+        if by_edges:
+            normal[:, range(1, POSE), range(1, POSE)] = 1.0
         normal[~usable] = np.eye(count)
         # Levenberg's share keeps the first steps of strongly bent frames from overshooting.
         gradient = np.einsum("tpk,tp->tk", weighted, error.reshape(frames, -1))

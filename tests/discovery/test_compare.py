@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from affine_model.arm import parameter_index
 from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.identify.observation import POSE, fit_shapes
 from affine_model.identify.trajectory import fit
@@ -85,3 +86,29 @@ def test_the_chain_s_error_taken_off_leaves_little_of_it(recorded):
     before = hypothesis((), problem, fitted).train.structure
     assert before == pytest.approx(lost.structure, rel=0.3)  # the chain's own error is what was left
     assert hypothesis((), less, relieved).train.structure < REMAINS * before
+
+
+def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(recorded):
+    """A fitted current acts on the chain as well, so what is left is as small as without (a chain that lacked it would
+    be centimetres per second of water apart); one of the camera acts on neither, and changes nothing.
+    """
+    made = recorded({("current", "U_x"): 0.03}, order=3)
+    experiment = prepare(made, hold_out=True).experiment
+    problem, fitted = fit_base(Setting(made.declaration, (experiment,), 3), 3)
+    bare = reduction_error(made.declaration, problem, fitted)
+
+    def lost_with(**added: dict[str, float]):
+        parameters, free = fitted.parameters.copy(), problem.free
+        for effect, table in added.items():
+            for name, value in table.items():
+                parameters[parameter_index(effect, name)] = value
+                free = (*free, (effect, name))
+        return reduction_error(
+            made.declaration, replace(problem, free=free), replace(fitted, parameters=parameters), tuple(added)
+        )
+
+    np.testing.assert_array_equal(lost_with(camera_roll={"roll": 0.02}).beyond[0], bare.beyond[0])
+    current = lost_with(current={"U_x": 0.03, "U_y": 0.0})
+    assert current.structure < 2.0 * bare.structure
+    without = hypothesis((), problem, fitted).train.structure  # what a current less in the model leaves
+    assert current.structure < 0.2 * without
