@@ -12,6 +12,7 @@ from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.assemble import assembled, cannot_tell
 from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
+from discovery.compare import unexplained_share
 from discovery.hypothesis import Hypothesis, hypothesis, looseness, noise_ratio
 from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
 from discovery.reduction import Reduction, reduction_error, without_reduction
@@ -150,15 +151,15 @@ def _diagnosed(
     progress("searching the catalogue")
     found = search(_relieved(base_problem, base, reduction), setting.arm())
     found, reduction = _searched_again(found, setting, (base_problem, base), reduction)
-    decision = decide(found)
-    explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
-    rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     # With the noise as the final model leaves it; the errors are stated of what was measured, reduction and all.
     final = found.chosen.problem.experiments
     prepared = [
         replace(p, experiment=replace(experiment, observation=p.experiment.observation))
         for p, experiment in zip(prepared, final, strict=True)
     ]
+    decision = decide(found, _unexplained(found, prepared, reduction))
+    explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
+    rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     progress("comparing")
     return assembled(found, decision, rest, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
 
@@ -247,6 +248,16 @@ def _searched_again(
     if _left(again.chosen) * noise > _left(chosen):
         return found, reduction
     return again, with_effects
+
+
+def _unexplained(found: Search, prepared: list[Prepared], reduction: Reduction | None) -> float:
+    """The share of the base's error in millimetres that an account leaves which the gates do not pass; else 1."""
+    base, chosen = found.base, found.chosen
+    if not chosen.effects or (chosen.train.passed and chosen.judged.passed):
+        return 1.0
+    lost = 0.0 if reduction is None else reduction.millimetres
+    models = ((base.problem, base.fitted), (chosen.problem, chosen.fitted))
+    return unexplained_share(*models, prepared, lost, held_out=bool(chosen.judged.gates))
 
 
 def _left(h: Hypothesis) -> float:

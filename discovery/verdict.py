@@ -14,6 +14,7 @@ from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
 DOMINANT = 0.07  # the same, whatever the noise: measured arms are never followed down to a motion capture's microns
+UNSEEN = 0.05  # of the first error in millimetres: finer than that laws agree, but no arm with its declaration
 STANDS_OUT = 1.0  # noise sigmas: a rest that is as large as the noise is seen in the picture of residuals
 AGREED = 0.2  # where what all rivals agree on leaves no more than this share, the rest of their difference is a detail
 
@@ -54,9 +55,12 @@ def probabilities(search: Search) -> dict[str, float]:
     return {h.effects[0]: float(weight) for h, weight in zip(pool, weights, strict=True)}
 
 
-def decide(search: Search) -> Decision:
+def decide(search: Search, unexplained: float = 1.0) -> Decision:
     """The verdict. An explanation counts where the gates pass with it, or where what it leaves is small beside what
     it explains.
+
+    unexplained: the share of the first error that the chosen model leaves in millimetres. Noise sigmas weigh what a
+    camera sees best, be it a thousandth of a millimetre; nobody would call an account wrong that leaves next to none.
     """
     base, chosen = search.base, search.chosen
     adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
@@ -65,7 +69,8 @@ def decide(search: Search) -> Decision:
         sure = float(np.clip(1.0 - 0.5 * _room_used(base), 0.5, 0.98))
         return Decision("nothing_missing", (), sure, _hidden_below(base))
     share = structure_share(search, chosen)
-    named = chosen if passed else _dominant(search, AGREED if adequate else 0.0)
+    followed = unexplained < UNSEEN and 0 < len(chosen.effects) < MOST_EFFECTS and not _strained(chosen)
+    named = chosen if passed or followed else _dominant(search, AGREED if adequate else 0.0)
     if not chosen.effects or named is None:
         words = ["No effect of the catalogue, nor a combination of up to three, brings the residual down to the noise."]
         if chosen.effects:

@@ -1,11 +1,15 @@
 """Gates, search, verdict and next experiment on recordings whose truth is in the model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from discovery.adequacy import ljung_box
+from discovery.compare import unexplained_share
 from discovery.hypothesis import hypothesis, looseness, parameter_interval
 from discovery.next_experiment import _gap, candidates, propose
+from discovery.prepare import prepare
 from discovery.score import score
 from discovery.search import refit, search, without
 from discovery.verdict import decide, probabilities, structure_share
@@ -68,6 +72,29 @@ def test_a_hidden_current_is_named_and_measured(found):
     assert half < 0.003
     assert structure_share(found, found.chosen) < 0.12
     assert looseness(found.chosen) == pytest.approx(1.0, abs=0.3)
+
+
+def test_an_account_that_leaves_next_to_nothing_in_millimetres_stands(found, with_current):
+    """The gates weigh what is seen best; an account that fails them by what no midline shows is one, less surely."""
+    failing = replace(found.chosen, train=with_current.train, judged=with_current.judged)
+    outcome = replace(found, chosen=failing, rivals=(), core=failing)
+    assert decide(outcome).verdict == decide(outcome, 0.06).verdict == "unknown"
+    followed = decide(outcome, 0.04)
+    assert followed.verdict == "effect"
+    assert "current" in followed.effects
+    assert followed.confidence < decide(found).confidence
+    assert any("above the noise" in sentence for sentence in followed.words)
+
+
+def test_what_an_account_leaves_is_counted_beyond_noise_and_reduction(recorded, found, with_current):
+    """The right effect leaves next to nothing of the midline's error, none at all leaves all of it."""
+    prepared = [prepare(recorded({("current", "U_x"): 0.03}), hold_out=True)]
+    base = (with_current.problem, with_current.fitted)
+    chosen = (found.chosen.problem, found.chosen.fitted)
+    assert unexplained_share(base, chosen, prepared, 0.0, held_out=True) < 0.05
+    assert unexplained_share(base, base, prepared, 0.0, held_out=True) == pytest.approx(1.0)
+    # Where the reduction alone may leave more than the base does, nothing is known of it.
+    assert unexplained_share(base, chosen, prepared, 1e3, held_out=True) == 1.0
 
 
 def test_probabilities_sum_to_one(found):
