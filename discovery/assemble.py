@@ -139,7 +139,7 @@ def _proposal_words(proposal: Proposal) -> str:
             f"the best of those tried would give {proposal.nats:.1f} nats."
         )
     return (
-        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment, would split "
+        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would split "
         f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
     )
 
