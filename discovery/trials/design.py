@@ -157,8 +157,10 @@ def designs(
         places[kind] += 1
         duration = float(np.round(random.uniform(*DURATIONS), 1))
         noise, sizes = _log_uniform(random, *NOISE), tuple(_log_uniform(random, *R_RANGE) for _ in effects)
-        # Every 1/share-th trial is a video, so that a short series holds its share too.
-        video = np.floor((index + 0.5) * video_share + 0.5) > np.floor((index - 0.5) * video_share + 0.5)
+        # Every 1/share-th trial is a video, so that a short series holds its share too; one further on in each round,
+        # so that every kind is seen both ways.
+        place = index + index // len(turns)
+        video = np.floor((place + 0.5) * video_share + 0.5) > np.floor((place - 0.5) * video_share + 0.5)
         found.append(
             Design(
                 index=index,

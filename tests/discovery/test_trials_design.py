@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from discovery.trials.design import DURATIONS, FASTEST, Design, designs
+from discovery.trials.design import DURATIONS, FASTEST, KINDS, Design, designs
 from tentacle.cli import _blind_recording as maker
 from tentacle.errors import InputError
 from tentacle.recording import Declaration, Recording
@@ -33,6 +33,7 @@ def test_kinds_effects_and_videos_come_in_their_shares():
     singles = Counter(design.effects[0] for design in found if design.kind == "single")
     assert max(singles.values()) - min(singles.values()) <= 1  # shuffled decks deal evenly
     assert sum(design.seen == "video" for design in found) == 40
+    assert {design.kind for design in found if design.seen == "video"} == set(KINDS)  # in turn, none is left out
     assert all(
         len(set(design.effects)) == {"single": 1, "pair": 2, "null": 0, "unknown": 1}[design.kind] for design in found
     )
