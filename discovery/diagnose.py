@@ -189,7 +189,7 @@ def _reduced_enough(
     """
     reduction = reduction_error(setting.declaration, problem, fitted)
     alone = hypothesis((), problem, fitted)
-    if alone.train.passed and alone.judged.passed:
+    if alone.passed:
         return problem, fitted, reduction
     most = _most_coordinates(problem)
     while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < most:
@@ -235,8 +235,7 @@ def _searched_again(
     """
     chosen = found.chosen
     small = reduction is None or reduction.worst < SMALL_REDUCTION
-    enough = chosen.train.passed and chosen.judged.passed
-    if small or enough or not chosen.effects or structure_share(found, chosen) > PARTIAL:
+    if small or chosen.passed or not chosen.effects or structure_share(found, chosen) > PARTIAL:
         return found, reduction
     if chosen.problem.arm.order != base[0].arm.order:
         return found, reduction
@@ -245,15 +244,14 @@ def _searched_again(
         return found, reduction
     again = search(_relieved(*base, with_effects, chosen.train.structure), setting.arm())
     noise = noise_ratio(again.chosen.problem, chosen.problem)
-    if _left(again.chosen) * noise > _left(chosen):
-        return found, reduction
-    return again, with_effects
+    better = again.chosen.passed or _left(again.chosen) * noise <= _left(chosen)
+    return (again, with_effects) if better else (found, reduction)
 
 
 def _unexplained(found: Search, prepared: list[Prepared], reduction: Reduction | None) -> float:
     """The share of the base's error in millimetres that an account leaves which the gates do not pass; else 1."""
     base, chosen = found.base, found.chosen
-    if not chosen.effects or (chosen.train.passed and chosen.judged.passed):
+    if not chosen.effects or chosen.passed:
         return 1.0
     lost = 0.0 if reduction is None else reduction.millimetres
     models = ((base.problem, base.fitted), (chosen.problem, chosen.fitted))

@@ -36,6 +36,11 @@ class Hypothesis:
     reduction: tuple[float, float] = (0.0, 0.0)
     laws: tuple[float, float] = (0.0, 0.0)
 
+    @property
+    def passed(self) -> bool:
+        """Whether every gate was passed, on what was fitted and on what was held out."""
+        return self.train.passed and self.judged.passed
+
     def laws_of_more(self) -> tuple[float, float]:
         """What laws may leave once there are effects: of the structure that the model without any left."""
         if self.effects:

@@ -104,7 +104,7 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     first: list[Candidate] = []
     single: list[Hypothesis] = []
     while len(current.effects) < MOST_EFFECTS:
-        if current.train.passed and current.judged.passed:
+        if current.passed:
             break
         candidates = score(current.problem, current.fitted)
         first = first or candidates
