@@ -122,7 +122,7 @@ def begun(command: str, folder: Path, shell: dict[str, str], until: str, seconds
     said = folder / f"said_{len(list(folder.glob('said_*')))}.txt"
     with said.open("w") as stream:
         process = subprocess.Popen(
-            ["bash", "-c", f"trap - INT; exec {command}"], cwd=folder, env=shell, stdout=stream,
+            ["bash", "-c", f"exec {command}"], cwd=folder, env=shell, stdout=stream,
             stderr=subprocess.STDOUT, start_new_session=True,
         )  # fmt: skip
     try:
