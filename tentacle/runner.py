@@ -92,7 +92,8 @@ class Runner:
             # spawn, not fork: a forked child inherits the locks of numba's and Rerun's threads and can stand still
             pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin_worker)
             try:
-                futures = [pool.submit(_work_and_store, work, task, file) for file, task in tasks.items()]
+                with _interrupts_held():
+                    futures = [pool.submit(_work_and_store, work, task, file) for file, task in tasks.items()]
                 for future in as_completed(futures):
                     yield future.result()
             except BrokenProcessPool:
@@ -160,6 +161,17 @@ def _threads_of_children(count: int) -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C waits for the end of this block, and never reaches a process that was started in it: one that is not up
+    yet would end with a traceback of its own."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin_worker() -> None:
