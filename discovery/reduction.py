@@ -27,6 +27,7 @@ from tentacle.waveform import Waveform
 
 LONGEST = 40.0  # s of each recording that the chain is run for
 POINTS = np.linspace(0.0, 1.0, 41)
+BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not bend it
 
 
 @dataclass(frozen=True)
@@ -46,11 +47,6 @@ class Reduction:
     def worst(self) -> float:
         """The larger of both stretches' [noise sigmas]."""
         return max(self.structure, self.judged)
-
-
-def _outside_the_arm(name: str) -> bool:
-    effect = catalogue()[name]
-    return effect.base is not None or effect.measurement is not None
 
 
 @dataclass(frozen=True)
@@ -74,15 +70,15 @@ def reduction_error(
     added: effects beside the base's, which stay as fitted. Those of servo and camera do not bend the arm: neither chain
     nor reduced model has them.
     """
-    bending = tuple(name for name in added if not _outside_the_arm(name))
+    bending = tuple(name for name in added if catalogue()[name].family not in BESIDE_THE_ARM)
     parameters = fitted.parameters.copy()
     for name in set(added) - set(bending):
         for parameter in catalogue()[name].parameters:
             parameters[parameter_index(name, parameter.name)] = parameter.neutral
     free = tuple(name for name in problem.free if name[0] not in added)
-    shapes = tuple((name, parameter.name) for name in bending for parameter in catalogue()[name].parameters)
+    acting = tuple((name, parameter.name) for name in bending for parameter in catalogue()[name].parameters)
     tables: dict[str, dict[str, Estimate]] = {}
-    for effect, parameter in (*free, *shapes):
+    for effect, parameter in (*free, *acting):
         tables.setdefault(effect, {})[parameter] = Estimate.exact(float(parameters[parameter_index(effect, parameter)]))
     model = Model(declaration.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
     fitted = replace(fitted, parameters=parameters)

@@ -64,12 +64,13 @@ def decide(search: Search, unexplained: float = 1.0) -> Decision:
     """
     base, chosen = search.base, search.chosen
     adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
-    passed = adequate and not _strained(chosen)
+    strained = _strained(chosen)
+    passed = adequate and not strained
     if not chosen.effects and passed:
         sure = float(np.clip(1.0 - 0.5 * _room_used(base), 0.5, 0.98))
         return Decision("nothing_missing", (), sure, _hidden_below(base))
     share = structure_share(search, chosen)
-    followed = unexplained < UNSEEN and 0 < len(chosen.effects) < MOST_EFFECTS and not _strained(chosen)
+    followed = unexplained < UNSEEN and 0 < len(chosen.effects) < MOST_EFFECTS and not strained
     named = chosen if passed or followed else _dominant(search, AGREED if adequate else 0.0)
     if not chosen.effects or named is None:
         words = ["No effect of the catalogue, nor a combination of up to three, brings the residual down to the noise."]
