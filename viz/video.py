@@ -17,6 +17,7 @@ import numpy as np
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.signals import Array
+from viz.priority import kept_priority
 
 MAXIMUM_WIDTH = 640
 KEY_FRAME_EVERY = 30
@@ -93,6 +94,8 @@ def small_video(recording: Recording) -> SmallVideo:
                 scale = min(1.0, MAXIMUM_WIDTH / frame.width)
                 size = (even(frame.width * scale), even(frame.height * scale))
                 stream.width, stream.height = size
+                with kept_priority():
+                    stream.codec_context.open()
             ticks = round(t * TICKS)
             if times and ticks <= round(times[-1] * TICKS):
                 continue  # a duplicated frame: the mp4 needs rising times, and the viewer shows the earlier one
