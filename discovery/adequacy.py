@@ -9,6 +9,7 @@ from scipy.stats import chi2 as chi_square
 
 from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
+from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem
 from discovery.score import absorbed_basis
 from tentacle.diagnosis import Gate
@@ -17,6 +18,7 @@ SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fi
 MATERIAL = (
     0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
 )
+TRACKED = 0.83  # noise sigmas: a tracker states its noise to 30 % (benchmarks/vision.py), and errs by the rest for long
 ALLOWANCE = 1.5  # times the reduction's error as measured: another simulator, or an arm, differs by as much again
 UNCERTAINTY = 2.0  # standard deviations of the fit's parameters that the frames held out are granted
 LAGS = 20
@@ -51,6 +53,11 @@ def _live(rows: Array) -> Array:
     return rows[:, np.any(rows != 0.0, axis=0)]
 
 
+def _tracked(experiment: Experiment) -> bool:
+    observation = experiment.observation
+    return isinstance(observation, ShapeObservation) and observation.tracked
+
+
 def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
     """Sum over channels of Q = N (N + 2) sum_k rho_k^2 / (N - k), and its degrees of freedom."""
     count = rows.shape[0]
@@ -69,7 +76,8 @@ def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, granted: float = 
 
     granted: rms in noise sigmas of what the model may leave for reasons of its own.
     """
-    experiments, allowed = problem.experiments, MATERIAL**2 + granted**2
+    experiments = problem.experiments
+    allowed = granted**2 + (TRACKED if any(_tracked(e) for e in experiments) else MATERIAL) ** 2
     if held_out:  # these frames carry the parameters' own uncertainty on top of the noise
         allowed += (UNCERTAINTY * fitted.spread) ** 2
     parts = [

@@ -244,7 +244,7 @@ def _searched_again(
         return found, reduction
     again = search(_relieved(*base, with_effects, chosen.train.structure), setting.arm())
     noise = noise_ratio(again.chosen.problem, chosen.problem)
-    better = again.chosen.passed or _left(again.chosen) * noise <= _left(chosen)
+    better = again.chosen.passed or again.chosen.left * noise <= chosen.left
     return (again, with_effects) if better else (found, reduction)
 
 
@@ -256,11 +256,6 @@ def _unexplained(found: Search, prepared: list[Prepared], reduction: Reduction |
     lost = 0.0 if reduction is None else reduction.millimetres
     models = ((base.problem, base.fitted), (chosen.problem, chosen.fitted))
     return unexplained_share(*models, prepared, lost, held_out=bool(chosen.judged.gates))
-
-
-def _left(h: Hypothesis) -> float:
-    """What a hypothesis leaves that is not noise, of both stretches the larger [noise sigmas]."""
-    return max(h.train.structure, h.judged.structure)
 
 
 def _motion(problem: Problem) -> float:

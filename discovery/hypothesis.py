@@ -41,6 +41,11 @@ class Hypothesis:
         """Whether every gate was passed, on what was fitted and on what was held out."""
         return self.train.passed and self.judged.passed
 
+    @property
+    def left(self) -> float:
+        """What it leaves that is not noise, on what was fitted or what was held out, the larger [noise sigmas]."""
+        return max(self.train.structure, self.judged.structure)
+
     def laws_of_more(self) -> tuple[float, float]:
         """What laws may leave once there are effects: of the structure that the model without any left."""
         if self.effects:

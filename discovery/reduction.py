@@ -8,9 +8,11 @@ variate, as in multi-fidelity estimation: Peherstorfer, Willcox and Gunzburger 2
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
 
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array, midline
@@ -27,6 +29,8 @@ from tentacle.waveform import Waveform
 
 LONGEST = 40.0  # s of each recording that the chain is run for
 POINTS = np.linspace(0.0, 1.0, 41)
+EDGES = 0.01 + 0.98 * (np.arange(40) + 0.5) / 40.0  # a tracker sees edges all along, but for the corners at the ends
+RIGID = 1e-9  # rad: a base angle's offset that varies less is one number for the whole recording
 BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not bend it
 
 
@@ -123,8 +127,10 @@ def _beyond(experiment: Experiment, virtual: Experiment, rows: Array) -> Array |
     assert isinstance(shown, ShapeObservation)
     if seen.t[-1] > shown.t[-1] + 0.5:  # a frame or two behind the chain's end hold its last value
         return None
-    coefficients = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
-    return np.array([np.interp(seen.t, shown.t, column) for column in coefficients.T]).T
+    coefficients: Array = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
+    # a straight line between frames would cut a swing at its turns, by more than an arm's motion is known to
+    between: Any = CubicSpline(shown.t, coefficients)
+    return between(np.minimum(seen.t, shown.t[-1]))
 
 
 def _rms(parts: list[Array]) -> float:
@@ -142,17 +148,24 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     duration = min(experiment.duration - 0.3, LONGEST)
     shape, moving, _, _ = experiment.parts(arm.order, fitted.nuisances[place])
     chain = simulate(
-        model, _Later(experiment.base, experiment.t0), duration, 1.0 / interval, s=POINTS,
+        model, _Later(experiment.base, experiment.t0), duration, 1.0 / interval, s=_points(observation),
         initial_q=arm.to_monomial @ shape, initial_q_rate=arm.to_monomial @ moving,
     )  # fmt: skip
     virtual = _virtual(experiment, observation, chain.midline)
     alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
     again = fit(alone, (fitted.nuisances[place],), most=12)
     shown = predict(arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
-    points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, POINTS)
+    points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, chain.midline.s)
     points = points + shown.shift[:, 0]
     distance = np.sqrt(np.mean(np.sum((points - chain.midline.xy) ** 2, axis=2)))
     return virtual, again.residuals[0], float(distance)
+
+
+def _points(observation: ShapeObservation) -> Array:
+    """Where along the arm (0 .. 1) the chain is looked at, that it be bent into fewer coordinates as in the recording:
+    a least-squares shape depends on where it is told.
+    """
+    return EDGES if observation.tracked else POINTS
 
 
 def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midline) -> Experiment:
@@ -161,9 +174,8 @@ def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midlin
     theta = experiment.base(t)[0]
     live = np.flatnonzero(observation.seen)
     typical = observation.root[live[live.size // 2]]
-    by_edges = bool(typical[1, 1] == 0.0)  # a track: its base is known
-    order = observation.order
-    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, order, 1e-4, by_edges=by_edges)
+    as_here = {"by_edges": observation.tracked, "rigid": bool(np.ptp(observation.coefficients[live, 0]) < RIGID)}
+    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, 1e-4, **as_here)
     fitted_until = observation.t[experiment.used].max()
     shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
     return replace(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from affine_model.arm import Arm
+from affine_model.effects import catalogue
 from discovery.base_fit import settled
-from discovery.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter
+from discovery.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter, noise_ratio
 from discovery.refit import LINEAR, on_arm, polished, refit, refitted, spared, with_noise_of, without
 from discovery.score import Candidate, score, survey
 
@@ -21,6 +22,9 @@ SWAPS = 3  # of the score test's ranking, tried in the place of each earlier eff
 # explains a good part by itself, and what nothing here explains is not worth minutes.
 WORTH_GOING_ON = (1.0, 0.85, 0.6, 0.0)
 WORTH_TRYING = 0.25  # of a rest beyond the linear regime: a candidate's gain, below which nothing more is tried
+STANDS_OUT = 1.0  # noise sigmas: a rest that is as large as the noise is seen in the picture of residuals
+FINE = 0.3  # of what a model may err by itself: what leaves no more explains more than such an error's picture
+CLEARED = 0.5  # of what was left
 LARGEST_MARGIN = 1e3  # nats: said where nothing else was worth a refit
 
 
@@ -97,15 +101,23 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
     gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
 
+    A model may pass on what it may err by itself alone and yet leave as much as the noise. Then more is tried, and what
+    is found stands where it leaves little: errors of numerics, or of a reduction, are no effect's picture.
+
     seen: the arm with the coordinates that the shapes show, where the base has more on the chain's account. With an
     effect added the data can tell whether it does as well, and then it stands: they come from an arm without the rest.
     """
     current, alternatives = base, []
+    enough: tuple[Hypothesis, list[Hypothesis]] | None = None
     first: list[Candidate] = []
     single: list[Hypothesis] = []
     while len(current.effects) < MOST_EFFECTS:
         if current.passed:
-            break
+            if enough is not None or current.left < STANDS_OUT:
+                break
+            enough, current = (current, alternatives), _finer(current)
+            if current.passed:
+                break
         candidates = score(current.problem, current.fitted)
         first = first or candidates
         promising = _promising(current, candidates)
@@ -123,12 +135,35 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
         if current.fitted.misfit > WORTH_GOING_ON[len(current.effects)] * base.fitted.misfit:
             break
     current = spared(polished(current))
+    if enough is not None and not _clears(current, enough[0]):
+        current, alternatives = enough
+        current = spared(polished(current))
     loose = looseness(current)
     tie = tied_within(current, loose)
     rivals = [h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < tie]
     others = [h.evidence for h in (alternatives or single) if h.effects != current.effects]
     margin = (current.evidence - max(others)) / loose if others and current.effects else LARGEST_MARGIN
     return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals), margin)
+
+
+def _finer(h: Hypothesis) -> Hypothesis:
+    """The hypothesis granted little of what it may err by itself."""
+    return hypothesis(h.effects, h.problem, h.fitted, (FINE * h.reduction[0], FINE * h.reduction[1]), h.laws)
+
+
+def _clears(current: Hypothesis, enough: Hypothesis) -> bool:
+    """Whether a model leaves little of what one left that might have erred by itself."""
+    noise = noise_ratio(current.problem, enough.problem)
+    return current.passed and not strained(current) and current.left * noise < CLEARED * enough.left
+
+
+def strained(chosen: Hypothesis) -> bool:
+    """Whether a combination stands only with an effect as strong as it can be: it fills in for something else."""
+    if len(chosen.effects) < 2:
+        return False
+    strengths = {(name, strength.name) for name in chosen.effects for strength in catalogue()[name].strengths}
+    values = dict(zip(chosen.fitted.free, chosen.fitted.values, strict=True))
+    return any(name in strengths and values[name] != 0.0 for name in chosen.fitted.at_bound)
 
 
 def _hopeless(current: Hypothesis, promising: list[Candidate]) -> bool:

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from affine_model.effects import catalogue
 from discovery.hypothesis import Hypothesis, against_baseline, noise_ratio
 from discovery.refit import without
-from discovery.search import MOST_EFFECTS, Search, tied_within
+from discovery.search import MOST_EFFECTS, STANDS_OUT, Search, strained, tied_within
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
 DOMINANT = 0.07  # the same, whatever the noise: measured arms are never followed down to a motion capture's microns
 UNSEEN = 0.05  # of the first error in millimetres: finer than that laws agree, but no arm with its declaration
-STANDS_OUT = 1.0  # noise sigmas: a rest that is as large as the noise is seen in the picture of residuals
 AGREED = 0.2  # where what all rivals agree on leaves no more than this share, the rest of their difference is a detail
 
 
@@ -64,13 +62,13 @@ def decide(search: Search, unexplained: float = 1.0) -> Decision:
     """
     base, chosen = search.base, search.chosen
     adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
-    strained = _strained(chosen)
-    passed = adequate and not strained
+    tense = strained(chosen)
+    passed = adequate and not tense
     if not chosen.effects and passed:
         sure = float(np.clip(1.0 - 0.5 * _room_used(base), 0.5, 0.98))
         return Decision("nothing_missing", (), sure, _hidden_below(base))
     share = structure_share(search, chosen)
-    followed = unexplained < UNSEEN and 0 < len(chosen.effects) < MOST_EFFECTS and not strained
+    followed = unexplained < UNSEEN and 0 < len(chosen.effects) < MOST_EFFECTS and not tense
     named = chosen if passed or followed else _dominant(search, AGREED if adequate else 0.0)
     if not chosen.effects or named is None:
         words = ["No effect of the catalogue, nor a combination of up to three, brings the residual down to the noise."]
@@ -99,7 +97,7 @@ def decide(search: Search, unexplained: float = 1.0) -> Decision:
         return Decision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
     alternatives = sorted({name for h in (chosen, *search.rivals) for name in h.effects} - set(search.core.effects))
     agreed = search.core.effects
-    if agreed and structure_share(search, search.core) < AGREED:
+    if agreed and structure_share(search, search.core) < AGREED and search.core.left < STANDS_OUT:
         words.append(
             f"Beyond {' + '.join(agreed)}, a smaller part is shared by {', '.join(alternatives)}: "
             "these are not to be told apart here."
@@ -117,22 +115,12 @@ def _room_used(h: Hypothesis) -> float:
 
 def _hidden_below(h: Hypothesis) -> tuple[str, ...]:
     """Says so where the model's own error, not the noise, bounds what can be seen."""
-    left = max(h.train.structure, h.judged.structure)
-    if left < STANDS_OUT:
+    if h.left < STANDS_OUT:
         return ()
     return (
-        f"What is left is {left:.1f} times the noise and no more than the reduced model may err by itself: "
+        f"What is left is {h.left:.1f} times the noise and no more than the reduced model may err by itself: "
         "an effect smaller than that would not show.",
     )
-
-
-def _strained(chosen: Hypothesis) -> bool:
-    """Whether a combination stands only with an effect as strong as it can be: it fills in for something else."""
-    if len(chosen.effects) < 2:
-        return False
-    strengths = {(name, strength.name) for name in chosen.effects for strength in catalogue()[name].strengths}
-    values = dict(zip(chosen.fitted.free, chosen.fitted.values, strict=True))
-    return any(name in strengths and values[name] != 0.0 for name in chosen.fitted.at_bound)
 
 
 def _dominant(search: Search, least: float) -> Hypothesis | None:
@@ -166,8 +154,7 @@ def _twins_of(search: Search, named: Hypothesis) -> tuple[str, ...]:
 
 def _tolerated(chosen: Hypothesis) -> float:
     """The share of the first error that may stay unexplained under a named effect."""
-    rest = max(chosen.train.structure, chosen.judged.structure)
-    return NEARLY if against_baseline(chosen) or rest < 1.0 else DOMINANT
+    return NEARLY if against_baseline(chosen) or chosen.left < STANDS_OUT else DOMINANT
 
 
 def _confidence(search: Search, passed: bool, share: float) -> float:

@@ -57,6 +57,11 @@ class ShapeObservation:
         """Frames (T,) that weigh anything: those whose shape was found and trusted."""
         return self.root[:, -1, -1] > 0
 
+    @property
+    def tracked(self) -> bool:
+        """Whether they are a video's track, which knows its base: where that is, is no frame's unknown."""
+        return bool(np.all(self.root[self.seen][:, 1, 1] == 0.0))
+
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
         """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2,
         B).
@@ -96,7 +101,14 @@ class MarkerObservation:
 
 
 def fit_shapes(
-    data: Midline, theta: Array, length: float, order: int, sigma: float, *, by_edges: bool = False
+    data: Midline,
+    theta: Array,
+    length: float,
+    order: int,
+    sigma: float,
+    *,
+    by_edges: bool = False,
+    rigid: bool = False,
 ) -> ShapeObservation:
     """Least-squares shape coefficients of every frame of a midline.
 
@@ -104,6 +116,7 @@ def fit_shapes(
     root 0: they weigh nothing. Gauss-Newton from the straight arm along the points' mean direction; all frames at once.
     by_edges: as a tracker of the arm's edges sees it, from a base and at a scale that it knows: shift and scale stay 0
     and only the distance along the normals counts. A shape that has more coordinates is then bent into fewer as there.
+    rigid: the base angle is theta in every frame, as a tracker holds it where the mounting does not give.
     """
     frames, points = data.xy.shape[:2]
     stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, sigma)
@@ -112,6 +125,7 @@ def fit_shapes(
     xy = np.nan_to_num(data.xy)
     to_monomial = legendre_to_monomial(order)
     count = POSE + order
+    known = [*([0] if rigid else []), *(range(1, POSE) if by_edges else [])]
     usable = seen.sum(axis=1) * 2 >= count + 2
     coefficients = np.zeros((frames, count))
     steps = 12
@@ -133,11 +147,10 @@ def fit_shapes(
             across = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
             error = np.sum(error * across, axis=2, keepdims=True) * across
             jacobian[:] = np.einsum("tpx,tpxk->tpk", across, jacobian)[:, :, None] * across[..., None]
-            jacobian[..., 1:POSE] = 0.0
+        jacobian[..., known] = 0.0
         weighted = (jacobian * weight[..., None, None]).reshape(frames, 2 * points, count)
         normal = np.einsum("tpk,tpl->tkl", weighted, weighted)
-        if by_edges:
-            normal[:, range(1, POSE), range(1, POSE)] = 1.0
+        normal[:, known, known] = 1.0
         normal[~usable] = np.eye(count)
         # Levenberg's share keeps the first steps of strongly bent frames from overshooting.
         gradient = np.einsum("tpk,tp->tk", weighted, error.reshape(frames, -1))
