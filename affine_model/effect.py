@@ -89,7 +89,7 @@ class Effect:
     all: gravity_tilt [rad]. relaxation_time [s] or yield_curvature [rad], one of them: gives the law x.memory, the
     curvature of a spring in series with a dashpot, or with a slip at that size. Outside the equations of motion: base
     ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature
-    coordinates added).
+    coordinates added). law_error: what the law may leave of what it explains, for no law is known exactly.
     """
 
     name: str
@@ -115,6 +115,7 @@ class Effect:
     base: Literal["lag", "backlash"] | None = None
     measurement: Literal["time_offset", "roll", "scale"] | None = None
     extra_order: int = 0
+    law_error: float = 0.015  # another simulator's law, or an arm's, differs so
 
     @property
     def strengths(self) -> tuple[Parameter, ...]:

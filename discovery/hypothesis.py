@@ -14,9 +14,6 @@ from discovery.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
 from tentacle.model import Estimate
 
 NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
-LAWS_DIFFER = (
-    0.015  # of what was unexplained: no law is known better, and another simulator's, or a servo's, differs so
-)
 
 
 @dataclass(frozen=True)
@@ -46,11 +43,11 @@ class Hypothesis:
         """What it leaves that is not noise, on what was fitted or what was held out, the larger [noise sigmas]."""
         return max(self.train.structure, self.judged.structure)
 
-    def laws_of_more(self) -> tuple[float, float]:
-        """What laws may leave once there are effects: of the structure that the model without any left."""
-        if self.effects:
-            return self.laws
-        return LAWS_DIFFER * self.train.structure, LAWS_DIFFER * self.judged.structure
+    def laws_with(self, effect: str) -> tuple[float, float]:
+        """What laws may leave once this effect is added too: a share of the structure that is left without it."""
+        share = catalogue()[effect].law_error
+        more = share * self.train.structure, share * self.judged.structure
+        return float(np.hypot(self.laws[0], more[0])), float(np.hypot(self.laws[1], more[1]))
 
     def granted_in(self, problem: Problem) -> tuple[tuple[float, float], tuple[float, float]]:
         """reduction and laws in sigmas of another problem's noise: what they are in millimetres stays."""

@@ -8,7 +8,6 @@ variate, as in multi-fidelity estimation: Peherstorfer, Willcox and Gunzburger 2
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +28,7 @@ from tentacle.waveform import Waveform
 
 LONGEST = 40.0  # s of each recording that the chain is run for
 POINTS = np.linspace(0.0, 1.0, 41)
-EDGES = 0.01 + 0.98 * (np.arange(40) + 0.5) / 40.0  # a tracker sees edges all along, but for the corners at the ends
+EDGES = np.linspace(0.02, 0.98, 41)  # a tracker sees edges all along, but for the corners at the ends
 RIGID = 1e-9  # rad: a base angle's offset that varies less is one number for the whole recording
 BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not bend it
 
@@ -129,8 +128,8 @@ def _beyond(experiment: Experiment, virtual: Experiment, rows: Array) -> Array |
         return None
     coefficients: Array = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
     # a straight line between frames would cut a swing at its turns, by more than an arm's motion is known to
-    between: Any = CubicSpline(shown.t, coefficients)
-    return between(np.minimum(seen.t, shown.t[-1]))
+    t = np.minimum(seen.t, shown.t[-1])
+    return np.array([CubicSpline(shown.t, column)(t) for column in coefficients.T]).T
 
 
 def _rms(parts: list[Array]) -> float:

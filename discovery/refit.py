@@ -58,7 +58,7 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
             problem, best = finer, again
     effects = (*current.effects, candidate.effect.name)
     problem = replace(problem, parameters=best.parameters)
-    return hypothesis(effects, problem, best, current.reduction, current.laws_of_more())
+    return hypothesis(effects, problem, best, current.reduction, current.laws_with(candidate.effect.name))
 
 
 def refitted(current: Hypothesis, chosen: list[Candidate]) -> list[Hypothesis]:

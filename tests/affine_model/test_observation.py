@@ -39,8 +39,11 @@ def test_a_coordinate_too_many_is_bent_into_the_others_as_edges_from_a_known_bas
     kept coordinates is a polynomial regression through the origin, which numpy can do: q3 small, second order 1e-6.
     """
     small = 1e-3
-    found = fit_shapes(seen(shape([0.0, 0.0, small])), THETA, LENGTH, 2, SIGMA, by_edges=True).coefficients[0]
+    bent = seen(shape([0.0, 0.0, small]))
     kept = np.stack([S, S**2 / 2.0, S**3 / 6.0], axis=1)  # what offset, q1 and q2 displace, over L
-    expected = np.linalg.lstsq(kept, small * S**4 / 12.0, rcond=None)[0]
-    q = legendre_to_monomial(2) @ found[POSE:]
-    np.testing.assert_allclose([found[0], *q], expected, rtol=5e-3)
+    for rigid in (False, True):  # the base angle told by each frame, or known
+        found = fit_shapes(bent, THETA, LENGTH, 2, SIGMA, by_edges=True, rigid=rigid).coefficients[0]
+        expected = np.linalg.lstsq(kept[:, int(rigid) :], small * S**4 / 12.0, rcond=None)[0]
+        q = legendre_to_monomial(2) @ found[POSE:]
+        np.testing.assert_allclose([*([] if rigid else [found[0]]), *q], expected, rtol=5e-3)
+    assert found[0] == 0.0

@@ -17,7 +17,7 @@ from discovery.prepare import prepare
 from discovery.reduction import reduction_error, without_reduction
 from mujoco_ref.simulate import simulate
 from tentacle.model import Estimate, Model
-from tentacle.signals import Midline, MotorSignal
+from tentacle.signals import Midline, MotorSignal, ShapeTrack
 from tests.discovery.conftest import WAVE
 
 
@@ -86,6 +86,46 @@ def test_the_chain_s_error_taken_off_leaves_little_of_it(recorded):
     before = hypothesis((), problem, fitted).train.structure
     assert before == pytest.approx(lost.structure, rel=0.3)  # the chain's own error is what was left
     assert hypothesis((), less, relieved).train.structure < REMAINS * before
+
+
+@pytest.mark.parametrize("rigid", [True, False])
+def test_the_chain_is_seen_as_a_tracker_sees(recorded, rigid):
+    """A track of the chain's edges, its base angle known or each frame's own: what the reduction says the chain shows
+    beyond three coordinates is what there is, to the noise. Seen otherwise it would err by several sigmas, for richer
+    shapes are bent into the coordinates by other weights.
+    """
+    made = recorded(order=3)
+    values = {"elasticity": {"E": 2e5}, "damping": {"eta": 1.5e3}, "drag": {"C_perp": 1.1}}
+    tables = {effect: {n: Estimate.exact(v) for n, v in table.items()} for effect, table in values.items()}
+    d = made.declaration
+    s = np.linspace(0.01, 0.99, 99)
+    chain = simulate(Model(d.specimen, d.fluid, d.gravity, 3, tables), WAVE, 8.0, 60.0, s=s).midline
+    theta = WAVE(chain.t)[0]
+    noise = 2e-5  # m: of an edge's place; a hundred of them tell the shape to a few micrometres
+    sharp = replace(chain, sigma=np.full(chain.xy.shape[:2], noise))
+    exact = fit_shapes(sharp, theta, d.specimen.length, 4, noise, by_edges=True, rigid=rigid)
+    kept = [0, *range(POSE, POSE + 4)]
+    transform = np.eye(5)
+    transform[1:, 1:] = legendre_to_monomial(4)
+    covariance = np.array([np.linalg.inv((r.T @ r)[np.ix_(kept, kept)]) for r in exact.root])
+    random = np.random.default_rng(0)
+    error = np.array([np.linalg.cholesky(c) @ random.standard_normal(5) for c in covariance])
+    if rigid:
+        covariance[:, 0, :], covariance[:, :, 0], error[:, 0] = 0.0, 0.0, 0.0
+        covariance[:, 0, 0] = 1e-12
+    x = (exact.coefficients[:, kept] + error) @ transform.T
+    frames = chain.t.size
+    track = ShapeTrack(
+        chain.t, x, transform @ covariance @ transform.T, np.ones(frames, bool), ("",) * frames, 1.0, 1e-6, np.zeros(2)
+    )
+    recording = replace(made, midline=None, shape=track, motor=MotorSignal(chain.t, theta, theta))
+    setting = Setting(d, (prepare(recording, hold_out=True).experiment,), 3)
+    problem, fitted = fit_base(setting, 3)
+    lost = reduction_error(d, problem, fitted)
+    assert lost.structure > 1.0
+    less = without_reduction(problem, lost)
+    relieved = fit(replace(less, parameters=fitted.parameters), fitted.nuisances)
+    assert hypothesis((), less, relieved).train.structure < 0.3
 
 
 def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(recorded):

@@ -4,16 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
+from affine_model.identify.trajectory import fit
 from discovery.adequacy import ljung_box
 from discovery.compare import unexplained_share
 from discovery.hypothesis import hypothesis, looseness, parameter_interval
 from discovery.next_experiment import _gap, candidates, propose
 from discovery.prepare import prepare
 from discovery.score import score
-from discovery.search import refit, search, without
+from discovery.search import CLEARED, refit, search, without
 from discovery.verdict import decide, probabilities, structure_share
 from tentacle.servo_limits import ServoLimits
+from tests.discovery.conftest import FPS
 
 
 @pytest.fixture(scope="module")
@@ -50,14 +53,49 @@ def test_nothing_hidden_nothing_named(plain):
     assert decision.words == ()
 
 
-def test_where_the_model_s_own_error_hides_the_rest_it_says_so_and_is_less_sure(plain, with_current):
-    """A current's residual that is granted to the reduction: nothing can be named, and nothing is sure."""
-    size = with_current.train.structure
-    hidden = hypothesis((), with_current.problem, with_current.fitted, (size, size))
-    decision = decide(search(hidden))
+def wandering(base, size, seed=0):
+    """The base fitted to data with an error of that rms [noise sigmas] on top, which no effect of the catalogue makes:
+    every coordinate wanders by itself, over a fifth of a second.
+    """
+    (experiment,) = base.problem.experiments
+    seen = experiment.observation
+    white = np.random.default_rng(seed).standard_normal(seen.coefficients.shape)
+    slow = gaussian_filter1d(white, 0.1 * FPS, axis=0)
+    error = np.linalg.solve(seen.root, (size / slow.std() * slow * experiment.noise_gain)[..., None])[..., 0]
+    spoilt = replace(experiment, observation=replace(seen, coefficients=seen.coefficients + error))
+    problem = replace(base.problem, experiments=(spoilt,))
+    return problem, fit(problem, base.fitted.nuisances)
+
+
+def test_where_the_model_s_own_error_hides_the_rest_it_says_so_and_is_less_sure(plain):
+    """A rest that is granted to the reduction, and that nothing explains: nothing is named, and nothing is sure."""
+    problem, fitted = wandering(plain, 2.0)
+    assert not hypothesis((), problem, fitted).passed
+    decision = decide(search(hypothesis((), problem, fitted, (2.0, 2.0))))
     assert decision.verdict == "nothing_missing"
     assert any("would not show" in sentence for sentence in decision.words)
     assert decision.confidence < decide(search(plain)).confidence - 0.1
+
+
+def test_what_one_effect_brings_down_to_the_noise_was_no_error_of_the_model_s_own(with_current):
+    """A current's residual that the model might have left by itself: no error of numerics looks just like a current."""
+    size = with_current.train.structure
+    granted = hypothesis((), with_current.problem, with_current.fitted, (size, size))
+    assert granted.passed
+    outcome = search(granted)
+    assert decide(outcome).effects[0] == "current"
+    assert outcome.chosen.left < CLEARED * granted.left
+
+
+def test_an_effect_s_law_may_err_by_its_share_of_what_it_explains(with_current):
+    """Backlash is known to a fifth (a real coupling gives), other laws to 1.5 %; of two effects the shares' squares
+    add.
+    """
+    left = with_current.train.structure
+    assert with_current.laws_with("current")[0] == pytest.approx(0.015 * left)
+    assert with_current.laws_with("backlash")[0] == pytest.approx(0.2 * left)
+    second = replace(with_current, laws=(0.3, 0.4))
+    assert second.laws_with("backlash")[0] == pytest.approx(np.hypot(0.3, 0.2 * left))
 
 
 def test_a_hidden_current_is_named_and_measured(found):
