@@ -9,12 +9,13 @@ from affine_model.effects import catalogue
 from discovery.base_fit import settled
 from discovery.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter, noise_ratio
 from discovery.refit import LINEAR, on_arm, polished, refit, refitted, spared, with_noise_of, without
-from discovery.score import Candidate, score, survey
+from discovery.score import Candidate, score, survey, twin_cosines
 
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
 HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
 TIE = 5.0  # nats: effects closer than this to the best are not told apart
 TWINS = 0.25  # of the material gain: the same
+ALIKE = 0.9  # canonical cosine of two effects' sensitivities, above which a small lead says nothing
 MOST_EFFECTS = 3
 NEAR = 20.0  # nats: alternatives this close to the best are refitted with its noise
 SWAPS = 3  # of the score test's ranking, tried in the place of each earlier effect
@@ -141,6 +142,7 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     loose = looseness(current)
     tie = tied_within(current, loose)
     rivals = [h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < tie]
+    rivals = [h for h in rivals if current.evidence - h.evidence < TIE * loose or _alike(current, h, first)]
     others = [h.evidence for h in (alternatives or single) if h.effects != current.effects]
     margin = (current.evidence - max(others)) / loose if others and current.effects else LARGEST_MARGIN
     return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals), margin)
@@ -202,6 +204,12 @@ def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothes
         return current, ordered[1:]
     best, *rest = settled_together(ordered)
     return best, rest
+
+
+def _alike(current: Hypothesis, rival: Hypothesis, candidates: list[Candidate]) -> bool:
+    """Whether what one has and the other has not does nearly the same in these data."""
+    only = {*current.effects} ^ {*rival.effects}
+    return bool(twin_cosines([c for c in candidates if c.effect.name in only]).min(initial=1.0) > ALIKE)
 
 
 def _agreed(current: Hypothesis, rivals: list[Hypothesis]) -> Hypothesis:

@@ -112,7 +112,12 @@ def outcome(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str
     # nothing.
     verdict = answer["verdict"] if named or answer["verdict"] == "unknown" else "nothing_missing"
     cosines = answer["cosines"]
-    beside = [cosines.get(f"{a}|{b}", cosines.get(f"{b}|{a}", 0.0)) for a in hidden for b in named if a != b]
+    # each that is named beside the truth, by what of the truth it resembles most
+    beside = [
+        max((cosines.get(f"{a}|{b}", cosines.get(f"{b}|{a}", 0.0)) for a in hidden), default=0.0)
+        for b in named
+        if b not in hidden
+    ]
 
     def error(name: str) -> float:
         value = answer["midline_mm"][name]
