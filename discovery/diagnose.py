@@ -234,8 +234,8 @@ def _searched_again(
     which it went: now as the chain shows it that has the effects found. As before where this leaves no less.
     """
     chosen = found.chosen
-    small = reduction is None or reduction.worst < SMALL_REDUCTION
-    if small or chosen.passed or not chosen.effects or structure_share(found, chosen) > PARTIAL:
+    done = reduction is None or chosen.passed
+    if done or not chosen.effects or structure_share(found, chosen) > PARTIAL:
         return found, reduction
     if chosen.problem.arm.order != base[0].arm.order:
         return found, reduction
