@@ -8,7 +8,7 @@ import numpy as np
 
 from discovery.hypothesis import Hypothesis, against_baseline, noise_ratio
 from discovery.refit import without
-from discovery.search import MOST_EFFECTS, STANDS_OUT, Search, strained, tied_within
+from discovery.search import CLEARED, MOST_EFFECTS, STANDS_OUT, Search, strained, tied_within
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
@@ -97,7 +97,9 @@ def decide(search: Search, unexplained: float = 1.0) -> Decision:
         return Decision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
     alternatives = sorted({name for h in (chosen, *search.rivals) for name in h.effects} - set(search.core.effects))
     agreed = search.core.effects
-    if agreed and structure_share(search, search.core) < AGREED and search.core.left < STANDS_OUT:
+    # what stands out without the rest, and is cleared by it, is no detail
+    detail = search.core.left < max(STANDS_OUT, chosen.left / CLEARED)
+    if agreed and structure_share(search, search.core) < AGREED and detail:
         words.append(
             f"Beyond {' + '.join(agreed)}, a smaller part is shared by {', '.join(alternatives)}: "
             "these are not to be told apart here."
