@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from discovery.trials.outcome import Outcome
-from discovery.trials.reliability import Bin, calibration_gap, cross_calibrated, reliability
+from discovery.trials.reliability import Bin, calibration_gap, cross_calibrated, gap_by_chance, reliability
 from discovery.trials.scores import VISIBLE, Scores, Share, baseline_hit, confusion, scores, share
 from viz.figures.confusion import confusion_figure
 from viz.figures.error_drop import error_drop_figure
@@ -36,6 +36,7 @@ def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
         "needless_groups": found.needless_groups.value,
         "calibration_gap": calibration_gap(bins),
         "calibration_gap_beyond_chance": max((b.gap_beyond_chance for b in bins), default=float("nan")),
+        "calibration_gap_by_chance": gap_by_chance(outcomes),
         "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes))),
         "after_over_floor": found.after_over_floor,
         "trials": float(len(outcomes)),
@@ -79,7 +80,7 @@ def page(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], origin
     sections = [
         _score_section(found),
         _confusion_section(outcomes),
-        _reliability_section(reliability(outcomes), reliability(cross_calibrated(outcomes))),
+        _reliability_section(reliability(outcomes), reliability(cross_calibrated(outcomes)), gap_by_chance(outcomes)),
         _error_section(outcomes),
         _baseline_section(outcomes),
         _trial_section(outcomes, refused),
@@ -132,7 +133,7 @@ def _confusion_section(outcomes: Sequence[Outcome]) -> Section:
     return Section("Confusion matrix", [words], (), [Picture(confusion_figure(truths, answers, counts), caption)])
 
 
-def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin]) -> Section:
+def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance: float) -> Section:
     if not bins:
         return Section("Is the stated confidence true?", ["No trial."])
     rows = []
@@ -149,7 +150,8 @@ def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin]) -> Section
     return Section(
         "Is the stated confidence true?",
         [
-            f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points; with the map of "
+            f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points (by chance alone, were "
+            f"every confidence true, {100 * by_chance:.0f}); with the map of "
             "calibration.toml fitted to one half of these trials and tried on the other, "
             f"{100 * calibration_gap(crossed):.0f} points."
         ],

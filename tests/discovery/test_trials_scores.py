@@ -7,7 +7,15 @@ import pytest
 
 from discovery.calibration import Calibration, calibrated, stored
 from discovery.trials.outcome import Outcome, outcome
-from discovery.trials.reliability import calibration_gap, cross_calibrated, fit_calibration, pooled, reliability
+from discovery.trials.reliability import (
+    calibration_gap,
+    cross_calibrated,
+    fit_calibration,
+    gap_by_chance,
+    levelled,
+    pooled,
+    reliability,
+)
 from discovery.trials.scores import Share, baseline_hit, confusion, scores
 
 
@@ -116,6 +124,22 @@ def test_pooled_is_the_isotonic_least_squares_solution():
     ends = np.append(np.flatnonzero(np.diff(found) > 0), 39)
     np.testing.assert_allclose(rest[ends], 0.0, atol=1e-12)
     np.testing.assert_array_equal(pooled(np.zeros(0), np.zeros(0)), np.zeros(0))
+
+
+def test_levels_of_few_join_the_nearer_neighbour():
+    values, weights = np.array([0.1, 0.2, 0.6, 0.9, 0.95, 0.95]), np.array([30.0, 5.0, 40.0, 3.0, 20.0, 20.0])
+    expected = [(30 * 0.1 + 5 * 0.2) / 35] * 2 + [0.6] + [(3 * 0.9 + 40 * 0.95) / 43] * 3
+    np.testing.assert_allclose(levelled(values, weights, 20.0), expected)
+    np.testing.assert_array_equal(levelled(values, weights, 0.0), values)
+    np.testing.assert_allclose(levelled(values, weights, 1e9), np.average(values, weights=weights))
+
+
+def test_a_true_confidence_is_off_by_luck_alone():
+    """100 trials that state .9 are right 90 +- 3 times: the middle of |gap| is .674 standard deviations, .020."""
+    trials = [made(k, confidence=0.9) for k in range(100)]
+    assert gap_by_chance(trials) == pytest.approx(0.674 * 0.03, abs=0.007)  # the share moves in steps of .01
+    assert gap_by_chance(trials[:4]) > gap_by_chance(trials)
+    assert np.isnan(gap_by_chance([]))
 
 
 def drawn(count, power, seed):
