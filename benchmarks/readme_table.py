@@ -36,6 +36,13 @@ ROWS = (
         "",
         "0.05",
     ),
+    (
+        "blind",
+        "calibration_gap_by_chance",
+        "the same by luck alone in as many trials, were every confidence true",
+        "",
+        "",
+    ),
     ("blind", "after_over_floor", "held-out error after, over its floor, median", "", "1.2"),
     ("blind", "diagnose_s", "diagnosis of 39 s at 60 frames/s, the whole catalogue", "s", "30"),
     ("vision", "rms_over_limit_max", "tracking error over the Cramer-Rao limit of the recording, worst look", "", "2"),
