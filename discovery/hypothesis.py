@@ -39,6 +39,11 @@ class Hypothesis:
         return self.train.passed and self.judged.passed
 
     @property
+    def misfit(self) -> float:
+        """Half the sum of squared whitened residuals, fitted and held-out frames together [nats]."""
+        return self.fitted.misfit + held_out_misfit(self.problem, self.fitted)
+
+    @property
     def left(self) -> float:
         """What it leaves that is not noise, on what was fitted or what was held out, the larger [noise sigmas]."""
         return max(self.train.structure, self.judged.structure)

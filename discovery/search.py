@@ -133,7 +133,7 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
         current, alternatives = _back(current, alternatives)
         if seen is not None and seen.order < current.problem.arm.order:
             current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
-        if current.fitted.misfit > WORTH_GOING_ON[len(current.effects)] * base.fitted.misfit:
+        if current.misfit > WORTH_GOING_ON[len(current.effects)] * base.misfit:
             break
     current = spared(polished(current))
     if enough is not None and not _clears(current, enough[0]):
