@@ -48,14 +48,17 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
         if near_noise and best.misfit < promised:
             break
     assert best is not None
-    # A law that bends sharply may need a finer step than the model without it. Where the linear picture holds and yet
-    # breaks its promise, the fit may have fled from where it needs one.
-    place = best if beyond else evaluate(_at(problem, starts[0]), nuisances) if best.misfit > promised else None
-    if place is not None and (step := sufficient_step(problem, place)) < problem.step:
-        finer = replace(problem, step=step)
-        again = fit(_at(finer, place.values), place.nuisances, tolerance=_enough(current), most=20)
-        if beyond or again.misfit < best.misfit:
-            problem, best = finer, again
+    # A law that bends sharply may need a finer step than the model without it. Where a fit breaks its promise, it may
+    # have fled from where it needs one: so that is asked of where it began, too.
+    places = [best] if beyond else []
+    if best.misfit > promised:
+        places.append(evaluate(_at(problem, starts[-1] if beyond else starts[0]), nuisances))
+    for place in places:
+        if (step := sufficient_step(problem, place)) < problem.step:
+            finer = replace(problem, step=step)
+            again = fit(_at(finer, place.values), place.nuisances, tolerance=_enough(current), most=20)
+            if (place is best and beyond) or again.misfit < best.misfit:
+                problem, best = finer, again
     effects = (*current.effects, candidate.effect.name)
     problem = replace(problem, parameters=best.parameters)
     return hypothesis(effects, problem, best, current.reduction, current.laws_with(candidate.effect.name))
