@@ -31,8 +31,8 @@ ROWS = (
     ("blind", "pairs", "both of a pair named", "", ""),
     (
         "blind",
-        "calibration_gap_cross",
-        "stated confidence off the hit rate, worst bin, map from the other half",
+        "calibration_gap",
+        "stated confidence off the hit rate, worst bin, by the map that the series before made",
         "",
         "0.05",
     ),
