@@ -107,7 +107,10 @@ def main(words: list[str]) -> int:
             request += data
         to_s, command, armed = _REQUEST.unpack(request)
         plant.advance(to_s, command, armed != 0)
-        os.write(write_end, plant.answer())
+        try:
+            os.write(write_end, plant.answer())
+        except BrokenPipeError:  # the board ended between its question and the answer
+            return 0
 
 
 if __name__ == "__main__":
