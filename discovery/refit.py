@@ -57,7 +57,7 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
         if (step := sufficient_step(problem, place)) < problem.step:
             finer = replace(problem, step=step)
             again = fit(_at(finer, place.values), place.nuisances, tolerance=_enough(current), most=20)
-            if (place is best and beyond) or again.misfit < best.misfit:
+            if place is best or again.misfit < best.misfit:
                 problem, best = finer, again
     effects = (*current.effects, candidate.effect.name)
     problem = replace(problem, parameters=best.parameters)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from discovery.calibration import Calibration
 from discovery.trials.design import ROUND
@@ -14,7 +15,6 @@ from discovery.trials.scores import Share
 from tentacle.signals import Array
 
 BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
-LEAST = 20.0  # trials that a level of the map rests on, where a verdict has twice as many
 DOUBT = 4.0  # imaginary trials, right as often as stated, that a verdict's map starts from
 
 
@@ -39,11 +39,16 @@ class Bin:
         return max(low - self.stated, self.stated - high, 0.0)
 
 
+def _bins_of(stated: Array) -> NDArray[np.intp]:
+    """Which of BINS each stated confidence lies in."""
+    return np.clip(np.searchsorted(BINS, stated, side="right") - 1, 0, len(BINS) - 2)
+
+
 def reliability(outcomes: Sequence[Outcome]) -> tuple[Bin, ...]:
     """The bins of BINS that hold a trial."""
     stated = np.array([o.confidence for o in outcomes])
     right = np.array([o.hit for o in outcomes], dtype=bool)
-    place = np.clip(np.searchsorted(BINS, stated, side="right") - 1, 0, len(BINS) - 2)
+    place = _bins_of(stated)
     return tuple(
         Bin(
             BINS[k],
@@ -68,29 +73,13 @@ def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
     if not outcomes:
         return float("nan")
     stated = np.array([o.confidence for o in outcomes])
-    place = np.clip(np.searchsorted(BINS, stated, side="right") - 1, 0, len(BINS) - 2)
+    place = _bins_of(stated)
     counts = np.bincount(place, minlength=len(BINS) - 1)
     filled = counts > 0
     means = np.bincount(place, stated, minlength=counts.size)[filled] / counts[filled]
     right = np.random.default_rng(0).uniform(size=(draws, stated.size)) < stated
     hits = np.array([np.bincount(place, row, minlength=counts.size)[filled] / counts[filled] for row in right])
     return float(np.median(np.abs(hits - means).max(axis=1)))
-
-
-def levelled(values: Array, weights: Array, least: float) -> Array:
-    """A rising sequence whose levels each weigh at least that: the lightest joins the nearer of its neighbours."""
-    levels, place = np.unique(values, return_inverse=True)
-    weight = np.bincount(place, weights)
-    while levels.size > 1 and weight.min() < least:
-        light = int(np.argmin(weight))
-        beside = [k for k in (light - 1, light + 1) if 0 <= k < levels.size]
-        other = min(beside, key=lambda k: abs(levels[k] - levels[light]))
-        low, high = min(light, other), max(light, other)
-        levels[low] = (weight[low] * levels[low] + weight[high] * levels[high]) / (weight[low] + weight[high])
-        weight[low] += weight[high]
-        levels, weight = np.delete(levels, high), np.delete(weight, high)
-        place = np.where(place > low, place - 1, place)
-    return levels[place]
 
 
 def pooled(values: Array, weights: Array) -> Array:
@@ -109,8 +98,7 @@ def fit_calibration(outcomes: Sequence[Outcome]) -> Calibration:
     """A map a verdict, from the uncalibrated confidence to the hit rate.
 
     Isotonic regression on the trials together with DOUBT imaginary ones spread over the stated range, which are right
-    as often as they state: few trials move the map little, many of them make it, and then each of its levels rests on
-    LEAST trials.
+    as often as they state: few trials move the map little, many of them make it.
     """
     tables = {}
     for verdict in sorted({o.verdict for o in outcomes}):
@@ -125,10 +113,7 @@ def fit_calibration(outcomes: Sequence[Outcome]) -> Calibration:
         # Ties pooled first, so that the map is a function of the stated value.
         total: Array = np.bincount(place, weights[order]).astype(float)
         means = np.bincount(place, weights[order] * right[order]) / total
-        levels = pooled(means, total)
-        if len(chosen) >= 2.0 * LEAST:
-            levels = levelled(levels, total, LEAST)
-        tables[verdict] = (tuple(knots.tolist()), tuple(np.round(levels, 4).tolist()), len(chosen))
+        tables[verdict] = (tuple(knots.tolist()), tuple(np.round(pooled(means, total), 4).tolist()), len(chosen))
     return Calibration(tables)
 
 

@@ -12,7 +12,6 @@ from discovery.trials.reliability import (
     cross_calibrated,
     fit_calibration,
     gap_by_chance,
-    levelled,
     pooled,
     reliability,
 )
@@ -124,14 +123,6 @@ def test_pooled_is_the_isotonic_least_squares_solution():
     ends = np.append(np.flatnonzero(np.diff(found) > 0), 39)
     np.testing.assert_allclose(rest[ends], 0.0, atol=1e-12)
     np.testing.assert_array_equal(pooled(np.zeros(0), np.zeros(0)), np.zeros(0))
-
-
-def test_levels_of_few_join_the_nearer_neighbour():
-    values, weights = np.array([0.1, 0.2, 0.6, 0.9, 0.95, 0.95]), np.array([30.0, 5.0, 40.0, 3.0, 20.0, 20.0])
-    expected = [(30 * 0.1 + 5 * 0.2) / 35] * 2 + [0.6] + [(3 * 0.9 + 40 * 0.95) / 43] * 3
-    np.testing.assert_allclose(levelled(values, weights, 20.0), expected)
-    np.testing.assert_array_equal(levelled(values, weights, 0.0), values)
-    np.testing.assert_allclose(levelled(values, weights, 1e9), np.average(values, weights=weights))
 
 
 def test_a_true_confidence_is_off_by_luck_alone():
