@@ -12,12 +12,14 @@ from tentacle.signals import Array
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
 from vision.levels import count_strange, side_greys
+from vision.light import Light
 from vision.motion import Sweep
-from vision.profiles import fit_profiles, gather, level_sums, measure_profiles
+from vision.profiles import fit_profiles, gather, level_sums, measure_profiles, plateaus
 from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST = 256  # samples that a searched profile may have
 STRANGE = 4.0  # times the usual rms of a profile's residual
+FEW = 0.05  # of the places: that noise alone may put in contradiction to the light
 LEVEL_REACH = 4.0  # px beyond the blur from which the greys beside an edge are told; a mirror image is often near
 
 
@@ -29,7 +31,7 @@ class Edges:
     outside minus inside grey. information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the
     profile's residual [grey]. found (E,): a profile with both of its sides in the picture and an edge within reach.
     softer (E, 2): right and left side of each edge's normal equation for how much more blurred it is than expected
-    [px]; 0 where not measured.
+    [px]; 0 where not measured. plateaus (E, 2, 3): profiles.plateaus; no pixels where not measured.
     """
 
     offset: Array
@@ -39,6 +41,7 @@ class Edges:
     misfit: Array
     found: NDArray[np.bool_]
     softer: Array
+    plateaus: Array
 
 
 def search_edges(image: NDArray[np.uint8], expected: Outline, lens: Lens, reach: float, polarity: float) -> Edges:
@@ -50,7 +53,16 @@ def search_edges(image: NDArray[np.uint8], expected: Outline, lens: Lens, reach:
     offset, contrast, found = np.zeros(count), np.zeros(count), np.zeros(count, dtype=np.bool_)
     place = (image, lens.packed, expected.points, expected.normals, expected.depth)
     _search(*place, float(reach), float(polarity), offset, contrast, found)
-    return Edges(offset, np.zeros(count), contrast, np.ones(count), np.zeros(count), found, np.zeros((count, 2)))
+    return Edges(
+        offset,
+        np.zeros(count),
+        contrast,
+        np.ones(count),
+        np.zeros(count),
+        found,
+        np.zeros((count, 2)),
+        np.zeros((count, 2, 3)),
+    )
 
 
 def fit_edges(
@@ -82,6 +94,7 @@ def fit_edges(
         misfit,
         found,
         np.zeros((count, 2)),
+        np.zeros((count, 2, 3)),
     )
 
 
@@ -95,10 +108,12 @@ def measure_edges(
     swept: Sweep,
     alone: Edges,
     sound: NDArray[np.bool_],
+    light: Light | None,
 ) -> Edges:
     """Each edge about a place that is right to a small part of the blur, its greys from its neighbours' pixels.
 
-    alone: the same edges, fitted each by itself; sound (E,): those of them that tell the greys.
+    alone: the same edges, fitted each by itself; sound (E,): those of them that tell the greys. light: what earlier
+    pictures told of them.
     """
     count = len(expected.points)
     half = 0.5 * swept.width
@@ -108,14 +123,28 @@ def measure_edges(
     ratio = inside / max(inside + float(np.median(alone.contrast[sound])), 1.0) if sound.any() else 1.0
     pixels = _pixels(image, expected, lens, blur, half, LEVEL_REACH)
     tell = sound & ~_beside_something(pixels, expected, blur, half, alone, sound)
-    greys, known = side_greys(expected.kind, tell, level_sums(*pixels, expected.depth, blur, half, ratio), ratio)
+    lit, known = np.zeros((count, 4)), np.zeros(count, dtype=np.bool_)
+    if light is not None:
+        lit, known = light.beside(expected.points, expected.normals, lens)
+    profile = (*pixels, expected.depth, blur, half)
+    sums = level_sums(*profile, ratio, np.zeros((count, 2)))
+    beside = (expected.kind, tell, sums, ratio, lit, known)
+    greys, known, contradicted = side_greys(*beside, np.zeros((0, 16)))
+    if contradicted > FEW:
+        outside = level_sums(*profile, 0.0, np.ascontiguousarray(lit[:, ::3]))
+        greys, known, _ = side_greys(*beside, outside)
     contrast = greys[:, 1] - greys[:, 0]
-    measure_profiles(
-        *pixels, expected.depth, blur, half, greys, ratio, reach, offset, information, misfit, found, softer
-    )
+    measure_profiles(*profile, greys, reach, offset, information, misfit, found, softer)
     found &= known & (polarity * contrast > 0)
     return Edges(
-        offset + _inward(expected, blur) - swept.shift, greys[:, 0], contrast, information, misfit, found, softer
+        offset + _inward(expected, blur) - swept.shift,
+        greys[:, 0],
+        contrast,
+        information,
+        misfit,
+        found,
+        softer,
+        plateaus(*profile, contrast, tell & known),
     )
 
 

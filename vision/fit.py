@@ -11,6 +11,7 @@ from scipy.fft import dct
 from tentacle.signals import Array
 from vision.edges import Edges, fit_edges, measure_edges, search_edges
 from vision.kinematics import CORNER, SHARED, Geometry, Outline, outline
+from vision.light import Light
 from vision.motion import Motion, Sweep, sweep
 from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
 
@@ -66,11 +67,13 @@ def refine(
     exposure: float,
     reaches: tuple[float, ...] = (10.0, 5.0),
     ends: float = ENDS,
+    light: Light | None = None,
 ) -> FrameFit | None:
     """Fit x from a start that is within about the first reach [px]; None where too few edges are found.
 
     motion tells the speed at time t [s]: over the exposure [s] it smears the edge, and the profile that is looked for
-    is smeared alike. ends [px]: how far along the arm its two ends are looked for.
+    is smeared alike. ends [px]: how far along the arm its two ends are looked for. light: as earlier frames
+    told it.
     """
     x = np.array(x, dtype=float)
     order = len(x)
@@ -90,7 +93,7 @@ def refine(
         expected = expected if first is None else outline(geometry, theta, x, shared)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
         place = (image, expected, geometry.lens, reach, sight.polarity, sight.blur, swept)
-        edges = fit_edges(*place) if first is None else measure_edges(*place, first, sound)
+        edges = fit_edges(*place) if first is None else measure_edges(*place, first, sound, light)
         usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, shared, expected, swept)
         floor = max(0.5 * _ordinary(edges, usable), PLAIN * sight.contrast)
         usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)

@@ -16,6 +16,7 @@ from vision.fit import ENDS, FrameFit, Sight, drawing, refine
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
+from vision.light import Light
 from vision.locate import locate
 from vision.motion import Motion
 
@@ -70,6 +71,7 @@ class Follower:
         self._previous: NDArray[np.uint8] | None = None
         self._changes: list[float] = []
         self._lost = 0
+        self._light: Light | None = None
 
     def theta(self, t: float) -> float:
         """The motor's angle [rad] at a time [s]; 0 where it is not known."""
@@ -119,6 +121,9 @@ class Follower:
                 self._look_at_edges(frames[index], shapes.get(index, begin), motion, list(fits.values()))
             else:
                 self._sharpen(list(fits.values()))
+            if sweep == 2:
+                for k in sorted(fits):
+                    self._learn(frames[k], fits[k])
         # so that the very first frames' motion is known too, from those that follow
         self._history = [(frames[k].t, shapes[k] + self._turn(frames[k].t)) for k in (2, 1) if k in shapes]
 
@@ -139,7 +144,19 @@ class Follower:
     ) -> FrameFit | None:
         assert self.sight is not None
         arm = (self.geometry, self.theta(frame.t), x, self.shared)
-        return refine(frame.image, *arm, self.sight, frame.t, motion, self.exposure, reaches, ends)
+        return refine(frame.image, *arm, self.sight, frame.t, motion, self.exposure, reaches, ends, self._light)
+
+    def _learn(self, frame: Frame, fit: FrameFit) -> None:
+        """What a fitted frame tells of the light."""
+        if self._light is None:
+            height, width = frame.image.shape
+            self._light = Light((width, height))
+        outline, beside = fit.expected, fit.edges.plateaus
+        sides = (outline.points[outline.kind == 0], outline.points[outline.kind == 1])
+        places = outline.points[:, None] + beside[:, :, 2:] * outline.normals[:, None]
+        told = np.concatenate([beside[:, :, :2], places], axis=2)
+        noise = float(np.median(fit.edges.misfit[fit.weight > 0]))
+        self._light.learn(frame.t, frame.image, self.geometry.lens, sides, (told[:, 0], told[:, 1]), noise)
 
     def _settle(self, fits: list[FrameFit]) -> None:
         """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement)."""
@@ -198,6 +215,7 @@ class Follower:
         seen_contrast = float(np.median((self.sight.polarity * fit.edges.contrast)[fit.weight > 0.1]))
         self.sight = replace(self.sight, contrast=(1.0 - SLOWLY) * self.sight.contrast + SLOWLY * seen_contrast)
         self._sharpen([fit], SLOWLY)
+        self._learn(frame, fit)
         covariance, lean, shared_information, shared_gradient = _eliminate(fit, self.size)
         return Seen(
             t=frame.t,

@@ -18,10 +18,12 @@ from tentacle.signals import Array
 
 STRETCHES = np.array([16, 45, 130, 400])  # stations to either side
 DIFFERENT = 2.0  # standard deviations
+BELIEVED = 4.0  # standard deviations that the light may be off the picture
 LEAST_EDGES = 4  # in a stretch
 KNOT = 8  # stations between two places where the greys are told; straight lines between
 SUMS = 24  # that are kept along a side
 HELD = 1e-6  # prior information on each unknown, so that a stretch without an outside has an answer
+TAKEN = 1e9  # prior information on the grey inside where it is taken off
 
 
 @njit(cache=True, nogil=True)
@@ -47,58 +49,105 @@ def count_strange(
 
 
 @njit(cache=True, nogil=True)
-def side_greys(kind: Array, sound: NDArray[np.bool_], packed: Array, ratio: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Greys (E, 3) along both sides: inside and outside at the edge, slope of the ground outward; and which are known.
+def side_greys(
+    kind: Array,
+    sound: NDArray[np.bool_],
+    packed: Array,
+    ratio: float,
+    lit: Array,
+    known_light: NDArray[np.bool_],
+    packed_outside: Array,
+) -> tuple[Array, NDArray[np.bool_], float]:
+    """Greys (E, 4) along both sides, at the edge: inside, outside, slopes outward of ground and arm; which are known.
 
-    packed (E, 16): profiles.level_sums; the sound edges (E,) tell. ratio: the arm's grey over the ground's.
+    packed (E, 16): profiles.level_sums; the sound edges (E,) tell. ratio: the arm's grey over the ground's. lit (E, 4):
+    the same greys as earlier pictures tell them, where the light is known (E,); packed_outside (E, 16): sums without
+    the arm's grey that they tell, or (0, 16), for they are used only where the picture contradicts them: in a share of
+    the places, which is returned too.
     """
-    count = len(kind)
-    greys, known = np.zeros((count, 3)), np.zeros(count, dtype=np.bool_)
+    count, contradicted, places = len(kind), 0, 1
+    greys, known = np.zeros((count, 4)), np.zeros(count, dtype=np.bool_)
     window, answer = np.empty(SUMS), np.empty(6)
-    row = np.zeros(SUMS)
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
         stations = len(index)
         if stations == 0:
             continue
-        total = np.zeros((stations + 1, SUMS))  # running sums of packed, of the sound edges, and of what has a slope
-        for k in range(stations):
-            e = index[k]
-            total[k + 1] = total[k]
-            if sound[e]:
-                row[:16], row[16] = packed[e], 1.0
-                _lean(packed[e], ratio, row[17:23])
-                row[23] = row[21] * k * k
-                row[17:23] *= k
-                total[k + 1] += row
+        total = _running_sums(index, sound, packed, ratio)
+        without = len(packed_outside) > 0
+        outside = _running_sums(index, sound & known_light, packed_outside, 0.0) if without else total
         knots = (stations - 1) // KNOT + 2
-        told, there = np.zeros((knots, 3)), np.zeros(knots, dtype=np.bool_)
+        told, there = np.zeros((knots, 4)), np.zeros(knots, dtype=np.bool_)
         noises = np.empty(knots)
         for knot in range(knots):
             k = min(knot * KNOT, stations - 1)
             window[:] = total[min(k + STRETCHES[0] + 1, stations)] - total[max(k - STRETCHES[0], 0)]
-            _solve(window, k, ratio, answer)
+            _solve(window, k, ratio, HELD, answer)
             noises[knot] = answer[5]
         noise = np.median(noises)
         for knot in range(knots):
             k = min(knot * KNOT, stations - 1)
-            middle, variance = 0.0, np.inf
-            for reach in STRETCHES:
-                window[:] = total[min(k + reach + 1, stations)] - total[max(k - reach, 0)]
-                if window[16] < LEAST_EDGES:
-                    continue
-                _solve(window, k, ratio, answer)
-                if there[knot] and (answer[3] - middle) ** 2 > DIFFERENT * DIFFERENT * noise * variance:
-                    break
-                told[knot], middle, variance = answer[:3], answer[3], answer[4]
-                there[knot] = True
+            e = index[k]
+            there[knot], middle, variance = _longest(total, k, stations, ratio, HELD, noise, answer)
+            told[knot, :3], told[knot, 3] = answer[:3], ratio * answer[2]
+            if not known_light[e]:
+                continue
+            places += 1
+            if not there[knot] or (0.5 * (lit[e, 0] + lit[e, 1]) - middle) ** 2 <= BELIEVED**2 * noise * variance:
+                told[knot], there[knot] = lit[e], True
+                continue
+            contradicted += 1
+            if not without:
+                continue
+            # something stands beside the arm, as a mirror image does: the arm's own grey is known all the same
+            found, half_way, _ = _longest(outside, k, stations, 0.0, TAKEN, noise, answer)
+            if found and (half_way + 0.5 * lit[e, 0] - middle) ** 2 <= BELIEVED**2 * noise * variance:
+                told[knot, 0], told[knot, 1:3], told[knot, 3] = lit[e, 0], answer[1:3], lit[e, 3]
         for k in range(stations):
             e, knot = index[k], k // KNOT
             part = (k - knot * KNOT) / KNOT
             known[e] = there[knot] and there[knot + 1]
-            for i in range(3):
+            for i in range(4):
                 greys[e, i] = (1.0 - part) * told[knot, i] + part * told[knot + 1, i]
-    return greys, known
+    return greys, known, contradicted / places
+
+
+@njit(cache=True, nogil=True)
+def _running_sums(index: NDArray[np.int64], sound: NDArray[np.bool_], packed: Array, ratio: float) -> Array:
+    """Running sums (stations + 1, SUMS) of packed along a side, of the sound edges, and of what has a slope."""
+    total, row = np.zeros((len(index) + 1, SUMS)), np.zeros(SUMS)
+    for k in range(len(index)):
+        e = index[k]
+        total[k + 1] = total[k]
+        if sound[e]:
+            row[:16], row[16] = packed[e], 1.0
+            _lean(packed[e], ratio, row[17:23])
+            row[23] = row[21] * k * k
+            row[17:23] *= k
+            total[k + 1] += row
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _longest(
+    total: Array, k: int, stations: int, ratio: float, held: float, noise: float, answer: Array
+) -> tuple[bool, float, float]:
+    """Into answer (6,) what the longest stretch about station k says that the shorter ones do not contradict.
+
+    Returns whether any stretch has edges enough, the half-way grey, its variance per squared grey of noise.
+    """
+    there, middle, variance = False, 0.0, np.inf
+    window, longer = np.empty(SUMS), np.empty(6)
+    answer[:] = 0.0
+    for reach in STRETCHES:
+        window[:] = total[min(k + reach + 1, stations)] - total[max(k - reach, 0)]
+        if window[16] < LEAST_EDGES:
+            continue
+        _solve(window, k, ratio, held, longer)
+        if there and (longer[3] - middle) ** 2 > DIFFERENT * DIFFERENT * noise * variance:
+            break
+        answer[:], middle, variance, there = longer, longer[3], longer[4], True
+    return there, middle, variance
 
 
 @njit(cache=True, inline="always")
@@ -113,11 +162,12 @@ def _lean(packed: Array, ratio: float, out: Array) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _solve(window: Array, middle: int, ratio: float, answer: Array) -> None:
+def _solve(window: Array, middle: int, ratio: float, held: float, answer: Array) -> None:
     """Into answer (6,): greys (3), the half-way grey, its variance per squared grey of noise, the noise's variance.
 
-    All at station middle; the fifth unknown is the light's slope along the side. By Cholesky's factors L of the normal
-    matrix: x = L'^-1 L^-1 b; the half-way grey is h x, its variance |L^-1 h|^2.
+    held: prior information on the grey inside. All at station middle; the fifth unknown is the light's slope along the
+    side. By Cholesky's factors L of the normal matrix: x = L'^-1 L^-1 b; the half-way grey is h x, its variance
+    |L^-1 h|^2.
     """
     factor, half_way, right = np.zeros((5, 5)), np.zeros(5), np.empty(5)
     lean = np.empty(6)
@@ -134,7 +184,7 @@ def _solve(window: Array, middle: int, ratio: float, answer: Array) -> None:
     half_way[:2] = 0.5
     for i in range(5):
         for j in range(i + 1):
-            value = factor[i, j] + (HELD if i == j else 0.0)
+            value = factor[i, j] + ((held if i == 0 else HELD) if i == j else 0.0)
             for k in range(j):
                 value -= factor[i, k] * factor[j, k]
             factor[i, j] = np.sqrt(max(value, 1e-9)) if i == j else value / factor[j, j]

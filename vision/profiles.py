@@ -13,6 +13,7 @@ from tentacle.signals import Array
 from vision.lens import bend_point
 
 MOST_PIXELS = 160  # that one edge may have
+BEYOND = 2.0  # blurs from an edge to where its plateaus begin
 CHORD = 4.0  # px over which the lens is taken as straight
 TABLE_END, TABLE_STEPS = 5.0, 100  # of the normal distribution: to so many sigmas, so many steps a sigma
 TABLE = ndtr(np.linspace(-TABLE_END, TABLE_END, round(2 * TABLE_END * TABLE_STEPS) + 1))
@@ -209,13 +210,21 @@ def _share(d: float, depth: float, blur: float, half: float, thin: bool) -> floa
 
 @njit(cache=True, nogil=True)
 def level_sums(
-    start: NDArray[np.int64], grey: Array, place: Array, depth: Array, blur: float, half: Array, ratio: float
+    start: NDArray[np.int64],
+    grey: Array,
+    place: Array,
+    depth: Array,
+    blur: float,
+    half: Array,
+    ratio: float,
+    inside: Array,
 ) -> Array:
     """Normal equations of each edge's greys about its expected place, packed for levels.side_greys: (E, 16).
 
     Unknowns: grey inside and outside at the edge, slope of the ground outward [grey/px] (inside it is ratio times
-    that), and contrast times a shift, so that a place that is a little wrong does not bend the greys. Packed: lower
-    triangle of the matrix (10), right side (4), sum of squares, number of pixels.
+    that), and contrast times a shift, so that a place that is a little wrong does not bend the greys. inside (E, 2):
+    grey and slope of the arm that are taken off first. Packed: lower triangle of the matrix (10), right side (4), sum
+    of squares, number of pixels.
     """
     packed = np.zeros((len(start) - 1, 16))
     row = np.empty(4)
@@ -225,15 +234,50 @@ def level_sums(
             c = _share(place[k], depth[e], blur, half[e], thin)
             row[0], row[1], row[2] = 1.0 - c, c, (ratio + (1.0 - ratio) * c) * place[k]
             row[3] = steepness(place[k], blur, half[e])
+            rest = grey[k] - (1.0 - c) * (inside[e, 0] + inside[e, 1] * place[k])
             at = 0
             for i in range(4):
-                packed[e, 10 + i] += row[i] * grey[k]
+                packed[e, 10 + i] += row[i] * rest
                 for j in range(i + 1):
                     packed[e, at] += row[i] * row[j]
                     at += 1
-            packed[e, 14] += grey[k] * grey[k]
+            packed[e, 14] += rest * rest
             packed[e, 15] += 1.0
     return packed
+
+
+@njit(cache=True, nogil=True)
+def plateaus(
+    start: NDArray[np.int64],
+    grey: Array,
+    place: Array,
+    depth: Array,
+    blur: float,
+    half: Array,
+    contrast: Array,
+    tell: NDArray[np.bool_],
+) -> Array:
+    """What the edges that tell (E,) have inside and outside, beyond the blur: (E, 2, 3).
+
+    Number of pixels, mean grey, mean distance outward [px]; what the blur still brings over, by contrast (E,) [grey],
+    is taken off.
+    """
+    found = np.zeros((len(start) - 1, 2, 3))
+    for e in range(len(start) - 1):
+        if not tell[e]:
+            continue
+        fuzzy = BEYOND * blur + half[e]
+        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        for k in range(start[e], start[e + 1]):
+            if abs(place[k]) < fuzzy:
+                continue
+            side = 1 if place[k] > 0.0 else 0
+            found[e, side, 0] += 1.0
+            found[e, side, 1] += grey[k] + contrast[e] * (side - _share(place[k], depth[e], blur, half[e], thin))
+            found[e, side, 2] += place[k]
+        for side in range(2):
+            found[e, side, 1:] /= max(found[e, side, 0], 1.0)
+    return found
 
 
 @njit(cache=True, nogil=True)
@@ -245,7 +289,6 @@ def measure_profiles(
     blur: float,
     half: Array,
     greys: Array,
-    ratio: float,
     reach: float,
     offset: Array,
     information: Array,
@@ -255,7 +298,7 @@ def measure_profiles(
 ) -> None:
     """How far each edge lies outward of its expected place, by one linear step with the greys beside it known.
 
-    greys (E, 3): inside and outside at the edge, and the ground's slope outward, of which ratio is the arm's. softer
+    greys (E, 4): inside and outside at the edge, the slopes outward of ground and arm. softer
     (E, 2): the normal equation for more blur, right side and left. Pixels further than reach [px] beyond the blur are
     left out.
     Linear, since the expected place is right to a small part of the blur: so a faint edge's noise is not bent.
@@ -270,7 +313,7 @@ def measure_profiles(
                 continue
             used += 1
             c = _share(place[k], depth[e], blur, half[e], thin)
-            within = greys[e, 0] + ratio * greys[e, 2] * place[k]
+            within = greys[e, 0] + greys[e, 3] * place[k]
             beyond = greys[e, 1] + greys[e, 2] * place[k]
             g = -(greys[e, 1] - greys[e, 0]) * steepness(place[k], blur, half[e])
             residual = grey[k] - within - c * (beyond - within)

@@ -1,0 +1,161 @@
+"""A grey that changes smoothly over the picture: bilinear between a grid's nodes, told by greys at places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numba import njit
+from scipy.linalg import solveh_banded
+
+from tentacle.signals import Array
+
+NODES = 40  # along the picture's longer side
+SMOOTH = (25.0, 400.0, 6400.0, 1e5, 1.6e6)  # pixels' worth of information on each node's second differences
+EMPTY = 1e-6  # information on each node, so that those that nothing tells are finite
+TOLD = ("normal", "right", "count", "power")
+
+
+@dataclass(frozen=True)
+class Field:
+    """Nodes (columns x rows, a column's nodes in a row) cell [px] apart, the first at (0, 0).
+
+    smooth: how much it is held smooth, one of SMOOTH. grey (N,): the field as it was last settled. count (N,): pixels
+    that told each node. normal (rows + 2, N), right (N,), power: the least squares' normal equations, the matrix by its
+    lower diagonals, and the greys' sum of squares.
+    """
+
+    cell: float
+    columns: int
+    rows: int
+    smooth: float
+    grey: Array
+    count: Array
+    normal: Array
+    right: Array
+    power: float
+
+    @staticmethod
+    def over(size: tuple[int, int]) -> Field:
+        """A field that nothing has told, over pictures of a size (width, height) [px]."""
+        cell = max(size) / (NODES - 1.0)
+        columns, rows = (max(int(np.ceil(side / cell)) + 1, 3) for side in size)
+        nothing = np.zeros(columns * rows)
+        normal = np.zeros((rows + 2, len(nothing)))
+        return Field(cell, columns, rows, SMOOTH[0], nothing, nothing, normal, nothing, 0.0)
+
+    def fading(self, share: float) -> Field:
+        """Of what was told, a share is kept."""
+        told = {name: share * getattr(self, name) for name in TOLD}
+        return replace(self, **told)
+
+    def adding(self, place: Array, grey: Array, pixels: Array) -> Field:
+        """Told by greys (P,) at places (P, 2) [px] too, each the mean of so many pixels (P,); not yet settled."""
+        normal, right, count = self.normal.copy(), self.right.copy(), self.count.copy()
+        _add(*self._grid, np.ascontiguousarray(place), grey, pixels, normal, right, count)
+        return replace(self, normal=normal, right=right, count=count, power=self.power + float(pixels @ grey**2))
+
+    def joined(self, other: Field) -> Field:
+        """Told by what told the other too; not yet settled."""
+        told = {name: getattr(self, name) + getattr(other, name) for name in TOLD}
+        return replace(self, **told)
+
+    def settled(self) -> Field:
+        """With the greys that fit best."""
+        matrix = self.smooth * _second_differences(self.columns, self.rows)
+        matrix[0] += EMPTY
+        matrix[: len(self.normal)] += self.normal
+        return replace(self, grey=np.asarray(solveh_banded(matrix, self.right, lower=True, check_finite=False)))
+
+    def chosen(self, noise: float) -> Field:
+        """As smooth as what was told allows, by Akaike's criterion, and settled. noise: of a pixel [grey]."""
+        ways = [replace(self, smooth=smooth).settled() for smooth in SMOOTH]
+        return min(ways, key=lambda way: way.misfit() / noise**2 + 2.0 * way.freedom())
+
+    def misfit(self) -> float:
+        """The sum of squares that is left, each pixel counted."""
+        grey = self.grey
+        fitted = self.normal[0] @ grey**2
+        for step in range(1, len(self.normal)):
+            fitted += 2.0 * self.normal[step, :-step] @ (grey[:-step] * grey[step:])
+        return float(self.power - 2.0 * self.right @ grey + fitted)
+
+    def freedom(self) -> float:
+        """How many numbers the field may choose: about the trace of its influence matrix, were it told evenly."""
+        told = self.count > 0.0
+        if not told.any():
+            return 0.0
+        stiff = [(2.0 - 2.0 * np.cos(np.pi * np.arange(n) / n)) ** 2 for n in (self.columns, self.rows)]
+        held = self.smooth * (stiff[0][:, None] + stiff[1][None, :]) / float(self.count[told].mean())
+        return float(told.mean() * np.sum(1.0 / (1.0 + held)))
+
+    def at(self, place: Array) -> Array:
+        """Greys (P,) at places (P, 2) [px]; beyond the picture, those of the last cell's plane."""
+        return _values(*self._grid, self.grey, np.ascontiguousarray(place))
+
+    def told(self, place: Array) -> Array:
+        """Pixels (P,) that told the nodes about places (P, 2) [px]."""
+        return _values(*self._grid, self.count, np.ascontiguousarray(place))
+
+    @property
+    def _grid(self) -> tuple[float, int, int]:
+        return self.cell, self.columns, self.rows
+
+
+@cache
+def _second_differences(columns: int, rows: int) -> Array:
+    """Lower diagonals (2 rows + 1, N) of the matrix that gives the second differences' sum of squares."""
+    index = np.arange(columns * rows).reshape(columns, rows)
+    band = np.zeros((2 * rows + 1, columns * rows))
+    for lines, step in ((index, rows), (index.T, 1)):
+        first, middle, last = (line.ravel() for line in (lines[:-2], lines[1:-1], lines[2:]))
+        band[0, first] += 1.0
+        band[0, middle] += 4.0
+        band[0, last] += 1.0
+        band[step, first] -= 2.0
+        band[step, middle] -= 2.0
+        band[2 * step, first] += 1.0
+    return band
+
+
+@njit(cache=True, inline="always")
+def _hats(u: float, v: float, cell: float, columns: int, rows: int) -> tuple[int, float, float]:
+    """The node before a place, and the place's shares of a cell beyond it."""
+    column = min(max(int(u / cell), 0), columns - 2)
+    row = min(max(int(v / cell), 0), rows - 2)
+    return column * rows + row, u / cell - column, v / cell - row
+
+
+@njit(cache=True, nogil=True)
+def _values(cell: float, columns: int, rows: int, field: Array, place: Array) -> Array:
+    values = np.empty(len(place))
+    for k in range(len(place)):
+        node, a, b = _hats(place[k, 0], place[k, 1], cell, columns, rows)
+        before = (1.0 - b) * field[node] + b * field[node + 1]
+        values[k] = (1.0 - a) * before + a * ((1.0 - b) * field[node + rows] + b * field[node + rows + 1])
+    return values
+
+
+@njit(cache=True, nogil=True)
+def _add(
+    cell: float,
+    columns: int,
+    rows: int,
+    place: Array,
+    grey: Array,
+    pixels: Array,
+    normal: Array,
+    right: Array,
+    count: Array,
+) -> None:
+    for k in range(len(place)):
+        node, a, b = _hats(place[k, 0], place[k, 1], cell, columns, rows)
+        nodes = (node, node + 1, node + rows, node + rows + 1)
+        share = ((1.0 - a) * (1.0 - b), (1.0 - a) * b, a * (1.0 - b), a * b)
+        for i in range(4):
+            leaned = pixels[k] * share[i]
+            right[nodes[i]] += leaned * grey[k]
+            count[nodes[i]] += leaned
+            for j in range(i + 1):
+                normal[nodes[i] - nodes[j], nodes[j]] += leaned * share[j]
