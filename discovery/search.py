@@ -103,7 +103,8 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
 
     A model may pass on what it may err by itself alone and yet leave as much as the noise. Then more is tried, and what
-    is found stands where it leaves little: errors of numerics, or of a reduction, are no effect's picture.
+    is found stands where it leaves little: errors of numerics, or of a reduction, are no effect's picture. Likewise
+    what makes a model pass that did not, and leaves little, is more than its own error, be the gain smaller than that.
 
     seen: the arm with the coordinates that the shapes show, where the base has more on the chain's account. With an
     effect added the data can tell whether it does as well, and then it stands: they come from an arm without the rest.
@@ -127,7 +128,8 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
         tried = _tried(current, promising)
         if not current.effects:
             single = tried
-        if tried[0].evidence - current.evidence < material_gain(current):
+        gain = tried[0].evidence - current.evidence
+        if gain < material_gain(current) and (current.passed or not _clears(tried[0], current)):
             break
         current, *alternatives = settled_together(tried)
         current, alternatives = _back(current, alternatives)

@@ -12,7 +12,7 @@ from scipy.linalg import solveh_banded
 from tentacle.signals import Array
 
 NODES = 40  # along the picture's longer side
-SMOOTH = (25.0, 400.0, 6400.0, 1e5, 1.6e6)  # pixels' worth of information on each node's second differences
+SMOOTH = (25.0, 1e5, 1.6e6)  # pixels of information on the second differences: as the light needs, or even light
 EMPTY = 1e-6  # information on each node, so that those that nothing tells are finite
 TOLD = ("normal", "right", "count", "power")
 
