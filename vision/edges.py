@@ -60,8 +60,7 @@ def search_edges(image: NDArray[np.uint8], expected: Outline, lens: Lens, reach:
         np.ones(count),
         np.zeros(count),
         found,
-        np.zeros((count, 2)),
-        np.zeros((count, 2, 3)),
+        *_not_measured(count),
     )
 
 
@@ -93,8 +92,7 @@ def fit_edges(
         information,
         misfit,
         found,
-        np.zeros((count, 2)),
-        np.zeros((count, 2, 3)),
+        *_not_measured(count),
     )
 
 
@@ -164,6 +162,11 @@ def _beside_something(
     contrast, _ = neighbours_mean(expected.kind, alone.contrast, weight, AROUND)
     usual = max(float(np.median(alone.misfit[sound])), PLAIN * float(np.median(np.abs(alone.contrast[sound]))))
     return (told > 0.5) & (count_strange(*pixels, blur, half, inside, inside + contrast, STRANGE * usual) > 1)
+
+
+def _not_measured(count: int) -> tuple[Array, Array]:
+    """softer and plateaus of edges that are only searched for, or fitted each by itself."""
+    return np.zeros((count, 2)), np.zeros((count, 2, 3))
 
 
 def _inward(expected: Outline, blur: float) -> Array:

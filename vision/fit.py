@@ -95,7 +95,7 @@ def refine(
         place = (image, expected, geometry.lens, reach, sight.polarity, sight.blur, swept)
         edges = fit_edges(*place) if first is None else measure_edges(*place, first, sound, light)
         usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, shared, expected, swept)
-        floor = max(0.5 * _ordinary(edges, usable), PLAIN * sight.contrast)
+        floor = max(0.5 * ordinary_misfit(edges, usable), PLAIN * sight.contrast)
         usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
         usable &= True if first is None else sound
         if np.count_nonzero(usable) < 4 * order:
@@ -119,7 +119,7 @@ def _clear_of_ends(geometry: Geometry, shared: Array, expected: Outline, swept: 
     return away > CORNER - 1.0 + 0.5 * swept.slip
 
 
-def _ordinary(edges: Edges, usable: NDArray[np.bool_]) -> float:
+def ordinary_misfit(edges: Edges, usable: NDArray[np.bool_]) -> float:
     """The usual rms of a profile's residual [grey]."""
     return max(float(np.median(edges.misfit[usable])), 0.3) if usable.any() else 0.3
 
@@ -147,7 +147,7 @@ def _summary(
 ) -> FrameFit:
     """Normal equations in (x, g), with weights by what each profile tells and by how well it fits."""
     order = len(x)
-    usual = _ordinary(edges, weight > 0)
+    usual = ordinary_misfit(edges, weight > 0)
     for kind in (2, 3):
         end, offset = _end(image, geometry, expected, kind, sight, ends, usual, swept)
         seen = np.count_nonzero(offset)

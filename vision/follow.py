@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.fit import ENDS, FrameFit, Sight, drawing, refine
+from vision.fit import ENDS, FrameFit, Sight, drawing, ordinary_misfit, refine
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
@@ -155,7 +155,7 @@ class Follower:
         sides = (outline.points[outline.kind == 0], outline.points[outline.kind == 1])
         places = outline.points[:, None] + beside[:, :, 2:] * outline.normals[:, None]
         told = np.concatenate([beside[:, :, :2], places], axis=2)
-        noise = float(np.median(fit.edges.misfit[fit.weight > 0]))
+        noise = ordinary_misfit(fit.edges, fit.weight > 0)
         self._light.learn(frame.t, frame.image, self.geometry.lens, sides, (told[:, 0], told[:, 1]), noise)
 
     def _settle(self, fits: list[FrameFit]) -> None:

@@ -20,11 +20,7 @@ from vision.lens import Lens
 
 BLOCKS = 4  # of the picture, in a cell of the field
 ASIDE = 3  # blocks about the arm that are not ground
-EARLY, OFTEN, SELDOM = (
-    32,
-    2,
-    8,
-)  # pictures: of the first, every second one is kept where it shows the ground; later less
+EARLY, OFTEN, SELDOM = 32, 2, 8  # of the first pictures every second one is kept for the ground; later every eighth
 PICTURES, RARELY = 32, 4  # are kept; after so many new ones their medians are taken again
 MEMORY = 1000.0  # pictures after which what an edge told has faded
 HUBER = 2.0  # standard deviations beyond which a grey inside the arm tells less (Huber 1964)

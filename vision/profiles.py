@@ -159,7 +159,7 @@ def fit_profiles(
         first, count = start[e], start[e + 1] - start[e]
         if count < 4:
             continue
-        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        thin = _thin(depth[e], blur, half[e])
         delta, total, solved = 0.0, 0.0, False
         for sweep in range(3):  # linear in (level, step); one Newton step in delta follows each solve
             n_c, n_cc, n_y, n_yc = 0.0, 0.0, 0.0, 0.0
@@ -200,6 +200,12 @@ def fit_profiles(
 
 
 @njit(cache=True, inline="always")
+def _thin(depth: float, blur: float, half: float) -> bool:
+    """Whether a bar's other edge reaches into an edge's profile."""
+    return depth < 2.0 * (2.0 * blur + half) + 2.0
+
+
+@njit(cache=True, inline="always")
 def _share(d: float, depth: float, blur: float, half: float, thin: bool) -> float:
     """Share of the ground's grey at distance d; where the bar is thin, its other edge is near."""
     c = rise(d, blur, half)
@@ -229,7 +235,7 @@ def level_sums(
     packed = np.zeros((len(start) - 1, 16))
     row = np.empty(4)
     for e in range(len(start) - 1):
-        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        thin = _thin(depth[e], blur, half[e])
         for k in range(start[e], start[e + 1]):
             c = _share(place[k], depth[e], blur, half[e], thin)
             row[0], row[1], row[2] = 1.0 - c, c, (ratio + (1.0 - ratio) * c) * place[k]
@@ -267,7 +273,7 @@ def plateaus(
         if not tell[e]:
             continue
         fuzzy = BEYOND * blur + half[e]
-        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        thin = _thin(depth[e], blur, half[e])
         for k in range(start[e], start[e + 1]):
             if abs(place[k]) < fuzzy:
                 continue
@@ -304,7 +310,7 @@ def measure_profiles(
     Linear, since the expected place is right to a small part of the blur: so a faint edge's noise is not bent.
     """
     for e in range(len(start) - 1):
-        thin = depth[e] < 2.0 * (2.0 * blur + half[e]) + 2.0
+        thin = _thin(depth[e], blur, half[e])
         g_g, r_g, total = 0.0, 0.0, 0.0
         softer[e] = 0.0
         near, used = reach + 2.0 * blur + half[e], 0
