@@ -72,13 +72,25 @@ def refitted(current: Hypothesis, chosen: list[Candidate]) -> list[Hypothesis]:
 
 def without(current: Hypothesis, effect: str) -> Hypothesis:
     """The current model less one of its effects."""
+    less, problem, nuisances = _dropped(current, effect)
+    return _again(less, problem, nuisances)
+
+
+def left_by(current: Hypothesis, effect: str) -> Hypothesis:
+    """The current model less one of its effects, as the effect leaves it: the rest has not bent itself to the loss."""
+    less, problem, nuisances = _dropped(current, effect)
+    return hypothesis(less.effects, problem, evaluate(problem, nuisances), less.reduction, less.laws)
+
+
+def _dropped(current: Hypothesis, effect: str) -> tuple[Hypothesis, Problem, tuple[Array, ...]]:
+    """The current model less an effect in name, its problem, and the nuisances to begin from."""
     parameters = current.fitted.parameters.copy()
     for parameter in catalogue()[effect].parameters:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
     free = tuple(name for name in current.problem.free if name[0] != effect)
     problem = replace(current.problem, free=free, parameters=parameters)
     problem, nuisances = _remembering(problem, current.fitted.nuisances)
-    return _again(replace(current, effects=tuple(e for e in current.effects if e != effect)), problem, nuisances)
+    return replace(current, effects=tuple(e for e in current.effects if e != effect)), problem, nuisances
 
 
 def with_noise_of(h: Hypothesis, problem: Problem) -> Hypothesis:

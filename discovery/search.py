@@ -8,7 +8,7 @@ from affine_model.arm import Arm
 from affine_model.effects import catalogue
 from discovery.base_fit import settled
 from discovery.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter, noise_ratio
-from discovery.refit import LINEAR, on_arm, polished, refit, refitted, spared, with_noise_of, without
+from discovery.refit import LINEAR, left_by, on_arm, polished, refit, refitted, spared, with_noise_of, without
 from discovery.score import Candidate, score, survey, twin_cosines
 
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
@@ -199,13 +199,30 @@ def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothes
         smaller = without(current, effect)
         if smaller.evidence > current.evidence - TIE:
             return smaller, []
-        swaps = [c for c in score(smaller.problem, smaller.fitted) if c.effect.name not in current.effects][:SWAPS]
+        candidates = score(smaller.problem, smaller.fitted)
+        swaps = [c for c in candidates if c.effect.name not in current.effects][:SWAPS]
         found += refitted(smaller, swaps)
-    ordered = sorted([current, *found], key=lambda h: -h.evidence)
+        # A twin takes the effect's place where it stood: bent to its loss, the rest may end in another valley.
+        removed = [c for c in candidates if c.effect.name == effect]
+        twins = {c.effect.name for c in swaps if twin_cosines([c, *removed]).min() > ALIKE} if removed else set[str]()
+        if twins:
+            left = left_by(current, effect)
+            found += refitted(left, [c for c in score(left.problem, left.fitted) if c.effect.name in twins])
+    ordered = _best_of_each(current, found)
     if ordered[0] is current:
         return current, ordered[1:]
     best, *rest = settled_together(ordered)
     return best, rest
+
+
+def _best_of_each(current: Hypothesis, found: list[Hypothesis]) -> list[Hypothesis]:
+    """The hypotheses, best first, each set of effects once."""
+    ordered, sets = [], set[frozenset[str]]()
+    for h in sorted([current, *found], key=lambda h: -h.evidence):
+        if frozenset(h.effects) not in sets:
+            ordered.append(h)
+            sets.add(frozenset(h.effects))
+    return ordered
 
 
 def _alike(current: Hypothesis, rival: Hypothesis, candidates: list[Candidate]) -> bool:

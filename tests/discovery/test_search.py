@@ -12,8 +12,9 @@ from discovery.compare import unexplained_share
 from discovery.hypothesis import hypothesis, looseness, material_gain, parameter_interval
 from discovery.next_experiment import _gap, candidates, propose
 from discovery.prepare import prepare
+from discovery.refit import left_by, refit, without
 from discovery.score import score
-from discovery.search import CLEARED, refit, search, without
+from discovery.search import CLEARED, _best_of_each, search
 from discovery.verdict import decide, probabilities, structure_share
 from tentacle.servo_limits import ServoLimits
 from tests.discovery.conftest import FPS
@@ -161,6 +162,22 @@ def test_adding_and_removing_an_effect_comes_back(with_current):
     assert back.effects == ()
     # The same least-squares problem again, perhaps at a finer step: the coarse one errs by 2 % of the rest at most.
     assert back.fitted.misfit == pytest.approx(with_current.fitted.misfit, rel=1e-3)
+
+
+def test_an_effect_taken_out_leaves_the_rest_where_it_stood_until_it_is_fitted(with_current):
+    """From there a twin takes the effect's place: where the rest bends itself to the loss it may meet another valley."""
+    candidate = next(c for c in score(with_current.problem, with_current.fitted) if c.effect.name == "current")
+    added = refit(with_current, candidate)
+    left, fitted = left_by(added, "current"), without(added, "current")
+    assert left.effects == fitted.effects == ()
+    kept = [place for place, (effect, _) in enumerate(added.problem.free) if effect != "current"]
+    np.testing.assert_array_equal(left.fitted.values, added.fitted.values[kept])
+    assert left.fitted.misfit > fitted.fitted.misfit > added.fitted.misfit
+
+
+def test_a_set_of_effects_found_by_two_ways_is_one_rival(with_current):
+    one, other = (replace(with_current, effects=effects) for effects in (("current", "drag"), ("drag", "current")))
+    assert [h.effects for h in _best_of_each(one, [other, with_current])] == [one.effects, ()]
 
 
 def test_proposals_keep_the_servo_s_limits_and_split_rivals(with_current):
