@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from affine_model.identify.trajectory import Fit, Problem
-from discovery.calibration import calibrated
+from discovery.calibration import Calibration, stored
 from discovery.compare import errors, floor_errors, midline_error, run_comparison
 from discovery.hypothesis import Hypothesis, estimates, hypothesis
 from discovery.next_experiment import DURATION, Proposal, propose
@@ -63,9 +63,11 @@ def assembled(
     words: tuple[str, ...],
     seed: int,
     reduction: Reduction | None,
+    calibration: Calibration | None,
 ) -> Diagnosis:
     """The diagnosis: the search's outcome and its decision, the paper's model beside the chosen one (with its rest) on
-    every recording, and what the reduction loses. order: how many coordinates the shapes show; words: said before.
+    every recording, and what the reduction loses. order: how many coordinates the shapes show; words: said before;
+    calibration of the confidence (None: the package's).
     """
     chosen = found.chosen if rest is None else rest.refitted
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
@@ -98,11 +100,13 @@ def assembled(
     proposal = propose(*_to_be_split(found, verdict), LIMITS, seed)
     if proposal is not None:
         words = (*words, _proposal_words(proposal))
+    if calibration is not None:
+        words = (*words, calibration.words(decision.verdict, decision.confidence))
     candidates = list(found.candidates[:12])
     return Diagnosis(
         verdict=verdict,
         effects=effects,
-        confidence=calibrated(decision.verdict, decision.confidence),
+        confidence=(calibration or stored())(decision.verdict, decision.confidence),
         uncalibrated=decision.confidence,
         parameters=named,
         before=before,

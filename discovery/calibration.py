@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-import tomllib
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
+from tentacle.diagnosis import Verdict
+from tentacle.toml_table import Table, read_toml
+
 STORED = "calibration.toml"
 BOUNDS = (0.02, 0.98)  # no finite number of trials shows more
+Curve = tuple[tuple[float, ...], tuple[float, ...], int]
 
 
 @dataclass(frozen=True)
 class Calibration:
     """tables: verdict -> (stated, right, trials): rising knots of the stated confidence, the hit rate there, and how
-    many trials they rest on. Between knots it is interpolated; a verdict without a table stays as stated."""
+    many trials they rest on. Between knots it is interpolated; a verdict without a table stays as stated. made: one
+    line on how.
+    """
 
-    tables: dict[str, tuple[tuple[float, ...], tuple[float, ...], int]]
+    tables: Mapping[str, Curve]
+    made: str = ""
 
     def __call__(self, verdict: str, stated: float) -> float:
         """The hit rate to be expected of a verdict with that stated confidence."""
@@ -27,26 +37,46 @@ class Calibration:
         knots, right, _ = self.tables[verdict]
         return float(np.clip(np.interp(stated, knots, right), *BOUNDS))
 
-    def toml(self, made: str) -> str:
-        """The file's text; made: one line on how it was made."""
-        lines = [f"# {made}"]
+    def words(self, verdict: str, stated: float) -> str:
+        """A sentence on whose trials the confidence is of."""
+        if verdict not in self.tables:
+            return f"The confidence is uncalibrated: no blind trial gave this verdict ({self.made})."
+        trials = self.tables[verdict][2]
+        if not trials:
+            return f"The confidence is that of other arms: no blind trial of this one gave this verdict ({self.made})."
+        return f"The confidence is the hit rate at {stated:.2f} in {trials} blind trials of this verdict ({self.made})."
+
+    def toml(self) -> str:
+        """The file's text."""
+        lines = [f"made = {json.dumps(self.made)}"]  # a JSON string is a TOML string
         for verdict, (stated, right, trials) in sorted(self.tables.items()):
-            lines += [f"[{verdict}]", f"trials = {trials}", f"stated = {list(stated)}", f"right = {list(right)}"]
+            lines += ["", f"[{verdict}]", f"trials = {trials}", f"stated = {list(stated)}", f"right = {list(right)}"]
         return "\n".join(lines) + "\n"
 
-    @staticmethod
-    def of(text: str) -> Calibration:
-        """The calibration of such a text."""
-        found = tomllib.loads(text)
-        return Calibration({v: (tuple(t["stated"]), tuple(t["right"]), t["trials"]) for v, t in found.items()})
+
+def read_calibration(file: Path) -> Calibration:
+    """The calibration of a file that `tentacle blind-trial` wrote; InputError with file, line and field otherwise."""
+    text, values = read_toml(file, "a calibration.toml of tentacle blind-trial")
+    document = Table(values, file=file, text=text)
+    made = document.string("made")
+    found = {verdict: document.table(verdict, optional=True) for verdict in get_args(Verdict)}
+    document.finish()
+    return Calibration({verdict: _curve(table) for verdict, table in found.items() if table is not None}, made)
+
+
+def _curve(table: Table) -> Curve:
+    """A verdict's table, checked."""
+    trials, stated, right = table.whole_number("trials"), table.numbers("stated"), table.numbers("right")
+    table.finish()
+    if len(stated) < 2 or np.any(np.diff(stated) <= 0.0) or stated[0] < 0.0 or stated[-1] > 1.0:
+        raise table.error("is not usable", "stated", "two or more numbers that rise, within 0 to 1")
+    if len(right) != len(stated) or np.any(np.diff(right) < 0.0) or right[0] < 0.0 or right[-1] > 1.0:
+        raise table.error("is not usable", "right", f"{len(stated)} numbers that do not fall, within 0 to 1")
+    return stated, right, trials
 
 
 @cache
 def stored() -> Calibration:
     """The calibration that comes with the package (`tentacle blind-trial` writes such a file beside its report)."""
-    return Calibration.of(files("discovery").joinpath(STORED).read_text(encoding="utf-8"))
-
-
-def calibrated(verdict: str, stated: float) -> float:
-    """The confidence to report for a verdict."""
-    return stored()(verdict, stated)
+    with as_file(files("discovery").joinpath(STORED)) as file:
+        return read_calibration(file)

@@ -12,6 +12,7 @@ from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.assemble import assembled, cannot_tell
 from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
+from discovery.calibration import Calibration
 from discovery.compare import unexplained_share
 from discovery.hypothesis import Hypothesis, hypothesis, looseness, noise_ratio
 from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
@@ -101,19 +102,20 @@ def diagnose(
     held_out: Sequence[Recording] = (),
     *,
     seed: int = 0,
+    calibration: Calibration | None = None,
     progress: Progress = lambda _: None,
 ) -> Diagnosis:
     """Find the residual of the declared model, the effect behind it, and the error before and after.
 
     baseline: recordings whose declaration is complete; the base parameters come from there, with their covariance.
-    held_out: recordings that only judge; without any, the last third of each recording does. Raises InputError on
-    unusable input.
+    held_out: recordings that only judge; without any, the last third of each recording does. calibration: of the
+    confidence, by blind trials of one's own (None: the package's). Raises InputError on unusable input.
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
     _same_arm([*recordings, *held_out])
     try:
-        return _diagnosed(recordings, baseline, held_out, seed, progress)
+        return _diagnosed(recordings, baseline, held_out, seed, calibration, progress)
     except CannotTellError as reason:
         return cannot_tell(recordings[0], str(reason), seed)
 
@@ -123,6 +125,7 @@ def _diagnosed(
     baseline: Sequence[Recording],
     held_out: Sequence[Recording],
     seed: int,
+    calibration: Calibration | None,
     progress: Progress,
 ) -> Diagnosis:
     progress("reading shapes")
@@ -161,7 +164,8 @@ def _diagnosed(
     explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     progress("comparing")
-    return assembled(found, decision, rest, (paper_problem, paper), prepared, order, tuple(words), seed, reduction)
+    paper_model = (paper_problem, paper)
+    return assembled(found, decision, rest, paper_model, prepared, order, tuple(words), seed, reduction, calibration)
 
 
 def _base_hypothesis(
@@ -259,14 +263,19 @@ def _unexplained(found: Search, prepared: list[Prepared], reduction: Reduction |
 
 
 def _motion(problem: Problem) -> float:
-    """rms of the motion in noise sigmas, as far as shapes show it (markers: 0)."""
+    """rms of the motion in noise sigmas, as far as shapes or markers show it."""
     squares = []
     for experiment in problem.experiments:
-        if isinstance(observation := experiment.observation, ShapeObservation):
+        observation = experiment.observation
+        if isinstance(observation, ShapeObservation):
             seen = observation.seen
             change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
-            whitened = np.einsum("tkl,tl->tk", observation.root[seen], change) / experiment.noise_gain
-            squares.append(float(np.mean(whitened**2)))
+            whitened = np.einsum("tkl,tl->tk", observation.root[seen], change)
+        else:
+            whole = np.isfinite(observation.xy).all(axis=(1, 2))
+            points = observation.xy[whole].reshape(-1, experiment.noise_gain.size)
+            whitened = (points - points.mean(axis=0)) / observation.sigma if points.size else np.zeros(1)
+        squares.append(float(np.mean((whitened / experiment.noise_gain) ** 2)))
     return float(np.sqrt(np.mean(squares))) if squares else 0.0
 
 

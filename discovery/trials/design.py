@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
+from discovery.trials.likeness import Likeness
+from discovery.trials.sight import Sight
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
+from tentacle.model_file import model_tables, parse_model
 from tentacle.specimen import WATER, Cone, Specimen
+from tentacle.toml_table import Table
 from tentacle.waveform import Chirp, Multisine, Waveform
+from tentacle.waveform_file import waveform_from_table, waveform_table
 
 Kind = Literal["single", "pair", "null", "unknown"]
 # Of every sixteen trials: singles carry the confusion matrix, nulls and unknowns the two ways of being wrong about it.
@@ -23,6 +28,8 @@ KINDS: tuple[Kind, ...] = ("single", "pair", "null", "unknown")
 R_RANGE = (0.3, 10.0)  # noise sigmas: rms of the residual that refitting the base cannot absorb
 DURATIONS = (12.0, 39.0)  # s
 NOISE = (5e-5, 2e-4)  # m, of each coordinate of a midline point
+VIDEO_NOISE = 2e-5  # m: a midline's noise that tells as little as the tracker's own covariance (some micrometres to 30)
+NEAR = (0.8, 1.25)  # times a fitted base parameter: those of the trials like a recording
 FASTEST = 6.0  # rad/s that the servo turns
 
 
@@ -30,9 +37,10 @@ FASTEST = 6.0  # rad/s that the servo turns
 class Design:
     """One trial as plain data: all that its recording depends on.
 
-    index; seed of its random numbers; kind; effects hidden; r: wanted size of each [noise sigmas]; seen: as a "midline"
-    with that noise [m], or as a "video" that is rendered and tracked; duration [s]; fps [1/s]; arm: length, base_radius
-    [m], tip_ratio [1], density [kg/m^3], E [Pa], relaxation (eta / E) [s], C_perp [1]; motion: kind and its values.
+    index; seed of its random numbers; kind; effects hidden; r: wanted size of each [noise sigmas]; sight: how the arm
+    is seen; duration [s]; fps [1/s]; arm: the model with its true base parameters, as model.toml's tables; motion of
+    the base, as a waveform's table. initial_q [rad], release_t [s]: instead, the arm is held in that shape until it is
+    let go.
     """
 
     index: int
@@ -40,73 +48,77 @@ class Design:
     kind: Kind
     effects: tuple[str, ...]
     r: tuple[float, ...]
-    seen: Literal["midline", "video"]
-    noise: float
+    sight: Sight
     duration: float
     fps: float
-    arm: dict[str, float]
+    arm: dict[str, Any]
     motion: dict[str, Any]
+    initial_q: tuple[float, ...] | None = None
+    release_t: float | None = None
 
     def table(self) -> dict[str, Any]:
         """The design as JSON holds it."""
-        return {**asdict(self), "effects": list(self.effects), "r": list(self.r)}
+        start = None if self.initial_q is None else list(self.initial_q)
+        lists = {"effects": list(self.effects), "r": list(self.r), "initial_q": start}
+        return {**asdict(self), **lists, "sight": self.sight.table()}
 
     @staticmethod
     def of(table: Mapping[str, Any]) -> Design:
         """The design of a table."""
-        return Design(**{**table, "effects": tuple(table["effects"]), "r": tuple(table["r"])})
+        start = None if table["initial_q"] is None else tuple(table["initial_q"])
+        tuples = {"effects": tuple(table["effects"]), "r": tuple(table["r"]), "initial_q": start}
+        return Design(**{**table, **tuples, "sight": Sight.of(table["sight"])})
 
     def model(self) -> Model:
-        """The arm with its true base parameters, in water."""
-        a = self.arm
-        section = Cone(a["base_radius"], a["tip_ratio"] * a["base_radius"])
-        specimen = Specimen(section, a["length"], a["density"])
-        parameters = {
-            "elasticity": {"E": Estimate.exact(a["E"], "Pa")},
-            "damping": {"eta": Estimate.exact(a["E"] * a["relaxation"], "Pa s")},
-            "drag": {"C_perp": Estimate.exact(a["C_perp"])},
-        }
-        return Model(specimen, WATER, parameters=parameters)
+        """The arm with its true base parameters."""
+        return parse_model(Table(self.arm, file=None))
 
     def waveform(self) -> Waveform:
         """The base motion."""
-        values = {name: value for name, value in self.motion.items() if name != "kind"}
-        if self.motion["kind"] == "chirp":
-            return Chirp(**values)
-        return Multisine(**{name: tuple(value) for name, value in values.items()})
+        return waveform_from_table(self.motion)
 
 
 def _log_uniform(random: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(random.uniform(np.log(low), np.log(high))))
 
 
-def _arm(random: np.random.Generator) -> dict[str, float]:
-    return {
-        "length": float(random.uniform(0.11, 0.18)),
-        "base_radius": float(random.uniform(0.009, 0.014)),
-        "tip_ratio": float(random.uniform(0.1, 0.5)),
-        "density": float(random.uniform(1030.0, 1120.0)),
-        "E": _log_uniform(random, 1e5, 5e5),
-        "relaxation": _log_uniform(random, 3e-3, 2e-2),
-        "C_perp": float(random.uniform(0.8, 1.5)),
+def _arm(random: np.random.Generator) -> Model:
+    """A silicone arm in water."""
+    length = float(random.uniform(0.11, 0.18))
+    base_radius = float(random.uniform(0.009, 0.014))
+    section = Cone(base_radius, float(random.uniform(0.1, 0.5)) * base_radius)
+    specimen = Specimen(section, length, float(random.uniform(1030.0, 1120.0)))
+    modulus = _log_uniform(random, 1e5, 5e5)
+    parameters = {
+        "elasticity": {"E": Estimate.exact(modulus, "Pa")},
+        "damping": {"eta": Estimate.exact(modulus * _log_uniform(random, 3e-3, 2e-2), "Pa s")},
+        "drag": {"C_perp": Estimate.exact(float(random.uniform(0.8, 1.5)))},
     }
+    return Model(specimen, WATER, parameters=parameters)
 
 
-def _motion(random: np.random.Generator, duration: float) -> dict[str, Any]:
+def _varied(model: Model, random: np.random.Generator) -> Model:
+    """The model with base parameters near its own: a fit that lacks an effect knows them no better."""
+    changed = {
+        effect: {name: Estimate.exact(e.value * float(random.uniform(*NEAR)), e.unit) for name, e in values.items()}
+        for effect, values in model.parameters.items()
+    }
+    return replace(model, parameters=changed)
+
+
+def _motion(random: np.random.Generator, duration: float) -> Waveform:
     """A chirp or a multisine between 0.2 and 3 Hz, within the servo's speed."""
     if random.uniform() < 0.5:
         stop = float(random.uniform(1.2, 3.0))
         amplitude = min(float(random.uniform(0.15, 0.4)), FASTEST / (2.0 * np.pi * stop))
-        return {"kind": "chirp", "amplitude": amplitude, "start": 0.2, "stop": stop, "duration": duration}
+        return Chirp(amplitude, 0.2, stop, duration)
     frequencies = np.sort(random.uniform(0.2, 2.5, 5))
     shares = random.uniform(0.5, 1.5, 5)
     total = min(float(random.uniform(0.3, 0.7)), FASTEST / float(shares @ (2.0 * np.pi * frequencies)) * shares.sum())
-    return {
-        "kind": "multisine",
-        "amplitudes": (total * shares / shares.sum()).tolist(),
-        "frequencies": frequencies.tolist(),
-        "phases": random.uniform(0.0, 2.0 * np.pi, 5).tolist(),
-    }
+    amplitudes = (total * shares / shares.sum()).tolist()
+    return Multisine(
+        tuple(amplitudes), tuple(frequencies.tolist()), tuple(random.uniform(0.0, 2.0 * np.pi, 5).tolist())
+    )
 
 
 def _turn(names: Sequence[str], place: int, seed: int) -> str:
@@ -128,6 +140,14 @@ def _hidden(
     return first, str(random.choice(sorted(set(catalogued) - {first})))
 
 
+def _is_video(index: int, turns: int, share: float) -> bool:
+    """Every 1/share-th trial is a video, so that a short series holds its share too; one further on in each round, so
+    that every kind is seen both ways.
+    """
+    place = index + index // turns
+    return bool(np.floor((place + 0.5) * share + 0.5) > np.floor((place - 0.5) * share + 0.5))
+
+
 def designs(
     count: int,
     seed: int,
@@ -136,11 +156,13 @@ def designs(
     *,
     kinds: Sequence[str] = KINDS,
     video_share: float = 0.25,
+    like: Likeness | None = None,
 ) -> list[Design]:
     """The first `count` trials of a seed; each depends on the seed, its index and the kinds alone, so more may follow.
 
-    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. InputError where a
-    kind is not known or a share is none.
+    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. like: all are runs of
+    that arm under that motion, seen in that way. InputError where a kind is not known, a share is none, or nothing can
+    be hidden.
     """
     unknown = sorted(set(kinds) - set(KINDS))
     if unknown or not kinds:
@@ -157,23 +179,15 @@ def designs(
         places[kind] += 1
         duration = float(np.round(random.uniform(*DURATIONS), 1))
         noise, sizes = _log_uniform(random, *NOISE), tuple(_log_uniform(random, *R_RANGE) for _ in effects)
-        # Every 1/share-th trial is a video, so that a short series holds its share too; one further on in each round,
-        # so that every kind is seen both ways.
-        place = index + index // len(turns)
-        video = np.floor((place + 0.5) * video_share + 0.5) > np.floor((place - 0.5) * video_share + 0.5)
-        found.append(
-            Design(
-                index=index,
-                seed=int(random.integers(2**31)),
-                kind=kind,
-                effects=effects,
-                r=sizes,
-                seen="video" if video else "midline",
-                noise=noise,
-                duration=duration,
-                fps=60.0,
-                arm=_arm(random),
-                motion=_motion(random, duration),
-            )
-        )
+        own_seed = int(random.integers(2**31))
+        head = (index, own_seed, kind, effects, sizes)
+        if like is None:
+            video = _is_video(index, len(turns), video_share)
+            sight = Sight("video", VIDEO_NOISE) if video else Sight("midline", noise, noise)
+            arm, motion = model_tables(_arm(random)), waveform_table(_motion(random, duration))
+            found.append(Design(*head, sight, duration, 60.0, arm, motion))
+        else:
+            arm = model_tables(_varied(like.model, random))
+            start = (like.initial_q, like.release_t)
+            found.append(Design(*head, like.sight, like.duration, like.fps, arm, like.motion, *start))
     return found

@@ -1,137 +1,30 @@
-"""A blind trial's recording: hidden effects sized by what the data can show of them, then run, seen, maybe filmed."""
+"""A blind trial's recording: hidden effects sized by what the data can show of them, then run, and seen."""
 
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from affine_model.arm import arm_of, neutral_parameters, parameter_index
-from affine_model.curvature import Array, midline
-from affine_model.identify.experiment import Experiment, predict
-from affine_model.identify.observation import POSE, ShapeObservation, fit_shapes, from_track
-from affine_model.identify.trajectory import Problem, evaluate, fit_multistart
-from discovery.score import absorbed_basis
+from affine_model.curvature import Array, legendre_to_monomial
+from affine_model.identify.observation import POSE, fit_shapes, from_track
 from discovery.trials.design import Design
+from discovery.trials.sight import EVERYWHERE, Sight, track_noise, track_of
+from mujoco_ref.influence import value
 from mujoco_ref.simulate import DEFAULT_LINKS
 from mujoco_ref.undeclared.make import Noise, Scene, make, seen_midline
-from mujoco_ref.undeclared.strength import LARGEST, SCALED, is_catalogued, scaled, typical
+from mujoco_ref.undeclared.strength import is_catalogued
+from tentacle.cli._blind_sizing import bare_problem, refitted_size, sized, track_root
 from tentacle.model import Model
 from tentacle.recording import Camera, Recording
-from tentacle.signals import Midline
+from tentacle.signals import Markers
 
-SIZED_AT = 30.0  # frames/s: enough for rms values
-SIZED_ORDER, SEEN_ORDER = 3, 5
-STEP = 1.0 / 480.0  # s; a strong Maxwell branch on a stiff arm is unstable at 1/300
-FACTORS = np.geomspace(3e-3, 300.0, 46)  # on a typical strength
-VIDEO_NOISE = 2e-5  # m: a midline's noise that tells as little as the tracker's own covariance (some micrometres to 30)
 PICTURE = (960, 540)
-CORRECTIONS, CLOSE = 5, 0.05
-FREE = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"))
-
-
-def _bare_problem(model: Model, design: Design, noise: float, root: Array | None = None) -> tuple[Problem, Array]:
-    """A trajectory problem at the truth without hidden effects, seen without noise, and its nuisances.
-
-    What is seen is whitened as a midline with that noise [m], or by a track's own root (K, K).
-    """
-    order = SEEN_ORDER if root is None else root.shape[0] - POSE
-    arm = arm_of(replace(model, order=SIZED_ORDER))
-    parameters = neutral_parameters()
-    for effect, name in FREE:
-        parameters[parameter_index(effect, name)] = model.value(effect, name)
-    t = np.arange(0.0, design.duration, 1.0 / SIZED_AT)
-    base = design.waveform()
-    theta, length = base(t)[0], model.specimen.length
-    blank = np.zeros((t.size, POSE + order))
-    unseen = np.zeros((t.size, blank.shape[1], blank.shape[1]))
-    observation = ShapeObservation(t, theta, length, blank, unseen, np.zeros(t.size), np.zeros(t.size))
-    used = t > 2.0  # the start from rest is not what a recording shows
-    experiment = Experiment("sizing", observation, base, 0.0, float(t[-1]) + 0.2, None, used, np.ones(blank.shape[1]))
-    nuisances = np.zeros(2 * SIZED_ORDER + 2)
-    shown = predict(arm, experiment, parameters[:, None], nuisances[:, None], STEP)
-    s = np.linspace(0.0, 1.0, 41)
-    points = midline(shown.q[:, :, 0], shown.theta[:, 0], length, s)
-    seen = fit_shapes(Midline(t, s, points, np.full(points.shape[:2], noise)), theta, length, order, noise)
-    if root is not None:
-        seen = replace(seen, root=np.repeat(root[None], t.size, axis=0))
-    return Problem(arm, (replace(experiment, observation=seen),), FREE, parameters, STEP), nuisances
-
-
-def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list[dict[str, float]]) -> Array:
-    """R (V,) of an effect at each set of parameters, to first order: rms of the whitened residual that is not within
-    the base's columns.
-    """
-    state = evaluate(problem, (nuisances,))
-    basis = absorbed_basis(state)
-    columns = np.repeat(problem.parameters[:, None], len(variants), axis=1)
-    for place, values in enumerate(variants):
-        for name, value in values.items():
-            columns[parameter_index(effect, name), place] = value
-    unknowns = np.concatenate([state.values, nuisances])
-    rows = problem.residuals_of(columns, np.repeat(unknowns[:, None], len(variants), axis=1))
-    rows = rows - state.used_residuals[:, None]
-    rows = rows - basis @ (basis.T @ rows)
-    return np.sqrt(np.mean(rows**2, axis=0))
-
-
-def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[str, float]) -> float:
-    """R of an effect: rms of the whitened residual of the base, fitted to what the arm with the effect does.
-
-    A fit may end beside the best one: the first order's R, where it is smaller, stands instead.
-    """
-    parameters = problem.parameters.copy()
-    for name, value in values.items():
-        parameters[parameter_index(effect, name)] = value
-    start = np.concatenate([problem.parameters[problem.rows()], nuisances])
-    (experiment,) = problem.experiments
-    observation = experiment.observation
-    assert isinstance(observation, ShapeObservation)
-    rows = replace(problem, parameters=parameters).residuals(start[:, None])[1][0][:, :, 0]
-    # What the arm with the effect shows, as if it had been measured without noise.
-    shown = observation.coefficients - np.einsum("tkl,tl->tk", np.linalg.pinv(observation.root), rows)
-    measured = replace(experiment, observation=replace(observation, coefficients=shown))
-    # From several starts: a large effect may be taken up by a base far from the true one.
-    starts = (
-        start[:3, None] * np.array([(E, eta, 1.0) for E in (0.6, 0.8, 1.0, 1.25, 1.6, 2.2) for eta in (1.0, 5.0)]).T
-    )
-    fitted = fit_multistart(replace(problem, experiments=(measured,)), (nuisances,), starts)
-    left = float(np.sqrt(np.mean(fitted.residuals[0][experiment.used] ** 2)))
-    return min(left, float(visible_size(problem, nuisances, effect, [values])[0]))
-
-
-def sized(model: Model, design: Design, noise: float) -> tuple[dict[str, Any], list[float]]:
-    """The hidden effects' parameters, and the R that each has [noise sigmas]; NaN for those outside the catalogue,
-    which the maker sizes itself so that the midline moves by 6 to 15 sigmas."""
-    random = np.random.default_rng([design.seed, 1])
-    hidden: dict[str, Any] = {}
-    reached: list[float] = []
-    for effect, wanted in zip(design.effects, design.r, strict=True):
-        if not is_catalogued(effect):
-            hidden[effect] = "visible"
-            reached.append(float("nan"))
-            continue
-        drawn = typical(effect, model, random)
-        largest = max(abs(drawn[name]) for name in SCALED[effect])
-        factors = FACTORS[FACTORS * largest <= LARGEST.get(effect, np.inf)]
-        problem, nuisances = _bare_problem(model, design, noise)
-        sizes = visible_size(problem, nuisances, effect, [scaled(effect, drawn, float(f)) for f in factors])
-        usable = sizes < 1e3  # a simulation that ran away counts as 1e6
-        factors, sizes = factors[usable], np.maximum.accumulate(np.maximum(sizes[usable], 1e-12))
-        factor = float(np.exp(np.interp(np.log(wanted), np.log(sizes), np.log(factors))))
-        # To first order the base absorbs too little of a large effect: correct by what a real refit leaves.
-        for _ in range(CORRECTIONS):
-            hidden[effect] = scaled(effect, drawn, factor)
-            size = refitted_size(problem, nuisances, effect, hidden[effect])
-            if abs(np.log(size / wanted)) < CLOSE:
-                break
-            factor = float(np.clip(factor * np.clip(wanted / size, 0.2, 5.0), factors[0], factors[-1]))
-        hidden[effect] = scaled(effect, drawn, factor)
-        reached.append(refitted_size(problem, nuisances, effect, hidden[effect]))
-    return hidden, reached
+ASIDE = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
 
 
 def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
@@ -139,34 +32,90 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
 
     InputError where the arm cannot follow the motion.
     """
-    model = design.model()
-    noise = VIDEO_NOISE if design.seen == "video" else design.noise
-    hidden, reached = sized(model, design, noise)
-    name = f"trial_{design.index:04d}"
+    model, sight = design.model(), design.sight
+    hidden, reached = sized(design, track_root(design) if sight.kind == "track" else None)
     recording, truth = make(
-        hidden, model, design.waveform(), design.seed, design.duration, design.fps, Noise(midline=noise), name=name
+        hidden,
+        model,
+        design.waveform(),
+        design.seed,
+        design.duration,
+        design.fps,
+        Noise(midline=sight.noise, angle=sight.angle_noise),
+        name=f"trial_{design.index:04d}",
+        s=_places(sight),
+        initial_q=None if design.initial_q is None else np.array(design.initial_q),
+        release_t=design.release_t,
+        clean_midline=sight.kind in ("track", "markers"),
     )
-    if design.seen == "video":
+    random = np.random.default_rng([design.seed, 2])
+    assert recording.midline is not None
+    if sight.kind == "video":
         recording = _filmed(recording, model, design, truth["effects"])
-        reached = _tracked_size(recording, model, design, truth["effects"])
+        reached = _tracked_size(recording, design, truth["effects"])
+    elif sight.kind == "track":
+        recording = _tracked(recording, sight, random)
+    elif sight.kind == "markers":
+        recording = _marked(recording, sight, value(truth["effects"], "camera_scale", "excess"), random)
+    else:
+        stated = np.nan if sight.stated is None else sight.stated
+        sigma = np.full(recording.midline.sigma.shape, stated)
+        recording = replace(recording, midline=replace(recording.midline, sigma=sigma))
     return recording, {"kind": design.kind, "r": reached, **truth}
 
 
-def _tracked_size(
-    recording: Recording, model: Model, design: Design, hidden: dict[str, dict[str, float]]
-) -> list[float]:
+def _places(sight: Sight) -> Array:
+    """Where the reference's axis is looked at: for markers, beside each."""
+    if sight.kind == "track":
+        return np.array(EVERYWHERE)
+    s = np.array(sight.s)
+    return np.concatenate([np.maximum(s - ASIDE, 0.0), s, np.minimum(s + ASIDE, 1.0)]) if sight.kind == "markers" else s
+
+
+def _tracked(recording: Recording, sight: Sight, random: np.random.Generator) -> Recording:
+    """The same run as a tracker says that it saw it: shapes by the edges, with the noise that it states and its gain.
+
+    The scale is one number of a recording, known to scale_sigma.
+    """
+    midline, order = recording.midline, len(sight.covariance) - 1
+    assert midline is not None
+    theta = np.zeros(midline.t.size) if recording.motor is None else recording.motor.command
+    length = recording.declaration.specimen.length
+    free = fit_shapes(midline, theta, length, order, sight.noise)
+    scale = float(np.exp(np.median(free.coefficients[:, 3])))
+    seen = fit_shapes(replace(midline, xy=midline.xy / scale), theta, length, order, sight.noise, by_edges=True)
+    q = seen.coefficients[:, POSE:] @ legendre_to_monomial(order).T
+    coefficients = np.column_stack([seen.coefficients[:, 0], q]) + track_noise(sight, midline.t.size, random)
+    measured = scale * (1.0 + (sight.scale_sigma or 0.0) * float(random.standard_normal()))
+    return replace(recording, midline=None, shape=track_of(sight, midline.t, coefficients, measured))
+
+
+def _marked(recording: Recording, sight: Sight, excess: float, random: np.random.Generator) -> Recording:
+    """The same run as a camera sees markers on it; excess: how much too large everything appears."""
+    midline = recording.midline
+    assert midline is not None
+    before, at, after = np.split(midline.xy, 3, axis=1)
+    along = (after - before) / np.linalg.norm(after - before, axis=2, keepdims=True)
+    beside = (1.0 + excess) * np.array(sight.d)[:, None] * np.stack([along[..., 1], -along[..., 0]], axis=-1)
+    xy = at + beside + sight.noise * random.standard_normal(at.shape)
+    names = tuple(f"m{k + 1}" for k in range(len(sight.s)))
+    markers = Markers(midline.t, names, np.array(sight.s), np.array(sight.d), xy)
+    return replace(recording, midline=None, markers=markers)
+
+
+def _tracked_size(recording: Recording, design: Design, hidden: Mapping[str, Mapping[str, float]]) -> list[float]:
     """R of each effect by the covariance that the tracker states; NaN outside the catalogue."""
     track = recording.shape
     assert track is not None
-    observation = from_track(track, design.waveform()(track.t)[0], model.specimen.length)
+    observation = from_track(track, design.waveform()(track.t)[0], recording.declaration.specimen.length)
     seen = np.flatnonzero(observation.seen)
     if not seen.size:
         return [0.0 for _ in hidden]
-    problem, nuisances = _bare_problem(model, design, VIDEO_NOISE, observation.root[seen[seen.size // 2]])
+    problem, nuisances = bare_problem(design, observation.root[seen[seen.size // 2]])
     sizes = []
     for effect, values in hidden.items():
         known = is_catalogued(effect)
-        sizes.append(refitted_size(problem, nuisances, effect, values) if known else float("nan"))
+        sizes.append(refitted_size(problem, nuisances, effect, dict(values)) if known else float("nan"))
     return sizes
 
 

@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 
 from discovery.trials.outcome import Outcome
-from discovery.trials.reliability import Bin, calibration_gap, cross_calibrated, gap_by_chance, reliability
+from discovery.trials.reliability import (
+    AS_STATED,
+    Bin,
+    Prior,
+    calibration_gap,
+    cross_calibrated,
+    gap_by_chance,
+    reliability,
+)
 from discovery.trials.scores import VISIBLE, Scores, Share, baseline_hit, confusion, scores, share
 from viz.figures.confusion import confusion_figure
 from viz.figures.error_drop import error_drop_figure
@@ -24,8 +32,8 @@ METHODS = (
 )
 
 
-def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
-    """The benchmark's figures; None where no trial tells."""
+def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, float | None]:
+    """The benchmark's figures; None where no trial tells. prior: what a map of the confidence starts from."""
     found, bins = scores(outcomes), reliability(outcomes)
     values = {
         "top1": found.top1.value,
@@ -37,19 +45,26 @@ def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
         "calibration_gap": calibration_gap(bins),
         "calibration_gap_beyond_chance": max((b.gap_beyond_chance for b in bins), default=float("nan")),
         "calibration_gap_by_chance": gap_by_chance(outcomes),
-        "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes))),
+        "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes, prior))),
         "after_over_floor": found.after_over_floor,
         "trials": float(len(outcomes)),
-        **{f"{method}_top1": share(outcomes, "single", _hits(method), VISIBLE).value for method, _ in METHODS},
+        **{f"{method}_top1": _top1(outcomes, method) for method, _ in METHODS},
     }
     return {name: value if value == value else None for name, value in values.items()}
+
+
+def _top1(outcomes: Sequence[Outcome], method: str) -> float:
+    """A baseline's; NaN where it was not tried."""
+    return share([o for o in outcomes if method in o.baselines], "single", _hits(method), VISIBLE).value
 
 
 def _hits(method: str) -> Any:
     return lambda o: baseline_hit(o, method)
 
 
-def results(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]]) -> dict[str, Any]:
+def results(
+    outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], prior: Prior = AS_STATED
+) -> dict[str, Any]:
     """results.json: the figures, every trial's truth beside its answer, and the trials that could not be run."""
     trials = [
         {
@@ -61,15 +76,22 @@ def results(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]]) -> 
         }
         for o in outcomes
     ]  # fmt: skip
-    return {"figures": figures(outcomes), "trials": trials, "refused": [{"trial": k, "why": why} for k, why in refused]}
+    not_run = [{"trial": k, "why": why} for k, why in refused]
+    return {"figures": figures(outcomes, prior), "trials": trials, "refused": not_run}
 
 
 def _plain(value: float) -> float | None:
     return value if value == value else None
 
 
-def page(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], origin: Origin) -> str:
-    """report.html as text."""
+def page(
+    outcomes: Sequence[Outcome],
+    refused: Sequence[tuple[int, str]],
+    origin: Origin,
+    prior: Prior = AS_STATED,
+    before: Sequence[Section] = (),
+) -> str:
+    """report.html as text; before: sections ahead of the scores."""
     found = scores(outcomes)
     headline = (
         f"{len(outcomes)} recordings with hidden effects, diagnosed without the answer: of single effects with "
@@ -77,10 +99,12 @@ def page(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], origin
         f"{_percent(found.false_alarm)}; effects outside the catalogue called unknown "
         f"{_percent(found.unknown_recall)}; both of a pair {_percent(found.pairs)}."
     )
+    crossed = reliability(cross_calibrated(outcomes, prior))
     sections = [
+        *before,
         _score_section(found),
         _confusion_section(outcomes),
-        _reliability_section(reliability(outcomes), reliability(cross_calibrated(outcomes)), gap_by_chance(outcomes)),
+        _reliability_section(reliability(outcomes), crossed, gap_by_chance(outcomes)),
         _error_section(outcomes),
         _baseline_section(outcomes),
         _trial_section(outcomes, refused),
@@ -177,7 +201,8 @@ def _error_section(outcomes: Sequence[Outcome]) -> Section:
 
 def _baseline_section(outcomes: Sequence[Outcome]) -> Section:
     rows = [("this loop", *_shares(outcomes, lambda o: o.hit and (o.kind != "unknown")))]
-    rows += [(words, *_shares(outcomes, _hits(method))) for method, words in METHODS]
+    tried = {method for o in outcomes for method in o.baselines}  # a regression on shapes has nothing in markers
+    rows += [(words, *_shares(outcomes, _hits(method))) for method, words in METHODS if method in tried]
     header = ("method", f"single, R >= {VISIBLE:g}: right", "null: nothing named", "unknown: nothing named")
     words = (
         "The baselines name one effect or none, and cannot call an effect unknown; servo and camera effects are no "

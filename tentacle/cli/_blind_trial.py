@@ -12,6 +12,7 @@ from typing import Any
 from discovery.diagnose import diagnose
 from discovery.trials.baselines import baselines
 from discovery.trials.design import Design, designs
+from discovery.trials.likeness import Likeness
 from discovery.trials.outcome import Outcome, answer_table, outcome
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
 from mujoco_ref.undeclared.strength import SCALED
@@ -23,16 +24,25 @@ ROOMS = ("affine_model", "discovery", "mujoco_ref", "vision")  # what a trial's 
 CATALOGUED = tuple(name for name in KNOWN if SCALED.get(name) and name not in UNCATALOGUED)
 
 
-def series(count: int, seed: int, kinds: Sequence[str], video_share: float) -> list[Design]:
-    """The designs of a series over all effects that the reference can hide."""
-    return designs(count, seed, CATALOGUED, UNCATALOGUED, kinds=kinds, video_share=video_share)
+def series(
+    count: int,
+    seed: int,
+    kinds: Sequence[str],
+    video_share: float,
+    effects: tuple[Sequence[str], Sequence[str]] = (CATALOGUED, UNCATALOGUED),
+    like: Likeness | None = None,
+) -> list[Design]:
+    """The designs of a series over effects in the catalogue and out of it; all that the reference can hide, unless
+    given.
+    """
+    return designs(count, seed, *effects, kinds=kinds, video_share=video_share, like=like)
 
 
 @cache
 def code_version() -> str:
     """A hash of the rooms' source, so that results of other code are not taken for this one's."""
     root, total = Path(__file__).resolve().parents[2], hashlib.sha256()
-    own = [Path(__file__), Path(__file__).with_name("_blind_recording.py")]
+    own = [Path(__file__).with_name(f"_blind_{part}.py") for part in ("trial", "recording", "sizing")]
     files = [file for room in ROOMS for pattern in ("*.py", "*.toml") for file in (root / room).rglob(pattern)]
     for file in sorted([*files, *own]):
         total.update(file.relative_to(root).as_posix().encode())
@@ -58,7 +68,9 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     except InputError as error:
         return {"refused": error.line(), "truth": truth}
     seconds = time.process_time() - begin
-    others = {**baselines(recording), "score_test": answer["score_test"][:1]}
+    # Single markers are no shapes, and the paper's regression wants those.
+    methods = {} if recording.markers is not None else baselines(recording)
+    others = {**methods, "score_test": answer["score_test"][:1]}
     return {"truth": truth, "answer": answer, "baselines": {k: list(v) for k, v in others.items()}, "seconds": seconds}
 
 
@@ -72,5 +84,5 @@ def run_series(found: Sequence[Design], runner: Runner) -> tuple[list[Outcome], 
             refused.append((design.index, str(result["refused"])))
             continue
         more = {"baselines": result["baselines"], "seconds": result["seconds"]}
-        outcomes.append(outcome(design.index, result["truth"], design.seen, result["answer"], **more))
+        outcomes.append(outcome(design.index, result["truth"], design.sight.kind, result["answer"], **more))
     return outcomes, refused

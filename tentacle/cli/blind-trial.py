@@ -7,6 +7,7 @@ from pathlib import Path
 
 HELP = "make recordings with hidden effects, diagnose them without the answer, and score the loop"
 KINDS = "single,pair,null,unknown"
+VIDEO_SHARE = 0.25
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +23,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     place.add_argument("--workers", type=int, metavar="W", help="processes (default: one a core)")
     place.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler instead, as tcp://127.0.0.1:8786")
     parser.add_argument(
-        "--video-share", type=float, default=0.25, metavar="SHARE", help="rendered and tracked (default .25)"
+        "--like", type=Path, metavar="RECORDING", help="trials of that recording's arm, base motion, length and noise"
+    )
+    parser.add_argument(
+        "--video-share", type=float, metavar="SHARE", help=f"rendered and tracked (default {VIDEO_SHARE})"
     )
     parser.add_argument("--kinds", default=KINDS, metavar="LIST", help=f"of the trials (default {KINDS})")
     parser.add_argument(
@@ -38,10 +42,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Run what has not been run, score all, write; an interrupted series goes on where it stopped."""
     import json
 
+    from discovery.calibration import stored
+    from discovery.trials.reliability import AS_STATED, LIKE_OTHERS, Prior, fit_calibration
     from tentacle.cli._blind_report import figures, page, results
     from tentacle.cli._blind_trial import run_series, series
     from tentacle.cli._outcome import written
-    from tentacle.cli._provenance import versions
+    from tentacle.cli._provenance import input_hashes, versions
     from tentacle.errors import InputError
     from tentacle.runner import Runner
     from viz.report import Origin, write_report
@@ -51,28 +57,52 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.workers is not None and arguments.workers < 1:
         raise InputError(f"{arguments.workers} is too few", field="--workers", expected="1 or more")
     kinds = [kind.strip() for kind in arguments.kinds.split(",") if kind.strip()]
-    found = series(arguments.count, arguments.seed, kinds, arguments.video_share)
+    share = VIDEO_SHARE if arguments.video_share is None else arguments.video_share
+    prior, sections, inputs = AS_STATED, [], []
+    if arguments.like is None:
+        found = series(arguments.count, arguments.seed, kinds, share)
+        options = f"--video-share {share:g}"
+    else:
+        if arguments.video_share is not None:
+            raise InputError("not together with --like", field="--video-share", expected="the recording says how")
+        found, sections = like_recording(arguments.like, arguments.count, arguments.seed, kinds)
+        prior, inputs = Prior(stored(), LIKE_OTHERS), [arguments.like]
+        options = f"--like {arguments.like}"
     if arguments.only:
         return remake(found, arguments.only, arguments.out)
     runner = Runner(arguments.out / "trials", workers=arguments.workers, scheduler=arguments.cluster)
     outcomes, refused = run_series(found, runner)
-    options = f"--seed {arguments.seed} --kinds {','.join(kinds)} --video-share {arguments.video_share:g}"
-    command = f"tentacle blind-trial {arguments.count} {options}"
+    command = f"tentacle blind-trial {arguments.count} --seed {arguments.seed} --kinds {','.join(kinds)} {options}"
+    calibration = fit_calibration(outcomes, prior, f"Isotonic fit to {len(outcomes)} blind trials: {command}")
+    origin = Origin(command, arguments.seed, versions(), input_hashes(inputs))
     with written(arguments.out) as folder:
-        (folder / "results.json").write_text(json.dumps(results(outcomes, refused), indent=1) + "\n")
-        (folder / "calibration.toml").write_text(calibration_text(outcomes, command))
-        write_report(page(outcomes, refused, Origin(command, arguments.seed, versions())), folder / "report.html")
-    for name, value in figures(outcomes).items():
+        (folder / "results.json").write_text(json.dumps(results(outcomes, refused, prior), indent=1) + "\n")
+        (folder / "calibration.toml").write_text(calibration.toml())
+        write_report(page(outcomes, refused, origin, prior, sections), folder / "report.html")
+    for name, value in figures(outcomes, prior).items():
         print(f"{name:30s} {'no trial tells' if value is None else format(value, '.3f')}")
     print(f"report: {arguments.out / 'report.html'}")
     return 0
 
 
-def calibration_text(outcomes: list, command: str) -> str:
-    """The text of calibration.toml from these trials."""
-    from discovery.trials.reliability import fit_calibration
+def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple[list, list]:
+    """Designs of trials like a recording, and the report's section on what they share with it."""
+    from discovery.trials.likeness import likeness
+    from tentacle.cli._blind_like import like_section
+    from tentacle.cli._blind_sizing import shown_effects
+    from tentacle.cli._blind_trial import CATALOGUED, UNCATALOGUED, series
+    from tentacle.cli._progress import stages
+    from tentacle.cli._tracked import read_tracked
 
-    return fit_calibration(outcomes).toml(f"Isotonic fit to {len(outcomes)} blind trials: {command}")
+    with stages() as stage:
+        recording = read_tracked(path, stage)
+        stage(f"fitting the declared model to {recording.name}")
+        like = likeness(recording)
+        stage("which effects can show in such a recording")
+        effects = shown_effects(like, CATALOGUED, UNCATALOGUED)
+    silent = sorted({*CATALOGUED, *UNCATALOGUED}.difference(*effects))
+    designs = series(count, seed, kinds, VIDEO_SHARE, effects, like)
+    return designs, [like_section(recording.name, like, effects, silent)]
 
 
 def remake(found: list, chosen: list[int], out: Path) -> int:

@@ -26,6 +26,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--held-out", nargs="+", default=[], type=Path, metavar="RECORDING",
         help="recordings that judge and are not fitted (without any: the last third of each RECORDING)",
     )  # fmt: skip
+    parser.add_argument(
+        "--calibration", type=Path, metavar="FILE.toml",
+        help="confidence by blind trials of your own: what tentacle blind-trial --like RECORDING wrote",
+    )  # fmt: skip
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ..."
@@ -42,18 +46,25 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli._progress import stages
     from tentacle.cli._tracked import read_tracked
 
+    calibration = None
+    if arguments.calibration is not None:
+        from discovery.calibration import read_calibration
+
+        calibration = read_calibration(arguments.calibration)
     with stages() as stage:
         groups = [arguments.recordings, arguments.baseline, arguments.held_out]
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
         from discovery.diagnose import diagnose
 
-        diagnosis = diagnose(recordings, baseline, held_out, seed=arguments.seed, progress=stage)
+        diagnosis = diagnose(
+            recordings, baseline, held_out, seed=arguments.seed, calibration=calibration, progress=stage
+        )
         stage("writing the report")
         command = " ".join(["tentacle", *sys.argv[1:]])
         with written(arguments.out) as folder:
-            write_answer(
-                diagnosis, [*recordings, *held_out], folder, command, [*arguments.recordings, *arguments.held_out]
-            )
+            inputs = [*arguments.recordings, *arguments.held_out]
+            inputs += [] if arguments.calibration is None else [arguments.calibration]
+            write_answer(diagnosis, [*recordings, *held_out], folder, command, inputs)
     if arguments.json:
         print(json.dumps(diagnosis.verdict_json(), indent=1))
     else:

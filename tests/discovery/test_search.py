@@ -165,7 +165,7 @@ def test_adding_and_removing_an_effect_comes_back(with_current):
 
 
 def test_an_effect_taken_out_leaves_the_rest_where_it_stood_until_it_is_fitted(with_current):
-    """From there a twin takes the effect's place: where the rest bends itself to the loss it may meet another valley."""
+    """From there a twin takes its place: where the rest bends itself to the loss it may meet another valley."""
     candidate = next(c for c in score(with_current.problem, with_current.fitted) if c.effect.name == "current")
     added = refit(with_current, candidate)
     left, fitted = left_by(added, "current"), without(added, "current")

@@ -5,8 +5,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from discovery.trials.design import DURATIONS, FASTEST, KINDS, Design, designs
-from tentacle.cli import _blind_recording as maker
+from discovery.trials.design import DURATIONS, FASTEST, KINDS, VIDEO_NOISE, Design, designs
+from discovery.trials.sight import Sight
+from tentacle.cli._blind_recording import _tracked_size, trial_recording
+from tentacle.cli._blind_sizing import bare_problem, sized, visible_size
 from tentacle.errors import InputError
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import ShapeTrack
@@ -32,8 +34,8 @@ def test_kinds_effects_and_videos_come_in_their_shares():
     assert kinds == {"single": 90, "null": 20, "unknown": 20, "pair": 30}
     singles = Counter(design.effects[0] for design in found if design.kind == "single")
     assert max(singles.values()) - min(singles.values()) <= 1  # shuffled decks deal evenly
-    assert sum(design.seen == "video" for design in found) == 40
-    assert {design.kind for design in found if design.seen == "video"} == set(KINDS)  # in turn, none is left out
+    assert sum(design.sight.kind == "video" for design in found) == 40
+    assert {design.kind for design in found if design.sight.kind == "video"} == set(KINDS)  # in turn, none is left out
     assert all(
         len(set(design.effects)) == {"single": 1, "pair": 2, "null": 0, "unknown": 1}[design.kind] for design in found
     )
@@ -46,7 +48,7 @@ def test_motions_keep_within_the_servo_s_speed():
         assert np.abs(rate).max() <= FASTEST * 1.001
         assert np.abs(theta).max() > 0.05
         assert DURATIONS[0] <= design.duration <= DURATIONS[1]
-        assert 0.1 <= design.arm["tip_ratio"] <= 0.5
+        assert 0.1 <= design.model().specimen.section.tip_radius / design.model().specimen.section.base_radius <= 0.5
 
 
 @pytest.mark.parametrize(
@@ -65,13 +67,12 @@ def of_kind(effect, **changed):
 def test_r_is_linear_in_a_faint_effect_and_reached_as_asked():
     """R is an rms of a linear response where the effect is small, and the sizing inverts it."""
     design = of_kind("buoyancy", r=[0.5])
-    model = design.model()
-    hidden, reached = maker.sized(model, design, design.noise)
+    hidden, reached = sized(design)
     assert reached == pytest.approx([0.5], rel=0.1)  # sized until within 5 %, or five corrections
     strength = hidden["buoyancy"]["density_error"]
-    problem, nuisances = maker._bare_problem(model, design, design.noise)
+    problem, nuisances = bare_problem(design)
     variants = [{"density_error": factor * strength} for factor in (0.0, 0.5, 1.0, 2.0)]
-    sizes = maker.visible_size(problem, nuisances, "buoyancy", variants)
+    sizes = visible_size(problem, nuisances, "buoyancy", variants)
     assert sizes[0] == pytest.approx(0.0, abs=1e-9)
     # So faint an effect acts linearly, to 2 %; and a real refit leaves what the first order says, to 10 %.
     np.testing.assert_allclose(sizes[1:], sizes[2] * np.array([0.5, 1.0, 2.0]), rtol=0.02)
@@ -81,22 +82,22 @@ def test_r_is_linear_in_a_faint_effect_and_reached_as_asked():
 def test_what_refitting_absorbs_has_no_r():
     """A drag coefficient's change is what the base refits: R of it is of second order."""
     design = of_kind("buoyancy")
-    problem, nuisances = maker._bare_problem(design.model(), design, design.noise)
-    changed = [{"C_perp": design.arm["C_perp"] * factor} for factor in (1.02, 1.04)]
-    small, twice = maker.visible_size(problem, nuisances, "drag", changed)
+    problem, nuisances = bare_problem(design)
+    changed = [{"C_perp": design.model().value("drag", "C_perp") * factor} for factor in (1.02, 1.04)]
+    small, twice = visible_size(problem, nuisances, "drag", changed)
     assert twice == pytest.approx(4.0 * small, rel=0.3)
 
 
 def test_an_effect_that_cannot_reach_r_keeps_within_its_limit():
     design = of_kind("skin_drag", r=[1e4])
-    hidden, reached = maker.sized(design.model(), design, design.noise)
+    hidden, reached = sized(design)
     assert hidden["skin_drag"]["C_t"] <= 3.0
     assert reached[0] < 1e3
 
 
 def test_r_of_a_video_goes_by_the_tracker_s_covariance():
     """A tracker twice as sure shows every effect twice as large; frames that it rejects say nothing."""
-    design = of_kind("buoyancy", seen="video")
+    design = of_kind("buoyancy", sight=Sight("video", VIDEO_NOISE).table())
     model, t = design.model(), np.arange(0.0, 3.0, 1.0 / 30.0)
     accepted = np.arange(t.size) % 7 != 3
     found = []
@@ -107,15 +108,15 @@ def test_r_of_a_video_goes_by_the_tracker_s_covariance():
             t, coefficients, covariance, accepted, ("",) * t.size, 1.0, float("nan"), np.zeros(2)
         )  # fmt: skip
         recording = Recording("trial", Declaration(model.specimen, model.fluid), shape=track)
-        found += maker._tracked_size(recording, model, design, {"buoyancy": {"density_error": 20.0}})
+        found += _tracked_size(recording, design, {"buoyancy": {"density_error": 20.0}})
     assert found[1] == pytest.approx(2.0 * found[0], rel=0.02)  # the priors' share changes a little
     assert found[0] > 0.0
 
 
 def test_a_recording_tells_nothing_of_its_truth_and_is_the_same_again():
     design = of_kind("time_offset", r=[3.0])
-    recording, truth = maker.trial_recording(design)
-    again, _ = maker.trial_recording(design)
+    recording, truth = trial_recording(design)
+    again, _ = trial_recording(design)
     assert recording.name == "trial_0000"
     assert truth["kind"] == "single"
     assert set(truth["effects"]) == {"time_offset"}

@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from discovery.calibration import Calibration, calibrated, stored
+from discovery.calibration import Calibration, read_calibration, stored
 from discovery.trials.outcome import Outcome, outcome
 from discovery.trials.reliability import (
+    Prior,
     calibration_gap,
     cross_calibrated,
     fit_calibration,
@@ -16,6 +17,7 @@ from discovery.trials.reliability import (
     reliability,
 )
 from discovery.trials.scores import Share, baseline_hit, confusion, scores
+from tentacle.errors import InputError
 
 
 def made(index=0, kind="single", hidden=("buoyancy",), named=("buoyancy",), verdict="effect", **more):
@@ -178,15 +180,58 @@ def test_few_trials_move_the_map_little_and_it_only_rises():
     assert 0.2 < calibration("effect", 0.9) < 0.9  # one miss among DOUBT imaginary trials
 
 
-def test_calibration_survives_its_file():
-    calibration = fit_calibration(drawn(50, 2.0, 2))
-    again = Calibration.of(calibration.toml("made for a test"))
-    assert again == calibration
+def test_what_is_known_of_other_arms_stands_where_few_trials_speak():
+    """Twelve imaginary trials, right half as often as they state, four at each of 0, .9 and 1: the ten real ones at .9
+    are pooled with those at .9 and 1, for a map does not fall.
+    """
+    others = Calibration(dict.fromkeys(("effect", "group"), ((0.0, 1.0), (0.0, 0.5), 400)))
+    found = fit_calibration([made(k, uncalibrated=0.9) for k in range(10)], Prior(others, 12.0))
+    expected = (10.0 + 4.0 * 0.45 + 4.0 * 0.5) / 18.0
+    assert found("effect", 0.9) == pytest.approx(expected, abs=5e-5)  # a file's digits
+    assert found("group", 0.8) == others("group", 0.8) == pytest.approx(0.4)
+    assert "no blind trial of this one" in found.words("group", 0.8)
+    assert "10 blind trials" in found.words("effect", 0.9)
+    assert "uncalibrated" in found.words("unknown", 0.9)
+
+
+def test_calibration_survives_its_file(tmp_path):
+    calibration = fit_calibration(drawn(50, 2.0, 2), made='tentacle blind-trial 50 --like "a b"')
+    file = tmp_path / "calibration.toml"
+    file.write_text(calibration.toml())
+    assert read_calibration(file) == calibration
+
+
+GOOD = 'made = "x"\n[effect]\ntrials = 3\nstated = [0.0, 0.5, 1.0]\nright = [0.1, 0.4, 0.9]\n'
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        (GOOD.replace("made", "mode"), "made"),
+        (GOOD.replace("[effect]", "[effects]"), "effects"),
+        (GOOD.replace("trials = 3", "trials = -3"), "effect.trials"),
+        (GOOD.replace("0.0, 0.5", "0.5, 0.5"), "effect.stated"),
+        (GOOD.replace("0.5, 1.0", "0.5, 1.5"), "effect.stated"),
+        (GOOD.replace("0.1, 0.4", "0.4, 0.1"), "effect.right"),
+        (GOOD.replace("0.1, ", ""), "effect.right"),
+        (GOOD.replace("0.9]", "nan]"), "effect.right"),
+    ],
+)
+def test_a_file_that_is_no_calibration_is_one_line(tmp_path, wrong, named):
+    file = tmp_path / "calibration.toml"
+    file.write_text(GOOD)
+    assert read_calibration(file)("effect", 0.75) == pytest.approx(0.65)
+    file.write_text(wrong)
+    with pytest.raises(InputError) as refused:
+        read_calibration(file)
+    assert named in refused.value.line()
+    assert "calibration.toml" in refused.value.line()
+    assert "\n" not in refused.value.line()
 
 
 def test_the_stored_calibration_rises_and_stays_within_bounds():
     for verdict in ("effect", "group", "unknown", "nothing_missing"):
-        found = [calibrated(verdict, x) for x in np.linspace(0.05, 0.95, 19)]
+        found = [stored()(verdict, x) for x in np.linspace(0.05, 0.95, 19)]
         assert np.all(np.diff(found) >= -1e-12)
         assert min(found) >= 0.02
         assert max(found) <= 0.98

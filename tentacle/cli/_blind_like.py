@@ -1,0 +1,65 @@
+"""What the trials like a recording share with it, as a section of their report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from discovery.trials.design import NEAR
+from discovery.trials.likeness import Likeness
+from viz.report import Section, Table
+from viz.words import effect_name, number
+
+SEEN_AS = {
+    "midline": "points of the midline",
+    "track": "a tracked video (shapes with the tracker's covariance; no video is rendered)",
+    "video": "a video, rendered and tracked",
+    "markers": "markers",
+}
+
+
+def like_section(
+    name: str, like: Likeness, effects: tuple[Sequence[str], Sequence[str]], silent: Sequence[str]
+) -> Section:
+    """name of the recording; effects that can show in it, in the catalogue and out of it, and silent ones."""
+    inside, outside = (", ".join(map(effect_name, names)) for names in effects)
+    words = [
+        f"All trials are runs of the arm of {name} with base parameters within {NEAR[0]:g} to {NEAR[1]:g} times those "
+        "fitted to it without any further effect, under its own base motion, as long, at its frame rate, seen in its "
+        "way and with the noise that this fit found.",
+        f"Hidden are, in the catalogue: {inside}; out of it: {outside}.",
+    ]
+    if silent:
+        names = ", ".join(map(effect_name, silent))
+        words.append(f"Not hidden, for at no strength could they show in such a recording: {names}.")
+    words.append(
+        "Their noise is white. What else the recording's may hold (a tracker's bias, frames left out, "
+        "light that changes) is in none of them, and the confidence fitted to them does not count it."
+    )
+    header = ("what", "value")
+    return Section(f"Trials like {name}", words, [Table("Shared by all trials", header, _rows(like))])
+
+
+def _rows(like: Likeness) -> list[tuple[str, str]]:
+    sight = like.sight
+    rows = [
+        (f"{effect_name(effect)}: {name}", f"{number(estimate.value)} {estimate.unit}".removesuffix(" 1"))
+        for effect, values in like.model.parameters.items()
+        for name, estimate in values.items()
+    ]
+    if like.release_t is None:
+        angle = np.array(like.motion["angle_rad"])
+        rows.append(("base motion", f"the recording's, {number(float(np.ptp(angle)))} rad from end to end"))
+    else:
+        shape = ", ".join(number(value) for value in like.initial_q or ())
+        rows.append(("let go at", f"{number(like.release_t)} s from q = ({shape}) rad"))
+    rows += [
+        ("length", f"{number(like.duration)} s"),
+        ("frames", f"{number(like.fps)} a second"),
+        ("seen as", SEEN_AS[sight.kind]),
+        ("noise of a coordinate of a point", f"{number(1e3 * sight.noise)} mm"),
+    ]
+    if sight.angle_noise > 0.0:
+        rows.append(("noise of the servo's log", f"{number(1e3 * sight.angle_noise)} mrad"))
+    return rows
