@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from affine_model.identify.observation import ShapeObservation
 from affine_model.identify.trajectory import Fit, Problem
 from discovery.calibration import Calibration, stored
 from discovery.compare import errors, floor_errors, midline_error, run_comparison
@@ -79,7 +80,9 @@ def assembled(
     parameters = estimates(chosen, found.looseness)
     effects, verdict = decision.effects, decision.verdict
     if order > 2:
-        words = (*words, f"The measured shapes show {order} curvature coordinates; the paper's model has two.")
+        shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in prepared)
+        shown = "The measured shapes show" if shapes else "What the markers show so well needs"
+        words = (*words, f"{shown} {order} curvature coordinates; the paper's model has two.")
         improved = (
             before.midline_mm is not None
             and after.midline_mm is not None

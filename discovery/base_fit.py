@@ -9,9 +9,9 @@ import numpy as np
 from affine_model.arm import Arm, arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
-from affine_model.identify.observation import POSE, ShapeObservation
+from affine_model.identify.observation import POSE, MarkerObservation, ShapeObservation
 from affine_model.identify.sufficient_step import sufficient_step
-from affine_model.identify.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, fit_multistart
+from affine_model.identify.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, fit, fit_multistart
 from discovery.floor import noise_deviation
 from discovery.prepare import recalibrated
 from tentacle.model import Model
@@ -20,7 +20,7 @@ from tentacle.recording import Declaration
 STEP = 1.0 / 150.0  # s: where a fit begins; how fine it ends is found (affine_model.identify.sufficient_step)
 SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 VISIBLE = 0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
-SMALL_STEP = 0.15
+MOST_FOR_MARKERS, FOLLOWED = 4, 0.2  # coordinates; noise sigmas to which fewer of them are to follow those
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,12 @@ class Setting:
         return tuple(free)
 
 
-def needed_order(setting: Setting) -> int:
-    """How many curvature coordinates the data need: seen in the shapes themselves, or, of markers, by fits of each
-    order.
+def needed_order(setting: Setting, *, complete: bool = False) -> int:
+    """How many curvature coordinates the data need: seen in the shapes themselves, or, of markers, by the model's own
+    convergence. complete: the declaration is taken to be, and what it leaves of the data counts as noise.
     """
     if not setting.sees_shapes():
-        return _order_by_fits(setting)
+        return _order_by_convergence(setting, complete)
     return max(
         _visible_order(e.observation) for e in setting.experiments if isinstance(e.observation, ShapeObservation)
     )
@@ -89,15 +89,52 @@ def _visible_order(observation: ShapeObservation) -> int:
     return 2
 
 
-def _order_by_fits(setting: Setting) -> int:
-    """The smallest order after which one more coordinate takes less than SMALL_STEP off the misfit."""
-    _, last = fit_base(setting, 2)
-    for order in (3, 4):
-        _, better = fit_base(setting, order, warm=last)
-        if better.misfit > (1.0 - SMALL_STEP) * last.misfit:
-            return order - 1
-        last = better
-    return 4
+def _order_by_convergence(setting: Setting, complete: bool) -> int:
+    """The smallest order that follows the model's own run with more coordinates, as the markers would see it.
+
+    How well each order fits the data themselves tells less: an effect that the model lacks may make up for a coordinate
+    too few.
+    """
+    problem, fitted = fit_base(setting, 2)
+    enough = FOLLOWED * max(1.0, _left(problem.experiments, fitted)) if complete else FOLLOWED
+    finest = replace(problem, arm=setting.arm(MOST_FOR_MARKERS), parameters=fitted.parameters)
+    both = zip(problem.experiments, fitted.nuisances, strict=True)
+    nuisances = tuple(_with_more_coordinates(experiment, values) for experiment, values in both)
+    run = evaluate(finest, nuisances)
+    experiments = tuple(
+        replace(experiment, observation=_without(experiment, rows))
+        for experiment, rows in zip(problem.experiments, run.residuals, strict=True)
+    )
+    for order in range(2, MOST_FOR_MARKERS):
+        starts = tuple(initial_nuisances(experiment, order) for experiment in experiments)
+        followed = fit(
+            replace(problem, arm=setting.arm(order), experiments=experiments, parameters=run.parameters), starts
+        )
+        if _left(experiments, followed) < enough:
+            return order
+    return MOST_FOR_MARKERS
+
+
+def _with_more_coordinates(experiment: Experiment, nuisances: Array) -> Array:
+    """Nuisances of two coordinates as those of MOST_FOR_MARKERS, the others at rest at zero."""
+    start, moving, memory, shift = experiment.parts(2, nuisances)
+    more = np.zeros(MOST_FOR_MARKERS - start.size)
+    moving = moving if experiment.release is not None else np.concatenate([moving, more])
+    return np.concatenate([start, more, moving, memory, shift])
+
+
+def _left(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
+    """rms of the residuals on the used frames [noise sigmas]."""
+    rows = [rows[e.used].ravel() for e, rows in zip(experiments, fitted.residuals, strict=True)]
+    return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
+
+
+def _without(experiment: Experiment, rows: Array) -> MarkerObservation:
+    """The markers (T, M, 2) less whitened residuals (T, 2 M): where a model saw them."""
+    observation = experiment.observation
+    assert isinstance(observation, MarkerObservation)
+    error = observation.sigma * experiment.noise_gain * rows
+    return replace(observation, xy=observation.xy - error.reshape(observation.xy.shape))
 
 
 def initial_nuisances(experiment: Experiment, order: int) -> Array:
@@ -118,7 +155,7 @@ def initial_nuisances(experiment: Experiment, order: int) -> Array:
             slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
             start[:kept], rates[:kept] = offset, slope
     moving = rates if experiment.release is None else np.zeros(1)
-    return np.concatenate([start, moving, np.zeros(2)])
+    return np.concatenate([start, moving, np.zeros(2 * experiment.sees_shift)])
 
 
 def _starts(setting: Setting) -> Array:

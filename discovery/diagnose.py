@@ -70,7 +70,7 @@ def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple
     """Fit the baseline; what it cannot follow counts as noise from then on, correlated as it is."""
     prepared = [prepare(recording, hold_out=False) for recording in recordings]
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
-    order = order or needed_order(setting)
+    order = order or needed_order(setting, complete=True)
     problem, fitted = fit_base(setting, order)
     experiments, judged = problem.experiments, hypothesis((), problem, fitted)
     rows = [r[e.used] * e.noise_gain for e, r in zip(experiments, fitted.residuals, strict=True)]

@@ -70,7 +70,7 @@ def identify(
     judges = [prepare(recording, hold_out=False) for recording in check]
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), order or 2)
     if order is None:
-        setting = replace(setting, order=needed_order(setting))
+        setting = replace(setting, order=needed_order(setting, complete=True))
     problem, fitted = fit_base(setting, setting.order)
     judged = hypothesis((), problem, fitted)
     prepared = [replace(p, experiment=e) for p, e in zip(prepared, problem.experiments, strict=True)]

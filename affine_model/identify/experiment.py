@@ -58,6 +58,11 @@ class Experiment:
         """Whether the memory at the start is among the nuisances."""
         return self.remembers and self.release is None
 
+    @property
+    def sees_shift(self) -> bool:
+        """Whether the shift of the clamp is among the nuisances: a marker system's own frame is where it says."""
+        return isinstance(self.observation, ShapeObservation)
+
     def nuisance_names(self, order: int) -> list[str]:
         """Unknowns of this run alone: initial shape and rates in Legendre coordinates (or, released, the instant),
         memory, shift of the clamp.
@@ -65,24 +70,23 @@ class Experiment:
         initial = [f"z{j + 1}(0)" for j in range(order)]
         moving = [f"z{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
         memory = [f"memory{j + 1}(0)" for j in range(order)] if self.begins_with_memory else []
-        return [*initial, *moving, *memory, "shift_x", "shift_y"]
+        return [*initial, *moving, *memory, *(["shift_x", "shift_y"] if self.sees_shift else [])]
 
     def nuisance_scales(self, order: int, length: float) -> Array:
         """Typical sizes of the nuisances, the scale of the fit's steps."""
         moving = [1.0] * order if self.release is None else [0.01]
         memory = [0.1] * order if self.begins_with_memory else []
-        return np.array([0.1] * order + moving + memory + [SHIFT_PRIOR * length] * 2)
+        return np.array([0.1] * order + moving + memory + [SHIFT_PRIOR * length] * 2 * self.sees_shift)
 
     def nuisance_limits(self, order: int, length: float) -> Array:
-        """Bounds (M,) on the size of each nuisance; a marker system's own frame is where it says."""
-        reach = SHIFT_LIMIT * length if isinstance(self.observation, ShapeObservation) else 1e-6 * length
+        """Bounds (M,) on the size of each nuisance."""
         moving = list(self.rate_limits(order)) if self.release is None else [5.0 * self.release_sigma]
         memory = [SHAPE_LIMIT] * order if self.begins_with_memory else []
-        return np.array([SHAPE_LIMIT] * order + moving + memory + [reach] * 2)
+        return np.array([SHAPE_LIMIT] * order + moving + memory + [SHIFT_LIMIT * length] * 2 * self.sees_shift)
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
         """What is known beforehand of the nuisances (M, B), as whitened residuals."""
-        shift = nuisances[-2:] / (SHIFT_PRIOR * length)
+        shift = self.parts(order, nuisances)[3] / (SHIFT_PRIOR * length)
         seen = self.observation.order if isinstance(self.observation, ShapeObservation) else 2
         higher = nuisances[seen:order] / HIGHER_PRIOR
         if self.release is None:
@@ -99,9 +103,10 @@ class Experiment:
         return RATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
 
     def parts(self, order: int, nuisances: Array) -> tuple[Array, Array, Array, Array]:
-        """Initial shape, rates (or, released, the instant), memory (empty where there is none) and shift."""
+        """Initial shape, rates (or, released, the instant), memory and shift (either empty where there is none)."""
         moving = order + (order if self.release is None else 1)
-        return nuisances[:order], nuisances[order:moving], nuisances[moving:-2], nuisances[-2:]
+        memory = moving + order * self.begins_with_memory
+        return nuisances[:order], nuisances[order:moving], nuisances[moving:memory], nuisances[memory:]
 
     def memory(self, order: int, nuisances: Array) -> Array | None:
         """The memory at the start (n, B), out of the nuisances (M, B)."""
@@ -166,7 +171,8 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
         times = times[:, :1]
     q = _hermite(batch, batch.q, batch.q_rate, times)
     theta = _hermite(batch, batch.theta, batch.theta_rate, times)
-    return Prediction(q, theta, nuisances[-2:], batch)
+    shift = experiment.parts(n, nuisances)[3] if experiment.sees_shift else np.zeros((2, nuisances.shape[1]))
+    return Prediction(q, theta, shift, batch)
 
 
 _OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"))

@@ -24,10 +24,11 @@ def like_section(
 ) -> Section:
     """name of the recording; effects that can show in it, in the catalogue and out of it, and silent ones."""
     inside, outside = (", ".join(map(effect_name, names)) for names in effects)
+    driven = "moved as its base was" if like.release_t is None else "let go as it was"
     words = [
         f"All trials are runs of the arm of {name} with base parameters within {NEAR[0]:g} to {NEAR[1]:g} times those "
-        "fitted to it without any further effect, under its own base motion, as long, at its frame rate, seen in its "
-        "way and with the noise that this fit found.",
+        f"fitted to it without any further effect, {driven}, for as long, at its frame rate, seen in its way and with "
+        "the noise that this fit found.",
         f"Hidden are, in the catalogue: {inside}; out of it: {outside}.",
     ]
     if silent:

@@ -61,6 +61,7 @@ def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Ar
     seen = _observation(design.sight, t, shown.q[:, :, 0], shown.theta[:, 0], model.specimen.length, root)
     channels = 2 * seen.s.size if isinstance(seen, MarkerObservation) else seen.coefficients.shape[1]
     experiment = replace(experiment, observation=seen, noise_gain=np.ones(channels))
+    nuisances = nuisances[: len(experiment.nuisance_names(SIZED_ORDER))]  # markers have no shift, which is the last
     return Problem(arm, (experiment,), free, parameters, STEP), nuisances
 
 

@@ -38,7 +38,7 @@ def problem_of(delay):
     seen = replace(blind, t=batch.t - delay, xy=xy, sigma=SIGMA)
     used = batch.t > 2 * DELAY
     experiment = Experiment("run", seen, WAVE, 0.0, 4.0, None, used, np.ones(6))
-    return Problem(ARM, (experiment,), FREE, p, STEP), (np.zeros(6),)
+    return Problem(ARM, (experiment,), FREE, p, STEP), (np.zeros(4),)  # two shapes, two rates
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from discovery.hypothesis import Hypothesis, hypothesis
 from discovery.prepare import prepare
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
-from tentacle.signals import Midline, MotorSignal
+from tentacle.signals import Markers, Midline, MotorSignal
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Multisine, Ramped
 
@@ -48,6 +48,16 @@ def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, name="made"
 def recorded() -> Callable[..., Recording]:
     """record(), as a fixture."""
     return record
+
+
+def as_markers(recording: Recording, places: tuple[float, ...] = (0.6, 0.8, 1.0)) -> Recording:
+    """The same run seen at single markers on the axis (places of S)."""
+    midline = recording.midline
+    assert midline is not None
+    at = np.searchsorted(S, np.array(places) - 1e-9)
+    names = tuple(f"m{k}" for k in range(len(places)))
+    seen = Markers(midline.t, names, S[at], np.zeros(len(places)), midline.xy[:, at])
+    return replace(recording, midline=None, markers=seen)
 
 
 def base_of(recording: Recording) -> Hypothesis:

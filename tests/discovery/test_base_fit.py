@@ -5,6 +5,7 @@ import pytest
 
 from discovery.base_fit import Setting, needed_order, parameter_of
 from discovery.prepare import prepare
+from tests.discovery.conftest import as_markers
 
 
 def test_base_parameters_are_recovered_within_their_intervals(plain):
@@ -22,3 +23,13 @@ def test_the_order_is_seen_in_the_shapes(recorded, order):
     recording = recorded(order=order, noise=2e-5, seconds=6.0)
     setting = Setting(recording.declaration, (prepare(recording, hold_out=True).experiment,), 2)
     assert needed_order(setting) == order
+
+
+@pytest.mark.parametrize("hidden", [{}, {("intrinsic_curvature", "c0"): 0.05}])
+def test_the_order_of_markers_is_what_the_model_needs_at_that_noise_whatever_is_hidden(recorded, hidden):
+    def needed(noise):
+        recording = as_markers(recorded(hidden, order=4, noise=noise, seconds=6.0))
+        return needed_order(Setting(recording.declaration, (prepare(recording, hold_out=True).experiment,), 2))
+
+    assert needed(3e-3) == 2
+    assert needed(2e-5) > 2

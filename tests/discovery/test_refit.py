@@ -8,7 +8,7 @@ from discovery.hypothesis import hypothesis, parameter_interval
 from discovery.prepare import prepare
 from discovery.refit import refit, spared
 from discovery.score import score
-from tests.discovery.conftest import base_of
+from tests.discovery.conftest import as_markers, base_of
 
 
 def added(current, name):
@@ -42,3 +42,14 @@ def test_water_along_the_tangent_is_kept_only_where_the_data_need_it(recorded, t
     low, high = parameter_interval(simpler, place, 1.0)
     # The 95 % interval taken twice as wide: it holds the truth with a chance of .9999.
     assert abs(0.5 * (low + high) - 1.0) < high - low
+
+
+def test_markers_give_what_their_score_promised(recorded):
+    """A faint effect acts linearly: the refit gains what the score test says, to a twentieth. A marker's frame is where
+    it says, for the one as for the other.
+    """
+    base = base_of(as_markers(recorded({("intrinsic_curvature", "c0"): 0.01}, noise=5e-5)))
+    candidate = next(c for c in score(base.problem, base.fitted) if c.effect.name == "intrinsic_curvature")
+    assert candidate.gain > 50.0
+    gained = base.fitted.misfit - refit(base, candidate).fitted.misfit
+    assert gained == pytest.approx(candidate.gain, rel=0.05)
