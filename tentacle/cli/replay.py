@@ -19,6 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="DIR", help="verdict.json, report.html, ... go there"
     )
     parser.add_argument("--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as for diagnose")
+    parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as for diagnose")
     parser.add_argument("--seed", type=int, help="as for diagnose (default: 0)")
     parser.add_argument(
         "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"
@@ -28,8 +29,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose again, or drive; 3 where the rig did not complete the run."""
     if arguments.drive is not None:
-        if arguments.baseline or arguments.seed is not None:
-            raise InputError("has no part in driving a rig", field="--baseline, --seed", expected="--drive alone")
+        if arguments.baseline or arguments.seed is not None or arguments.calibration is not None:
+            field = "--baseline, --calibration, --seed"
+            raise InputError("has no part in driving a rig", field=field, expected="--drive alone")
         return _drive(arguments)
     from tentacle.cli import diagnose
 
@@ -37,6 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
         recordings=[arguments.recording],
         baseline=arguments.baseline,
         held_out=[],
+        calibration=arguments.calibration,
         seed=arguments.seed or 0,
         out=arguments.out,
         json=False,
