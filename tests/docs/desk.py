@@ -83,6 +83,8 @@ def set_desk(desk: Path) -> Path:
         (desk / name).parent.mkdir(exist_ok=True)
         shutil.copy(desk / "answer" / "session.rrd", desk / name)
     shutil.copy(desk / "my_arm.rrd", desk / "my_arm_tracked.rrd")
+    (desk / "like_mine").mkdir()
+    shutil.copy(ROOT / "discovery" / "calibration.toml", desk / "like_mine")
     shutil.copy(desk / "answer" / "model.toml", desk / "model.toml")
     shutil.copy(desk / "my_arm" / "recording.toml", desk / "recording.toml")
     shutil.copy(desk / "my_arm" / "video.mp4", desk / "video.mp4")

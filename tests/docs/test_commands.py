@@ -66,6 +66,9 @@ SPECIAL = {
     "tentacle compare arm.toml --out comparison --tapers 0.5 --slenderness 20":
         How(add="--workers 1", until="comparison"),
     "tentacle compare short.toml long.toml --out grid": How(add="--workers 1", until="grid"),
+    "tentacle blind-trial 100 --like my_arm.rrd --out like_mine --workers 4": How(
+        add="--workers 1", until="like_mine/trials"
+    ),
     "tentacle blind-trial 40 --out blind --seed 1 --workers 4": How(add="--workers 1", until="blind/trials"),
     "tentacle optimise arm.toml --out gait": How(add=QUICK),
     "tentacle optimise answer/model.toml --out gait": How(add=QUICK),
