@@ -9,7 +9,7 @@ import numpy as np
 from affine_model.arm import Arm, arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array
 from affine_model.identify.experiment import Experiment
-from affine_model.identify.observation import POSE, MarkerObservation, ShapeObservation
+from affine_model.identify.observation import POSE, ShapeObservation
 from affine_model.identify.sufficient_step import sufficient_step
 from affine_model.identify.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, fit, fit_multistart
 from discovery.floor import noise_deviation
@@ -102,7 +102,7 @@ def _order_by_convergence(setting: Setting, complete: bool) -> int:
     nuisances = tuple(_with_more_coordinates(experiment, values) for experiment, values in both)
     run = evaluate(finest, nuisances)
     experiments = tuple(
-        replace(experiment, observation=_without(experiment, rows))
+        replace(experiment, observation=experiment.observation.less(experiment.noise_gain * rows))
         for experiment, rows in zip(problem.experiments, run.residuals, strict=True)
     )
     for order in range(2, MOST_FOR_MARKERS):
@@ -127,14 +127,6 @@ def _left(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
     """rms of the residuals on the used frames [noise sigmas]."""
     rows = [rows[e.used].ravel() for e, rows in zip(experiments, fitted.residuals, strict=True)]
     return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
-
-
-def _without(experiment: Experiment, rows: Array) -> MarkerObservation:
-    """The markers (T, M, 2) less whitened residuals (T, 2 M): where a model saw them."""
-    observation = experiment.observation
-    assert isinstance(observation, MarkerObservation)
-    error = observation.sigma * experiment.noise_gain * rows
-    return replace(observation, xy=observation.xy - error.reshape(observation.xy.shape))
 
 
 def initial_nuisances(experiment: Experiment, order: int) -> Array:

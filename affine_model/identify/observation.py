@@ -9,7 +9,7 @@ Markers are compared as points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +76,11 @@ class ShapeObservation:
         error[:, POSE : POSE + kept] -= z[:, :kept]
         return np.matmul(self.root, error)
 
+    def less(self, rows: Array) -> ShapeObservation:
+        """The same less whitened residuals (T, K): the shapes that the model that left them has."""
+        change = np.einsum("tkl,tl->tk", np.linalg.pinv(self.root), rows)
+        return replace(self, coefficients=self.coefficients - change)
+
 
 @dataclass(frozen=True)
 class MarkerObservation:
@@ -98,6 +103,10 @@ class MarkerObservation:
         points = points + shift.T[:, None, :]
         error = (self.xy[:, None] - points) / self.sigma
         return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))
+
+    def less(self, rows: Array) -> MarkerObservation:
+        """The same less whitened residuals (T, 2 M): the markers where the model that left them has them."""
+        return replace(self, xy=self.xy - self.sigma * rows.reshape(self.xy.shape))
 
 
 def fit_shapes(

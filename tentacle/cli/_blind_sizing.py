@@ -115,7 +115,7 @@ def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[
     start = np.concatenate([base, nuisances])
     (experiment,) = problem.experiments
     rows = replace(problem, parameters=parameters).residuals(start[:, None])[1][0][:, :, 0]
-    measured = replace(experiment, observation=_less(experiment.observation, rows))
+    measured = replace(experiment, observation=experiment.observation.less(rows))
     stiff, damped = (np.array([name == wanted for name, _ in problem.free]) for wanted in ("elasticity", "damping"))
     starts = np.stack(
         [base * np.where(stiff, E, np.where(damped, eta, 1.0)) for E in STIFFER for eta in MORE_DAMPED], axis=1
@@ -123,14 +123,6 @@ def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[
     fitted = fit_multistart(replace(problem, experiments=(measured,)), (nuisances,), starts)
     left = float(np.sqrt(np.mean(fitted.residuals[0][experiment.used] ** 2)))
     return min(left, float(visible_size(problem, nuisances, effect, [values])[0]))
-
-
-def _less(observation: ShapeObservation | MarkerObservation, rows: Array) -> ShapeObservation | MarkerObservation:
-    """The observation of what left the whitened residuals rows (T, K), as if it had been measured without noise."""
-    if isinstance(observation, MarkerObservation):
-        return replace(observation, xy=observation.xy - observation.sigma * rows.reshape(observation.xy.shape))
-    change = np.einsum("tkl,tl->tk", np.linalg.pinv(observation.root), rows)
-    return replace(observation, coefficients=observation.coefficients - change)
 
 
 def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], list[float]]:
