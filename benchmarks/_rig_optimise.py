@@ -17,8 +17,8 @@ from rig.optimise import StudyPlan, Trial, best, optimise
 from rig.record import trial_runner
 from rig.reidentify import proposer
 from rig.setup_file import CameraSettings
+from tentacle.io.model_file import write_model
 from tentacle.model import Estimate, Model
-from tentacle.model_file import write_model
 from tentacle.specimen import WATER
 
 # Declared: the base effects and added mass. Not declared: a payload at the tip, a fifth of the arm's own mass.

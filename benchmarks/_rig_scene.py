@@ -19,7 +19,7 @@ from rig.protocol import Event, EventCode, LoadSample, Sample, ServoSample
 from rig.safety import SafetyLimits, set_points
 from rig.settle import SettleRule
 from rig.setup_file import LoadCellCalibration, RigSetup, write_setup
-from tentacle.declaration_file import RecordingFile
+from tentacle.io.declaration_file import RecordingFile
 from tentacle.recording import Camera, Declaration
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Sine

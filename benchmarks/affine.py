@@ -22,9 +22,6 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index  # noqa: E402
-from affine_model.identify.experiment import Experiment  # noqa: E402
-from affine_model.identify.observation import from_track  # noqa: E402
-from affine_model.identify.trajectory import Problem, fit  # noqa: E402
 from affine_model.simulate import simulate  # noqa: E402
 from affine_model.swim.limits import GaitLimits, search_box  # noqa: E402
 from affine_model.swim.objectives import weighted  # noqa: E402
@@ -32,6 +29,9 @@ from affine_model.swim.search import search  # noqa: E402
 from affine_model.swim.trial import Trial  # noqa: E402
 from benchmarks._other_simulators import OTHERS, environment, run  # noqa: E402
 from benchmarks.mujoco_chain import chain_model, roll  # noqa: E402
+from inference.experiment import Experiment  # noqa: E402
+from inference.observation import from_track  # noqa: E402
+from inference.trajectory import Problem, fit  # noqa: E402
 from tentacle.signals import Array, ShapeTrack  # noqa: E402
 from tentacle.specimen import WATER, Cone, Gravity, Specimen  # noqa: E402
 from tentacle.waveform import Chirp  # noqa: E402

@@ -14,11 +14,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from discovery.diagnose import diagnose
-from discovery.trials.design import KINDS
-from tentacle.cli._blind_recording import trial_recording
 from tentacle.cli._blind_report import figures
-from tentacle.cli._blind_trial import run_series, series
 from tentacle.runner import Runner
+from validation.trials.design import KINDS
+from validation.trials.recording import trial_recording
+from validation.trials.series import run_series, series
 
 FULL, SHORT = 400, 8
 TARGETS = {

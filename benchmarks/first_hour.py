@@ -48,12 +48,12 @@ def film(folder: Path, seconds: float) -> Path:
     import numpy as np
 
     from mujoco_ref.simulate import simulate
+    from tentacle.io.write_folder import write_folder
     from tentacle.model import Estimate, Model
     from tentacle.recording import Camera, Declaration, Recording
     from tentacle.signals import MotorSignal, Video
     from tentacle.specimen import WATER, Cone, Specimen
     from tentacle.waveform import Chirp
-    from tentacle.write_folder import write_folder
     from vision.encode import write_video
     from vision.looks import CLEAN
     from vision.render import render

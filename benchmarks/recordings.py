@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.base_motion import fit_samples
-from tentacle.import_folder import read_folder
+from tentacle.io.import_folder import read_folder
+from tentacle.io.recording_rrd import read_rrd, write_rrd
+from tentacle.io.write_folder import write_folder
 from tentacle.recording import Declaration, Recording
-from tentacle.recording_rrd import read_rrd, write_rrd
 from tentacle.signals import LoadCellSignal, Midline, MotorSignal
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Multisine
-from tentacle.write_folder import write_folder
 
 MOTION = Multisine((0.5, 0.2, 0.1), (0.6, 1.3, 2.2), (0.0, 1.0, 2.0))
 NOISE = 1e-3  # rad, a servo's potentiometer

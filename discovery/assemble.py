@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from affine_model.identify.observation import ShapeObservation
-from affine_model.identify.trajectory import Fit, Problem
 from discovery.calibration import Calibration, stored
-from discovery.compare import errors, floor_errors, midline_error, run_comparison
-from discovery.hypothesis import Hypothesis, estimates, hypothesis
 from discovery.next_experiment import DURATION, Proposal, propose
-from discovery.prepare import Prepared
-from discovery.reduction import Reduction
-from discovery.score import twin_cosines
 from discovery.search import Search
 from discovery.unnamed import Rest
 from discovery.verdict import Decision, probabilities
+from inference.compare import errors, floor_errors, midline_error, run_comparison
+from inference.hypothesis import Hypothesis, estimates, hypothesis
+from inference.observation import ShapeObservation
+from inference.prepare import Prepared
+from inference.reduction import Reduction
+from inference.score import twin_cosines
+from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
+from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.servo_limits import ServoLimits
-from tentacle.waveform_file import waveform_table
 
 ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
 LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water

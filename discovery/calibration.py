@@ -13,7 +13,7 @@ from typing import get_args
 import numpy as np
 
 from tentacle.diagnosis import Verdict
-from tentacle.toml_table import Table, read_toml
+from tentacle.io.toml_table import Table, read_toml
 
 STORED = "calibration.toml"
 BOUNDS = (0.02, 0.98)  # no finite number of trials shows more

@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.identify.observation import ShapeObservation
-from affine_model.identify.trajectory import Fit, Problem, fit
 from discovery.assemble import assembled, cannot_tell
-from discovery.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
 from discovery.calibration import Calibration
-from discovery.compare import unexplained_share
-from discovery.hypothesis import Hypothesis, hypothesis, looseness, noise_ratio
-from discovery.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
-from discovery.reduction import Reduction, reduction_error, without_reduction
 from discovery.search import Search, search
 from discovery.unnamed import unnamed_rest
 from discovery.verdict import decide, structure_share
+from inference.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
+from inference.compare import unexplained_share
+from inference.hypothesis import Hypothesis, hypothesis, looseness, noise_ratio
+from inference.observation import ShapeObservation
+from inference.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
+from inference.reduction import Reduction, reduction_error, without_reduction
+from inference.trajectory import Fit, Problem, fit
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
 from tentacle.recording import Recording

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.identify.experiment import Experiment, predict
-from affine_model.identify.observation import POSE, ShapeObservation
-from affine_model.identify.trajectory import Problem, evaluate
-from discovery.hypothesis import Hypothesis
-from discovery.score import absorbed_basis
+from inference.experiment import Experiment, predict
+from inference.hypothesis import Hypothesis
+from inference.observation import POSE, ShapeObservation
+from inference.score import absorbed_basis
+from inference.trajectory import Problem, evaluate
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 

@@ -14,10 +14,10 @@ import numpy as np
 from affine_model.arm import Arm, parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
-from affine_model.identify.sufficient_step import sufficient_step, unbiased_noise
-from affine_model.identify.trajectory import Fit, Problem, evaluate, fit
-from discovery.hypothesis import Hypothesis, against_baseline, hypothesis, material_gain, nats_per_parameter
-from discovery.score import Candidate
+from inference.hypothesis import Hypothesis, against_baseline, hypothesis, material_gain, nats_per_parameter
+from inference.score import Candidate
+from inference.sufficient_step import sufficient_step, unbiased_noise
+from inference.trajectory import Fit, Problem, evaluate, fit
 
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
 SHARES = (1.0, 0.4)  # of a candidate's estimated strengths, to start from

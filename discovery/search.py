@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 from affine_model.arm import Arm
 from affine_model.effects import catalogue
-from discovery.base_fit import settled
-from discovery.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter, noise_ratio
 from discovery.refit import LINEAR, left_by, on_arm, polished, refit, refitted, spared, with_noise_of, without
-from discovery.score import Candidate, score, survey, twin_cosines
+from inference.base_fit import settled
+from inference.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter, noise_ratio
+from inference.score import Candidate, score, survey, twin_cosines
 
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
 HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up

@@ -9,9 +9,9 @@ import numpy as np
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
-from affine_model.identify.trajectory import fit
-from discovery.hypothesis import Hypothesis, held_out_misfit, hypothesis, nats_per_parameter
-from discovery.score import absorbed_basis, sensitivities
+from inference.hypothesis import Hypothesis, held_out_misfit, hypothesis, nats_per_parameter
+from inference.score import absorbed_basis, sensitivities
+from inference.trajectory import fit
 
 NAME = "unnamed"
 MOST_TERMS = 3

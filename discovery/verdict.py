@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discovery.hypothesis import Hypothesis, against_baseline, noise_ratio
 from discovery.refit import without
 from discovery.search import CLEARED, MOST_EFFECTS, STANDS_OUT, Search, strained, tied_within
+from inference.hypothesis import Hypothesis, against_baseline, noise_ratio
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma

@@ -120,7 +120,7 @@ def live(folder: Path) -> None:
     from rig.record import record
     from rig.setup_file import read_setup
     from tentacle.cli._rig_run import live_paths
-    from tentacle.waveform_file import read_waveform
+    from tentacle.io.waveform_file import read_waveform
     from viz.blueprints.rig import send_live_layout
     from viz.viewer import headless_viewer
 
@@ -183,9 +183,9 @@ def maps(folder: Path) -> None:
     import cv2
 
     from docs.arm import shown_arm
-    from tentacle.cli._validity import AMPLITUDES, LEVELS, ORDERS, RATIOS, validity_maps, variants
-    from tentacle.model_file import read_model
+    from tentacle.io.model_file import read_model
     from tentacle.runner import Runner
+    from validation.validity_map import AMPLITUDES, LEVELS, ORDERS, RATIOS, validity_maps, variants
     from viz.figures.flexibility import flexibility_figure
     from viz.figures.style import save
     from viz.figures.validity_map import validity_figure

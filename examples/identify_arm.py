@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from discovery.identify import identify
+from inference.identify import identify
 from mujoco_ref.simulate import simulate
 from tentacle.model import Estimate, Model
 from tentacle.recording import Declaration, Recording

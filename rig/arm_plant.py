@@ -20,8 +20,8 @@ from mujoco_ref.midline import midline_points
 from mujoco_ref.simulate import make_stepper, rest_reading
 from mujoco_ref.statics import equilibrium
 from rig.emulator import POINTS
+from tentacle.io.model_file import read_model
 from tentacle.model import Model
-from tentacle.model_file import read_model
 from tentacle.signals import Array
 
 STEP = 0.002  # s; half of mujoco_ref.simulate.LONGEST_STEP: a servo that is told a step jerks the arm

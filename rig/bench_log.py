@@ -9,8 +9,8 @@ import numpy as np
 
 from rig.calibrate import LineFit, fit_line
 from rig.setup_file import LoadCellCalibration
-from tentacle.csv_table import read_csv
 from tentacle.errors import InputError
+from tentacle.io.csv_table import read_csv
 from tentacle.signals import Array, LoadCellSignal
 from tentacle.specimen import STANDARD_GRAVITY
 

@@ -5,7 +5,7 @@
 | name | goes before each run's name |
 | [[run]] name | the recording's name; NAME.rrd in the campaign's folder, NAME-2.rrd and so on where it is repeated |
 | [[run]] duration_s, repeat = 1 | how long, how often |
-| [run.waveform] | a table as tentacle.waveform_file describes it |
+| [run.waveform] | a table as tentacle.io.waveform_file describes it |
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from rig.record import RunResult, record
 from rig.run_file import read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
-from tentacle.toml_table import Table, read_toml
-from tentacle.waveform_file import parse_waveform
+from tentacle.io.toml_table import Table, read_toml
+from tentacle.io.waveform_file import parse_waveform
 
 
 @dataclass(frozen=True)

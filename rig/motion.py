@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from rig.safety import SERVO_FRAME, SafetyLimits, lead_samples, set_points
+from tentacle.io.waveform_file import waveform_table
 from tentacle.signals import Array
 from tentacle.waveform import Waveform
-from tentacle.waveform_file import waveform_table
 
 
 @dataclass(frozen=True)

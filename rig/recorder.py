@@ -2,7 +2,7 @@
 
 Start without stop means that the host died: what was flushed up to then (every FLUSH_EVERY) is in the file.
 Under /rig stands what the board said (rig/run_file.py reads it). Beside it the same file holds the recording as
-tentacle.recording_rrd lays it out (/declaration, /motor, /load_cell), from the first sample on, so that every other
+tentacle.io.recording_rrd lays it out (/declaration, /motor, /load_cell), from the first sample on, so that every other
 command takes the file as it is, crashed or not.
 """
 
@@ -25,7 +25,7 @@ from rig.clock import ClockFit
 from rig.fault import Fault
 from rig.live_feed import APPLICATION, BOARD_TIME, LiveFeed
 from rig.protocol import NO_ANGLE, Event, EventCode, LoadSample, Sample, ServoSample
-from tentacle.declaration_file import format_recording_file, parse_recording_file
+from tentacle.io.declaration_file import format_recording_file, parse_recording_file
 
 FORMAT = "tentacle-rig-run"
 VERSION = 1
@@ -134,7 +134,7 @@ class Recorder:
             self._live.frames(frames)
 
     def video(self, file: Path) -> None:
-        """Puts a video of the run beside its signals, as tentacle.recording_rrd lays it out."""
+        """Puts a video of the run beside its signals, as tentacle.io.recording_rrd lays it out."""
         asset = rr.AssetVideo(path=file)
         self._stream.log("/camera/video", asset, rr.AnyValues(suffix=file.suffix), static=True)
         stamps = asset.read_frame_timestamps_nanos()
@@ -240,7 +240,7 @@ class Recorder:
             self._live.columns(entity, indexes, columns)
 
     def _recording_rows(self, name: str, samples: Sequence[Sample], columns: dict[str, Any]) -> None:
-        """Rows of a signal in the layout of tentacle.recording_rrd; only from the waveform's time 0 on."""
+        """Rows of a signal in the layout of tentacle.io.recording_rrd; only from the waveform's time 0 on."""
         if self._zero_us is None:
             return
         t = 1e-6 * np.array([s.board_us - self._zero_us for s in samples], dtype=float)

@@ -15,7 +15,7 @@ from rig.record import RunResult, record
 from rig.run_file import Run, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
-from tentacle.reading import read_recording
+from tentacle.io.reading import read_recording
 from tentacle.signals import Array, MotorSignal
 
 ENDS = 0.2  # s left out at either end, where a run and its replay come from rest and go to it differently

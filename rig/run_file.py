@@ -16,8 +16,8 @@ from rig import recorder
 from rig.clock import ClockFit
 from rig.protocol import EventCode
 from rig.stills import encode_video
-from tentacle.declaration_file import parse_recording_file
 from tentacle.errors import InputError
+from tentacle.io.declaration_file import parse_recording_file
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, MotorSignal, Video
 

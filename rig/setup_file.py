@@ -12,9 +12,9 @@ import tomli_w
 
 from rig.safety import SafetyLimits, ServoCalibration
 from rig.settle import SettleRule
-from tentacle.declaration_file import RecordingFile, declaration_tables, parse_recording_file
 from tentacle.errors import InputError
-from tentacle.toml_table import Table, read_toml
+from tentacle.io.declaration_file import RecordingFile, declaration_tables, parse_recording_file
+from tentacle.io.toml_table import Table, read_toml
 
 EMULATED = "emulated"
 

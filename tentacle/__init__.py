@@ -12,6 +12,6 @@ if TYPE_CHECKING:
 
 def read_recording(path: str | Path) -> Recording:
     """A recording from an import folder, or from an .rrd file; InputError names what is wrong with it."""
-    from tentacle.reading import read_recording as read  # here, so that `import tentacle` loads no numpy
+    from tentacle.io.reading import read_recording as read  # here, so that `import tentacle` loads no numpy
 
     return read(path)

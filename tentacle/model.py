@@ -1,6 +1,6 @@
 """An identified model as data: which arm, how many curvature coordinates, which effects, with which parameters.
 
-`affine_model` turns it into dynamics; `model.toml` is its file (see tentacle.model_file).
+`affine_model` turns it into dynamics; `model.toml` is its file (see tentacle.io.model_file).
 """
 
 from __future__ import annotations

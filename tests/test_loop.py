@@ -9,14 +9,14 @@ import pytest
 from discovery.diagnose import diagnose
 from mujoco_ref.undeclared import make
 from tentacle.cli import main
-from tentacle.external_data import data_folder
+from tentacle.io.external_data import data_folder
+from tentacle.io.reading import read_recording
+from tentacle.io.recording_rrd import write_rrd
+from tentacle.io.silicone_beam import read_beam
+from tentacle.io.write_folder import write_folder
 from tentacle.model import Estimate, Model
-from tentacle.reading import read_recording
-from tentacle.recording_rrd import write_rrd
-from tentacle.silicone_beam import read_beam
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp
-from tentacle.write_folder import write_folder
 
 BEAM = data_folder() / "silicone_beam"
 needs_beam = pytest.mark.skipif(not BEAM.exists(), reason="data/silicone_beam is absent (set TENTACLE_DATA)")

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("tentacle", "affine_model", "mujoco_ref", "vision", "discovery", "viz", "rig")
+PACKAGES = ("tentacle", "affine_model", "mujoco_ref", "vision", "inference", "discovery", "validation", "viz", "rig")
 EXTRAS = ("torch", "optuna", "serial", "distributed", "mkdocs")
 DECLARATION = """\
 [specimen]
@@ -143,8 +143,8 @@ def test_from_a_video_to_a_verdict(program, desk):
     [("rig ports", "rig"), ("compare model.toml --out out --cluster tcp://127.0.0.1:1", "cluster")],
 )
 def test_what_only_an_extra_brings_is_named_in_a_line(program, desk, command, extra):
+    from tentacle.io.model_file import write_model
     from tentacle.model import Estimate, Model
-    from tentacle.model_file import write_model
     from tentacle.specimen import WATER, Cone, Specimen
 
     model = Model(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0), WATER)

@@ -13,8 +13,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from tentacle.diagnosis import Diagnosis
+from tentacle.io.rrd_stream import new_stream
 from tentacle.recording import Declaration, Recording
-from tentacle.rrd_stream import new_stream
 from viz.blueprints.diagnose import diagnose_blueprint
 from viz.blueprints.run import Shown
 from viz.scene import Scene, paired, scene_of

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from discovery.trials.design import NEAR
-from discovery.trials.likeness import Likeness
+from validation.trials.design import NEAR
+from validation.trials.likeness import Likeness
 from viz.report import Section, Table
 from viz.words import effect_name, number
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from discovery.trials.outcome import Outcome
-from discovery.trials.reliability import (
+from validation.trials.outcome import Outcome
+from validation.trials.reliability import (
     AS_STATED,
     Bin,
     Prior,
@@ -17,7 +17,7 @@ from discovery.trials.reliability import (
     gap_by_chance,
     reliability,
 )
-from discovery.trials.scores import VISIBLE, Scores, Share, baseline_hit, confusion, scores, share
+from validation.trials.scores import VISIBLE, Scores, Share, baseline_hit, confusion, scores, share
 from viz.figures.confusion import confusion_figure
 from viz.figures.error_drop import error_drop_figure
 from viz.figures.reliability import reliability_figure

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tentacle.cli._ladder import Ladder
-    from tentacle.cli._validity import Validity
     from tentacle.model import Model
+    from validation.ladder import Ladder
+    from validation.validity_map import Validity
     from viz.report import Section
 
 Answer = tuple[Path, "Ladder", "list[Validity]"]
@@ -28,7 +28,7 @@ class Rows:
 
 def ladder_rows(ladder: Ladder) -> tuple[Rows, Rows]:
     """The ladder as two tables: the reference over its links, and the reduced model's orders beside it."""
-    from tentacle.cli._ladder import LINKS, ORDERS
+    from validation.ladder import LINKS, ORDERS
 
     reference, reduced = [], []
     for rung in ladder.rungs:
@@ -48,7 +48,7 @@ def write_ladder(ladder: Ladder, file: Path) -> None:
     """The ladder as CSV."""
     import csv
 
-    from tentacle.cli._ladder import LINKS, ORDERS
+    from validation.ladder import LINKS, ORDERS
 
     header = ["rung", "unit", "theory", *(f"reference_{n}_links" for n in LINKS), *(f"affine_{o}" for o in ORDERS)]
     with file.open("w", encoding="utf-8", newline="") as stream:
@@ -65,8 +65,8 @@ def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], p
     """The report of one arm."""
     import sys
 
-    from tentacle.cli._provenance import input_hashes, versions
-    from tentacle.cli._serves import sentence
+    from tentacle.io.provenance import input_hashes, versions
+    from validation.validity_advice import sentence
     from viz.figures.shapes import shapes_figure
     from viz.report import Origin, Picture, Report, Section, Table, render, write_report
 
@@ -93,8 +93,8 @@ def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], p
 
 def _validity_sections(model: Model, maps: list[Validity]) -> list[Section]:
     """A map an arm, and all of them over the one group that joins them."""
-    from tentacle.cli._serves import sentence
-    from tentacle.cli._validity import AMPLITUDES, LEVELS, ORDERS, RATIOS
+    from validation.validity_advice import sentence
+    from validation.validity_map import AMPLITUDES, LEVELS, ORDERS, RATIOS
     from viz.figures.flexibility import flexibility_figure
     from viz.figures.validity_map import validity_figure
     from viz.report import Picture, Section, Table
@@ -140,7 +140,7 @@ def _scene(name: str, model: Model, ladder: Ladder) -> Any:
     from affine_model.arm import arm_of, parameter_vector
     from affine_model.drag_along import drag_along as affine_drag
     from mujoco_ref.drag_along import drag_along as reference_drag
-    from tentacle.cli._twins import S
+    from validation.model_pair import S
     from viz.compare import Motion, motions_scene
 
     reference, wet = ladder.reference, model.fluid.density > 0.0
@@ -155,8 +155,8 @@ def _scene(name: str, model: Model, ladder: Ladder) -> Any:
 
 def write_session(name: str, model: Model, ladder: Ladder, maps: list[Validity], file: Path) -> None:
     """Both models' arms in 3D, over one another, beside the ladder."""
-    from tentacle.cli._serves import sentence
     from tentacle.recording import Declaration, Recording
+    from validation.validity_advice import sentence
     from viz.compare import write_comparison
 
     lines = []
@@ -174,8 +174,8 @@ def write_grid(answers: Sequence[Answer], out: Path) -> None:
     import csv
     import sys
 
-    from tentacle.cli._provenance import input_hashes, versions
-    from tentacle.cli._serves import GOOD_SHAPE, reach_of, sentence, serves
+    from tentacle.io.provenance import input_hashes, versions
+    from validation.validity_advice import GOOD_SHAPE, reach_of, sentence, serves
     from viz.report import Origin, Report, Section, Table, render, write_report
 
     header = ("arm", "first mode [Hz]", "serves", "shape within 5 % up to [Hz]", "driven motion, order 2 [mm]")

@@ -27,9 +27,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def cell(task: Mapping[str, Any]) -> dict[str, float]:
     """Mean forward thrust [N] of one arm under one sine, by both models: -y, so that it swims base first."""
-    from tentacle.cli._paper_arms import arm
-    from tentacle.cli._twins import affine_twin, reference_twin
     from tentacle.waveform import Ramped, Sine
+    from validation.model_pair import affine_twin, reference_twin
+    from validation.paper_arms import arm
 
     frequency = task["frequency"]
     wave = Ramped(Sine(task["amplitude"], frequency), 1.0 / frequency)
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     import numpy as np
     from scipy.stats import rankdata
 
-    from tentacle.csv_table import write_csv
+    from tentacle.io.csv_table import write_csv
     from tentacle.runner import Runner
 
     amplitudes = AMPLITUDES[::2] if arguments.coarse else AMPLITUDES
@@ -103,8 +103,8 @@ def _write_page(
 
     import numpy as np
 
-    from tentacle.cli._paper_arms import CHOICES
-    from tentacle.cli._provenance import versions
+    from tentacle.io.provenance import versions
+    from validation.paper_arms import CHOICES
     from viz.figures.thrust_map import ThrustMap, thrust_map_figure
     from viz.report import Origin, Picture, Report, Section, Table, render, write_report
 

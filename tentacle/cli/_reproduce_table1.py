@@ -40,11 +40,11 @@ def run(arguments: argparse.Namespace) -> int:
     """All arms; the table beside the paper's."""
     import numpy as np
 
-    from tentacle.cli._paper_arms import SILICONES
-    from tentacle.cli._table1_arm import arm_result
-    from tentacle.csv_table import write_csv
     from tentacle.errors import InputError
+    from tentacle.io.csv_table import write_csv
     from tentacle.runner import Runner
+    from validation.paper_arms import SILICONES
+    from validation.table1_arm import arm_result
     from vision.looks import look_named
 
     if not arguments.seconds >= 3.0:
@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _row(task: Mapping[str, Any], result: Mapping[str, Any], paper: Sequence[float]) -> tuple[str, ...]:
-    from tentacle.cli._paper_arms import SILICONES
+    from validation.paper_arms import SILICONES
 
     theirs = [result[name] for name in ("paper_q1_rad2", "paper_q2_rad2")]
     return (
@@ -97,9 +97,9 @@ def _words(columns: Mapping[str, Any]) -> tuple[str, ...]:
     import numpy as np
     from scipy.stats import rankdata
 
-    from tentacle.cli._paper_arms import ADDED_MASS, CHOICES, DENSITY
-    from tentacle.cli._table1_arm import CHIRP_FROM, CHIRP_S, CHIRP_TO
     from tentacle.specimen import WATER
+    from validation.paper_arms import ADDED_MASS, CHOICES, DENSITY
+    from validation.table1_arm import CHIRP_FROM, CHIRP_S, CHIRP_TO
 
     def rank(ours: str, theirs: str) -> float:
         """Spearman's correlation."""
@@ -147,7 +147,7 @@ def _print(seconds: float, rows: Sequence[tuple[str, ...]]) -> None:
 def _write_page(arguments: argparse.Namespace, rows: Sequence[tuple[str, ...]], words: tuple[str, ...]) -> None:
     import sys
 
-    from tentacle.cli._provenance import versions
+    from tentacle.io.provenance import versions
     from viz.report import Origin, Report, Section, Table, render, write_report
 
     table = Table("error of the identified model on the sine", HEADER, rows, tuple(range(1, len(HEADER))))

@@ -26,9 +26,9 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from affine_model.swim import table2 as table
-    from tentacle.cli._outcome import written
     from tentacle.cli._progress import stages
     from tentacle.cli._swimming import reference_speed
+    from tentacle.io.result_folder import written
 
     rows = []
     with stages() as stage:
@@ -75,7 +75,7 @@ def _write_page(rows: list[Row], lines: list[tuple[str, ...]], arguments: argpar
     import numpy as np
 
     from affine_model.swim.table2 import HEADER, MOTIONS, PRINTED, REMARKS, ratios
-    from tentacle.cli._provenance import versions
+    from tentacle.io.provenance import versions
     from viz.figures.motion import motion_figure
     from viz.figures.speeds import Swim, speeds_figure
     from viz.report import Origin, Picture, Report, Section, Table, render, write_report

@@ -215,8 +215,8 @@ def _emulated(arguments):
     from rig.safety import SafetyLimits
     from rig.settle import SettleRule
     from rig.setup_file import CameraSettings, LoadCellCalibration, RigSetup
-    from tentacle.declaration_file import RecordingFile
-    from tentacle.model_file import read_model
+    from tentacle.io.declaration_file import RecordingFile
+    from tentacle.io.model_file import read_model
     from tentacle.recording import Camera, Declaration
     from tentacle.specimen import WATER, Cone, Specimen
 
@@ -244,7 +244,7 @@ def convert(arguments: argparse.Namespace) -> int:
     """A log or a run as an import folder."""
     import tempfile
 
-    from tentacle.write_folder import write_folder
+    from tentacle.io.write_folder import write_folder
 
     if arguments.log.suffix == ".rrd":
         from rig.run_file import read_run, to_recording
@@ -265,7 +265,7 @@ def _bench_recording(arguments):
     from rig.bench_log import LogColumns, calibration_of, load_cell_signal, read_bench_log
     from rig.calibrate import load_cell_calibration
     from rig.setup_file import LoadCellCalibration
-    from tentacle.declaration_file import read_recording_file
+    from tentacle.io.declaration_file import read_recording_file
     from tentacle.recording import Recording
 
     if arguments.declare is None:

@@ -24,7 +24,7 @@ def record(arguments: argparse.Namespace) -> int:
     from rig.interrupts import Interrupts
     from rig.motion import described, motion_of
     from rig.setup_file import read_setup
-    from tentacle.waveform_file import read_waveform
+    from tentacle.io.waveform_file import read_waveform
 
     setup = read_setup(arguments.rig)
     waveform = read_waveform(arguments.waveform)
@@ -83,8 +83,8 @@ def optimise(arguments: argparse.Namespace) -> int:
     from rig.record import trial_runner
     from rig.reidentify import proposer
     from rig.setup_file import read_setup
-    from tentacle.model_file import read_model
-    from tentacle.waveform_file import write_waveform
+    from tentacle.io.model_file import read_model
+    from tentacle.io.waveform_file import write_waveform
 
     setup = read_setup(arguments.rig)
     space = GaitSpace(setup.limits, tuple(arguments.frequency), arguments.harmonics)

@@ -18,7 +18,7 @@ def search_tasks(
     model: Model, limits: GaitLimits, settings: Mapping[str, Any], seeds: Sequence[int]
 ) -> list[dict[str, Any]]:
     """One task a seed; settings hold objective, method, evaluations and robust (samples, 0: at the estimates)."""
-    from tentacle.model_file import model_tables
+    from tentacle.io.model_file import model_tables
 
     common = {"model": model_tables(model), "limits": asdict(limits), **settings}
     return [{**common, "seed": seed} for seed in seeds]
@@ -27,9 +27,9 @@ def search_tasks(
 def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     """One whole search; plain data of its Swimming. The samples of a robust search are the same for every seed."""
     from affine_model.swim import OBJECTIVES, GaitLimits, optimise, robust_trial, trial_of
-    from tentacle.model_file import parse_model
+    from tentacle.io.model_file import parse_model
+    from tentacle.io.toml_table import Table
     from tentacle.servo_limits import ServoLimits
-    from tentacle.toml_table import Table
 
     model = parse_model(Table(dict(task["model"]), file=None, name="model"))
     limits = dict(task["limits"])

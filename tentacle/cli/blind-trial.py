@@ -43,13 +43,13 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from discovery.calibration import stored
-    from discovery.trials.reliability import AS_STATED, LIKE_OTHERS, Prior, fit_calibration
     from tentacle.cli._blind_report import figures, page, results
-    from tentacle.cli._blind_trial import run_series, series
-    from tentacle.cli._outcome import written
-    from tentacle.cli._provenance import input_hashes, versions
     from tentacle.errors import InputError
+    from tentacle.io.provenance import input_hashes, versions
+    from tentacle.io.result_folder import written
     from tentacle.runner import Runner
+    from validation.trials.reliability import AS_STATED, LIKE_OTHERS, Prior, fit_calibration
+    from validation.trials.series import run_series, series
     from viz.report import Origin, write_report
 
     if arguments.count < 1:
@@ -87,12 +87,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple[list, list]:
     """Designs of trials like a recording, and the report's section on what they share with it."""
-    from discovery.trials.likeness import likeness
     from tentacle.cli._blind_like import like_section
-    from tentacle.cli._blind_sizing import shown_effects
-    from tentacle.cli._blind_trial import CATALOGUED, UNCATALOGUED, series
     from tentacle.cli._progress import stages
-    from tentacle.cli._tracked import read_tracked
+    from validation.trials.likeness import likeness
+    from validation.trials.series import CATALOGUED, UNCATALOGUED, series
+    from validation.trials.sizing import shown_effects
+    from vision.tracked_recording import read_tracked
 
     with stages() as stage:
         recording = read_tracked(path, stage)
@@ -109,10 +109,10 @@ def remake(found: list, chosen: list[int], out: Path) -> int:
     """Make the chosen trials' recordings again, for `tentacle diagnose`, with the truth beside each."""
     import json
 
-    from tentacle.cli._blind_recording import trial_recording
-    from tentacle.cli._outcome import written
     from tentacle.errors import InputError
-    from tentacle.recording_rrd import write_rrd
+    from tentacle.io.recording_rrd import write_rrd
+    from tentacle.io.result_folder import written
+    from validation.trials.recording import trial_recording
 
     for index in chosen:
         if not 0 <= index < len(found):

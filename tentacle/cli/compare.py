@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tentacle.cli._ladder import Ladder
-    from tentacle.cli._validity import Validity
+    from validation.ladder import Ladder
+    from validation.validity_map import Validity
 
 HELP = "hold the affine model (orders 2, 3, 4) against the MuJoCo reference: a ladder of checks and a validity map"
 
@@ -38,10 +38,10 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     from tentacle.cli._compare_report import write_grid, write_ladder, write_page, write_session
-    from tentacle.cli._ladder import climb
-    from tentacle.cli._validity import validity_maps, variants, write_cells
-    from tentacle.model_file import read_model
+    from tentacle.io.model_file import read_model
     from tentacle.runner import Runner
+    from validation.ladder import climb
+    from validation.validity_map import validity_maps, variants, write_cells
 
     _check(arguments)
     models = {file: read_model(file) for file in arguments.models}
@@ -94,7 +94,7 @@ def _print(name: str, ladder: Ladder, maps: list[Validity]) -> None:
     from rich.table import Table
 
     from tentacle.cli._compare_report import ladder_rows
-    from tentacle.cli._serves import sentence
+    from validation.validity_advice import sentence
 
     for part in ladder_rows(ladder):
         table = Table(title=f"{name}: {part.title}")

@@ -28,7 +28,7 @@ def _list(*, as_json: bool) -> int:
     import json
     from dataclasses import asdict
 
-    from tentacle.external_data import DATA_SETS, check, data_folder
+    from tentacle.io.external_data import DATA_SETS, check, data_folder
 
     folder = data_folder()
     found = [(data_set, *check(data_set, folder)) for data_set in DATA_SETS]
@@ -48,9 +48,9 @@ def _list(*, as_json: bool) -> int:
 
 def _convert(out: Path) -> int:
     from tentacle.errors import InputError
-    from tentacle.external_data import data_folder
-    from tentacle.silicone_beam import FILES, read_beam
-    from tentacle.write_folder import write_folder
+    from tentacle.io.external_data import data_folder
+    from tentacle.io.silicone_beam import FILES, read_beam
+    from tentacle.io.write_folder import write_folder
 
     folder = data_folder() / "silicone_beam"
     if not folder.is_dir():

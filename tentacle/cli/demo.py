@@ -58,12 +58,12 @@ def _tank(folder: Path, stage: Callable[[str], None]) -> Diagnosis:
     import tempfile
 
     from mujoco_ref.undeclared import make
-    from tentacle.cli._film import filmed
-    from tentacle.cli._tracked import read_tracked
+    from tentacle.io.write_folder import write_folder
     from tentacle.model import Estimate, Model
     from tentacle.specimen import WATER, Cone, Gravity, Specimen
     from tentacle.waveform import Chirp
-    from tentacle.write_folder import write_folder
+    from validation.film import filmed
+    from vision.tracked_recording import read_tracked
 
     stage("simulating the tank in MuJoCo")
     parameters = {
@@ -86,14 +86,14 @@ def _tank(folder: Path, stage: Callable[[str], None]) -> Diagnosis:
 
 
 def _beam_folder() -> Path | None:
-    from tentacle.external_data import data_folder
+    from tentacle.io.external_data import data_folder
 
     folder = data_folder() / "silicone_beam"
     return folder if (folder / BEAM_BASELINE).exists() and (folder / BEAM_LOADED).exists() else None
 
 
 def _beam(data: Path, folder: Path, stage: Callable[[str], None]) -> Diagnosis:
-    from tentacle.silicone_beam import read_beam
+    from tentacle.io.silicone_beam import read_beam
 
     folder.mkdir(parents=True, exist_ok=True)
     files = [data / BEAM_LOADED, data / BEAM_BASELINE]
@@ -104,8 +104,8 @@ def _diagnosed(
     recordings: list, baseline: list, folder: Path, inputs: list[Path], stage: Callable[[str], None]
 ) -> Diagnosis:
     from discovery.diagnose import diagnose
-    from tentacle.cli._outcome import written
     from tentacle.cli.diagnose import write_answer
+    from tentacle.io.result_folder import written
 
     diagnosis = diagnose(recordings, baseline, progress=stage)
     stage("writing the report")

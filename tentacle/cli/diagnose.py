@@ -42,9 +42,9 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     import sys
 
-    from tentacle.cli._outcome import written
     from tentacle.cli._progress import stages
-    from tentacle.cli._tracked import read_tracked
+    from tentacle.io.result_folder import written
+    from vision.tracked_recording import read_tracked
 
     calibration = None
     if arguments.calibration is not None:
@@ -82,10 +82,10 @@ def write_answer(
     import json
     from dataclasses import replace
 
-    from tentacle.cli._forces import with_forces
-    from tentacle.cli._provenance import input_hashes, versions
-    from tentacle.model_file import write_model
-    from tentacle.waveform_file import waveform_from_table, write_waveform
+    from affine_model.run_forces import with_forces
+    from tentacle.io.model_file import write_model
+    from tentacle.io.provenance import input_hashes, versions
+    from tentacle.io.waveform_file import waveform_from_table, write_waveform
     from viz.diagnosis_report import diagnosis_report
     from viz.report import write_report
     from viz.session import write_session

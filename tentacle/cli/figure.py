@@ -61,8 +61,8 @@ def make_figure(arguments: argparse.Namespace) -> Figure:
     if arguments.number == 3:
         return pipeline(arguments.inputs[0], arguments.at)
     from tentacle.cli._progress import stages
-    from tentacle.cli._tracked import read_tracked
-    from tentacle.model_file import read_model
+    from tentacle.io.model_file import read_model
+    from vision.tracked_recording import read_tracked
 
     with stages() as stage:
         recordings = [read_tracked(path, stage) for path in arguments.inputs]
@@ -80,7 +80,7 @@ def make_figure(arguments: argparse.Namespace) -> Figure:
 def pipeline(source: Path, at: float | None) -> Figure:
     """Figure 3: the frame, binarised, its largest contour, the mean axis, and the shape that fits it best."""
     from tentacle.errors import InputError
-    from tentacle.reading import read_recording
+    from tentacle.io.reading import read_recording
     from vision.paper_pipeline import bent_instant, paper_steps
     from viz.figures.pipeline import Still, crop_around, pipeline_figure
     from viz.palette import AUGMENTED, BASE, MEASURED
@@ -104,7 +104,7 @@ def pipeline(source: Path, at: float | None) -> Figure:
 
 def period(recording: Recording) -> Figure:
     """Figure 4."""
-    from tentacle.cli._measured import coordinates
+    from inference.measured_coordinates import coordinates
     from tentacle.errors import InputError
     from viz.figures.period import fundamental_period, period_figure
 
@@ -116,7 +116,7 @@ def period(recording: Recording) -> Figure:
 
 def regression(recording: Recording, model: Model) -> Figure:
     """Figure 5."""
-    from tentacle.cli._measured import beside_model, regression_sides
+    from inference.measured_coordinates import beside_model, regression_sides
     from viz.figures.regression import regression_figure
     from viz.scene import model_scene
 
@@ -126,7 +126,7 @@ def regression(recording: Recording, model: Model) -> Figure:
 
 def extremes(recordings: list[Recording], model: Model) -> Figure:
     """Figure 8."""
-    from tentacle.cli._measured import beside_model
+    from inference.measured_coordinates import beside_model
     from viz.figures.extremes import extremes_figure
     from viz.scene import model_scene
 
@@ -147,7 +147,7 @@ def stills(recording: Recording, model: Model | None) -> Figure:
     """Figure 6: frames spread over the recording, above with the outline seen, below with the model's."""
     import numpy as np
 
-    from tentacle.cli._measured import beside_model
+    from inference.measured_coordinates import beside_model
     from tentacle.errors import InputError
     from viz.figures.pipeline import Still, crop_around, stills_figure
     from viz.midline import perimeter

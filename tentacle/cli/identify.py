@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from discovery.identify import Identification
+    from inference.identify import Identification
 
 HELP = "fit the declared model's parameters to recordings, with intervals; the paper's regression beside"
 
@@ -41,13 +41,13 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     import sys
 
-    from tentacle.cli._forces import with_forces
-    from tentacle.cli._outcome import written
+    from affine_model.run_forces import with_forces
     from tentacle.cli._progress import stages
-    from tentacle.cli._provenance import input_hashes, versions
-    from tentacle.cli._tracked import read_tracked
     from tentacle.errors import InputError
-    from tentacle.model_file import write_model
+    from tentacle.io.model_file import write_model
+    from tentacle.io.provenance import input_hashes, versions
+    from tentacle.io.result_folder import written
+    from vision.tracked_recording import read_tracked
     from viz.compare import model_markdown, write_comparison
     from viz.identify_report import model_report
     from viz.report import Origin, write_report
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]
         check = [read_tracked(path, stage) for path in arguments.check]
         stage("fitting")
-        from discovery.identify import identify
+        from inference.identify import identify
 
         found = identify(recordings, check, order=arguments.order, replicates=arguments.bootstrap, seed=arguments.seed)
         summary, lines = _as_json(found), _lines(found)

@@ -20,9 +20,9 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from tentacle.errors import InputError
-    from tentacle.reading import read_recording
-    from tentacle.recording_rrd import write_rrd
-    from tentacle.recording_summary import summarise
+    from tentacle.io.reading import read_recording
+    from tentacle.io.recording_rrd import write_rrd
+    from tentacle.io.recording_summary import summarise
 
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")

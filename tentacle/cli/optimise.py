@@ -42,11 +42,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Search, check, write; an interrupted search goes on where it stopped when called again."""
     from affine_model.swim import robust_trial, trial_of
-    from tentacle.cli._outcome import written
     from tentacle.cli._swim_work import best_of_restarts
     from tentacle.cli._swimming import result_tables
     from tentacle.errors import InputError
-    from tentacle.waveform_file import waveform_table
+    from tentacle.io.result_folder import written
+    from tentacle.io.waveform_file import waveform_table
 
     if arguments.evaluations < 50:
         raise InputError(f"{arguments.evaluations} is too few", field="--evaluations", expected="50 or more")
@@ -89,7 +89,7 @@ def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Mod
     from affine_model.swim import optimise
     from tentacle.cli._swim_work import VERSION
     from tentacle.cli._swimming import SearchNotes
-    from tentacle.model_file import model_tables
+    from tentacle.io.model_file import model_tables
 
     settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
     inputs = {"version": VERSION, "model": model_tables(model), "limits": asdict(trial.limits), **settings}
@@ -128,9 +128,9 @@ def write_answer(
 
     import tomli_w
 
-    from tentacle.cli._provenance import input_hashes, versions
     from tentacle.cli._swimming_report import write_film, write_page
-    from tentacle.waveform_file import write_waveform
+    from tentacle.io.provenance import input_hashes, versions
+    from tentacle.io.waveform_file import write_waveform
     from viz.report import Origin
 
     course = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}
@@ -148,10 +148,10 @@ def write_answer(
 def read_arm(path: Path, silicone: str) -> Model:
     """The model in a model.toml, or textbook numbers for the specimen of a recording.toml or import folder."""
     from affine_model.swim import assumed_model
-    from tentacle.declaration_file import read_recording_file
-    from tentacle.model_file import read_model
+    from tentacle.io.declaration_file import read_recording_file
+    from tentacle.io.model_file import read_model
+    from tentacle.io.toml_table import read_toml
     from tentacle.specimen import WATER
-    from tentacle.toml_table import read_toml
 
     file = path / "recording.toml" if path.is_dir() else path
     _, values = read_toml(file)
@@ -167,7 +167,7 @@ def read_limits(path: Path | None) -> GaitLimits:
     from dataclasses import replace
 
     from affine_model.swim import HOBBY_SERVO, GaitLimits
-    from tentacle.toml_table import Table, read_toml
+    from tentacle.io.toml_table import Table, read_toml
 
     if path is None:
         return GaitLimits()

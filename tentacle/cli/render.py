@@ -47,13 +47,13 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.look == "mujoco":
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
-    from tentacle.cli._film import MUJOCO
-    from tentacle.csv_table import write_csv
     from tentacle.errors import InputError
-    from tentacle.reading import read_recording
+    from tentacle.io.csv_table import write_csv
+    from tentacle.io.reading import read_recording
+    from tentacle.io.write_folder import write_folder
     from tentacle.recording import Declaration, Recording
     from tentacle.signals import MotorSignal, Video
-    from tentacle.write_folder import write_folder
+    from validation.film import MUJOCO
     from vision.encode import write_video
     from vision.lens import Lens
     from vision.lens_file import format_lens

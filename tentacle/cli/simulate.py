@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
     from mujoco_ref.undeclared import Noise, Plan, make
     from tentacle.errors import InputError
-    from tentacle.model_file import read_model
+    from tentacle.io.model_file import read_model
 
     model, waveform = read_model(arguments.model), _motion(arguments)
     noise = Noise(midline=1e-3 * arguments.noise_mm)
@@ -95,8 +95,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _motion(arguments: argparse.Namespace) -> Waveform:
     """The base motion; without a flag the chirp on which effects differ most, 0.3 to 2.2 Hz."""
+    from tentacle.io.waveform_file import read_waveform
     from tentacle.waveform import Chirp, Sine
-    from tentacle.waveform_file import read_waveform
 
     if arguments.waveform is not None:
         return read_waveform(arguments.waveform)
@@ -162,15 +162,15 @@ def _write(recording: Recording, arguments: argparse.Namespace, out: Path, seed:
     """Write an import folder or an .rrd; with --video the midline becomes a rendered video."""
     import tempfile
 
-    from tentacle.write_folder import write_folder
+    from tentacle.io.write_folder import write_folder
 
     with tempfile.TemporaryDirectory() as folder:
         if arguments.video is not None:
-            from tentacle.cli._film import filmed
+            from validation.film import filmed
 
             recording = filmed(recording, Path(folder) / "video.mp4", arguments.video, tuple(arguments.size), seed)
         if out.suffix == ".rrd":
-            from tentacle.recording_rrd import write_rrd
+            from tentacle.io.recording_rrd import write_rrd
 
             write_rrd(recording, out)
         else:

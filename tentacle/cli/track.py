@@ -150,7 +150,7 @@ def _check_outputs(arguments: argparse.Namespace) -> None:
 def _recording(arguments: argparse.Namespace, lens: Lens | None) -> Recording:
     """The recording given, or one made of a plain video and the arm's numbers."""
     from tentacle.errors import InputError
-    from tentacle.reading import read_recording
+    from tentacle.io.reading import read_recording
     from tentacle.recording import Camera, Declaration, Recording
     from tentacle.signals import Video
     from tentacle.specimen import Cone, Specimen
@@ -201,7 +201,7 @@ def _camera_line(recording: Recording, shape: ShapeTrack) -> str:
 def _write_rrd(recording: Recording, shape: object, path: Path) -> None:
     from dataclasses import replace
 
-    from tentacle.recording_rrd import write_rrd
+    from tentacle.io.recording_rrd import write_rrd
 
     write_rrd(replace(recording, shape=shape), path)  # type: ignore[arg-type]
 

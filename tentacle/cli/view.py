@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
 def with_layout(file: Path, place: Path) -> Path:
     """The file itself where it is a session; of a recording, a session that shows it, written to place."""
     from rig.recorder import START
-    from tentacle.reading import read_recording
+    from tentacle.io.reading import read_recording
     from viz.track import write_recording_view
     from viz.viewer import DECLARATION, holds, require_recordings
 

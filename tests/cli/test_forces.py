@@ -9,9 +9,9 @@ import pytest
 
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.drag_along import drag_along
+from affine_model.run_forces import rest_load
 from mujoco_ref.drag_along import drag_along as reference_drag
 from mujoco_ref.simulate import simulate
-from tentacle.cli._forces import rest_load
 from tentacle.midline_motion import midline_motion
 from tentacle.model import Estimate, Model
 from tentacle.specimen import AIR, WATER, Cone, Gravity, Specimen

@@ -14,8 +14,8 @@ import pytest
 from tentacle.cli import main
 from tentacle.cli._blind_report import page
 from tentacle.runner import Runner
-from tests.discovery.test_trials_report import outcomes
 from tests.page import problems
+from tests.validation.test_trials_report import outcomes
 from viz.report import Origin
 
 

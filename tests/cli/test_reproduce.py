@@ -3,8 +3,8 @@ import pytest
 from tentacle.cli import main
 from tentacle.cli._reproduce_fig9 import cell
 from tentacle.cli._reproduce_table1 import LENGTHS, PAPER
-from tentacle.cli._table1_arm import arm_result
 from tentacle.cli.reproduce import results
+from validation.table1_arm import arm_result
 
 
 def test_results_are_found_by_listing():

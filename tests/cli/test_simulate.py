@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
+from tentacle.io.model_file import write_model
+from tentacle.io.reading import read_recording
 from tentacle.model import Estimate, Model
-from tentacle.model_file import write_model
-from tentacle.reading import read_recording
 from tentacle.specimen import WATER, Cone, Specimen
 
 

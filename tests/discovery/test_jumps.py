@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from affine_model.identify.observation import POSE, ShapeObservation
-from discovery.prepare import jumping_frames, without_jumps
+from inference.observation import POSE, ShapeObservation
+from inference.prepare import jumping_frames, without_jumps
 
 
 def swinging(frames=120, rate=30.0):

@@ -2,8 +2,8 @@
 
 from discovery.diagnose import diagnose
 from discovery.next_experiment import DURATION
+from tentacle.io.waveform_file import waveform_from_table
 from tentacle.waveform import Ramped, Sine
-from tentacle.waveform_file import waveform_from_table
 
 
 def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):

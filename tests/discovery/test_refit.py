@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from discovery.base_fit import Setting, fit_base
-from discovery.hypothesis import hypothesis, parameter_interval
-from discovery.prepare import prepare
 from discovery.refit import refit, spared
-from discovery.score import score
-from tests.discovery.conftest import as_markers, base_of
+from inference.base_fit import Setting, fit_base
+from inference.hypothesis import hypothesis, parameter_interval
+from inference.prepare import prepare
+from inference.score import score
+from tests.made_recordings import as_markers, base_of
 
 
 def added(current, name):

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from affine_model.identify.trajectory import fit
-from discovery.adequacy import ljung_box
-from discovery.compare import unexplained_share
-from discovery.hypothesis import hypothesis, looseness, material_gain, parameter_interval
 from discovery.next_experiment import _gap, candidates, propose
-from discovery.prepare import prepare
 from discovery.refit import left_by, refit, without
-from discovery.score import score
 from discovery.search import CLEARED, _best_of_each, search
 from discovery.verdict import decide, probabilities, structure_share
+from inference.adequacy import ljung_box
+from inference.compare import unexplained_share
+from inference.hypothesis import hypothesis, looseness, material_gain, parameter_interval
+from inference.prepare import prepare
+from inference.score import score
+from inference.trajectory import fit
 from tentacle.servo_limits import ServoLimits
-from tests.discovery.conftest import FPS
+from tests.made_recordings import FPS
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from rig.protocol import LoadSample, Sample, ServoSample
 from rig.record import add_film
 from rig.recorder import Recorder
 from rig.setup_file import LoadCellCalibration
-from tentacle.declaration_file import declaration_tables
+from tentacle.io.declaration_file import declaration_tables
 from tentacle.model import Model
 from tentacle.waveform import Waveform
 

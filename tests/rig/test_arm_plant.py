@@ -3,8 +3,8 @@
 import os
 
 from rig.arm_plant import _REQUEST, main
+from tentacle.io.model_file import write_model
 from tentacle.model import Estimate, Model
-from tentacle.model_file import write_model
 from tentacle.specimen import WATER, Cone, Specimen
 
 

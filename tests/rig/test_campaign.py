@@ -13,8 +13,8 @@ from rig.run_file import read_run
 from rig.safety import SafetyLimits
 from rig.settle import SettleRule
 from rig.setup_file import LoadCellCalibration, RigSetup
-from tentacle.declaration_file import RecordingFile
 from tentacle.errors import InputError
+from tentacle.io.declaration_file import RecordingFile
 from tentacle.recording import Declaration
 from tentacle.specimen import WATER, Cone, Specimen
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rig.setup_file import read_setup
-from tentacle.waveform_file import read_waveform
+from tentacle.io.waveform_file import read_waveform
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "howto" / "rig.md").read_text()

@@ -18,8 +18,8 @@ from rig.recorder import Recorder
 from rig.run_file import read_run
 from rig.safety import SafetyLimits, check_set_points, set_points
 from rig.setup_file import LoadCellCalibration
-from tentacle.declaration_file import declaration_tables
 from tentacle.errors import InputError
+from tentacle.io.declaration_file import declaration_tables
 from tentacle.recording import Declaration
 from tentacle.specimen import WATER, Cone, Specimen
 

@@ -21,7 +21,7 @@ from rig.run_file import read_run, to_recording
 from rig.settle import SettleRule
 from rig.setup_file import CameraSettings, RigSetup, read_setup, write_setup
 from tentacle.errors import InputError
-from tentacle.recording_from_rrd import read_rrd
+from tentacle.io.recording_from_rrd import read_rrd
 
 
 @pytest.fixture

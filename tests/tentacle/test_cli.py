@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from tentacle.cli import build_parser, main, verb_names
-from tentacle.recording_rrd import write_rrd
-from tests.tentacle.test_import_folder import BAD, CONE, MIDLINE, lab_folder, random_recording
+from tentacle.io.recording_rrd import write_rrd
+from tests.tentacle.io.test_import_folder import BAD, CONE, MIDLINE, lab_folder, random_recording
 
 ROOT = Path(__file__).parents[2]
 HEAVY = ("numpy", "scipy", "mujoco", "cv2", "torch", "rerun", "numba", "matplotlib", "av", "sympy", "pyarrow", "rich")

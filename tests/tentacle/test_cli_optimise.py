@@ -12,9 +12,9 @@ from tentacle.cli import optimise as verb
 from tentacle.cli._swim_work import search_tasks, search_work
 from tentacle.errors import InputError
 from tentacle.gait import Gait
+from tentacle.io.model_file import write_model
+from tentacle.io.waveform_file import read_waveform
 from tentacle.model import Estimate
-from tentacle.model_file import write_model
-from tentacle.waveform_file import read_waveform
 
 SPECIMEN = """[specimen]
 section = "cone"

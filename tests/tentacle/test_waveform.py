@@ -9,9 +9,9 @@ import pytest
 
 from tentacle.errors import InputError
 from tentacle.gait import GAIT_TERMS, Gait
+from tentacle.io.waveform_file import read_waveform, waveform_from_table, waveform_table, write_waveform
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Ramped, Rest, Sine, Waveform
-from tentacle.waveform_file import read_waveform, waveform_from_table, waveform_table, write_waveform
 
 GAIT = Gait((0.4, 0.1, 0.05, 4.0, 3.0, 2.0, 0.3, 0.2, 0.1), bandwidth=4.0)
 WAVEFORMS: list[Waveform] = [

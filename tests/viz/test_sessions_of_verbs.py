@@ -18,8 +18,8 @@ import rerun.blueprint as rrb
 from rerun.chunk import RrdReader
 
 from tentacle.errors import InputError
+from tentacle.io.recording_rrd import write_rrd
 from tentacle.recording import Recording
-from tentacle.recording_rrd import write_rrd
 from viz.blueprints.rig import LivePaths, rig_blueprint
 from viz.compare import Motion, model_markdown, motions_scene, write_comparison
 from viz.page import serve_web

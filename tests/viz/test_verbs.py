@@ -10,18 +10,18 @@ import pytest
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index
 from affine_model.curvature import midline
+from affine_model.run_forces import rest_load
 from affine_model.simulate import simulate
+from inference.measured_coordinates import beside_model, coordinates, regression_sides
 from tentacle.cli import main
-from tentacle.cli._forces import rest_load
-from tentacle.cli._measured import beside_model, coordinates, regression_sides
 from tentacle.cli.figure import thrust
+from tentacle.io.model_file import write_model
+from tentacle.io.write_folder import write_folder
 from tentacle.model import Estimate, Model
-from tentacle.model_file import write_model
 from tentacle.recording import Camera, Declaration, Recording
 from tentacle.signals import LoadCellSignal, Midline, MotorSignal, Video
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Sine
-from tentacle.write_folder import write_folder
 from vision.paper_pipeline import paper_steps
 from viz.midline import perimeter
 

@@ -1,0 +1,141 @@
+"""Adequacy gates: may a fitted model be called complete? Chi-square, Ljung-Box and drift, each with its number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2 as chi_square
+
+from affine_model.curvature import Array
+from inference.experiment import Experiment
+from inference.observation import ShapeObservation
+from inference.score import absorbed_basis
+from inference.trajectory import Fit, Problem
+from tentacle.diagnosis import Gate
+
+SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fit, false alarms well under 1 %
+MATERIAL = (
+    0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
+)
+TRACKED = 0.83  # noise sigmas: a tracker states its noise to 30 % (benchmarks/vision.py), and errs by the rest for long
+ALLOWANCE = 1.5  # times the reduction's error as measured: another simulator, or an arm, differs by as much again
+UNCERTAINTY = 2.0  # standard deviations of the fit's parameters that the frames held out are granted
+LAGS = 20
+LIKE_BASELINE = (
+    2.0  # times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
+)
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """The gates of one fit on one set of frames. structure: rms of what is not noise, in noise sigmas."""
+
+    gates: tuple[Gate, ...]
+    structure: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every gate was passed."""
+        return all(gate.passed for gate in self.gates)
+
+
+def judged_rows(experiment: Experiment, residuals: Array, held_out: bool) -> Array:
+    """Whitened residuals (T', K) of the frames that were fitted, or of those that were held out; unseen frames
+    dropped.
+    """
+    chosen = residuals[~experiment.used if held_out else experiment.used]
+    return chosen[np.any(chosen != 0.0, axis=1)]
+
+
+def _live(rows: Array) -> Array:
+    """The channels that carry information: a track has none for the clamp's shift, for instance."""
+    return rows[:, np.any(rows != 0.0, axis=0)]
+
+
+def _tracked(experiment: Experiment) -> bool:
+    observation = experiment.observation
+    return isinstance(observation, ShapeObservation) and observation.tracked
+
+
+def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
+    """Sum over channels of Q = N (N + 2) sum_k rho_k^2 / (N - k), and its degrees of freedom."""
+    count = rows.shape[0]
+    lags = min(lags, count // 4)
+    centred = rows - rows.mean(axis=0)
+    power = np.sum(centred**2, axis=0)
+    total = 0.0
+    for lag in range(1, lags + 1):
+        rho = np.sum(centred[lag:] * centred[:-lag], axis=0) / np.maximum(power, 1e-300)
+        total += float(np.sum(rho**2)) * count * (count + 2) / (count - lag)
+    return total, lags * rows.shape[1]
+
+
+def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, granted: float = 0.0) -> Adequacy:
+    """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones.
+
+    granted: rms in noise sigmas of what the model may leave for reasons of its own.
+    """
+    experiments = problem.experiments
+    allowed = granted**2 + (TRACKED if any(_tracked(e) for e in experiments) else MATERIAL) ** 2
+    if held_out:  # these frames carry the parameters' own uncertainty on top of the noise
+        allowed += (UNCERTAINTY * fitted.spread) ** 2
+    parts = [
+        _live(judged_rows(experiment, residuals, held_out))
+        for experiment, residuals in zip(experiments, fitted.residuals, strict=True)
+    ]
+    parts = [part for part in parts if part.size]
+    if not parts:
+        return Adequacy((), 0.0)
+    squares = sum(float(np.sum(part**2)) for part in parts)
+    count = sum(part.size for part in parts) - (0 if held_out else len(fitted.values))
+    ratio = squares / max(count, 1)
+    structure = float(np.sqrt(max(ratio - 1.0, 0.0)))
+    threshold = float(chi_square.isf(SIGNIFICANCE, count)) / count
+    threshold += allowed
+    coloured = any(experiment.correlation > 1.0 for experiment in experiments)
+    if coloured:
+        threshold = max(threshold, LIKE_BASELINE)
+    gates = [
+        Gate("chi-square", ratio, threshold, ratio <= threshold, f"mean square residual {ratio:.3f} noise variances"),
+    ]
+    if coloured:  # the baseline's own rest is correlated and drifts: only its size can be judged
+        return Adequacy(tuple(gates), structure)
+    statistic, freedom = 0.0, 0
+    for part in parts:
+        value, degrees = ljung_box(part)
+        statistic, freedom = statistic + value, freedom + degrees
+    if freedom:
+        limit = float(chi_square.isf(SIGNIFICANCE, freedom))
+        # Structure of that rms shifts every rho by its square at most.
+        limit += sum(part.size for part in parts) * LAGS * allowed**2
+        gates.append(
+            Gate("Ljung-Box", statistic, limit, statistic <= limit, f"residuals correlated over {LAGS} frames")
+        )
+    if not held_out:
+        gates.append(_drift(problem, fitted, allowed))
+    return Adequacy(tuple(gates), structure)
+
+
+def _drift(problem: Problem, fitted: Fit, allowed: float) -> Gate:
+    """Whether parameters that grow or fall in time would explain more: sensitivities times time, freed of the model's
+    own.
+    """
+    times, order = [], problem.arm.order
+    for experiment, residuals, nuisances in zip(problem.experiments, fitted.residuals, fitted.nuisances, strict=True):
+        t = experiment.observation.t[experiment.used]
+        centred = (t - t.mean()) / max(np.ptp(t), 1e-9)
+        times.append(np.repeat(centred, residuals.shape[1]))
+        times.append(np.zeros(experiment.prior_residuals(order, 1.0, nuisances[:, None]).shape[0]))
+    weight = np.concatenate(times)
+    weight = np.concatenate([weight, np.zeros(fitted.used_residuals.size - weight.size)])
+    columns = fitted.jacobian[:, : len(fitted.values)] * weight[:, None]
+    basis = absorbed_basis(fitted)
+    columns = columns - basis @ (basis.T @ columns)
+    left, singular, _ = np.linalg.svd(
+        columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False
+    )
+    left = left[:, singular > 1e-6 * max(singular[0], 1e-300)]
+    gain = 0.5 * float(np.sum((left.T @ fitted.used_residuals) ** 2))
+    limit = 0.5 * float(chi_square.isf(SIGNIFICANCE, left.shape[1])) + 0.5 * fitted.count * allowed
+    return Gate("drift", gain, limit, gain <= limit, "gain in nats if the base parameters drifted")

@@ -1,0 +1,213 @@
+"""The declared model, fitted as well as it goes: order, starts, base parameters, noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.arm import Arm, arm_of, neutral_parameters, parameter_index
+from affine_model.curvature import Array
+from inference.experiment import Experiment
+from inference.noise_floor import noise_deviation
+from inference.observation import POSE, ShapeObservation
+from inference.prepare import recalibrated
+from inference.sufficient_step import sufficient_step
+from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, fit, fit_multistart
+from tentacle.model import Model
+from tentacle.recording import Declaration
+
+STEP = 1.0 / 150.0  # s: where a fit begins; how fine it ends is found (inference.sufficient_step)
+SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
+VISIBLE = 0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
+MOST_FOR_MARKERS, FOLLOWED = 4, 0.2  # coordinates; noise sigmas to which fewer of them are to follow those
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a fit starts from: the arm's declaration, its experiments, the order of curvature."""
+
+    declaration: Declaration
+    experiments: tuple[Experiment, ...]
+    order: int
+    step: float = STEP
+
+    def arm(self, order: int | None = None) -> Arm:
+        """The arm with that many coordinates."""
+        d = self.declaration
+        return arm_of(Model(d.specimen, d.fluid, d.gravity, order or self.order))
+
+    def sees_shapes(self) -> bool:
+        """Whether any recording shows whole shapes; single markers do not show how many coordinates there are."""
+        return any(isinstance(experiment.observation, ShapeObservation) for experiment in self.experiments)
+
+    def base_free(self) -> tuple[ParameterName, ...]:
+        """The base parameters that these surroundings let one see."""
+        free: list[ParameterName]
+        if self.declaration.specimen.stiffness == "section":
+            free = [("elasticity", "E"), ("damping", "eta")]
+        else:
+            free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1")]
+        if self.declaration.fluid.density > 0.0:
+            free.append(("drag", "C_perp"))
+        return tuple(free)
+
+
+def needed_order(setting: Setting, *, complete: bool = False) -> int:
+    """How many curvature coordinates the data need: seen in the shapes themselves, or, of markers, by the model's own
+    convergence. complete: the declaration is taken to be, and what it leaves of the data counts as noise.
+    """
+    if not setting.sees_shapes():
+        return _order_by_convergence(setting, complete)
+    return max(
+        _visible_order(e.observation) for e in setting.experiments if isinstance(e.observation, ShapeObservation)
+    )
+
+
+def fitted_order(seen: int, most: int) -> int:
+    """How many coordinates are fitted where `seen` are seen, `most` at best: an even number where it can be.
+
+    Each number has a compiled kernel of its own, and a coordinate too many costs a few initial values and no more.
+    """
+    return min(seen + seen % 2, most)
+
+
+def _visible_order(observation: ShapeObservation) -> int:
+    """The highest coordinate that is seen, from the top down, without any dynamics.
+
+    The last row of the whitening root belongs to the highest coordinate alone: where that coordinate is zero, its
+    whitened value is pure noise, whose size is known from the frame-to-frame differences.
+    """
+    seen = observation.seen
+    for order in range(observation.order, 2, -1):
+        # Where the higher coordinates are zero, this row of the whitened data is R_kk z_k plus unit noise.
+        value = np.einsum("tl,tl->t", observation.root[seen, POSE + order - 1], observation.coefficients[seen])
+        noise = max(float(noise_deviation(value)), 0.5)
+        surplus = float(np.mean(value**2)) / noise**2 - 1.0
+        if surplus > VISIBLE + 6.0 * np.sqrt(2.0 / seen.sum()):
+            return order
+    return 2
+
+
+def _order_by_convergence(setting: Setting, complete: bool) -> int:
+    """The smallest order that follows the model's own run with more coordinates, as the markers would see it.
+
+    How well each order fits the data themselves tells less: an effect that the model lacks may make up for a coordinate
+    too few.
+    """
+    problem, fitted = fit_base(setting, 2)
+    enough = FOLLOWED * max(1.0, _left(problem.experiments, fitted)) if complete else FOLLOWED
+    finest = replace(problem, arm=setting.arm(MOST_FOR_MARKERS), parameters=fitted.parameters)
+    both = zip(problem.experiments, fitted.nuisances, strict=True)
+    nuisances = tuple(_with_more_coordinates(experiment, values) for experiment, values in both)
+    run = evaluate(finest, nuisances)
+    experiments = tuple(
+        replace(experiment, observation=experiment.observation.less(experiment.noise_gain * rows))
+        for experiment, rows in zip(problem.experiments, run.residuals, strict=True)
+    )
+    for order in range(2, MOST_FOR_MARKERS):
+        starts = tuple(initial_nuisances(experiment, order) for experiment in experiments)
+        followed = fit(
+            replace(problem, arm=setting.arm(order), experiments=experiments, parameters=run.parameters), starts
+        )
+        if _left(experiments, followed) < enough:
+            return order
+    return MOST_FOR_MARKERS
+
+
+def _with_more_coordinates(experiment: Experiment, nuisances: Array) -> Array:
+    """Nuisances of two coordinates as those of MOST_FOR_MARKERS, the others at rest at zero."""
+    start, moving, memory, shift = experiment.parts(2, nuisances)
+    more = np.zeros(MOST_FOR_MARKERS - start.size)
+    moving = moving if experiment.release is not None else np.concatenate([moving, more])
+    return np.concatenate([start, more, moving, memory, shift])
+
+
+def _left(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
+    """rms of the residuals on the used frames [noise sigmas]."""
+    rows = [rows[e.used].ravel() for e, rows in zip(experiments, fitted.residuals, strict=True)]
+    return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
+
+
+def initial_nuisances(experiment: Experiment, order: int) -> Array:
+    """Initial shape and rates of a run from its first frames (released: from all frames before)."""
+    observation = experiment.observation
+    start = np.zeros(order)
+    rates = np.zeros(order)
+    if isinstance(observation, ShapeObservation):
+        seen = np.flatnonzero(observation.seen)
+        z = observation.coefficients[:, POSE:]
+        kept = min(order, observation.order)
+        if experiment.release is not None:
+            held = seen[observation.t[seen] <= experiment.release]
+            held = held if held.size else seen[:1]
+            start[:kept] = np.median(z[held, :kept], axis=0)
+        else:
+            first = seen[:6]
+            slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
+            start[:kept], rates[:kept] = offset, slope
+    moving = rates if experiment.release is None else np.zeros(1)
+    return np.concatenate([start, moving, np.zeros(2 * experiment.sees_shift)])
+
+
+def _starts(setting: Setting) -> Array:
+    """Starts of the base parameters over the range of silicones, (F, S): stiffness, damping, drag."""
+    specimen = setting.declaration.specimen
+    wet = setting.declaration.fluid.density > 0.0
+    second_moment = float(specimen.section.second_moment(0.0)) / specimen.length
+    tip_moment = float(specimen.section.second_moment(1.0)) / specimen.length
+    columns = []
+    for E in (3e4, 6e4, 1.2e5, 2e5, 3.2e5, 5e5, 9e5, 2e6):
+        for relaxation in (0.003, 0.02):
+            for drag in (0.6, 1.5) if wet else (None,):
+                eta = E * relaxation
+                if specimen.stiffness == "section":
+                    column = [E, eta]
+                else:
+                    # The affine law that has the section's value at the base and a twentieth, or more, at the tip.
+                    tip = max(tip_moment, 0.05 * second_moment) - second_moment
+                    column = [E * second_moment, E * tip, eta * second_moment, eta * tip]
+                columns.append(column if drag is None else [*column, drag])
+    return np.array(columns).T
+
+
+def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
+    """The base effects alone at that order, from many starts (or from a fit at another order), then settled."""
+    arm = setting.arm(order)
+    nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
+    problem = Problem(arm, setting.experiments, setting.base_free(), neutral_parameters(), setting.step)
+    if warm is None:
+        return settled(problem, fit_multistart(problem, nuisances, _starts(setting)))
+    problem = replace(problem, parameters=warm.parameters)
+    return settled(problem, fit(problem, nuisances))
+
+
+def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
+    """The fit again with the noise as it leaves it, and with a step that suffices; twice where the first changed much.
+
+    Noise that stands for a baseline's own rest is left alone. The same objects where neither changes.
+    """
+    for _ in range(2):
+        experiments = tuple(
+            recalibrated(experiment, residuals) if experiment.correlation == 1.0 else experiment
+            for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True)
+        )
+        step = sufficient_step(problem, fitted)
+        changes = [
+            float(np.max(np.abs(new.noise_gain / old.noise_gain - 1.0)))
+            for new, old in zip(experiments, problem.experiments, strict=True)
+        ]
+        if max(changes) < SAME_NOISE and step == problem.step:
+            break
+        changed = replace(problem, experiments=experiments, parameters=fitted.parameters, step=step)
+        again = fit(changed, fitted.nuisances)
+        if np.max(np.abs(again.used_residuals)) >= RAN_AWAY:  # what stood before was better than none
+            break
+        problem, fitted = changed, again
+        problem = replace(problem, parameters=fitted.parameters)
+    return problem, fitted
+
+
+def parameter_of(fit_result: Fit, name: ParameterName) -> float:
+    """A parameter's value in a fit."""
+    return float(fit_result.parameters[parameter_index(*name)])

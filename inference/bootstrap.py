@@ -1,0 +1,67 @@
+"""Intervals by the bootstrap: the fit is repeated on its own residuals, drawn again in blocks of frames.
+
+Blocks keep the residuals' correlation in time, which the fit's covariance does not see. All replicates are simulated in
+one batch; each is brought to its minimum by Gauss-Newton with the fit's own Jacobian, which is all but exact so near to
+it. Source: Efron 1979; moving blocks, Kuensch 1989.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.curvature import Array
+from inference.trajectory import Fit, ParameterName, Problem
+
+BLOCK_SECONDS = 1.0  # longer than what a tracker's errors hang together
+ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """values (F, N) of the replicates, low and high (F,) the central share's ends."""
+
+    free: tuple[ParameterName, ...]
+    values: Array
+    low: Array
+    high: Array
+
+
+def _drawn(problem: Problem, fitted: Fit, random: np.random.Generator) -> Array:
+    """Residuals (N,) as the fit orders them: each recording's used frames drawn again in blocks, priors anew."""
+    parts = []
+    for experiment, residuals, nuisances in zip(problem.experiments, fitted.residuals, fitted.nuisances, strict=True):
+        frames = residuals[experiment.used]
+        t = experiment.observation.t[experiment.used]
+        spacing = float(np.median(np.diff(t))) if t.size > 1 else BLOCK_SECONDS
+        block = min(max(1, round(BLOCK_SECONDS / spacing)), t.size)
+        starts = random.integers(0, t.size - block + 1, size=-(-t.size // block))
+        index = (starts[:, None] + np.arange(block)).ravel()[: t.size]
+        parts.append((frames[index] - frames.mean(axis=0)).ravel())
+        order, length = problem.arm.order, problem.arm.specimen.length
+        parts.append(random.normal(size=experiment.prior_residuals(order, length, nuisances[:, None]).shape[0]))
+    drawn = np.concatenate(parts)
+    return np.concatenate([drawn, random.normal(size=fitted.used_residuals.size - drawn.size)])
+
+
+def bootstrap(problem: Problem, fitted: Fit, *, replicates: int = 200, seed: int = 0, share: float = 0.95) -> Bootstrap:
+    """Central intervals of that share for the fitted parameters. The same seed gives the same intervals.
+
+    ValueError where there are fewer than 20 replicates.
+    """
+    if replicates < 20:
+        raise ValueError(f"{replicates} replicates; an interval needs at least 20")
+    random = np.random.default_rng(seed)
+    target = np.stack([_drawn(problem, fitted, random) for _ in range(replicates)], axis=1)
+    target -= fitted.used_residuals[:, None]
+    low, high = problem.bounds()
+    unknowns = np.repeat(np.concatenate([fitted.values, *fitted.nuisances])[:, None], replicates, axis=1)
+    size = np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
+    inverse = np.linalg.pinv(fitted.jacobian / size) / size[:, None]
+    for _ in range(ROUNDS):
+        unknowns = unknowns - inverse @ (problem.residuals(unknowns)[0] + target)
+        unknowns = np.clip(unknowns, low[:, None], high[:, None])
+    values = unknowns[: len(fitted.free)]
+    tail = 50.0 * (1.0 - share)
+    return Bootstrap(fitted.free, values, *np.percentile(values, [tail, 100.0 - tail], axis=1))

@@ -1,0 +1,252 @@
+"""A fitted model beside the measurement, point by point, and the errors that verdict.json states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.arm import parameter_index
+from affine_model.curvature import (
+    Array,
+    angle_basis,
+    legendre_to_monomial,
+    midline,
+    points_beside,
+)
+from inference.experiment import Experiment, predict
+from inference.observation import POSE, ShapeObservation
+from inference.prepare import Prepared
+from inference.trajectory import Fit, Problem
+from tentacle.diagnosis import ErrorMeasure, RunComparison
+
+ANGLE_ORDER = 3  # coordinates of the shape whose tangent angle is compared
+SHOWN = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One model at one recording's frames: points (T, P, 2) [m], the paper's q (T, 2), tangent angle (T, P), load (T,)
+    [N].
+    """
+
+    points: Array
+    q: Array
+    angle: Array
+    load: Array | None
+
+
+def restricted(observation: ShapeObservation, coefficients: Array, order: int) -> Array:
+    """The shape of `order` coordinates, clamped as declared, nearest to given coefficients (T, K) in the
+    measurement's own metric.
+
+    z (T, order). With order 2 it is the paper's fit of (q1, q2) to a contour; models and measurement are reduced
+    alike, so that a third coordinate aliases into both in the same way (a small q3 as (-5/56, +3/4) q3).
+    """
+    root = observation.root
+    columns = root[:, :, POSE : POSE + order]
+    target = np.einsum("tkl,tl->tk", root, coefficients)
+    normal = np.einsum("tkj,tkl->tjl", columns, columns)
+    unseen = ~observation.seen
+    normal[unseen] = np.eye(order)
+    z = np.linalg.solve(normal, np.einsum("tkj,tk->tj", columns, target)[..., None])[..., 0]
+    z[unseen] = np.nan
+    return z
+
+
+def _deviation(observation: ShapeObservation, gain: Array, order: int) -> Array:
+    """Square root (T, order, order) of the covariance of `restricted`."""
+    columns = observation.root[:, :, POSE : POSE + order] / gain[:, None]
+    normal = np.einsum("tkj,tkl->tjl", columns, columns)
+    normal[~observation.seen] = np.eye(order)
+    return np.linalg.cholesky(np.linalg.inv(normal))
+
+
+def measured_points(prepared: Prepared) -> tuple[Array, Array]:
+    """s (P,) and measured points (T, P, 2) [m]; NaN where a frame or point was not seen."""
+    observation, recording = prepared.experiment.observation, prepared.recording
+    if not isinstance(observation, ShapeObservation):
+        return observation.s, observation.xy
+    unseen = ~observation.seen
+    if recording.midline is not None and prepared.points is not None:
+        return recording.midline.s, np.where(unseen[:, None, None], np.nan, prepared.points)
+    shape = _shape_points(observation, observation.coefficients[:, POSE:], SHOWN)
+    shape[unseen] = np.nan
+    return SHOWN, shape
+
+
+def _shape_points(observation: ShapeObservation, z: Array, s: Array) -> Array:
+    q = z @ legendre_to_monomial(z.shape[1]).T
+    pose = observation.coefficients[:, :POSE]
+    size = np.exp(pose[:, 3])[:, None, None]
+    return size * midline(q, observation.theta + pose[:, 0], observation.length, s) + pose[:, None, 1:3]
+
+
+def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -> Seen:
+    """What a fitted model shows of recording number `place`."""
+    experiment = problem.experiments[place]
+    nuisances = fitted.nuisances[place][:, None]
+    prediction = predict(problem.arm, experiment, fitted.parameters[:, None], nuisances, problem.step)
+    roll = fitted.parameters[parameter_index("camera_roll", "roll")]
+    scale = 1.0 + fitted.parameters[parameter_index("camera_scale", "excess")]
+    q, theta = prediction.q[:, :, 0], prediction.theta[:, 0] + roll
+    length = problem.arm.specimen.length
+    shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)
+    points = scale * shape + prediction.shift[:, 0]
+    z = q @ problem.arm.from_monomial.T
+    q_shown, angle = np.full((z.shape[0], 2), np.nan), np.full((z.shape[0], s.size), np.nan)
+    observation = experiment.observation
+    if isinstance(observation, ShapeObservation):
+        coefficients = np.zeros_like(observation.coefficients)
+        kept = min(problem.arm.order, observation.order)
+        coefficients[:, 0] = theta - observation.theta
+        coefficients[:, 1:3] = prediction.shift[:, 0]
+        coefficients[:, 3] = np.log(scale)
+        coefficients[:, POSE : POSE + kept] = z[:, :kept]
+        q_shown, angle = reduced_shape(observation, coefficients, s)
+    batch = prediction.batch
+    load = np.interp(experiment.observation.t, batch.force_t, batch.load[:, 0])
+    return Seen(points, q_shown, angle, load)
+
+
+def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) -> tuple[Array, Array]:
+    """The paper's q (T, 2) and the tangent angle (T, P) of coefficients, both by `restricted`."""
+    q = restricted(observation, coefficients, 2) @ legendre_to_monomial(2).T
+    order = min(ANGLE_ORDER, observation.order)
+    return q, observation.theta[:, None] + restricted(observation, coefficients, order) @ angle_basis(order, s).T
+
+
+def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
+    """Frames on which errors are stated: those that were not fitted (or, without any, all that were)."""
+    times = experiment.observation.t
+    within = times <= times[experiment.used].max() if experiment.used.any() else np.zeros_like(experiment.used)
+    end = (
+        experiment.t0 + experiment.duration if experiment.release is None else experiment.release + experiment.duration
+    )
+    return (times <= end) & ~within if held_out else experiment.used
+
+
+def run_comparison(
+    prepared: Prepared, place: int, base: tuple[Problem, Fit], final: tuple[Problem, Fit], held_out: bool
+) -> tuple[RunComparison, Seen, Seen]:
+    """One recording beside both models."""
+    experiment = prepared.experiment
+    observation = experiment.observation
+    s, points = measured_points(prepared)
+    d = None if isinstance(observation, ShapeObservation) else observation.d
+    first, last = seen(*base, place, s, d), seen(*final, place, s, d)
+    q = np.full((observation.t.size, 2), np.nan)
+    if isinstance(observation, ShapeObservation):
+        q, _ = reduced_shape(observation, observation.coefficients, s)
+    run = RunComparison(
+        name=experiment.name,
+        t=observation.t,
+        s=s,
+        measured=points,
+        base=first.points,
+        augmented=last.points,
+        q_measured=q,
+        q_base=first.q,
+        q_augmented=last.q,
+        judged=judged_frames(experiment, held_out),
+        theta=observation.theta,
+        points="midline" if d is None else "markers",
+        thrust_base=first.load,
+        thrust_augmented=last.load,
+    )
+    return run, first, last
+
+
+def _rms(parts: list[Array]) -> float | None:
+    values = np.concatenate([part[np.isfinite(part)].ravel() for part in parts]) if parts else np.zeros(0)
+    return float(np.sqrt(np.mean(values**2))) if values.size else None
+
+
+def errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], *, augmented: bool) -> ErrorMeasure:
+    """The rms errors over the judged frames of all recordings."""
+    distance, angle, first, second, thrust = [], [], [], [], []
+    for (run, base, final), source in zip(runs, prepared, strict=True):
+        model, points = (final, run.augmented) if augmented else (base, run.base)
+        chosen = run.judged
+        distance.append(1e3 * np.linalg.norm(run.measured - points, axis=2)[chosen])
+        observation = source.experiment.observation
+        if isinstance(observation, ShapeObservation):
+            _, seen_angle = reduced_shape(observation, observation.coefficients, run.s)
+            valid = chosen & observation.seen
+            angle.append((seen_angle - model.angle)[valid])
+            first.append((run.q_measured - model.q)[valid, 0])
+            second.append((run.q_measured - model.q)[valid, 1])
+        cell = source.recording.load_cell
+        if cell is not None and model.load is not None:
+            begin, end = run.t[chosen].min(initial=np.inf), run.t[chosen].max(initial=-np.inf)
+            inside = (cell.t >= begin) & (cell.t <= end)
+            if inside.sum() > 10:
+                error = cell.thrust[inside] - np.interp(cell.t[inside], run.t, model.load)
+                thrust.append(error - error.mean())  # the cell is tared: only changes count
+    return ErrorMeasure(_rms(distance), _rms(angle), _rms(first), _rms(second), _rms(thrust))
+
+
+def midline_error(prepared: list[Prepared], problem: Problem, fitted: Fit, held_out: bool) -> float | None:
+    """rms distance [mm] of one model from what was measured, over the judged frames of all recordings."""
+    distance = []
+    for place, source in enumerate(prepared):
+        observation = source.experiment.observation
+        s, points = measured_points(source)
+        shown = seen(problem, fitted, place, s, None if isinstance(observation, ShapeObservation) else observation.d)
+        judged = judged_frames(source.experiment, held_out)
+        distance.append(1e3 * np.linalg.norm(points - shown.points, axis=2)[judged])
+    return _rms(distance)
+
+
+def floor_errors(
+    runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], reduction_mm: float
+) -> ErrorMeasure:
+    """What noise alone (as found), and the reduction, would leave in the same measures."""
+    distance, angle, first, second = [], [], [], []
+    for (run, _, _), source in zip(runs, prepared, strict=True):
+        experiment = source.experiment
+        observation = experiment.observation
+        gain = float(np.sqrt(np.mean(experiment.noise_gain**2)))
+        if not isinstance(observation, ShapeObservation):
+            distance.append(np.full(10, 1e3 * np.sqrt(2.0) * observation.sigma * gain))
+            continue
+        frames = np.flatnonzero(run.judged & observation.seen)
+        frames = frames[:: max(1, frames.size // 50)]
+        data = source.recording.midline
+        sparse = replace(observation, root=observation.root[frames])
+        two = _deviation(sparse, experiment.noise_gain, 2)
+        q = np.linalg.norm(legendre_to_monomial(2) @ two, axis=2)
+        first.append(q[:, 0])
+        second.append(q[:, 1])
+        order = min(ANGLE_ORDER, observation.order)
+        several = _deviation(sparse, experiment.noise_gain, order)
+        angle.append(np.linalg.norm(angle_basis(order, run.s) @ several, axis=2))
+        if data is not None:
+            stated = data.sigma[frames]
+            distance.append(1e3 * np.sqrt(2.0) * gain * np.where(np.isfinite(stated), stated, source.sigma))
+        else:
+            every = _deviation(sparse, experiment.noise_gain, observation.order)
+            lever = observation.length * np.cumsum(angle_basis(observation.order, run.s), axis=0) / run.s.size
+            distance.append(1e3 * np.linalg.norm(lever @ every, axis=2))
+    noise = _rms(distance)
+    total = None if noise is None else float(np.hypot(noise, reduction_mm))
+    return ErrorMeasure(total, _rms(angle), _rms(first), _rms(second), None)
+
+
+def unexplained_share(
+    base: tuple[Problem, Fit],
+    chosen: tuple[Problem, Fit],
+    prepared: list[Prepared],
+    reduction_mm: float,
+    *,
+    held_out: bool,
+) -> float:
+    """How much of the base's error on the midline, noise and reduction taken off both, the chosen model leaves, 0 .. 1
+    (1 where midlines are not measured, or the base leaves nothing).
+    """
+    runs = [run_comparison(source, place, base, chosen, held_out) for place, source in enumerate(prepared)]
+    first, last = (errors(runs, prepared, augmented=augmented).midline_mm for augmented in (False, True))
+    floor = floor_errors(runs, prepared, reduction_mm).midline_mm
+    if first is None or last is None or floor is None or first <= floor:
+        return 1.0
+    return float(np.clip(np.sqrt(max(last**2 - floor**2, 0.0) / (first**2 - floor**2)), 0.0, 1.0))

@@ -1,0 +1,186 @@
+"""One recording made ready for fitting: base motion, time window, observation, and what is unknown about this run
+alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from affine_model.arm import Arm, parameter_index
+from affine_model.base_signal import base_table
+from affine_model.curvature import Array
+from affine_model.simulate import Batch, simulate
+from inference.observation import MarkerObservation, ShapeObservation
+from tentacle.waveform import Waveform
+
+Observation = ShapeObservation | MarkerObservation
+
+SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
+SHIFT_LIMIT = 0.01  # arm lengths
+SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
+RATE_PRIOR = 30.0  # rad/s: initial rates of curvature, where the observation shows none
+RATE_REACH = 3.0  # times the rates seen in the recording: what dies away between two frames may not be started at will
+HIGHER_PRIOR = 0.3  # rad: initial curvature beyond what the observation can see
+MEMORY_PRIOR = 0.5  # rad: what a Maxwell branch may remember of the motion before the recording
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A recording as the fit sees it.
+
+    base: the recorded base motion; t0, duration [s]: the simulated window; release [s]: the arm is held still until
+    then (None: it moves from the start); used (T,) bool: frames that the fit may use (the others are for judging).
+    noise_gain: factor on the observation's stated standard deviation, found from the data. correlation [frames]: over
+    how many frames that noise hangs together; above 1 where it stands for what a baseline leaves unexplained, which
+    is not white. remembers: the model has a Maxwell branch, whose state at the start is then unknown too (an arm that
+    is held still until its release has forgotten). rates_seen (K,): rms rates of the Legendre coordinates in the
+    recording [rad/s], as far as it shows them. base_known_from [s]: since when the base motion is recorded (None: t0).
+    """
+
+    name: str
+    observation: Observation
+    base: Waveform
+    t0: float
+    duration: float
+    release: float | None
+    used: np.ndarray
+    noise_gain: Array
+    release_sigma: float = 0.01
+    correlation: float = 1.0
+    remembers: bool = False
+    rates_seen: Array = field(default_factory=lambda: np.zeros(0))
+    base_known_from: float | None = None
+
+    @property
+    def begins_with_memory(self) -> bool:
+        """Whether the memory at the start is among the nuisances."""
+        return self.remembers and self.release is None
+
+    @property
+    def sees_shift(self) -> bool:
+        """Whether the shift of the clamp is among the nuisances: a marker system's own frame is where it says."""
+        return isinstance(self.observation, ShapeObservation)
+
+    def nuisance_names(self, order: int) -> list[str]:
+        """Unknowns of this run alone: initial shape and rates in Legendre coordinates (or, released, the instant),
+        memory, shift of the clamp.
+        """
+        initial = [f"z{j + 1}(0)" for j in range(order)]
+        moving = [f"z{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
+        memory = [f"memory{j + 1}(0)" for j in range(order)] if self.begins_with_memory else []
+        return [*initial, *moving, *memory, *(["shift_x", "shift_y"] if self.sees_shift else [])]
+
+    def nuisance_scales(self, order: int, length: float) -> Array:
+        """Typical sizes of the nuisances, the scale of the fit's steps."""
+        moving = [1.0] * order if self.release is None else [0.01]
+        memory = [0.1] * order if self.begins_with_memory else []
+        return np.array([0.1] * order + moving + memory + [SHIFT_PRIOR * length] * 2 * self.sees_shift)
+
+    def nuisance_limits(self, order: int, length: float) -> Array:
+        """Bounds (M,) on the size of each nuisance."""
+        moving = list(self.rate_limits(order)) if self.release is None else [5.0 * self.release_sigma]
+        memory = [SHAPE_LIMIT] * order if self.begins_with_memory else []
+        return np.array([SHAPE_LIMIT] * order + moving + memory + [SHIFT_LIMIT * length] * 2 * self.sees_shift)
+
+    def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
+        """What is known beforehand of the nuisances (M, B), as whitened residuals."""
+        shift = self.parts(order, nuisances)[3] / (SHIFT_PRIOR * length)
+        seen = self.observation.order if isinstance(self.observation, ShapeObservation) else 2
+        higher = nuisances[seen:order] / HIGHER_PRIOR
+        if self.release is None:
+            rates = nuisances[order : 2 * order]
+            memory = self.memory(order, nuisances)
+            remembered = shift[:0] if memory is None else memory / MEMORY_PRIOR
+            return np.concatenate([rates / self.rate_limits(order)[:, None], shift, higher, remembered])
+        return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher])
+
+    def rate_limits(self, order: int) -> Array:
+        """How large the rates of the Legendre coordinates may be at the start (order,) [rad/s]."""
+        seen = self.rates_seen[:order]
+        rest = seen[-1] if seen.size else RATE_PRIOR / RATE_REACH
+        return RATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
+
+    def parts(self, order: int, nuisances: Array) -> tuple[Array, Array, Array, Array]:
+        """Initial shape, rates (or, released, the instant), memory and shift (either empty where there is none)."""
+        moving = order + (order if self.release is None else 1)
+        memory = moving + order * self.begins_with_memory
+        return nuisances[:order], nuisances[order:moving], nuisances[moving:memory], nuisances[memory:]
+
+    def memory(self, order: int, nuisances: Array) -> Array | None:
+        """The memory at the start (n, B), out of the nuisances (M, B)."""
+        return nuisances[2 * order : 3 * order] if self.begins_with_memory else None
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A batch at the observation's instants: q (T, n, B), theta (T, B), shift (2, B), and the simulated batch."""
+
+    q: Array
+    theta: Array
+    shift: Array
+    batch: Batch
+
+
+def _hermite(batch: Batch, values: Array, rates: Array, times: Array) -> Array:
+    """Cubic interpolation of values (T, ..., B) at times (M, B): shape (M, ..., B); before the first instant along
+    the tangent there (which stands still where an arm is held until its release).
+    """
+    spacing = batch.t[1] - batch.t[0]
+    early = np.minimum(times - batch.t[0], 0.0)
+    place = np.clip((times - batch.t[0]) / spacing, 0.0, batch.t.size - 1 - 1e-9)
+    index = place.astype(int)
+    u = place - index
+    extra = values.ndim - 2
+    u = u.reshape(u.shape[:1] + (1,) * extra + u.shape[1:])
+    early = early.reshape(u.shape)
+    if times.shape[1] == 1:
+        a, b, da, db = values[index[:, 0]], values[index[:, 0] + 1], rates[index[:, 0]], rates[index[:, 0] + 1]
+    else:
+        lanes = np.arange(values.shape[-1])
+        pick = (lambda array, k: array[k, lanes]) if extra == 0 else (lambda array, k: _pick(array, k, lanes))
+        a, b, da, db = pick(values, index), pick(values, index + 1), pick(rates, index), pick(rates, index + 1)
+    h00, h10 = (1 + 2 * u) * (1 - u) ** 2, u * (1 - u) ** 2
+    return h00 * a + (1 - h00) * b + spacing * (h10 * da - u**2 * (1 - u) * db) + early * rates[0]
+
+
+def _pick(array: Array, index: np.ndarray, lanes: np.ndarray) -> Array:
+    """array[index[m, b], :, b] as (M, n, B)."""
+    return np.swapaxes(array[index, :, lanes], 1, 2)
+
+
+def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
+    """Simulate B individuals (parameters (R, B), nuisances (M, B)) and give their shapes at the observed instants."""
+    n = arm.order
+    value = {name: parameters[parameter_index(effect, name)] for effect, name in _OUTSIDE}
+    steps = int(np.ceil(experiment.duration / step)) + 1
+    steps += steps % 2
+    start = experiment.t0 if experiment.release is None else experiment.release
+    base = base_table(
+        experiment.base, start, step, steps, value["tau"], value["play"], known_from=experiment.base_known_from
+    )
+    q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
+    rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
+    memory = None if memory is None else arm.to_monomial @ memory
+    batch = simulate(arm, parameters, base, step, q=q, q_rate=rates, memory=memory, t0=start, stride=2)
+    times = experiment.observation.t[:, None] + value["offset"]
+    if experiment.release is not None:
+        times = times - nuisances[n]
+    if np.all(times == times[:, :1]):
+        times = times[:, :1]
+    q = _hermite(batch, batch.q, batch.q_rate, times)
+    theta = _hermite(batch, batch.theta, batch.theta_rate, times)
+    shift = experiment.parts(n, nuisances)[3] if experiment.sees_shift else np.zeros((2, nuisances.shape[1]))
+    return Prediction(q, theta, shift, batch)
+
+
+_OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"))
+
+
+def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:
+    """Measured less predicted, whitened (T, K, B), over all frames."""
+    roll = parameters[parameter_index("camera_roll", "roll")]
+    scale = parameters[parameter_index("camera_scale", "excess")]
+    error = experiment.observation.predict(prediction.q, prediction.theta, roll, scale, prediction.shift)
+    return error / experiment.noise_gain[:, None]

@@ -1,0 +1,159 @@
+"""A hypothesis: the declared model with some absent effects added, fitted, judged, and what it says of parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from affine_model.arm import parameter_rows
+from affine_model.curvature import Array
+from affine_model.effects import catalogue
+from inference.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
+from inference.trajectory import Fit, Problem
+from tentacle.model import Estimate
+
+NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out
+    frames, less a penalty for each parameter. reduction: the model's own error on fitted and held-out frames; laws:
+    what the effects added may leave there because no law is known exactly; both rms in noise sigmas, and neither is
+    called missing physics.
+    """
+
+    effects: tuple[str, ...]
+    problem: Problem
+    fitted: Fit
+    evidence: float
+    train: Adequacy
+    judged: Adequacy
+    reduction: tuple[float, float] = (0.0, 0.0)
+    laws: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every gate was passed, on what was fitted and on what was held out."""
+        return self.train.passed and self.judged.passed
+
+    @property
+    def misfit(self) -> float:
+        """Half the sum of squared whitened residuals, fitted and held-out frames together [nats]."""
+        return self.fitted.misfit + held_out_misfit(self.problem, self.fitted)
+
+    @property
+    def left(self) -> float:
+        """What it leaves that is not noise, on what was fitted or what was held out, the larger [noise sigmas]."""
+        return max(self.train.structure, self.judged.structure)
+
+    def laws_with(self, effect: str) -> tuple[float, float]:
+        """What laws may leave once this effect is added too: a share of the structure that is left without it."""
+        share = catalogue()[effect].law_error
+        more = share * self.train.structure, share * self.judged.structure
+        return float(np.hypot(self.laws[0], more[0])), float(np.hypot(self.laws[1], more[1]))
+
+    def granted_in(self, problem: Problem) -> tuple[tuple[float, float], tuple[float, float]]:
+        """reduction and laws in sigmas of another problem's noise: what they are in millimetres stays."""
+        ratio = noise_ratio(self.problem, problem)
+        (fitted, held_out), laws = self.reduction, self.laws
+        return (ratio * fitted, ratio * held_out), (ratio * laws[0], ratio * laws[1])
+
+
+def noise_ratio(one: Problem, other: Problem) -> float:
+    """How many times larger the first problem's noise is, rms over recordings and channels."""
+    pairs = zip(one.experiments, other.experiments, strict=True)
+    return float(np.sqrt(np.mean([np.mean((a.noise_gain / b.noise_gain) ** 2) for a, b in pairs])))
+
+
+def against_baseline(h: Hypothesis) -> bool:
+    """Whether the noise stands for a baseline's own rest, which hangs together over many frames."""
+    return any(experiment.correlation > 1.0 for experiment in h.problem.experiments)
+
+
+def held_out_misfit(problem: Problem, fitted: Fit) -> float:
+    """Half the sum of squared whitened residuals on the frames that were not fitted [nats]."""
+    total = 0.0
+    for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True):
+        total += 0.5 * float(np.sum(residuals[~experiment.used] ** 2))
+    return total
+
+
+def nats_per_parameter(problem: Problem) -> float:
+    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for
+    less.
+    """
+    return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
+
+
+def hypothesis(
+    effects: tuple[str, ...],
+    problem: Problem,
+    fitted: Fit,
+    reduction: tuple[float, float] = (0.0, 0.0),
+    laws: tuple[float, float] = (0.0, 0.0),
+) -> Hypothesis:
+    """A fit judged; reduction, laws: what it may leave and why (see Hypothesis)."""
+    parameters = sum(len(catalogue()[name].parameters) for name in effects)
+    evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
+    granted = np.hypot(ALLOWANCE * np.array(reduction), laws)
+    train = adequacy(problem, fitted, held_out=False, granted=float(granted[0]))
+    judged = adequacy(problem, fitted, held_out=True, granted=float(granted[1]))
+    return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction, laws)
+
+
+def material_gain(current: Hypothesis) -> float:
+    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, of the reduction's or of the
+    laws', over all residuals.
+    """
+    structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2 + current.laws[0] ** 2
+    return 0.5 * structure * current.fitted.count
+
+
+def looseness(judged: Hypothesis) -> float:
+    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time
+    in frames.
+
+    1 where the rest is white noise of the stated size. It widens ties and intervals where the model is not complete.
+    """
+    values, weights = [], []
+    for experiment, residuals in zip(judged.problem.experiments, judged.fitted.residuals, strict=True):
+        rows = residuals[experiment.used]
+        rows = rows[:, np.any(rows != 0.0, axis=0)]
+        if rows.shape[0] < 40:
+            continue
+        centred = rows - rows.mean(axis=0)
+        power = np.mean(centred**2, axis=0)
+        time = np.ones(rows.shape[1])
+        for lag in range(1, min(200, rows.shape[0] // 3)):
+            rho = np.mean(centred[lag:] * centred[:-lag], axis=0) / np.maximum(power, 1e-300)
+            alive = rho > 0.1
+            if not alive.any():
+                break
+            time += 2.0 * np.where(alive, rho, 0.0)
+        values.append(np.mean(rows**2, axis=0) * np.where(np.mean(rows**2, axis=0) > 1.3, time, 1.0))
+        weights.append(rows.shape[0])
+    if not values:
+        return 1.0
+    return float(max(1.0, np.average([np.mean(value) for value in values], weights=weights)))
+
+
+def parameter_interval(judged: Hypothesis, index: int, loose: float) -> tuple[float, float]:
+    """95 % interval of one free parameter, widened where the model is not complete, cut at the physical bounds."""
+    spread: Array = np.sqrt(np.maximum(np.diag(judged.fitted.covariance), 0.0))
+    half = 1.96 * float(spread[index]) * np.sqrt(loose)
+    low, high = (limit[index] for limit in judged.problem.bounds())
+    value = float(judged.fitted.values[index])
+    return max(low, value - half), min(high, value + half)
+
+
+def estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
+    """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
+    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
+    table: dict[str, dict[str, Estimate]] = {}
+    for index, (effect, name) in enumerate(judged.problem.free):
+        low, high = parameter_interval(judged, index, loose)
+        value = float(judged.fitted.values[index])
+        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
+    return table

@@ -1,0 +1,153 @@
+"""Identification of a declared model from recordings: the trajectory fit, and the paper's regression beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.arm import Arm
+from affine_model.curvature import Array
+from inference.base_fit import Setting, fit_base, initial_nuisances, needed_order
+from inference.bootstrap import bootstrap
+from inference.compare import errors, reduced_shape, run_comparison
+from inference.hypothesis import Hypothesis, estimates, hypothesis, looseness
+from inference.identifiability import Identifiability, identifiability
+from inference.observation import POSE, ShapeObservation
+from inference.prepare import Prepared, prepare
+from inference.regression import regression
+from inference.trajectory import Fit, Problem, fit
+from tentacle.diagnosis import ErrorMeasure, RunComparison
+from tentacle.errors import InputError
+from tentacle.model import Model
+from tentacle.recording import Recording
+
+CLOCK_DOUBT = 4.0  # standard errors from which on an offset of the clock is worth a word
+ILL = 0.99  # two parameters whose estimates correlate by more than this are not known apart
+
+
+@dataclass(frozen=True)
+class Identification:
+    """An identified model and how well it is known.
+
+    regression: the paper's values by eq. 18-19 (effect.parameter -> value), empty where q was not measured or the
+    base has no motor log; errors on the judged frames; correlation (F, F) of the estimates in the order of free;
+    at_bound: parameters that ended on a bound; identifiability: what the fitted recordings can tell; bootstrap: 95 %
+    intervals by resampling (effect.parameter -> low, high), empty unless asked for; words: remarks.
+    """
+
+    model: Model
+    regression: dict[str, float]
+    errors: ErrorMeasure
+    held_out: bool
+    free: tuple[str, ...]
+    correlation: Array
+    at_bound: tuple[str, ...]
+    identifiability: Identifiability
+    bootstrap: dict[str, tuple[float, float]]
+    runs: tuple[RunComparison, ...]
+    words: tuple[str, ...]
+
+
+def identify(
+    recordings: Sequence[Recording],
+    check: Sequence[Recording] = (),
+    *,
+    order: int | None = None,
+    replicates: int = 0,
+    seed: int = 0,
+) -> Identification:
+    """Fit the base effects to the recordings; check: recordings that only judge (the paper: chirp to fit, sine to
+    check).
+
+    order: number of curvature coordinates, else as many as the data need. replicates: of the bootstrap, 0 for none;
+    seed: of its draws. Raises InputError on unusable recordings.
+    """
+    if not recordings:
+        raise InputError("no recording", expected="at least one")
+    prepared = [prepare(recording, hold_out=False) for recording in recordings]
+    judges = [prepare(recording, hold_out=False) for recording in check]
+    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), order or 2)
+    if order is None:
+        setting = replace(setting, order=needed_order(setting, complete=True))
+    problem, fitted = fit_base(setting, setting.order)
+    judged = hypothesis((), problem, fitted)
+    prepared = [replace(p, experiment=e) for p, e in zip(prepared, problem.experiments, strict=True)]
+    shown, final = (judges, _initial_states(setting, problem, judges)) if judges else (prepared, (problem, fitted))
+    runs = [run_comparison(p, place, final, final, False) for place, p in enumerate(shown)]
+    spread = np.sqrt(np.maximum(np.diag(fitted.covariance), 1e-300))
+    correlation = fitted.covariance / np.outer(spread, spread)
+    known = identifiability(problem, fitted)
+    drawn = bootstrap(problem, fitted, replicates=replicates, seed=seed) if replicates else None
+    d = recordings[0].declaration
+    return Identification(
+        model=Model(d.specimen, d.fluid, d.gravity, setting.order, estimates(judged, looseness(judged))),
+        regression=_paper_regression(setting.arm(2), problem, prepared),
+        errors=errors(runs, shown, augmented=False),
+        held_out=bool(judges),
+        free=tuple(".".join(name) for name in fitted.free),
+        correlation=correlation,
+        at_bound=tuple(".".join(name) for name in fitted.at_bound),
+        identifiability=known,
+        bootstrap={}
+        if drawn is None
+        else {
+            ".".join(name): (float(low), float(high))
+            for name, low, high in zip(drawn.free, drawn.low, drawn.high, strict=True)
+        },
+        runs=tuple(run for run, _, _ in runs),
+        words=(*_remarks(judged, correlation), *_told(problem, known)),
+    )
+
+
+def _initial_states(setting: Setting, problem: Problem, judges: list[Prepared]) -> tuple[Problem, Fit]:
+    """The fitted model on recordings that only judge: their initial states alone are fitted."""
+    experiments = tuple(p.experiment for p in judges)
+    alone = replace(problem, experiments=experiments, free=())
+    return alone, fit(alone, tuple(initial_nuisances(e, setting.order) for e in experiments))
+
+
+def _paper_regression(arm: Arm, problem: Problem, prepared: list[Prepared]) -> dict[str, float]:
+    """Eq. 18-19 on the first recording whose q was measured under a moving base; the paper differentiates
+    numerically.
+    """
+    for p in prepared:
+        observation = p.experiment.observation
+        if not isinstance(observation, ShapeObservation) or p.experiment.release is not None:
+            continue
+        q, _ = reduced_shape(observation, observation.coefficients, np.ones(1))
+        seen = np.isfinite(q).all(axis=1)
+        base = p.experiment.base(observation.t[seen])
+        found = regression(arm, problem.parameters, problem.free, observation.t[seen], q[seen], base)
+        return {".".join(name): float(value) for name, value in zip(found.free, found.values, strict=True)}
+    return {}
+
+
+def _told(problem: Problem, known: Identifiability) -> list[str]:
+    """What the recordings leave open, in words."""
+    words = [f"Condition of the parameters' information: {known.condition:.3g}."]
+    for experiment, dead in zip(problem.experiments, known.dead, strict=True):
+        shapes = isinstance(experiment.observation, ShapeObservation)
+        # Pose answers to the camera alone, and curvatures beyond the model's order to nothing, as they should.
+        curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < POSE + problem.arm.order]
+        markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes]
+        if curvatures or markers:
+            words.append(f"{experiment.name}: {', '.join(curvatures + markers)} say nothing about any parameter.")
+    offset, sigma = known.clock
+    if abs(offset) > CLOCK_DOUBT * sigma:
+        words.append(f"The motor's clock seems off by {1e3 * offset:.2g} ms +- {1e3 * sigma:.1g} ms (diagnose it).")
+    return words
+
+
+def _remarks(judged: Hypothesis, correlation: Array) -> tuple[str, ...]:
+    words = []
+    names = [".".join(name) for name in judged.fitted.free]
+    for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
+        if abs(correlation[i, j]) > ILL:
+            words.append(f"{names[i]} and {names[j]} are not known apart (correlation {correlation[i, j]:.4f}).")
+    words += [f"{'.'.join(name)} ended on a bound." for name in judged.fitted.at_bound]
+    words += [
+        f"{gate.name}: {gate.words}; the model is not complete." for gate in judged.train.gates if not gate.passed
+    ]
+    return tuple(words)

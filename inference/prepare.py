@@ -1,0 +1,276 @@
+"""From a recording to an experiment: which channel is judged, over which window, with which noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import maximum_filter, median_filter
+
+from affine_model.curvature import Array
+from inference.experiment import Experiment
+from inference.noise_floor import noise_deviation
+from inference.observation import (
+    POSE,
+    MarkerObservation,
+    ShapeObservation,
+    fit_shapes,
+    from_markers,
+    from_track,
+)
+from tentacle.base_motion import fit_base_motion
+from tentacle.errors import InputError
+from tentacle.recording import Recording
+from tentacle.waveform import Rest, Waveform
+
+MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
+LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
+FEWEST_FRAMES = 30
+NEIGHBOURS, JUMP, OF_WAY = 15, 10.0, 0.3
+LEAST_MOTION = 2.0  # noise sigmas
+LEAST_RATE = 0.01  # rad/s
+# Radians that the seen root turns for a radian of the servo, below which its frame turns along, or one sign is wrong.
+TURNING, OPPOSITE = 0.35, -0.6
+
+
+class CannotTellError(Exception):
+    """A recording is readable, but shows too little to judge a model by; the message says why, in a sentence."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A recording with its experiment; points (T, P, 2) [m] of its midline in the standing frame (None without a
+    midline); sigma [m] of a coordinate where the midline states none; and in words what had to be decided on the way.
+    """
+
+    recording: Recording
+    experiment: Experiment
+    points: Array | None
+    sigma: float
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class HeldOutside:
+    """A base motion known from first to last [s]; before and after, the base is taken to stand still where it was."""
+
+    motion: Waveform
+    first: float
+    last: float
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """theta, rate, acceleration (3, ...)."""
+        times = np.asarray(t, dtype=float)
+        table = np.array(self.motion(np.clip(times, self.first, self.last)))
+        table[1:] *= (times >= self.first) & (times <= self.last)
+        return table
+
+
+def _base(recording: Recording) -> Waveform:
+    if recording.motor is None:
+        return Rest()
+    return HeldOutside(fit_base_motion(recording.motor), recording.motor.t[0], recording.motor.t[-1])
+
+
+def _following(recording: Recording, base: Waveform) -> float | None:
+    """How far the seen root turns for a radian of the servo: 1 as declared, 0 in a frame that turns with the servo, -1
+    where the two count in opposite senses. None where the base hardly turns or the root is not seen.
+    """
+    if recording.midline is not None:
+        data = recording.midline
+        near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
+        times, points = data.t, data.xy[:, near]
+        seen = np.isfinite(points).all(axis=(1, 2))
+        direction = np.unwrap(np.arctan2(-points[seen, :, 0], points[seen, :, 1]), axis=0).mean(axis=1)
+    elif recording.shape is not None:
+        track = recording.shape
+        times, seen = track.t, track.accepted & np.isfinite(track.coefficients).all(axis=1)
+        direction = track.coefficients[seen, 0] + base(times[seen])[0]  # a track counts the root from the servo's angle
+    else:
+        return None
+    theta = base(times)[0]
+    if np.ptp(theta) < 0.05 or seen.sum() < 10 or not np.isfinite(direction).all():
+        return None
+    return float(np.polyfit(theta[seen] - theta[seen].mean(), direction, 1)[0])
+
+
+def _with_sign_reversed(recording: Recording, base: Waveform) -> Recording:
+    """The recording with its servo's log in the opposite sense; what was seen stays as it was seen."""
+    assert recording.motor is not None
+    motor = replace(recording.motor, command=-recording.motor.command, angle=-recording.motor.angle)
+    shape = recording.shape
+    if shape is not None:
+        coefficients = shape.coefficients.copy()
+        coefficients[:, 0] += 2.0 * base(shape.t)[0]
+        shape = replace(shape, coefficients=coefficients)
+    return replace(recording, motor=motor, shape=shape)
+
+
+def _turned(xy: Array, theta: Array) -> Array:
+    """Points (T, P, 2) turned by theta (T,), from the base's own frame to the standing one."""
+    cos, sin = np.cos(theta)[:, None], np.sin(theta)[:, None]
+    return np.stack([cos * xy[..., 0] - sin * xy[..., 1], sin * xy[..., 0] + cos * xy[..., 1]], axis=-1)
+
+
+def _observation(
+    recording: Recording, base: Waveform, turning: bool
+) -> tuple[ShapeObservation | MarkerObservation, Array | None, float, list[str]]:
+    length, words = recording.declaration.specimen.length, []
+    if recording.midline is not None:
+        data = recording.midline
+        theta = base(data.t)[0]
+        if turning:
+            words.append("The midline turns with the base: it is taken as given in the base's own turning frame.")
+            data = type(data)(data.t, data.s, _turned(data.xy, theta), data.sigma)
+        counts = np.isfinite(data.xy).all(axis=2).sum(axis=1)
+        points = int(np.median(counts[counts > 0])) if counts.any() else 0
+        order = min(MOST_COORDINATES, points - POSE)
+        if order < 2:
+            raise CannotTellError(f"The midline of {recording.name} has {points} points a frame; 6 are the least.")
+        sigma = 1e-4
+        if not np.isfinite(data.sigma).any():
+            free = noise_deviation(data.xy)
+            sigma = float(np.nanmedian(free[np.abs(data.xy).max(axis=0, initial=0.0, where=np.isfinite(data.xy)) > 0]))
+            sigma = max(sigma, 1e-7)
+            words.append(f"The midline states no noise; {1e3 * sigma:.3f} mm was found between frames.")
+        return fit_shapes(data, theta, length, order, sigma), data.xy, sigma, words
+    if recording.shape is not None:
+        return from_track(recording.shape, base(recording.shape.t)[0], length), None, 0.0, words
+    if recording.markers is not None:
+        data = recording.markers
+        sigma = max(float(np.nanmedian(noise_deviation(data.xy))), 1e-6)
+        words.append(f"Markers: {1e3 * sigma:.3f} mm of noise between frames.")
+        return from_markers(data, base(data.t)[0], length, sigma), None, sigma, words
+    raise InputError(
+        "nothing was seen of the arm's shape", file=recording.name, expected="a midline, markers or a tracked video"
+    )
+
+
+def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
+    """The experiment of a recording; with hold_out its last third is kept for judging.
+
+    Raises InputError where no shape was measured at all, CannotTellError where too little was.
+    """
+    base = _base(recording)
+    following = _following(recording, base)
+    opposite = following is not None and following < OPPOSITE
+    if opposite:
+        recording = _with_sign_reversed(recording, base)
+        base = _base(recording)
+    turning = following is not None and OPPOSITE <= following < TURNING
+    observation, points, sigma, words = _observation(recording, base, turning)
+    if opposite:
+        words.append(
+            f"In {recording.name} the arm's root turns against the servo's log ({following:.2f} rad a radian): "
+            "the log's sign is taken as reversed. Declare `mirrored` in [camera] or turn the log's sign."
+        )
+    times = observation.t
+    if isinstance(observation, ShapeObservation):
+        observation, jumps = without_jumps(observation)
+        if jumps:
+            words.append(f"{jumps} frames of {recording.name} jump out of the motion (shown twice, misread): left out.")
+        seen = observation.seen
+        rates = rates_seen(observation)
+        channels = observation.coefficients.shape[1]
+    else:
+        seen = np.asarray(np.isfinite(observation.xy).any(axis=(1, 2)))
+        rates = np.zeros(0)
+        channels = 2 * observation.s.size
+    if seen.sum() < FEWEST_FRAMES:
+        raise CannotTellError(f"{recording.name} has {int(seen.sum())} usable frames; {FEWEST_FRAMES} are the least.")
+    if not _moves(observation, seen):
+        raise CannotTellError(
+            f"{recording.name}: the arm hardly moves beyond the noise; nothing of its dynamics can be seen."
+        )
+    release = recording.declaration.release_t
+    first = times[seen][0]
+    last = min(times[seen][-1], first + LONGEST)
+    if times[seen][-1] > last:
+        words.append(f"Of {recording.name} the first {LONGEST:.0f} s are judged.")
+    within = seen & (times <= last)
+    used = within.copy()
+    if hold_out:
+        begin = first if release is None else release
+        used &= times <= begin + 2.0 / 3.0 * (last - begin)
+    interval = float(np.median(np.diff(times)))
+    experiment = Experiment(
+        name=recording.name,
+        observation=observation,
+        base=base,
+        t0=float(first),
+        duration=float(last - (first if release is None else release)) + 0.2,
+        release=release,
+        used=used,
+        noise_gain=np.ones(channels),
+        release_sigma=2.0 * interval,
+        rates_seen=rates,
+        base_known_from=None if recording.motor is None else float(recording.motor.t[0]),
+    )
+    return Prepared(recording, experiment, points, sigma, tuple(words))
+
+
+def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) -> bool:
+    """Whether the shape changes, or the base turns it, by more than the noise does."""
+    if isinstance(observation, MarkerObservation):
+        spread = np.nanstd(observation.xy[seen], axis=0)
+        return bool(np.max(spread) > LEAST_MOTION * observation.sigma)
+    if np.ptp(observation.theta[seen]) > 0.02:
+        return True
+    change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
+    whitened = np.einsum("tkl,tl->tk", observation.root[seen], change)
+    return bool(np.mean(whitened**2) > LEAST_MOTION**2)
+
+
+def rates_seen(observation: ShapeObservation) -> Array:
+    """rms rates of the Legendre coordinates (K,) [rad/s], over four frames each: noise is part of it, and it is an
+    upper bound.
+    """
+    good = np.flatnonzero(observation.seen)
+    z, t = observation.coefficients[good, POSE:], observation.t[good]
+    rates = (z[4:] - z[:-4]) / (t[4:] - t[:-4])[:, None]
+    return np.asarray(np.sqrt(np.mean(rates**2, axis=0)) + LEAST_RATE) if len(rates) else np.zeros(0)
+
+
+def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:
+    """Frames (T,) that jump out of the motion: shown twice, stamped wrongly, or misread.
+
+    Each is held against the cubic through the two frames before and the two after it, base angle included, in units of
+    its own noise. An arm's motion strays from that alike over many frames, and by little beside its way from frame to
+    frame; a frame that is JUMP times as far off as those around it, and OF_WAY of that way, and the farthest of its
+    neighbours, is none.
+    """
+    total = observation.coefficients.copy()
+    total[:, 0] += observation.theta
+    between = (4.0 * (total[1:-3] + total[3:-1]) - total[:-4] - total[4:]) / 6.0
+    stray = np.einsum("tkl,tl->tk", observation.root[2:-2], total[2:-2] - between)
+    way = np.einsum("tkl,tl->tk", observation.root[2:-2], 0.5 * (total[3:-1] - total[1:-3]))
+    squares, ways = np.zeros(total.shape[0]), np.zeros(total.shape[0])
+    ways[2:-2] = np.sum(way**2, axis=1)
+    seen = observation.seen
+    whole = seen[2:-2] & seen[:-4] & seen[1:-3] & seen[3:-1] & seen[4:]
+    squares[2:-2] = np.where(whole, np.sum(stray**2, axis=1), 0.0)
+    around = median_filter(squares, size=NEIGHBOURS, mode="nearest")
+    farthest = squares >= maximum_filter(squares, size=5, mode="nearest")
+    return farthest & (squares > OF_WAY**2 * ways) & (squares > JUMP**2 * np.maximum(around, 2.0 * total.shape[1]))
+
+
+def without_jumps(observation: ShapeObservation) -> tuple[ShapeObservation, int]:
+    """The observation with jumping frames left out (they weigh nothing), and how many they are."""
+    if observation.t.size < NEIGHBOURS:
+        return observation, 0
+    jumping = jumping_frames(observation)
+    root = np.where(jumping[:, None, None], 0.0, observation.root)
+    return replace(observation, root=root), int(jumping.sum())
+
+
+def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
+    """The experiment with its noise as found in the residuals of a fit, where the stated noise is too small (or not
+    stated).
+
+    A channel noisier than stated by more than 10 % gets the larger value; a quieter one keeps what was stated, for a
+    source that smooths its data looks quiet between frames and is not.
+    """
+    found = noise_deviation(np.where(residuals == 0.0, np.nan, residuals)) * experiment.noise_gain
+    gain = np.where(np.isfinite(found) & (found > 1.1), found, 1.0)
+    return replace(experiment, noise_gain=gain)

@@ -1,0 +1,182 @@
+"""What the affine reduction itself loses: the declared model's fit to a MuJoCo chain with the very same parameters.
+
+The chain knows nothing missing, so what the reduced model cannot follow of it is the reduction's own error, and no
+physics. It is known frame by frame, and so it is taken off what was measured before anything is sought there (a control
+variate, as in multi-fidelity estimation: Peherstorfer, Willcox and Gunzburger 2018).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from affine_model.arm import parameter_index
+from affine_model.curvature import Array, midline
+from affine_model.effects import catalogue
+from inference.experiment import Experiment, predict
+from inference.observation import ShapeObservation, fit_shapes
+from inference.trajectory import Fit, Problem, fit
+from mujoco_ref.simulate import simulate
+from tentacle.errors import InputError
+from tentacle.model import Estimate, Model
+from tentacle.recording import Declaration
+from tentacle.signals import Midline
+from tentacle.waveform import Waveform
+
+LONGEST = 40.0  # s of each recording that the chain is run for
+POINTS = np.linspace(0.0, 1.0, 41)
+EDGES = np.linspace(0.02, 0.98, 41)  # a tracker sees edges all along, but for the corners at the ends
+RIGID = 1e-9  # rad: a base angle's offset that varies less is one number for the whole recording
+BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not bend it
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch
+    that was fitted and over the one held out; millimetres: rms on the midline, over both. beyond: one a recording, what
+    the chain shows beyond the reduced model, (T, K) at the recording's frames, in its shape coefficients; None where
+    the chain was not run, or not over all of it.
+    """
+
+    structure: float
+    judged: float
+    millimetres: float
+    beyond: tuple[Array | None, ...] = ()
+
+    @property
+    def worst(self) -> float:
+        """The larger of both stretches' [noise sigmas]."""
+        return max(self.structure, self.judged)
+
+
+@dataclass(frozen=True)
+class _Later:
+    """A base motion counted from another zero of time."""
+
+    motion: Waveform
+    t0: float
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """theta, rate, acceleration (3, ...)."""
+        return self.motion(np.asarray(t) + self.t0)
+
+
+def reduction_error(
+    declaration: Declaration, problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
+) -> Reduction | None:
+    """The reduction's error at the fitted parameters; None where no recording shows shapes of a moving base, or where
+    the chain cannot be run with these parameters (then nothing is known of it).
+
+    added: effects beside the base's, which stay as fitted. Those of servo and camera do not bend the arm: neither chain
+    nor reduced model has them.
+    """
+    bending = tuple(name for name in added if catalogue()[name].family not in BESIDE_THE_ARM)
+    parameters = fitted.parameters.copy()
+    for name in set(added) - set(bending):
+        for parameter in catalogue()[name].parameters:
+            parameters[parameter_index(name, parameter.name)] = parameter.neutral
+    free = tuple(name for name in problem.free if name[0] not in added)
+    acting = tuple((name, parameter.name) for name in bending for parameter in catalogue()[name].parameters)
+    tables: dict[str, dict[str, Estimate]] = {}
+    for effect, parameter in (*free, *acting):
+        tables.setdefault(effect, {})[parameter] = Estimate.exact(float(parameters[parameter_index(effect, parameter)]))
+    model = Model(declaration.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
+    fitted = replace(fitted, parameters=parameters)
+    problem = replace(problem, free=free)
+    fitted_rows, judged_rows, distances = [], [], []
+    beyond: list[Array | None] = [None] * len(problem.experiments)
+    for place, experiment in enumerate(problem.experiments):
+        if not isinstance(experiment.observation, ShapeObservation) or experiment.release is not None:
+            continue
+        try:
+            virtual, rows, distance = _against_chain(model, problem, fitted, place)
+        except InputError:
+            return None
+        used = virtual.used
+        beyond[place] = _beyond(experiment, virtual, rows)
+        fitted_rows.append(rows[used])
+        judged_rows.append(rows[~used] if (~used).any() else rows[used])
+        distances.append(distance)
+    if not distances:
+        return None
+    lost = 1e3 * float(np.sqrt(np.mean(np.square(distances))))
+    return Reduction(_rms(fitted_rows), _rms(judged_rows), lost, tuple(beyond))
+
+
+def without_reduction(problem: Problem, reduction: Reduction) -> Problem | None:
+    """The problem with what was measured less what the chain shows beyond the reduced model; None where that is not
+    known of every recording.
+    """
+    experiments = []
+    for experiment, beyond in zip(problem.experiments, reduction.beyond, strict=True):
+        observation = experiment.observation
+        if beyond is None or not isinstance(observation, ShapeObservation):
+            return None
+        less = replace(observation, coefficients=observation.coefficients - beyond)
+        experiments.append(replace(experiment, observation=less))
+    return replace(problem, experiments=tuple(experiments))
+
+
+def _beyond(experiment: Experiment, virtual: Experiment, rows: Array) -> Array | None:
+    """Residuals (T', K) of the reduced model against the chain, as coefficients at the recording's frames."""
+    seen, shown = experiment.observation, virtual.observation
+    assert isinstance(shown, ShapeObservation)
+    if seen.t[-1] > shown.t[-1] + 0.5:  # a frame or two behind the chain's end hold its last value
+        return None
+    coefficients: Array = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
+    # a straight line between frames would cut a swing at its turns, by more than an arm's motion is known to
+    t = np.minimum(seen.t, shown.t[-1])
+    return np.array([CubicSpline(shown.t, column)(t) for column in coefficients.T]).T
+
+
+def _rms(parts: list[Array]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate([part.ravel() for part in parts]) ** 2)))
+
+
+def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Experiment, Array, float]:
+    """The chain's run as an experiment, begun in the fitted state; whitened residuals (T, K) of the reduced model
+    fitted to it; the midlines' rms distance [m].
+    """
+    experiment, arm = problem.experiments[place], problem.arm
+    observation = experiment.observation
+    assert isinstance(observation, ShapeObservation)
+    interval = float(np.median(np.diff(observation.t)))
+    duration = min(experiment.duration - 0.3, LONGEST)
+    shape, moving, _, _ = experiment.parts(arm.order, fitted.nuisances[place])
+    chain = simulate(
+        model, _Later(experiment.base, experiment.t0), duration, 1.0 / interval, s=_points(observation),
+        initial_q=arm.to_monomial @ shape, initial_q_rate=arm.to_monomial @ moving,
+    )  # fmt: skip
+    virtual = _virtual(experiment, observation, chain.midline)
+    alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
+    again = fit(alone, (fitted.nuisances[place],), most=12)
+    shown = predict(arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
+    points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, chain.midline.s)
+    points = points + shown.shift[:, 0]
+    distance = np.sqrt(np.mean(np.sum((points - chain.midline.xy) ** 2, axis=2)))
+    return virtual, again.residuals[0], float(distance)
+
+
+def _points(observation: ShapeObservation) -> Array:
+    """Where along the arm (0 .. 1) the chain is looked at, that it be bent into fewer coordinates as in the recording:
+    a least-squares shape depends on where it is told.
+    """
+    return EDGES if observation.tracked else POINTS
+
+
+def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midline) -> Experiment:
+    """The chain's midline as if it had been measured without noise by this recording's camera."""
+    t = experiment.t0 + seen.t
+    theta = experiment.base(t)[0]
+    live = np.flatnonzero(observation.seen)
+    typical = observation.root[live[live.size // 2]]
+    as_here = {"by_edges": observation.tracked, "rigid": bool(np.ptp(observation.coefficients[live, 0]) < RIGID)}
+    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, 1e-4, **as_here)
+    fitted_until = observation.t[experiment.used].max()
+    shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
+    return replace(
+        experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=t <= fitted_until
+    )

@@ -1,0 +1,192 @@
+"""The score test: how much of the residual each absent effect would explain, to first order, all from one batch.
+
+With r the whitened residual of the fitted model, J its Jacobian and S the sensitivity to an effect's strengths, the
+log-likelihood gained is 1/2 |P_S r|^2, where S is first freed of what refitting J's parameters absorbs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from affine_model.arm import parameter_index
+from affine_model.curvature import Array
+from affine_model.effect import Effect
+from affine_model.effects import absent_effects
+from inference.trajectory import Fit, ParameterName, Problem
+
+STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
+SURVEYED = (0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
+BATCH = 96  # individuals at once: what memory holds for a long recording
+VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An absent effect as the score test sees it: gain [nats], linear estimate of its strengths, the shape values at
+    which the gain is largest, its sensitivity freed of the base (N, S); surveyed: strengths found beyond the linear
+    regime, another place to start from (None where that was not asked).
+    """
+
+    effect: Effect
+    gain: float
+    strengths: Array
+    shapes: tuple[float, ...]
+    sensitivity: Array
+    surveyed: Array | None = None
+
+    @property
+    def free(self) -> tuple[ParameterName, ...]:
+        """Names of all its parameters."""
+        return tuple((self.effect.name, parameter.name) for parameter in self.effect.parameters)
+
+
+def _variants(effect: Effect, peaks: tuple[float, ...]) -> list[tuple[float, ...]]:
+    """All combinations of the shapes' scan values; of a frequency also where the residual's own peaks lie."""
+    return list(product(*((*shape.scan, *(peaks if shape.unit == "Hz" else ())) for shape in effect.shapes)))
+
+
+def spectral_peaks(problem: Problem, fitted: Fit) -> tuple[float, ...]:
+    """The PEAKS highest peaks [Hz] of the residuals' power over all channels and recordings, within BAND.
+
+    A line is as narrow as the recording is long: a fixed scan steps over it.
+    """
+    frequencies = np.arange(BAND[0], BAND[1], RESOLUTION)
+    power = np.zeros(frequencies.size)
+    for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True):
+        t, rows = experiment.observation.t[experiment.used], residuals[experiment.used]
+        waves = np.exp(-2j * np.pi * frequencies[:, None] * t)
+        power += np.sum(np.abs(waves @ (rows - rows.mean(axis=0))) ** 2, axis=1)
+    inner = power[1:-1]
+    places = 1 + np.flatnonzero((inner > power[:-2]) & (inner >= power[2:]))
+    highest = places[np.argsort(-power[places])][:PEAKS]
+    return tuple(float(value) for value in np.sort(frequencies[highest]))
+
+
+def _trial(problem: Problem, effect: Effect, shapes: tuple[float, ...], strength: int, sign: float) -> Array:
+    parameters = problem.parameters.copy()
+    for shape, value in zip(effect.shapes, shapes, strict=True):
+        parameters[parameter_index(effect.name, shape.name)] = value
+    parameter = effect.strengths[strength]
+    parameters[parameter_index(effect.name, parameter.name)] += sign * STRENGTH_STEP * parameter.nominal
+    return parameters
+
+
+def sensitivities(
+    problem: Problem, fitted: Fit, effects: tuple[Effect, ...]
+) -> dict[str, list[tuple[tuple[float, ...], Array]]]:
+    """Per effect and shape variant, d residuals / d strengths (N, S), at the fitted state; differences in one batch
+    each.
+    """
+    problem = replace(problem, parameters=fitted.parameters)
+    unknowns = np.concatenate([fitted.values, *fitted.nuisances])
+    peaks = spectral_peaks(problem, fitted)
+    plan = []
+    for effect in effects:
+        for shapes in _variants(effect, peaks):
+            for strength in range(len(effect.strengths)):
+                low = effect.strengths[strength].bounds[0]
+                for sign in (1.0, -1.0) if low < 0.0 else (1.0, 0.0):
+                    plan.append((effect, shapes, strength, sign))
+    columns = []
+    for begin in range(0, len(plan), BATCH):
+        part = plan[begin : begin + BATCH]
+        parameters = np.stack([_trial(problem, *entry) for entry in part], axis=1)
+        columns.append(problem.residuals_of(parameters, np.repeat(unknowns[:, None], len(part), axis=1)))
+    values = np.concatenate(columns, axis=1)
+    found: dict[str, list[tuple[tuple[float, ...], Array]]] = {}
+    place = 0
+    for effect in effects:
+        for shapes in _variants(effect, peaks):
+            parts = []
+            for parameter in effect.strengths:
+                spread = STRENGTH_STEP * parameter.nominal * (2.0 if parameter.bounds[0] < 0.0 else 1.0)
+                parts.append((values[:, place] - values[:, place + 1]) / spread)
+                place += 2
+            found.setdefault(effect.name, []).append((shapes, np.stack(parts, axis=1)))
+    return found
+
+
+def survey(problem: Problem, fitted: Fit, candidates: list[Candidate]) -> dict[str, tuple[float, Array]]:
+    """Where the residual is large a linear estimate misleads: the best of a coarse grid of strengths, per candidate.
+
+    Every strength is tried alone at nominal sizes times SURVEYED (both signs where bounds allow), with the shape
+    values that the score test prefers; base and initial states stay. Gives effect -> (gain in nats, strengths); one
+    batch for all.
+    """
+    problem = replace(problem, parameters=fitted.parameters)
+    unknowns = np.concatenate([fitted.values, *fitted.nuisances])
+    plan: list[tuple[str, Array]] = []
+    columns = []
+    for candidate in candidates:
+        for place, strength in enumerate(candidate.effect.strengths):
+            for size in (*SURVEYED, *(-value for value in SURVEYED)):
+                value = size * strength.nominal
+                if not strength.bounds[0] <= value <= strength.bounds[1]:
+                    continue
+                parameters = fitted.parameters.copy()
+                for shape, best in zip(candidate.effect.shapes, candidate.shapes, strict=True):
+                    parameters[parameter_index(candidate.effect.name, shape.name)] = best
+                parameters[parameter_index(candidate.effect.name, strength.name)] = value
+                strengths = np.zeros(len(candidate.effect.strengths))
+                strengths[place] = value
+                plan.append((candidate.effect.name, strengths))
+                columns.append(parameters)
+    found: dict[str, tuple[float, Array]] = {}
+    for begin in range(0, len(plan), BATCH):
+        part = np.stack(columns[begin : begin + BATCH], axis=1)
+        values = problem.residuals_of(part, np.repeat(unknowns[:, None], part.shape[1], axis=1))
+        gains = fitted.misfit - 0.5 * np.einsum("nb,nb->b", values, values)
+        for (name, strengths), gain in zip(plan[begin : begin + BATCH], gains, strict=True):
+            if gain > found.get(name, (0.0, strengths))[0]:
+                found[name] = (float(gain), strengths)
+    return found
+
+
+def absorbed_basis(fitted: Fit) -> Array:
+    """Orthonormal basis (N, P) of all that refitting the model's own parameters and initial states can absorb."""
+    scaled = fitted.jacobian / np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
+    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
+    return left[:, singular > 1e-9 * singular[0]]
+
+
+def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Candidate]:
+    """All candidate effects, best first. Effects that cannot be seen in these data are left out."""
+    chosen = tuple(e for e in (effects or absent_effects()) if e.strengths)
+    basis = absorbed_basis(fitted)
+    residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
+    names = {name for name, _ in problem.free}
+    chosen = tuple(effect for effect in chosen if effect.name not in names)
+    table = sensitivities(problem, fitted, chosen)
+    candidates = []
+    for effect in chosen:
+        nominal = np.array([parameter.nominal for parameter in effect.strengths])
+        best: Candidate | None = None
+        for shapes, raw in table[effect.name]:
+            freed = raw - basis @ (basis.T @ raw)
+            visible = np.linalg.norm(freed * nominal, axis=0) > VISIBLE_STRENGTH * np.sqrt(residual.size)
+            if not visible.any():
+                continue
+            strengths = np.zeros(nominal.size)
+            solution, *_ = np.linalg.lstsq(freed[:, visible] * nominal[visible], -residual, rcond=1e-8)
+            strengths[visible] = solution * nominal[visible]
+            explained = freed @ strengths
+            gain = float(-residual @ explained - 0.5 * explained @ explained)
+            if best is None or gain > best.gain:
+                best = Candidate(effect, gain, strengths, shapes, freed)
+        if best is not None:
+            candidates.append(best)
+    return sorted(candidates, key=lambda candidate: -candidate.gain)
+
+
+def twin_cosines(candidates: list[Candidate]) -> Array:
+    """Largest canonical cosine between each two candidates' sensitivities: at 1 these data cannot split them."""
+    bases = [np.linalg.qr(candidate.sensitivity)[0] for candidate in candidates]
+    result = np.eye(len(bases))
+    for a, first in enumerate(bases):
+        for b, second in enumerate(bases[:a]):
+            result[a, b] = result[b, a] = np.linalg.norm(first.T @ second, 2)
+    return result

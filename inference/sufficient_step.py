@@ -1,0 +1,54 @@
+"""The coarsest step that a fit may use: its error must drown in the noise, or in what is not explained yet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from affine_model.curvature import Array
+from inference.trajectory import RAN_AWAY, Fit, Problem
+
+STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
+OF_NOISE = 0.05  # noise sigmas (rms): a nat for every 800 values, and of it all models have the same
+OF_REST = 0.02  # of the rest's rms: a model that errs so much anyway is not known better by a finer step
+
+
+def unbiased_noise(problem: Problem) -> float:
+    """The error of the motion, in noise sigmas (rms), that moves no parameter by more than half its own deviation.
+
+    Unlike noise it does not average out over the residuals: all of it may lie along one parameter's column.
+    """
+    return 0.5 / float(np.sqrt(sum(e.used.sum() * e.noise_gain.size for e in problem.experiments)))
+
+
+def sufficient_step(problem: Problem, fitted: Fit, of_noise: float = OF_NOISE) -> float:
+    """The coarsest of STEPS [s] at which the fitted motion errs by less than of_noise, or OF_REST of the rest, on the
+    fitted frames of every recording and on those kept for judging.
+
+    The error is estimated by halving the step: the midpoint rule is of second order, so what a halving changes is
+    three quarters of it. The finest step where none suffices.
+    """
+    unknowns = np.concatenate([fitted.values, *fitted.nuisances])[:, None]
+
+    def shown(step: float) -> list[Array]:
+        everything = replace(problem, step=step, parameters=fitted.parameters).residuals(unknowns)[1]
+        return [
+            rows[frames, :, 0]
+            for experiment, rows in zip(problem.experiments, everything, strict=True)
+            for frames in (experiment.used, ~experiment.used)
+            if frames.any()
+        ]
+
+    rest = float(np.sqrt(np.mean(fitted.used_residuals**2)))
+    allowed = max(of_noise, OF_REST * (rest if rest > 2.0 else 0.0))
+    last = shown(STEPS[0])
+    for coarse, fine in pairwise(STEPS):
+        finer = shown(fine)
+        changes = [np.sqrt(np.mean((a - b) ** 2)) for a, b in zip(finer, last, strict=True)]
+        stable = max(float(np.max(np.abs(b))) for b in last) < RAN_AWAY
+        if stable and max(changes) < 0.75 * allowed:
+            return coarse
+        last = finer
+    return STEPS[-1]

@@ -1,0 +1,247 @@
+"""The trajectory fit: parameters and initial states that bring the simulated motion onto the measured one.
+
+Least squares on whitened residuals over any number of recordings at once, within bounds. All derivatives come from
+one batch of simulations a round, two individuals per unknown; scipy's least_squares finds the same minimum (a test
+compares).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from affine_model.arm import Arm, parameter_rows
+from affine_model.curvature import Array
+from inference.experiment import Experiment, predict, whitened_residuals
+from inference.levenberg_marquardt import minimise
+
+ParameterName = tuple[str, str]  # effect, parameter
+DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
+ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
+RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
+PRIOR_REACH = 3.0
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model.
+
+    free: the fitted parameters; values, covariance of them alone, all else marginalised; parameters (R,) the whole
+    vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
+    (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
+    parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; spread: rms in noise
+    sigmas that the unknowns' own uncertainty adds to the frames that were not fitted.
+    """
+
+    free: tuple[ParameterName, ...]
+    values: Array
+    covariance: Array
+    parameters: Array
+    nuisances: tuple[Array, ...]
+    misfit: float
+    count: int
+    residuals: tuple[Array, ...]
+    at_bound: tuple[ParameterName, ...]
+    jacobian: Array
+    used_residuals: Array
+    evaluations: int
+    spread: float = 0.0
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is to be fitted: an arm, recordings, the names of the free parameters, the fixed rest of the vector.
+
+    prior: mean (F,) and root (F, F) of the information of the parameters prior_free, from a baseline fit (None: no
+    prior). They stay within PRIOR_REACH standard deviations, however strongly the data pull: else a heavy tip would be
+    taken for a soft arm.
+    """
+
+    arm: Arm
+    experiments: tuple[Experiment, ...]
+    free: tuple[ParameterName, ...]
+    parameters: Array
+    step: float
+    prior_free: tuple[ParameterName, ...] = ()
+    prior_mean: Array | None = None
+    prior_root: Array | None = None
+
+    def rows(self) -> np.ndarray:
+        """Places of the free parameters in the vector."""
+        places = {(row.effect, row.parameter.name): row.index for row in parameter_rows()}
+        return np.array([places[name] for name in self.free], dtype=int)
+
+    def sizes(self) -> list[int]:
+        """Number of nuisances of each recording."""
+        return [len(experiment.nuisance_names(self.arm.order)) for experiment in self.experiments]
+
+    def scales(self) -> Array:
+        """Size of one unit of each unknown: of a parameter its value or nominal, whichever is larger."""
+        nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
+        own: list[float] = [
+            max(abs(nominal[name]) * 0.1, float(abs(self.parameters[row])))
+            for name, row in zip(self.free, self.rows(), strict=True)
+        ]
+        length = self.arm.specimen.length
+        return np.concatenate([np.array(own), *(e.nuisance_scales(self.arm.order, length) for e in self.experiments)])
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Bounds of all unknowns."""
+        limits = {(row.effect, row.parameter.name): row.parameter.bounds for row in parameter_rows()}
+        low, high = np.array([limits[name] for name in self.free]).reshape(-1, 2).T.copy()
+        if self.prior_mean is not None and self.prior_root is not None:
+            places = [self.free.index(name) for name in self.prior_free]
+            inverse = np.linalg.inv(self.prior_root)
+            reach = PRIOR_REACH * np.linalg.norm(inverse, axis=1)
+            low[places] = np.maximum(low[places], self.prior_mean - reach)
+            high[places] = np.minimum(high[places], self.prior_mean + reach)
+        length = self.arm.specimen.length
+        rest = np.concatenate([e.nuisance_limits(self.arm.order, length) for e in self.experiments])
+        return np.concatenate([low, -rest]), np.concatenate([high, rest])
+
+    def residuals(self, unknowns: Array) -> tuple[Array, list[Array]]:
+        """Residuals (N, B) on the used frames with the priors, and all frames' (T, K, B) a recording; unknowns (P,
+        B).
+        """
+        parameters = np.repeat(self.parameters[:, None], unknowns.shape[1], axis=1)
+        parameters[self.rows()] = unknowns[: len(self.free)]
+        return self._compare(parameters, unknowns)
+
+    def residuals_of(self, parameters: Array, unknowns: Array) -> Array:
+        """Residuals (N, B) on the used frames for whole parameter vectors (R, B), nuisances out of unknowns (P, B)."""
+        return self._compare(parameters, unknowns)[0]
+
+    def _compare(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
+        count = unknowns.shape[1]
+        used, everything, place = [], [], len(self.free)
+        for experiment, size in zip(self.experiments, self.sizes(), strict=True):
+            nuisances = unknowns[place : place + size]
+            place += size
+            prediction = predict(self.arm, experiment, parameters, nuisances, self.step)
+            error = whitened_residuals(experiment, parameters, prediction)
+            error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
+            everything.append(error)
+            used.append(error[experiment.used].reshape(-1, count))
+            used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
+        if self.prior_mean is not None and self.prior_root is not None:
+            places = [self.free.index(name) for name in self.prior_free]
+            used.append(self.prior_root @ (unknowns[places] - self.prior_mean[:, None]))
+        return np.concatenate(used), everything
+
+    def jacobian(self, unknowns: Array) -> Array:
+        """d residuals / d unknowns (N, P) by central differences, one batch; one-sided where a bound is in the way."""
+        return self.jacobian_everywhere(unknowns)[0]
+
+    def jacobian_everywhere(self, unknowns: Array) -> tuple[Array, list[Array]]:
+        """The same, and that of all frames (T, K, P) a recording, as residuals()."""
+        scales, (low, high) = self.scales(), self.bounds()
+        ahead = np.minimum(unknowns + DIFFERENCE * scales, high)
+        behind = np.maximum(unknowns - DIFFERENCE * scales, low)
+        batch = np.repeat(unknowns[:, None], 2 * unknowns.size, axis=1)
+        places = np.arange(unknowns.size)
+        batch[places, 2 * places], batch[places, 2 * places + 1] = ahead, behind
+        values, everything = self.residuals(batch)
+        width = ahead - behind
+        return (values[:, 0::2] - values[:, 1::2]) / width, [
+            (rows[:, :, 0::2] - rows[:, :, 1::2]) / width for rows in everything
+        ]
+
+    def slope(self, unknowns: Array, value: Array) -> Array:
+        """The same by one-sided differences from the residuals (N,) there: for the steps of a search."""
+        step = ONE_SIDED * self.scales()
+        step = np.where(unknowns + step > self.bounds()[1], -step, step)
+        values, _ = self.residuals(unknowns[:, None] + np.diag(step))
+        return (values - value[:, None]) / step
+
+
+def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-7, most: int = 40) -> Fit:
+    """Fit from one start: the problem's parameters and the given nuisances.
+
+    Raises ValueError where there is not one used frame.
+    """
+    low, high = problem.bounds()
+    scales = problem.scales()
+    start = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+    start = np.clip(start, low, high)
+    if not any(experiment.used.any() for experiment in problem.experiments):
+        raise ValueError("no frame to fit")
+
+    lowest = minimise(
+        lambda scaled: problem.residuals(scaled * scales[:, None])[0],
+        lambda scaled, value: problem.slope(scaled * scales, value) * scales,
+        start / scales,
+        low / scales,
+        high / scales,
+        tolerance=tolerance,
+        most=most,
+    )
+    unknowns = lowest.unknowns * scales
+    return _finished(problem, unknowns, lowest.rounds)
+
+
+def _finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
+    used, everything = problem.residuals(unknowns[:, None])
+    jacobian, everywhere = problem.jacobian_everywhere(unknowns)
+    low, high = problem.bounds()
+    count = len(problem.free)
+    information = jacobian.T @ jacobian
+    size = np.sqrt(np.maximum(np.diag(information), 1e-200))
+    covariance = np.linalg.pinv(information / np.outer(size, size), hermitian=True) / np.outer(size, size)
+    values = unknowns[:count]
+    close = 1e-6 * problem.scales()[:count]
+    touching = (values <= low[:count] + close) | (values >= high[:count] - close)
+    parameters = problem.parameters.copy()
+    parameters[problem.rows()] = values
+    parts = np.split(unknowns[count:], np.cumsum(problem.sizes())[:-1]) if problem.experiments else []
+    return Fit(
+        free=problem.free,
+        values=values,
+        covariance=covariance[:count, :count],
+        parameters=parameters,
+        nuisances=tuple(parts),
+        misfit=0.5 * float(used[:, 0] @ used[:, 0]),
+        count=used.shape[0],
+        residuals=tuple(error[:, :, 0] for error in everything),
+        at_bound=tuple(name for name, flag in zip(problem.free, touching, strict=True) if flag),
+        jacobian=jacobian,
+        used_residuals=used[:, 0],
+        evaluations=evaluations,
+        spread=_held_out_spread(problem, everywhere, covariance),
+    )
+
+
+def _held_out_spread(problem: Problem, everywhere: list[Array], covariance: Array) -> float:
+    """What the unknowns' own covariance (P, P) makes of the frames that were not fitted: rms in noise sigmas."""
+    total, count = 0.0, 0
+    for experiment, slope in zip(problem.experiments, everywhere, strict=True):
+        rows = slope[~experiment.used].reshape(-1, slope.shape[2])
+        rows = rows[np.any(rows != 0.0, axis=1)]
+        total += float(np.einsum("rp,pq,rq->", rows, covariance, rows))
+        count += rows.shape[0]
+    return float(np.sqrt(max(total, 0.0) / count)) if count else 0.0
+
+
+def evaluate(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
+    """The problem at its start, not fitted (its Jacobian included)."""
+    unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+    return _finished(problem, unknowns, 0)
+
+
+def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:
+    """The best of several starts; starts (F, S) are values of the free parameters, screened in one batch, `keep`
+    refined roughly, the best of these to the end.
+    """
+    flat = np.concatenate(nuisances)[:, None]
+    unknowns = np.concatenate([starts, np.repeat(flat, starts.shape[1], axis=1)])
+    values, _ = problem.residuals(unknowns)
+    cost = np.einsum("nb,nb->b", values, values)
+    best: Fit | None = None
+    for place in np.argsort(cost)[:keep]:
+        parameters = problem.parameters.copy()
+        parameters[problem.rows()] = starts[:, place]
+        candidate = fit(replace(problem, parameters=parameters), nuisances, tolerance=1e-2, most=12)
+        if best is None or candidate.misfit < best.misfit:
+            best = candidate
+    assert best is not None
+    return fit(replace(problem, parameters=best.parameters), best.nuisances)

@@ -1,0 +1,186 @@
+"""A lab's folder as a recording: recording.toml, and a video, a midline or markers, with motor and load cell logs.
+
+| file | columns or content | absent |
+|---|---|---|
+| recording.toml | the declaration (tentacle.io.declaration_file) | an error |
+| video.mp4 (.mkv .avi .mov .webm) or frames/00000.png ... | dark arm on a light ground; needs [camera] | not filmed |
+| motor.csv | t_s, command_rad, angle_rad | clamped |
+| load_cell.csv | t_s, thrust_n | not measured |
+| midline.csv | t_s, s, x_m, y_m, sigma_m, one point a row; sigma_m may be left out | no midline |
+| markers.csv | t_s, then NAME_x_m, NAME_y_m; [markers] NAME = {s, d} in recording.toml | no markers |
+
+A blank cell in x_m, y_m, sigma_m or a marker's columns means: not seen.
+One of video, midline and markers must be there.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from tentacle.errors import InputError
+from tentacle.io.csv_table import CsvTable, read_csv
+from tentacle.io.declaration_file import RecordingFile, read_recording_file
+from tentacle.io.video_file import find_video
+from tentacle.recording import Recording
+from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal
+
+LARGEST_ANGLE = 4 * math.pi  # rad; a servo turns less, so more is degrees by mistake
+LARGEST_DISTANCE = 3.0  # arm lengths; farther from the clamp is millimetres by mistake
+LARGEST_THRUST = 1000.0  # N; more is counts or grams by mistake
+
+
+def read_folder(folder: Path) -> Recording:
+    """The recording in an import folder. InputError names file, line and field of the first thing that is wrong."""
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError("no such folder", file=folder, expected="an import folder with recording.toml")
+    declared = read_recording_file(folder / "recording.toml")
+    video = find_video(folder)
+    if video is not None and declared.declaration.camera is None:
+        raise InputError(
+            f"missing, and there is {video.path.name}",
+            file=folder / "recording.toml",
+            field="camera",
+            expected="[camera] with fps, m_per_px, base_px, arm_px",
+        )
+    reach = LARGEST_DISTANCE * declared.declaration.specimen.length
+    recording = Recording(
+        name=declared.name or folder.resolve().name,
+        declaration=declared.declaration,
+        motor=_read_motor(folder / "motor.csv"),
+        load_cell=_read_load_cell(folder / "load_cell.csv"),
+        midline=_read_midline(folder / "midline.csv", reach),
+        markers=_read_markers(folder / "markers.csv", declared, reach),
+        video=video,
+        notes=declared.notes,
+    )
+    _check_clocks(recording, folder)
+    if recording.video is None and recording.midline is None and recording.markers is None:
+        raise InputError(
+            "nothing shows the arm", file=folder, expected="video.mp4, frames/00000.png, midline.csv or markers.csv"
+        )
+    return recording
+
+
+def _check_clocks(recording: Recording, folder: Path) -> None:
+    """InputError where signals have no time in common (one counts from 1970, say), or the release is after them all."""
+    pictures = recording.midline or recording.markers
+    if pictures is None:
+        return
+    start, stop = float(pictures.t[0]), float(pictures.t[-1])
+    for name, signal in (("motor.csv", recording.motor), ("load_cell.csv", recording.load_cell)):
+        if signal is not None and (signal.t[-1] < start or signal.t[0] > stop):
+            raise InputError(
+                f"from {signal.t[0]:.9g} to {signal.t[-1]:.9g} s, and the arm is seen from {start:.9g} to {stop:.9g} s",
+                file=folder / name,
+                field="t_s",
+                expected="times of one clock",
+            )
+    release = recording.declaration.release_t
+    if release is not None and release >= stop:
+        raise InputError(
+            f"{release:g} s is after the last frame ({stop:g} s)",
+            file=folder / "recording.toml",
+            field="release.t_s",
+            expected="a time in the recording",
+        )
+
+
+def _read_motor(file: Path) -> MotorSignal | None:
+    if not file.exists():
+        return None
+    table = read_csv(file, ("t_s", "command_rad", "angle_rad"), extra_allowed=True)
+    table.require_rising("t_s")
+    for name in ("command_rad", "angle_rad"):
+        table.require_within(name, LARGEST_ANGLE, "an angle in rad")
+    return MotorSignal(table["t_s"], table["command_rad"], table["angle_rad"])
+
+
+def _read_load_cell(file: Path) -> LoadCellSignal | None:
+    if not file.exists():
+        return None
+    table = read_csv(file, ("t_s", "thrust_n"), extra_allowed=True)
+    table.require_rising("t_s")
+    table.require_within("thrust_n", LARGEST_THRUST, "a force in N")
+    return LoadCellSignal(table["t_s"], table["thrust_n"])
+
+
+def _read_midline(file: Path, reach: float) -> Midline | None:
+    if not file.exists():
+        return None
+    table = read_csv(file, ("t_s", "s", "x_m", "y_m"), optional=("sigma_m",), blank_allowed=True)
+    table.require_values("t_s", "s")
+    table.require_rising("t_s", repeats=True)
+    _check_points(table, [("x_m", "y_m")], reach)
+    arc = table["s"]
+    outside = (arc < 0) | (arc > 1)
+    if outside.any():
+        index = int(np.argmax(outside))
+        raise table.error(index, "s", f"{arc[index]:g} is out of range", "0 <= s <= 1, the arc length over the arm's")
+    sigma = table["sigma_m"] if "sigma_m" in table else np.full(len(arc), np.nan)
+    if (sigma <= 0).any():
+        index = int(np.argmax(sigma <= 0))
+        raise table.error(index, "sigma_m", f"{sigma[index]:g} is out of range", "a number > 0, or a blank cell")
+    if "sigma_m" in table:
+        table.require_within("sigma_m", reach, "metres")
+    return _group_frames(table, sigma)
+
+
+def _group_frames(table: CsvTable, sigma: Array) -> Midline:
+    """The long form as frames: rows of one time are one frame; the fullest frame gives s, others may lack points."""
+    t, arc = table["t_s"], table["s"]
+    new_frame = np.concatenate([[True], np.diff(t) > 0])
+    falls = ~new_frame[1:] & (np.diff(arc) <= 0)
+    if falls.any():
+        index = int(np.argmax(falls)) + 1
+        raise table.error(
+            index, "s", f"{arc[index]:g} after {arc[index - 1]:g} in one frame", "s that rises within a frame"
+        )
+    frame = np.cumsum(new_frame) - 1
+    starts, counts = np.flatnonzero(new_frame), np.bincount(frame)
+    fullest = int(np.argmax(counts))
+    grid = arc[starts[fullest] : starts[fullest] + counts[fullest]]
+    point = np.minimum(np.searchsorted(grid, arc), len(grid) - 1)
+    stray = grid[point] != arc
+    if stray.any():
+        index = int(np.argmax(stray))
+        problem = f"{arc[index]:g} is none of the {len(grid)} points of the frame at {t[starts[fullest]]:g} s"
+        raise table.error(index, "s", problem, "the same s in every frame")
+    xy, spread = np.full((len(starts), len(grid), 2), np.nan), np.full((len(starts), len(grid)), np.nan)
+    xy[frame, point, 0], xy[frame, point, 1], spread[frame, point] = table["x_m"], table["y_m"], sigma
+    return Midline(t[starts], grid.copy(), xy, spread)
+
+
+def _read_markers(file: Path, declared: RecordingFile, reach: float) -> Markers | None:
+    declaration_file = file.parent / "recording.toml"
+    if not file.exists():
+        if declared.markers:
+            raise InputError("no such file, and [markers] declares some", file=file)
+        return None
+    if not declared.markers:
+        raise InputError(
+            "missing, and there is markers.csv", file=declaration_file, field="markers", expected="name = {s, d}"
+        )
+    names = tuple(declared.markers)
+    pairs = [(f"{name}_x_m", f"{name}_y_m") for name in names]
+    table = read_csv(file, ("t_s", *(column for pair in pairs for column in pair)), blank_allowed=True)
+    table.require_values("t_s")
+    table.require_rising("t_s")
+    _check_points(table, pairs, reach)
+    xy = np.stack([np.stack([table[x], table[y]], axis=-1) for x, y in pairs], axis=1)
+    positions = np.array([declared.markers[name] for name in names])
+    return Markers(table["t_s"], names, positions[:, 0].copy(), positions[:, 1].copy(), xy)
+
+
+def _check_points(table: CsvTable, pairs: list[tuple[str, str]], reach: float) -> None:
+    for x, y in pairs:
+        half = np.isnan(table[x]) != np.isnan(table[y])
+        if half.any():
+            index = int(np.argmax(half))
+            blank = x if np.isnan(table[x][index]) else y
+            raise table.error(index, blank, "blank cell", f"{x} and {y} together, or neither")
+        for name in (x, y):
+            table.require_within(name, reach, f"metres, within {reach:g} m of the clamp")

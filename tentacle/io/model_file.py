@@ -1,0 +1,76 @@
+"""model.toml: an identified model as text and back, exactly.
+
+[specimen], [fluid], [gravity] as in recording.toml; order = number of curvature coordinates; then one table per effect,
+[effects.NAME], one line per parameter: PARAMETER = {value, low, high, unit}.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from tentacle.io.declaration_file import gravity_table, parse_fluid, parse_gravity, parse_specimen, specimen_table
+from tentacle.io.toml_table import Table, read_toml
+from tentacle.model import Estimate, Model
+from tentacle.specimen import AIR, HANGING_DOWN
+
+
+def read_model(file: Path) -> Model:
+    """The model in a model.toml; InputError names line and field of the first thing that is wrong."""
+    text, values = read_toml(Path(file))
+    return parse_model(Table(values, file=Path(file), text=text))
+
+
+def write_model(model: Model, file: Path) -> None:
+    """A model as model.toml, every digit kept; the file appears whole or not at all."""
+    file = Path(file)
+    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
+    partial.write_text(tomli_w.dumps(model_tables(model)), encoding="utf-8", newline="\n")
+    partial.replace(file)
+
+
+def parse_model(document: Table) -> Model:
+    """model.toml's content, checked."""
+    fluid, gravity = document.table("fluid", optional=True), document.table("gravity", optional=True)
+    effects = document.table("effects", optional=True)
+    model = Model(
+        specimen=parse_specimen(document.required_table("specimen")),
+        fluid=parse_fluid(fluid) if fluid else AIR,
+        gravity=parse_gravity(gravity) if gravity else HANGING_DOWN,
+        order=document.whole_number("order", 2, least=1),
+        parameters={} if effects is None else {name: _parse_effect(effects, name) for name in effects},
+    )
+    document.finish()
+    return model
+
+
+def _parse_effect(effects: Table, name: str) -> dict[str, Estimate]:
+    effect = effects.required_table(name)
+    return {parameter: _parse_estimate(effect.required_table(parameter)) for parameter in effect}
+
+
+def _parse_estimate(table: Table) -> Estimate:
+    value = table.number("value")
+    estimate = Estimate(value, table.bound("low", value), table.bound("high", value), table.string("unit", "1"))
+    table.finish()
+    if not estimate.low <= value <= estimate.high:
+        raise table.error(f"{value!r} is not between low and high", "value", f"{estimate.low!r} to {estimate.high!r}")
+    return estimate
+
+
+def model_tables(model: Model) -> dict[str, Any]:
+    """A model as model.toml's tables."""
+    effects = {
+        effect: {name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit} for name, e in values.items()}
+        for effect, values in model.parameters.items()
+    }
+    return {
+        "order": model.order,
+        "specimen": specimen_table(model.specimen),
+        "fluid": {"density_kg_m3": model.fluid.density},
+        "gravity": gravity_table(model.gravity),
+        "effects": effects,
+    }

@@ -1,0 +1,191 @@
+"""A recording as one .rrd file, complete: what is read back from it alone equals the recording that was written.
+
+| entity | what is there (columns by name; rows on the timelines `time` [s] and `row`) |
+|---|---|
+| /declaration | static TextDocument: recording.toml, markers' (s, d), name and notes included |
+| /rows | static: signal names, and how many rows each has (camera: frames, 1 for a video file): to know a cut |
+| /motor | t_s; /motor/command and /motor/angle: Scalars [rad] |
+| /load_cell | t_s; /load_cell/thrust: Scalars [N] |
+| /midline | t_s, x_m, y_m, sigma_m (P each); static s (P) |
+| /markers | t_s, x_m, y_m (M each) |
+| /shape | t_s, coefficients (K), covariance (K K), accepted, reason; static scale, scale_sigma, base_shift (2) |
+| /camera/video | a video file: static AssetVideo with its own bytes, suffix; VideoFrameReference rows on `time` |
+| /camera/frames | numbered PNG frames: EncodedImage rows with their own bytes |
+
+`time` is rounded to whole nanoseconds by Rerun, so the exact times are in t_s. Signals are written in the order of time
+and before the video: a file that was cut off (a full disk, a killed recorder) is recovered up to the cut, and says so
+in notes["cut_off"]. Reading: tentacle.io.recording_from_rrd.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rerun as rr
+from numpy.typing import NDArray
+
+from tentacle.errors import InputError
+from tentacle.io.declaration_file import format_recording_file
+from tentacle.io.recording_from_rrd import read_rrd
+from tentacle.io.rrd_stream import new_stream
+from tentacle.io.video_file import frame_files
+from tentacle.io.write_folder import describe
+from tentacle.recording import Recording
+
+__all__ = ["log_recording", "read_rrd", "write_rrd"]
+
+MEDIA_TYPES = {
+    ".mp4": "video/mp4",
+    ".mkv": "video/x-matroska",
+    ".avi": "video/x-msvideo",
+    ".mov": "video/quicktime",
+    ".webm": "video/webm",
+}
+SECONDS_PER_BLOCK = 1.0  # a cut costs at most this much, and the whole video
+
+
+def write_rrd(recording: Recording, file: Path) -> None:
+    """Write a recording; the file appears whole or not at all. InputError where its folder is missing."""
+    file = Path(file)
+    if not file.parent.is_dir():
+        raise InputError("no such folder", file=file.parent)
+    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
+    stream = new_stream(_identity(recording))
+    try:
+        stream.save(partial)
+        log_recording(recording, stream)
+        stream.flush()
+        stream.disconnect()
+        partial.replace(file)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+def _identity(recording: Recording) -> str:
+    """The same for the same declaration and signals: the viewer takes two files of one identity as one recording."""
+    digest = hashlib.sha256(format_recording_file(describe(recording)).encode())
+    for columns in _signal_rows(recording).values():
+        for values in columns.values():
+            digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()[:32]
+
+
+def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
+    """Log a recording to an open stream, so that other things can stand beside it in the same file."""
+    signals = _signal_rows(recording)
+    declaration = format_recording_file(describe(recording))
+    stream.send_recording_name(recording.name)
+    stream.log("declaration", rr.TextDocument(declaration, media_type="text/plain"), static=True)
+    counts = {name: len(next(iter(columns.values()))) for name, columns in signals.items()}
+    if recording.video is not None:
+        counts["camera"] = len(frame_files(recording.video.path)) if recording.video.path.is_dir() else 1
+    if counts:
+        stream.log("rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)
+    _log_statics(recording, stream)
+    stream.flush()  # single logs travel in a batch of their own: the declaration is to come first in the file
+    for name, columns, rows in _blocks(signals):
+        _send(stream, name, columns, rows)
+    if recording.video is not None:
+        _log_video(recording, stream)
+
+
+def _signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
+    """Signal -> column -> (rows, ...), the first column the times."""
+    signals: dict[str, dict[str, NDArray[Any]]] = {}
+    motor, load_cell, midline = recording.motor, recording.load_cell, recording.midline
+    markers, shape = recording.markers, recording.shape
+    if motor is not None:
+        signals["motor"] = {"t_s": motor.t, "command": motor.command, "angle": motor.angle}
+    if load_cell is not None:
+        signals["load_cell"] = {"t_s": load_cell.t, "thrust": load_cell.thrust}
+    if midline is not None:
+        x, y = midline.xy[..., 0], midline.xy[..., 1]
+        signals["midline"] = {"t_s": midline.t, "x_m": x, "y_m": y, "sigma_m": midline.sigma}
+    if markers is not None:
+        signals["markers"] = {"t_s": markers.t, "x_m": markers.xy[..., 0], "y_m": markers.xy[..., 1]}
+    if shape is not None:
+        covariance = shape.covariance.reshape(len(shape.t), -1)
+        signals["shape"] = {
+            "t_s": shape.t,
+            "coefficients": shape.coefficients,
+            "covariance": covariance,
+            "accepted": shape.accepted,
+            "reason": np.array(shape.reason),
+        }
+    return signals
+
+
+def _blocks(
+    signals: dict[str, dict[str, NDArray[Any]]],
+) -> Iterator[tuple[str, dict[str, NDArray[Any]], slice]]:
+    """The signals' rows in blocks of time, so that all of them end together where a file is cut."""
+    times = {name: columns["t_s"] for name, columns in signals.items() if len(columns["t_s"])}
+    if not times:
+        return
+    start, stop = min(float(t[0]) for t in times.values()), max(float(t[-1]) for t in times.values())
+    for edge in np.arange(start, stop + SECONDS_PER_BLOCK, SECONDS_PER_BLOCK):
+        for name, t in times.items():
+            rows = slice(*np.searchsorted(t, [edge, edge + SECONDS_PER_BLOCK]).tolist())
+            if rows.stop > rows.start:
+                yield name, signals[name], rows
+
+
+def _send(stream: rr.RecordingStream, name: str, columns: dict[str, NDArray[Any]], rows: slice) -> None:
+    times = columns["t_s"][rows]
+    count = len(times)
+    index = [
+        rr.TimeColumn("time", duration=times),
+        rr.TimeColumn("row", sequence=np.arange(rows.start, rows.stop)),
+    ]
+    plain = {}
+    for column, values in columns.items():
+        if name in ("motor", "load_cell") and column != "t_s":
+            stream.send_columns(f"{name}/{column}", index, rr.Scalars.columns(scalars=values[rows]))
+        else:
+            plain[column] = values[rows].reshape(count, -1)
+    for column, values in plain.items():
+        flat = values.ravel().tolist() if values.dtype.kind in "US" else values.ravel()
+        batch = [part.partition(np.full(count, values.shape[1])) for part in rr.AnyValues.columns(**{column: flat})]
+        stream.send_columns(name, index, batch)
+
+
+def _log_statics(recording: Recording, stream: rr.RecordingStream) -> None:
+    if recording.midline is not None:
+        stream.log("midline", rr.AnyValues(s=recording.midline.s), static=True)
+    if recording.shape is not None:
+        shape = recording.shape
+        sizes = rr.AnyValues(
+            scale=np.array([shape.scale]), scale_sigma=np.array([shape.scale_sigma]), base_shift=shape.base_shift
+        )
+        stream.log("shape", sizes, static=True)
+
+
+def _log_video(recording: Recording, stream: rr.RecordingStream) -> None:
+    assert recording.video is not None
+    path, camera = recording.video.path, recording.declaration.camera
+    if path.is_dir():
+        files = frame_files(path)
+        fps = 1.0 if camera is None else camera.fps
+        for number, file in enumerate(files):
+            index = [
+                rr.TimeColumn("time", duration=[number / fps]),
+                rr.TimeColumn("row", sequence=[number]),
+            ]
+            columns = rr.EncodedImage.columns(blob=[file.read_bytes()], media_type=["image/png"])
+            stream.send_columns("camera/frames", index, columns)
+        return
+    content = path.read_bytes()
+    asset = rr.AssetVideo(contents=content, media_type=MEDIA_TYPES[path.suffix])
+    stream.log("camera/video", asset, rr.AnyValues(suffix=path.suffix), static=True)
+    try:
+        stamps = asset.read_frame_timestamps_nanos()
+    except RuntimeError:  # a container that Rerun does not play: the bytes are kept, the viewer shows no picture
+        return
+    references = rr.VideoFrameReference.columns_nanos(stamps)
+    stream.send_columns("camera/video", [rr.TimeColumn("time", duration=1e-9 * stamps)], references)

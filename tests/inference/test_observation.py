@@ -1,0 +1,49 @@
+"""Shape coefficients of a midline: as points show it, and as a tracker of edges does."""
+
+import numpy as np
+
+from affine_model.curvature import Array, legendre_to_monomial, midline
+from inference.observation import POSE, fit_shapes
+from tentacle.signals import Midline
+
+LENGTH, SIGMA = 0.14, 1e-4
+S = np.linspace(0.0, 1.0, 41)
+THETA = np.array([0.2])
+
+
+def seen(points: Array) -> Midline:
+    return Midline(np.zeros(1), S, points, np.full(points.shape[:2], SIGMA))
+
+
+def shape(q: list[float]) -> Array:
+    return midline(np.array([q]), THETA, LENGTH, S)
+
+
+def test_along_their_tangents_points_may_lie_anywhere_for_edges():
+    """Edges do not show where along the arm a point lies: 1 um that way, which the points' own fit takes for a shift or
+    a scale, changes nothing but what the arc's bend turns into the normal: 1 um / radius of curvature (rad), of 1e-5.
+    """
+    q = [1.0, -0.5, 0.3]
+    s, phi = S, THETA[:, None] + (np.array([q]) @ np.stack([S, S**2 / 2.0, S**3 / 3.0]))
+    tangent = np.stack([-np.sin(phi), np.cos(phi)], axis=-1)
+    moved = seen(shape(q) + 1e-6 * np.cos(3.0 * s)[None, :, None] * tangent)
+    by_points, by_edges = (fit_shapes(moved, THETA, LENGTH, 3, SIGMA, by_edges=edges) for edges in (False, True))
+    truth = np.linalg.solve(legendre_to_monomial(3), np.array(q))
+    assert np.all(by_edges.coefficients[:, 1:POSE] == 0.0)
+    np.testing.assert_allclose(by_edges.coefficients[0, POSE:], truth, atol=1e-7)
+    assert np.abs(by_points.coefficients[0, 1:POSE]).max() > 1e-7
+
+
+def test_a_coordinate_too_many_is_bent_into_the_others_as_edges_from_a_known_base_bend_it():
+    """Of a nearly straight arm the displacement is L int alpha ds, and with the base known its least squares by the
+    kept coordinates is a polynomial regression through the origin, which numpy can do: q3 small, second order 1e-6.
+    """
+    small = 1e-3
+    bent = seen(shape([0.0, 0.0, small]))
+    kept = np.stack([S, S**2 / 2.0, S**3 / 6.0], axis=1)  # what offset, q1 and q2 displace, over L
+    for rigid in (False, True):  # the base angle told by each frame, or known
+        found = fit_shapes(bent, THETA, LENGTH, 2, SIGMA, by_edges=True, rigid=rigid).coefficients[0]
+        expected = np.linalg.lstsq(kept[:, int(rigid) :], small * S**4 / 12.0, rcond=None)[0]
+        q = legendre_to_monomial(2) @ found[POSE:]
+        np.testing.assert_allclose([*([] if rigid else [found[0]]), *q], expected, rtol=5e-3)
+    assert found[0] == 0.0

@@ -1,0 +1,142 @@
+"""A blind trial's recording: hidden effects sized by what the data can show of them, then run, and seen."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from affine_model.curvature import Array, legendre_to_monomial
+from inference.observation import POSE, fit_shapes, from_track
+from mujoco_ref.influence import value
+from mujoco_ref.simulate import DEFAULT_LINKS
+from mujoco_ref.undeclared.make import Noise, Scene, make, seen_midline
+from mujoco_ref.undeclared.strength import is_catalogued
+from tentacle.model import Model
+from tentacle.recording import Camera, Recording
+from tentacle.signals import Markers
+from validation.trials.design import Design
+from validation.trials.sight import EVERYWHERE, Sight, track_noise, track_of
+from validation.trials.sizing import bare_problem, refitted_size, sized, track_root
+
+PICTURE = (960, 540)
+ASIDE = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
+
+
+def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
+    """The recording, its name and declaration without a hint, and its sealed truth as plain data.
+
+    InputError where the arm cannot follow the motion.
+    """
+    model, sight = design.model(), design.sight
+    hidden, reached = sized(design, track_root(design) if sight.kind == "track" else None)
+    recording, truth = make(
+        hidden,
+        model,
+        design.waveform(),
+        design.seed,
+        design.duration,
+        design.fps,
+        Noise(midline=sight.noise, angle=sight.angle_noise),
+        name=f"trial_{design.index:04d}",
+        s=_places(sight),
+        initial_q=None if design.initial_q is None else np.array(design.initial_q),
+        release_t=design.release_t,
+        clean_midline=sight.kind in ("track", "markers"),
+    )
+    random = np.random.default_rng([design.seed, 2])
+    assert recording.midline is not None
+    if sight.kind == "video":
+        recording = _filmed(recording, model, design, truth["effects"])
+        reached = _tracked_size(recording, design, truth["effects"])
+    elif sight.kind == "track":
+        recording = _tracked(recording, sight, random)
+    elif sight.kind == "markers":
+        recording = _marked(recording, sight, value(truth["effects"], "camera_scale", "excess"), random)
+    else:
+        stated = np.nan if sight.stated is None else sight.stated
+        sigma = np.full(recording.midline.sigma.shape, stated)
+        recording = replace(recording, midline=replace(recording.midline, sigma=sigma))
+    return recording, {"kind": design.kind, "r": reached, **truth}
+
+
+def _places(sight: Sight) -> Array:
+    """Where the reference's axis is looked at: for markers, beside each."""
+    if sight.kind == "track":
+        return np.array(EVERYWHERE)
+    s = np.array(sight.s)
+    return np.concatenate([np.maximum(s - ASIDE, 0.0), s, np.minimum(s + ASIDE, 1.0)]) if sight.kind == "markers" else s
+
+
+def _tracked(recording: Recording, sight: Sight, random: np.random.Generator) -> Recording:
+    """The same run as a tracker says that it saw it: shapes by the edges, with the noise that it states and its gain.
+
+    The scale is one number of a recording, known to scale_sigma.
+    """
+    midline, order = recording.midline, len(sight.covariance) - 1
+    assert midline is not None
+    theta = np.zeros(midline.t.size) if recording.motor is None else recording.motor.command
+    length = recording.declaration.specimen.length
+    free = fit_shapes(midline, theta, length, order, sight.noise)
+    scale = float(np.exp(np.median(free.coefficients[:, 3])))
+    seen = fit_shapes(replace(midline, xy=midline.xy / scale), theta, length, order, sight.noise, by_edges=True)
+    q = seen.coefficients[:, POSE:] @ legendre_to_monomial(order).T
+    coefficients = np.column_stack([seen.coefficients[:, 0], q]) + track_noise(sight, midline.t.size, random)
+    measured = scale * (1.0 + (sight.scale_sigma or 0.0) * float(random.standard_normal()))
+    return replace(recording, midline=None, shape=track_of(sight, midline.t, coefficients, measured))
+
+
+def _marked(recording: Recording, sight: Sight, excess: float, random: np.random.Generator) -> Recording:
+    """The same run as a camera sees markers on it; excess: how much too large everything appears."""
+    midline = recording.midline
+    assert midline is not None
+    before, at, after = np.split(midline.xy, 3, axis=1)
+    along = (after - before) / np.linalg.norm(after - before, axis=2, keepdims=True)
+    beside = (1.0 + excess) * np.array(sight.d)[:, None] * np.stack([along[..., 1], -along[..., 0]], axis=-1)
+    xy = at + beside + sight.noise * random.standard_normal(at.shape)
+    names = tuple(f"m{k + 1}" for k in range(len(sight.s)))
+    markers = Markers(midline.t, names, np.array(sight.s), np.array(sight.d), xy)
+    return replace(recording, midline=None, markers=markers)
+
+
+def _tracked_size(recording: Recording, design: Design, hidden: Mapping[str, Mapping[str, float]]) -> list[float]:
+    """R of each effect by the covariance that the tracker states; NaN outside the catalogue."""
+    track = recording.shape
+    assert track is not None
+    observation = from_track(track, design.waveform()(track.t)[0], recording.declaration.specimen.length)
+    seen = np.flatnonzero(observation.seen)
+    if not seen.size:
+        return [0.0 for _ in hidden]
+    problem, nuisances = bare_problem(design, observation.root[seen[seen.size // 2]])
+    sizes = []
+    for effect, values in hidden.items():
+        known = is_catalogued(effect)
+        sizes.append(refitted_size(problem, nuisances, effect, dict(values)) if known else float("nan"))
+    return sizes
+
+
+def _filmed(recording: Recording, model: Model, design: Design, hidden: dict[str, dict[str, float]]) -> Recording:
+    """The same run as a camera saw it: rendered without the midline's noise, tracked, the midline left out."""
+    from vision.encode import write_video
+    from vision.looks import LOOKS
+    from vision.render import render
+    from vision.track import track
+
+    assert recording.midline is not None
+    assert recording.motor is not None
+    scene = Scene(model, design.waveform(), design.duration, design.fps, recording.midline.s, DEFAULT_LINKS, None, None)
+    exact = replace(recording.midline, xy=seen_midline(scene, hidden))
+    scale = model.specimen.length / (0.62 * PICTURE[1])
+    camera = Camera(design.fps, scale, (0.5 * PICTURE[0], 0.16 * PICTURE[1]), (0.0, 1.0), exposure=0.002)
+    declaration = replace(recording.declaration, camera=camera)
+    look = LOOKS[("clean", "uneven", "bubbles")[design.index % 3]]
+    frames = render(exact, model.specimen, camera, PICTURE, look, design.seed, recording.motor.angle)
+    with tempfile.TemporaryDirectory(prefix="tentacle-trial-") as folder:
+        file = Path(folder) / "video.mp4"
+        write_video(file, frames, exact.t)
+        shape = track(file, declaration, recording.motor)
+    return replace(recording, declaration=declaration, midline=None, shape=shape)

@@ -1,0 +1,138 @@
+"""Stated confidence against the hit rate: the reliability curve, and the monotone map that corrects it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from discovery.calibration import Calibration
+from tentacle.signals import Array
+from validation.trials.design import ROUND
+from validation.trials.outcome import Outcome
+from validation.trials.scores import Share
+
+BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What a verdict's map starts from: so many imaginary trials, right as often as a calibration says."""
+
+    calibration: Calibration
+    trials: float
+
+
+AS_STATED = Prior(Calibration({}), 4.0)
+LIKE_OTHERS = 12.0  # trials of many arms that say as much of one as one of its own
+
+
+@dataclass(frozen=True)
+class Bin:
+    """Trials whose stated confidence lies within low .. high: its mean, and the share that was right."""
+
+    low: float
+    high: float
+    stated: float
+    right: Share
+
+    @property
+    def gap(self) -> float:
+        """Stated less the share that was right."""
+        return self.stated - self.right.value
+
+    @property
+    def gap_beyond_chance(self) -> float:
+        """How far the stated confidence lies outside the share's 95 % interval; 0 within it."""
+        low, high = self.right.interval
+        return max(low - self.stated, self.stated - high, 0.0)
+
+
+def _bins_of(stated: Array) -> NDArray[np.intp]:
+    """Which of BINS each stated confidence lies in."""
+    return np.clip(np.searchsorted(BINS, stated, side="right") - 1, 0, len(BINS) - 2)
+
+
+def reliability(outcomes: Sequence[Outcome]) -> tuple[Bin, ...]:
+    """The bins of BINS that hold a trial."""
+    stated = np.array([o.confidence for o in outcomes])
+    right = np.array([o.hit for o in outcomes], dtype=bool)
+    place = _bins_of(stated)
+    return tuple(
+        Bin(
+            BINS[k],
+            BINS[k + 1],
+            float(stated[place == k].mean()),
+            Share(int(right[place == k].sum()), int((place == k).sum())),
+        )
+        for k in range(len(BINS) - 1)
+        if (place == k).any()
+    )
+
+
+def calibration_gap(bins: Sequence[Bin]) -> float:
+    """Largest |stated - right| over the bins; NaN without any."""
+    return max((abs(b.gap) for b in bins), default=float("nan"))
+
+
+def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
+    """The calibration gap (median) of a verdict whose every confidence is true, in as many trials: bins of few are
+    off by luck. NaN without any.
+    """
+    if not outcomes:
+        return float("nan")
+    stated = np.array([o.confidence for o in outcomes])
+    place = _bins_of(stated)
+    counts = np.bincount(place, minlength=len(BINS) - 1)
+    filled = counts > 0
+    means = np.bincount(place, stated, minlength=counts.size)[filled] / counts[filled]
+    right = np.random.default_rng(0).uniform(size=(draws, stated.size)) < stated
+    hits = np.array([np.bincount(place, row, minlength=counts.size)[filled] / counts[filled] for row in right])
+    return float(np.median(np.abs(hits - means).max(axis=1)))
+
+
+def pooled(values: Array, weights: Array) -> Array:
+    """The rising sequence nearest to values (N,) in weighted squares: pool adjacent violators (Ayer et al. 1955)."""
+    blocks: list[list[float]] = []  # value, weight, count
+    for value, weight in zip(values, weights, strict=True):
+        blocks.append([float(value), float(weight), 1.0])
+        while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
+            upper, lower = blocks.pop(), blocks.pop()
+            total = lower[1] + upper[1]
+            blocks.append([(lower[0] * lower[1] + upper[0] * upper[1]) / total, total, lower[2] + upper[2]])
+    return np.concatenate([np.full(int(count), value) for value, _, count in blocks]) if blocks else np.zeros(0)
+
+
+def fit_calibration(outcomes: Sequence[Outcome], prior: Prior = AS_STATED, made: str = "") -> Calibration:
+    """A map a verdict, from the uncalibrated confidence to the hit rate; made: one line on the trials.
+
+    Isotonic regression on the trials together with the prior's, spread over the stated range: few trials move the map
+    little, many of them make it. A verdict that no trial gave keeps the prior's curve.
+    """
+    tables = {verdict: (stated, right, 0) for verdict, (stated, right, _) in prior.calibration.tables.items()}
+    for verdict in sorted({o.verdict for o in outcomes}):
+        chosen = [o for o in outcomes if o.verdict == verdict]
+        stated = np.array([o.uncalibrated for o in chosen])
+        ends = np.unique(np.concatenate([[0.0, 1.0], np.round(stated, 3)]))
+        raw = np.concatenate([stated, ends])
+        before = [prior.calibration(verdict, float(x)) for x in ends]
+        right = np.concatenate([[float(o.hit) for o in chosen], before])
+        weights = np.concatenate([np.ones(stated.size), np.full(ends.size, prior.trials / ends.size)])
+        order = np.argsort(raw, kind="stable")
+        knots, place = np.unique(np.round(raw[order], 3), return_inverse=True)
+        # Ties pooled first, so that the map is a function of the stated value.
+        total: Array = np.bincount(place, weights[order]).astype(float)
+        means = np.bincount(place, weights[order] * right[order]) / total
+        tables[verdict] = (tuple(knots.tolist()), tuple(np.round(pooled(means, total), 4).tolist()), len(chosen))
+    return Calibration(tables, made)
+
+
+def cross_calibrated(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> list[Outcome]:
+    """Every trial with the confidence that a map fitted to the other half of the trials gives it: what the map is
+    worth on recordings that it was not made from.
+    """
+    rounds = len(ROUND)  # by turns, so that both halves hold every kind
+    maps = [fit_calibration([o for o in outcomes if o.index // rounds % 2 == half], prior) for half in (0, 1)]
+    return [replace(o, confidence=maps[1 - o.index // rounds % 2](o.verdict, o.uncalibrated)) for o in outcomes]

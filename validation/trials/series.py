@@ -1,0 +1,94 @@
+"""One blind trial from its design to its result, and a series of them on the runner."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from discovery.diagnose import diagnose
+from mujoco_ref.influence import KNOWN, UNCATALOGUED
+from mujoco_ref.undeclared.strength import SCALED
+from tentacle.errors import InputError
+from tentacle.runner import Runner
+from validation.trials.baselines import baselines
+from validation.trials.design import Design, designs
+from validation.trials.likeness import Likeness
+from validation.trials.outcome import Outcome, answer_table, outcome
+from validation.trials.recording import trial_recording
+
+ROOMS = (
+    "affine_model",
+    "mujoco_ref",
+    "vision",
+    "inference",
+    "discovery",
+    "validation",
+)  # what a trial's result depends on
+CATALOGUED = tuple(name for name in KNOWN if SCALED.get(name) and name not in UNCATALOGUED)
+
+
+def series(
+    count: int,
+    seed: int,
+    kinds: Sequence[str],
+    video_share: float,
+    effects: tuple[Sequence[str], Sequence[str]] = (CATALOGUED, UNCATALOGUED),
+    like: Likeness | None = None,
+) -> list[Design]:
+    """The designs of a series over effects in the catalogue and out of it; all that the reference can hide, unless
+    given.
+    """
+    return designs(count, seed, *effects, kinds=kinds, video_share=video_share, like=like)
+
+
+@cache
+def code_version() -> str:
+    """A hash of the rooms' source, so that results of other code are not taken for this one's."""
+    root, total = Path(__file__).resolve().parents[2], hashlib.sha256()
+    files = [file for room in ROOMS for pattern in ("*.py", "*.toml") for file in (root / room).rglob(pattern)]
+    for file in sorted(files):
+        total.update(file.relative_to(root).as_posix().encode())
+        total.update(file.read_bytes())
+    return total.hexdigest()[:16]
+
+
+def trial(task: Mapping[str, Any]) -> dict[str, Any]:
+    """The runner's work: make the recording of a design's table, diagnose it without the truth, set both beside each
+    other.
+
+    Where the arm cannot follow the drawn motion, or what was seen cannot be judged, "refused" holds the line that
+    says so.
+    """
+    design = Design.of(task)
+    try:
+        recording, truth = trial_recording(design)
+    except InputError as error:
+        return {"refused": error.line()}
+    begin = time.process_time()
+    try:
+        answer = answer_table(diagnose([recording], seed=design.seed))
+    except InputError as error:
+        return {"refused": error.line(), "truth": truth}
+    seconds = time.process_time() - begin
+    # Single markers are no shapes, and the paper's regression wants those.
+    methods = {} if recording.markers is not None else baselines(recording)
+    others = {**methods, "score_test": answer["score_test"][:1]}
+    return {"truth": truth, "answer": answer, "baselines": {k: list(v) for k, v in others.items()}, "seconds": seconds}
+
+
+def run_series(found: Sequence[Design], runner: Runner) -> tuple[list[Outcome], list[tuple[int, str]]]:
+    """Outcomes of the trials, and (index, line) of those that were refused; what the runner's folder holds is not
+    done again."""
+    results = runner.run(trial, [design.table() for design in found], version=code_version(), words="blind trials")
+    outcomes, refused = [], []
+    for design, result in zip(found, results, strict=True):
+        if "refused" in result:
+            refused.append((design.index, str(result["refused"])))
+            continue
+        more = {"baselines": result["baselines"], "seconds": result["seconds"]}
+        outcomes.append(outcome(design.index, result["truth"], design.sight.kind, result["answer"], **more))
+    return outcomes, refused

@@ -1,0 +1,216 @@
+"""How strong a blind trial's hidden effects are: sized by what the data can show of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from affine_model.arm import arm_of, neutral_parameters, parameter_index
+from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
+from inference.experiment import Experiment, predict
+from inference.observation import POSE, MarkerObservation, ShapeObservation, fit_shapes, from_track
+from inference.score import absorbed_basis
+from inference.trajectory import Problem, evaluate, fit_multistart
+from mujoco_ref.simulate import DEFAULT_LINKS
+from mujoco_ref.undeclared.make import Scene, seen_midline, shown_mm
+from mujoco_ref.undeclared.strength import LARGEST, SCALED, SIZES, is_catalogued, scaled, typical
+from tentacle.errors import InputError
+from tentacle.signals import Midline
+from validation.trials.design import Design, designs
+from validation.trials.likeness import Likeness
+from validation.trials.sight import EVERYWHERE, Sight, track_of
+
+SIZED_AT = 30.0  # frames/s: enough for rms values
+SIZED_ORDER, SEEN_ORDER = 3, 5
+STEP = 1.0 / 480.0  # s; a strong Maxwell branch on a stiff arm is unstable at 1/300
+SETTLED = 2.0  # s: the start from rest is not what a recording shows
+FACTORS = np.geomspace(3e-3, 300.0, 46)  # on a typical strength
+CORRECTIONS, CLOSE = 5, 0.05
+LEAST_SHOWN, SHOWN_BY_FAR = 1.0, 5.0  # R
+STRONGER = (1.0, 10.0, 100.0)  # times a typical strength
+SEEN_FOR = 8.0  # s
+# Starts of a refit, times the true values: a large effect may be taken up by a base far from the true one.
+STIFFER, MORE_DAMPED = (0.6, 0.8, 1.0, 1.25, 1.6, 2.2), (1.0, 5.0)
+
+
+def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Array]:
+    """A trajectory problem at a trial's truth without hidden effects, seen without noise, and its nuisances.
+
+    What is seen is whitened by the sight's noise, or, as a track is, by a root (K, K).
+    """
+    model = design.model()
+    arm = arm_of(replace(model, order=SIZED_ORDER))
+    free = tuple((effect, name) for effect, values in model.parameters.items() for name in values)
+    parameters = neutral_parameters()
+    for effect, name in free:
+        parameters[parameter_index(effect, name)] = model.value(effect, name)
+    t = np.arange(0.0, design.duration, 1.0 / SIZED_AT)
+    base = design.waveform()
+    theta, release = base(t)[0], design.release_t
+    duration = float(t[-1]) + 0.2 - (release or 0.0)
+    used, unseen = t > (SETTLED if release is None else release), _unseen(t, theta, model.specimen.length)
+    experiment = Experiment("sizing", unseen, base, 0.0, duration, release, used, np.ones(POSE))
+    nuisances = np.zeros(len(experiment.nuisance_names(SIZED_ORDER)))
+    if design.initial_q is not None:
+        q = np.array([*design.initial_q, *np.zeros(SIZED_ORDER)][:SIZED_ORDER])
+        nuisances[:SIZED_ORDER] = np.linalg.solve(legendre_to_monomial(SIZED_ORDER), q)
+    shown = predict(arm, experiment, parameters[:, None], nuisances[:, None], STEP)
+    seen = _observation(design.sight, t, shown.q[:, :, 0], shown.theta[:, 0], model.specimen.length, root)
+    channels = 2 * seen.s.size if isinstance(seen, MarkerObservation) else seen.coefficients.shape[1]
+    experiment = replace(experiment, observation=seen, noise_gain=np.ones(channels))
+    nuisances = nuisances[: len(experiment.nuisance_names(SIZED_ORDER))]  # markers have no shift, which is the last
+    return Problem(arm, (experiment,), free, parameters, STEP), nuisances
+
+
+def _unseen(t: Array, theta: Array, length: float) -> ShapeObservation:
+    """An observation that shows nothing, at those times."""
+    nothing = np.zeros(t.size)
+    blank = np.zeros((t.size, POSE))
+    return ShapeObservation(t, theta, length, blank, np.zeros((t.size, POSE, POSE)), nothing, nothing)
+
+
+def _observation(
+    sight: Sight, t: Array, q: Array, theta: Array, length: float, root: Array | None
+) -> ShapeObservation | MarkerObservation:
+    """Shapes q (T, n) as they would be seen without noise."""
+    s = np.array(sight.s)
+    if sight.kind == "markers":
+        d = np.array(sight.d)
+        return MarkerObservation(t, theta, length, s, d, points_beside(q, theta, length, s, d), sight.noise)
+    order = min(SEEN_ORDER, s.size - POSE) if root is None else root.shape[0] - POSE
+    points = midline(q, theta, length, s)
+    seen = fit_shapes(Midline(t, s, points, np.full(points.shape[:2], sight.noise)), theta, length, order, sight.noise)
+    return seen if root is None else replace(seen, root=np.repeat(root[None], t.size, axis=0))
+
+
+def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list[dict[str, float]]) -> Array:
+    """R (V,) of an effect at each set of parameters, to first order: rms of the whitened residual that is not within
+    the base's columns.
+    """
+    state = evaluate(problem, (nuisances,))
+    basis = absorbed_basis(state)
+    columns = np.repeat(problem.parameters[:, None], len(variants), axis=1)
+    for place, values in enumerate(variants):
+        for name, value in values.items():
+            columns[parameter_index(effect, name), place] = value
+    unknowns = np.concatenate([state.values, nuisances])
+    rows = problem.residuals_of(columns, np.repeat(unknowns[:, None], len(variants), axis=1))
+    rows = rows - state.used_residuals[:, None]
+    rows = rows - basis @ (basis.T @ rows)
+    return np.sqrt(np.mean(rows**2, axis=0))
+
+
+def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[str, float]) -> float:
+    """R of an effect: rms of the whitened residual of the base, fitted to what the arm with the effect does.
+
+    A fit may end beside the best one: the first order's R, where it is smaller, stands instead.
+    """
+    parameters = problem.parameters.copy()
+    for name, value in values.items():
+        parameters[parameter_index(effect, name)] = value
+    base = problem.parameters[problem.rows()]
+    start = np.concatenate([base, nuisances])
+    (experiment,) = problem.experiments
+    rows = replace(problem, parameters=parameters).residuals(start[:, None])[1][0][:, :, 0]
+    measured = replace(experiment, observation=experiment.observation.less(rows))
+    stiff, damped = (np.array([name == wanted for name, _ in problem.free]) for wanted in ("elasticity", "damping"))
+    starts = np.stack(
+        [base * np.where(stiff, E, np.where(damped, eta, 1.0)) for E in STIFFER for eta in MORE_DAMPED], axis=1
+    )
+    fitted = fit_multistart(replace(problem, experiments=(measured,)), (nuisances,), starts)
+    left = float(np.sqrt(np.mean(fitted.residuals[0][experiment.used] ** 2)))
+    return min(left, float(visible_size(problem, nuisances, effect, [values])[0]))
+
+
+def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], list[float]]:
+    """The hidden effects' parameters, and the R that each has [noise sigmas]; NaN for those outside the catalogue,
+    which the maker sizes itself so that the midline moves by 6 to 15 sigmas. root (K, K): of a track.
+    """
+    random = np.random.default_rng([design.seed, 1])
+    hidden: dict[str, Any] = {}
+    reached: list[float] = []
+    for effect, wanted in zip(design.effects, design.r, strict=True):
+        if not is_catalogued(effect):
+            hidden[effect] = "visible"
+            reached.append(float("nan"))
+            continue
+        drawn = typical(effect, design.model(), random)
+        problem, nuisances = bare_problem(design, root)
+        factors, sizes = sizes_of(problem, nuisances, effect, drawn)
+        factor = float(np.exp(np.interp(np.log(wanted), np.log(sizes), np.log(factors))))
+        # To first order the base absorbs too little of a large effect: correct by what a real refit leaves.
+        for _ in range(CORRECTIONS):
+            hidden[effect] = scaled(effect, drawn, factor)
+            size = refitted_size(problem, nuisances, effect, hidden[effect])
+            if abs(np.log(size / wanted)) < CLOSE:
+                break
+            factor = float(np.clip(factor * np.clip(wanted / size, 0.2, 5.0), factors[0], factors[-1]))
+        hidden[effect] = scaled(effect, drawn, factor)
+        reached.append(refitted_size(problem, nuisances, effect, hidden[effect]))
+    return hidden, reached
+
+
+def sizes_of(problem: Problem, nuisances: Array, effect: str, drawn: dict[str, float]) -> tuple[Array, Array]:
+    """Factors (V,) on an effect's typical strength, and R (V,) at each to first order, rising."""
+    largest = max(abs(drawn[name]) for name in SCALED[effect])
+    factors = FACTORS[FACTORS * largest <= LARGEST.get(effect, np.inf)]
+    sizes = visible_size(problem, nuisances, effect, [scaled(effect, drawn, float(f)) for f in factors])
+    usable = sizes < 1e3  # a simulation that ran away counts as 1e6
+    return factors[usable], np.maximum.accumulate(np.maximum(sizes[usable], 1e-12))
+
+
+def shown_effects(
+    like: Likeness, catalogued: Sequence[str], outside: Sequence[str]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Of the effects' names those that can show in such a recording: R >= 1 after a refit, at a strength that has far
+    more to first order; outside the catalogue a midline that moves as a trial's is to.
+
+    InputError where none can.
+    """
+    (null,) = designs(1, 0, catalogued, outside, kinds=["null"], like=like)
+    model = like.model
+    problem, nuisances = bare_problem(null, track_root(null) if like.sight.kind == "track" else None)
+    random = np.random.default_rng(0)
+
+    def remains(effect: str) -> bool:
+        drawn = typical(effect, model, random)
+        factors, sizes = sizes_of(problem, nuisances, effect, drawn)
+        if sizes.max(initial=0.0) < LEAST_SHOWN:
+            return False
+        factor = float(factors[min(np.searchsorted(sizes, SHOWN_BY_FAR), factors.size - 1)])
+        return refitted_size(problem, nuisances, effect, scaled(effect, drawn, factor)) >= LEAST_SHOWN
+
+    shown = tuple(effect for effect in catalogued if remains(effect))
+    initial = None if like.initial_q is None else np.array(like.initial_q)
+    seconds = min(like.duration, SEEN_FOR + (like.release_t or 0.0))
+    places = np.array(EVERYWHERE)
+    scene = Scene(model, null.waveform(), seconds, like.fps, places, DEFAULT_LINKS, initial, like.release_t)
+    bare = seen_midline(scene, {})
+    wanted = 1e3 * SIZES["visible"][0] * like.sight.noise
+
+    def moves(effect: str) -> bool:
+        drawn = typical(effect, model, random)
+        strengths = (scaled(effect, drawn, factor) for factor in STRONGER)
+        try:
+            return any(shown_mm(scene, {effect: values}, bare, seconds) >= wanted for values in strengths)
+        except InputError:  # it shows next to nothing until the simulation goes out of bounds
+            return False
+
+    beyond = tuple(effect for effect in outside if moves(effect))
+    if not shown or not beyond:
+        raise InputError(
+            "no effect could show in such a recording", field="--like", expected="a motion that shows some"
+        )
+    return shown, beyond
+
+
+def track_root(design: Design) -> Array:
+    """Root (K, K) that whitens a track's true noise, as inference.observation orders it."""
+    sight, frames = design.sight, int(design.duration * design.fps) + 1
+    times, nothing = np.arange(frames) / design.fps, np.zeros((frames, len(design.sight.covariance)))
+    root = from_track(track_of(sight, times, nothing, 1.0), np.zeros(frames), design.model().specimen.length).root[0]
+    root[[0, *range(POSE, root.shape[0])]] /= np.array(sight.gain)[:, None]
+    return root
