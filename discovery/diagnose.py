@@ -175,7 +175,7 @@ def _base_hypothesis(
         return fit_base(setting, order, warm=warm)
     start = known.fitted
     problem = replace(
-        Problem(setting.arm(order), setting.experiments, setting.base_free(), start.parameters, setting.step),
+        setting.problem(order, start.parameters),
         prior_free=start.free,
         prior_mean=start.values,
         prior_root=np.linalg.cholesky(np.linalg.inv(start.covariance)).T,

@@ -8,6 +8,7 @@ import numpy as np
 
 from affine_model.arm import Arm, arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array
+from inference.declared_arm import names_of
 from inference.experiment import Experiment
 from inference.noise_floor import noise_deviation
 from inference.observation import POSE, ShapeObservation
@@ -50,7 +51,16 @@ class Setting:
             free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1")]
         if self.declaration.fluid.density > 0.0:
             free.append(("drag", "C_perp"))
-        return tuple(free)
+        return (*free, *names_of(self.declaration.uncertain))
+
+    def problem(self, order: int, parameters: Array) -> Problem:
+        """The fit of the base effects and of the uncertain declaration, from a parameter vector (R + D,)."""
+        declared = self.declaration.uncertain
+        return Problem(self.arm(order), self.experiments, self.base_free(), parameters, self.step, declared=declared)
+
+    def start(self) -> Array:
+        """The parameter vector (R + D,) at which every effect is absent, and the declaration is its means."""
+        return np.concatenate([neutral_parameters(), [number.value for number in self.declaration.uncertain]])
 
 
 def needed_order(setting: Setting, *, complete: bool = False) -> int:
@@ -167,15 +177,15 @@ def _starts(setting: Setting) -> Array:
                     # The affine law that has the section's value at the base and a twentieth, or more, at the tip.
                     tip = max(tip_moment, 0.05 * second_moment) - second_moment
                     column = [E * second_moment, E * tip, eta * second_moment, eta * tip]
-                columns.append(column if drag is None else [*column, drag])
+                stated = [number.value for number in setting.declaration.uncertain]
+                columns.append([*column, *([] if drag is None else [drag]), *stated])
     return np.array(columns).T
 
 
 def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
     """The base effects alone at that order, from many starts (or from a fit at another order), then settled."""
-    arm = setting.arm(order)
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
-    problem = Problem(arm, setting.experiments, setting.base_free(), neutral_parameters(), setting.step)
+    problem = setting.problem(order, setting.start())
     if warm is None:
         return settled(problem, fit_multistart(problem, nuisances, _starts(setting)))
     problem = replace(problem, parameters=warm.parameters)

@@ -84,11 +84,12 @@ def _shape_points(observation: ShapeObservation, z: Array, s: Array) -> Array:
 
 def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -> Seen:
     """What a fitted model shows of recording number `place`."""
+    problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
     nuisances = fitted.nuisances[place][:, None]
-    prediction = predict(problem.arm, experiment, fitted.parameters[:, None], nuisances, problem.step)
-    roll = fitted.parameters[parameter_index("camera_roll", "roll")]
-    scale = 1.0 + fitted.parameters[parameter_index("camera_scale", "excess")]
+    prediction = predict(problem.arm, experiment, parameters[:, None], nuisances, problem.step)
+    roll = parameters[parameter_index("camera_roll", "roll")]
+    scale = 1.0 + parameters[parameter_index("camera_scale", "excess")]
     q, theta = prediction.q[:, :, 0], prediction.theta[:, 0] + roll
     length = problem.arm.specimen.length
     shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)

@@ -10,6 +10,7 @@ from affine_model.arm import parameter_rows
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from inference.adequacy import ALLOWANCE, MATERIAL, Adequacy, adequacy
+from inference.declared_arm import DECLARED
 from inference.trajectory import Fit, Problem
 from tentacle.model import Estimate
 
@@ -153,6 +154,8 @@ def estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]
     units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
     table: dict[str, dict[str, Estimate]] = {}
     for index, (effect, name) in enumerate(judged.problem.free):
+        if effect == DECLARED:
+            continue
         low, high = parameter_interval(judged, index, loose)
         value = float(judged.fitted.values[index])
         table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])

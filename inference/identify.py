@@ -12,6 +12,8 @@ from affine_model.curvature import Array
 from inference.base_fit import Setting, fit_base, initial_nuisances, needed_order
 from inference.bootstrap import bootstrap
 from inference.compare import errors, reduced_shape, run_comparison
+from inference.declared_arm import names_of
+from inference.declared_words import declared_words
 from inference.hypothesis import Hypothesis, estimates, hypothesis, looseness
 from inference.identifiability import Identifiability, identifiability
 from inference.observation import POSE, ShapeObservation
@@ -80,10 +82,10 @@ def identify(
     correlation = fitted.covariance / np.outer(spread, spread)
     known = identifiability(problem, fitted)
     drawn = bootstrap(problem, fitted, replicates=replicates, seed=seed) if replicates else None
-    d = recordings[0].declaration
+    arm = problem.known(fitted.parameters)[0].arm
     return Identification(
-        model=Model(d.specimen, d.fluid, d.gravity, setting.order, estimates(judged, looseness(judged))),
-        regression=_paper_regression(setting.arm(2), problem, prepared),
+        model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, estimates(judged, looseness(judged))),
+        regression=_paper_regression(replace(arm, order=2), problem, fitted, prepared),
         errors=errors(runs, shown, augmented=False),
         held_out=bool(judges),
         free=tuple(".".join(name) for name in fitted.free),
@@ -97,7 +99,7 @@ def identify(
             for name, low, high in zip(drawn.free, drawn.low, drawn.high, strict=True)
         },
         runs=tuple(run for run, _, _ in runs),
-        words=(*_remarks(judged, correlation), *_told(problem, known)),
+        words=(*_remarks(judged, correlation), *_told(problem, known), *declared_words(problem, fitted)),
     )
 
 
@@ -108,7 +110,7 @@ def _initial_states(setting: Setting, problem: Problem, judges: list[Prepared]) 
     return alone, fit(alone, tuple(initial_nuisances(e, setting.order) for e in experiments))
 
 
-def _paper_regression(arm: Arm, problem: Problem, prepared: list[Prepared]) -> dict[str, float]:
+def _paper_regression(arm: Arm, problem: Problem, fitted: Fit, prepared: list[Prepared]) -> dict[str, float]:
     """Eq. 18-19 on the first recording whose q was measured under a moving base; the paper differentiates
     numerically.
     """
@@ -119,7 +121,9 @@ def _paper_regression(arm: Arm, problem: Problem, prepared: list[Prepared]) -> d
         q, _ = reduced_shape(observation, observation.coefficients, np.ones(1))
         seen = np.isfinite(q).all(axis=1)
         base = p.experiment.base(observation.t[seen])
-        found = regression(arm, problem.parameters, problem.free, observation.t[seen], q[seen], base)
+        laws = tuple(name for name in problem.free if name not in names_of(problem.declared))
+        parameters = problem.known(fitted.parameters)[1]
+        found = regression(arm, parameters, laws, observation.t[seen], q[seen], base)
         return {".".join(name): float(value) for name, value in zip(found.free, found.values, strict=True)}
     return {}
 

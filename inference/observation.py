@@ -84,8 +84,8 @@ class ShapeObservation:
 
 @dataclass(frozen=True)
 class MarkerObservation:
-    """Markers as points: t (T,), s (M,), d (M,) [m], xy (T, M, 2) [m], sigma [m] of each coordinate; NaN rows count
-    nothing.
+    """Markers as points: t (T,), s (M,), d (M,) [m], xy (T, M, 2) [m], sigma [m] of each coordinate, names (M) where
+    they have any; NaN rows count nothing.
     """
 
     t: Array
@@ -95,6 +95,7 @@ class MarkerObservation:
     d: Array
     xy: Array
     sigma: float
+    names: tuple[str, ...] = ()
 
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
         """Whitened residuals (T, 2 M, B); 0 where a marker was not seen."""
@@ -217,4 +218,4 @@ def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservati
 
 def from_markers(markers: Markers, theta: Array, length: float, sigma: float) -> MarkerObservation:
     """Markers as an observation, with the noise sigma [m] of each coordinate."""
-    return MarkerObservation(markers.t, theta, length, markers.s, markers.d, markers.xy, sigma)
+    return MarkerObservation(markers.t, theta, length, markers.s, markers.d, markers.xy, sigma, markers.names)

@@ -13,8 +13,10 @@ import numpy as np
 
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
+from inference.declared_arm import DECLARED, arm_at, experiment_at, names_of
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.levenberg_marquardt import minimise
+from tentacle.declared import Uncertain
 
 ParameterName = tuple[str, str]  # effect, parameter
 DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
@@ -53,9 +55,11 @@ class Fit:
 class Problem:
     """What is to be fitted: an arm, recordings, the names of the free parameters, the fixed rest of the vector.
 
-    prior: mean (F,) and root (F, F) of the information of the parameters prior_free, from a baseline fit (None: no
-    prior). They stay within PRIOR_REACH standard deviations, however strongly the data pull: else a heavy tip would be
-    taken for a soft arm.
+    declared: the numbers of the declaration that are not known exactly. Where there are any, parameters is (R + D,)
+    with their values at its end, and free may name them ("declared", field). Each has the prior that the declaration
+    states, unless prior_free holds it. prior: mean (F,) and root (F, F) of the information of the parameters
+    prior_free, from a baseline fit (None: no prior). They stay within PRIOR_REACH standard deviations, however strongly
+    the data pull: else a heavy tip would be taken for a soft arm.
     """
 
     arm: Arm
@@ -66,10 +70,12 @@ class Problem:
     prior_free: tuple[ParameterName, ...] = ()
     prior_mean: Array | None = None
     prior_root: Array | None = None
+    declared: tuple[Uncertain, ...] = ()
 
     def rows(self) -> np.ndarray:
         """Places of the free parameters in the vector."""
         places = {(row.effect, row.parameter.name): row.index for row in parameter_rows()}
+        places |= {name: len(places) + k for k, name in enumerate(names_of(self.declared))}
         return np.array([places[name] for name in self.free], dtype=int)
 
     def sizes(self) -> list[int]:
@@ -79,6 +85,7 @@ class Problem:
     def scales(self) -> Array:
         """Size of one unit of each unknown: of a parameter its value or nominal, whichever is larger."""
         nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
+        nominal |= {(DECLARED, number.field): number.spread for number in self.declared}
         own: list[float] = [
             max(abs(nominal[name]) * 0.1, float(abs(self.parameters[row])))
             for name, row in zip(self.free, self.rows(), strict=True)
@@ -89,6 +96,7 @@ class Problem:
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of all unknowns."""
         limits = {(row.effect, row.parameter.name): row.parameter.bounds for row in parameter_rows()}
+        limits |= {(DECLARED, number.field): number.bounds for number in self.declared}
         low, high = np.array([limits[name] for name in self.free]).reshape(-1, 2).T.copy()
         if self.prior_mean is not None and self.prior_root is not None:
             places = [self.free.index(name) for name in self.prior_free]
@@ -113,6 +121,55 @@ class Problem:
         return self._compare(parameters, unknowns)[0]
 
     def _compare(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
+        """residuals() of whole parameter vectors (R, B) or (R + D, B); declared values that differ go through an arm
+        each.
+        """
+        used, everything = self._simulated(parameters, unknowns)
+        if self.prior_mean is not None and self.prior_root is not None:
+            places = [self.free.index(name) for name in self.prior_free]
+            used = np.concatenate([used, self.prior_root @ (unknowns[places] - self.prior_mean[:, None])])
+        stated = [
+            (unknowns[self.free.index(name)] - number.value) / number.sd
+            for name, number in zip(names_of(self.declared), self.declared, strict=True)
+            if number.sd is not None and name in self.free and name not in self.prior_free
+        ]
+        return np.concatenate([used, *(row[None] for row in stated)]), everything
+
+    def _simulated(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
+        if not self.declared:
+            return self._of_one_arm(parameters, unknowns)
+        laws, values = np.split(parameters, [-len(self.declared)])
+        kinds, kind = np.unique(values, axis=1, return_inverse=True)
+        used, everything = None, []
+        for k in range(kinds.shape[1]):
+            lanes = np.flatnonzero(kind.ravel() == k)
+            some, whole = self.at(kinds[:, k])._of_one_arm(laws[:, lanes], unknowns[:, lanes])
+            if used is None:
+                used = np.empty((some.shape[0], unknowns.shape[1]))
+                everything = [np.empty((*rows.shape[:2], unknowns.shape[1])) for rows in whole]
+            used[:, lanes] = some
+            for target, rows in zip(everything, whole, strict=True):
+                target[:, :, lanes] = rows
+        assert used is not None
+        return used, everything
+
+    def known(self, parameters: Array) -> tuple[Problem, Array]:
+        """The problem with its declared numbers known, out of a whole parameter vector, and the laws' vector (R,)."""
+        if not self.declared:
+            return self, parameters
+        laws, values = np.split(parameters, [-len(self.declared)])
+        return self.at(values), laws
+
+    def at(self, values: Array) -> Problem:
+        """The problem with its declared numbers known: arm and observations of these values (D,)."""
+        fields = [number.field for number in self.declared]
+        found = dict(zip(fields, values.tolist(), strict=True))
+        means = {number.field: number.value for number in self.declared}
+        arm = arm_at(self.arm, found)
+        experiments = tuple(experiment_at(experiment, arm, found, means) for experiment in self.experiments)
+        return replace(self, arm=arm, experiments=experiments, declared=())
+
+    def _of_one_arm(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
         count = unknowns.shape[1]
         used, everything, place = [], [], len(self.free)
         for experiment, size in zip(self.experiments, self.sizes(), strict=True):
@@ -124,9 +181,6 @@ class Problem:
             everything.append(error)
             used.append(error[experiment.used].reshape(-1, count))
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
-        if self.prior_mean is not None and self.prior_root is not None:
-            places = [self.free.index(name) for name in self.prior_free]
-            used.append(self.prior_root @ (unknowns[places] - self.prior_mean[:, None]))
         return np.concatenate(used), everything
 
     def jacobian(self, unknowns: Array) -> Array:

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from tentacle.declared import Uncertain
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
 from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
@@ -44,7 +45,10 @@ class Camera:
 
 @dataclass(frozen=True)
 class Declaration:
-    """What is believed to be in a recording (recording.toml). release_t [s]: held still until then (a free decay)."""
+    """What is believed to be in a recording (recording.toml). release_t [s]: held still until then (a free decay).
+
+    uncertain: the numbers among these that are not known exactly; each stands in its place with its mean.
+    """
 
     specimen: Specimen
     fluid: Fluid = AIR
@@ -52,6 +56,7 @@ class Declaration:
     camera: Camera | None = None
     motor_mode: Literal["prescribed", "servo"] = "prescribed"
     release_t: float | None = None
+    uncertain: tuple[Uncertain, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
 import tomli_w
 
+from tentacle.declared import Uncertain
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.recording import Camera, Declaration
 from tentacle.specimen import (
@@ -54,9 +56,10 @@ def parse_recording_file(values: dict[str, Any], *, file: Path | None = None, te
         release_t=_parse_release(release) if release else None,
     )
     markers, notes = document.table("markers", optional=True), document.table("notes", optional=True)
+    positions = _parse_markers(markers) if markers else {}
     found = RecordingFile(
-        declaration=declaration,
-        markers=_parse_markers(markers) if markers else {},
+        declaration=replace(declaration, uncertain=tuple(document.uncertain)),
+        markers=positions,
         name=document.string("name", "") or None,
         notes={key: notes.string(key) for key in notes} if notes else {},
     )
@@ -69,19 +72,19 @@ def parse_specimen(table: Table) -> Specimen:
     kind = table.choice("section", ("cone", "rectangle"))
     section: Section
     if kind == "cone":
-        section = Cone(table.number("base_radius_m", above=0), table.number("tip_radius_m", least=0))
+        section = Cone(table.measured("base_radius_m", above=0), table.measured("tip_radius_m", least=0))
         foreign = ("width_m", "height_m")
     else:
-        section = Rectangle(table.number("width_m", above=0), table.number("height_m", above=0))
+        section = Rectangle(table.measured("width_m", above=0), table.measured("height_m", above=0))
         foreign = ("base_radius_m", "tip_radius_m")
     for key in foreign:
         if key in table:
             raise table.error(f'does not belong to section = "{kind}"', key)
     specimen = Specimen(
         section=section,
-        length=table.number("length_m", above=0, most=LONGEST_ARM),
-        density=table.number("density_kg_m3", least=LIGHTEST_SOLID),
-        tip_mass=table.number("tip_mass_kg", 0.0, least=0),
+        length=table.measured("length_m", above=0, most=LONGEST_ARM),
+        density=table.measured("density_kg_m3", least=LIGHTEST_SOLID),
+        tip_mass=table.measured("tip_mass_kg", 0.0, least=0),
         stiffness=cast(StiffnessLaw, table.choice("stiffness", ("section", "affine"), "section")),
     )
     table.finish()
@@ -95,14 +98,14 @@ def parse_specimen(table: Table) -> Specimen:
 
 def parse_fluid(table: Table) -> Fluid:
     """[fluid]: density, 0 or absent for air."""
-    fluid = Fluid(table.number("density_kg_m3", 0.0, least=0))
+    fluid = Fluid(table.measured("density_kg_m3", 0.0, least=0))
     table.finish()
     return fluid
 
 
 def parse_gravity(table: Table) -> Gravity:
     """[gravity]: angle_rad, and magnitude_m_s2 where it is not the standard one."""
-    angle = table.number("angle_rad", 0.0, least=-2 * math.pi, most=2 * math.pi)
+    angle = table.measured("angle_rad", 0.0, least=-2 * math.pi, most=2 * math.pi)
     gravity = Gravity(angle, table.number("magnitude_m_s2", STANDARD_GRAVITY, least=0))
     table.finish()
     return gravity
@@ -110,7 +113,7 @@ def parse_gravity(table: Table) -> Gravity:
 
 def _parse_camera(table: Table) -> Camera:
     fps = table.number("fps", above=0)
-    scale = table.number("m_per_px", above=0)
+    scale = table.measured("m_per_px", above=0)
     base = table.numbers("base_px", 2)
     arm = table.numbers("arm_px", 2)
     norm = math.hypot(*arm)
@@ -150,7 +153,7 @@ def _parse_markers(table: Table) -> dict[str, tuple[float, float]]:
     positions = {}
     for name in table:
         marker = table.required_table(name)
-        positions[name] = (marker.number("s", least=0, most=1), marker.number("d"))
+        positions[name] = (marker.measured("s", least=0, most=1), marker.measured("d"))
         marker.finish()
     return positions
 
@@ -175,7 +178,19 @@ def declaration_tables(declaration: Declaration) -> dict[str, Any]:
     tables["motor"] = {"mode": declaration.motor_mode}
     if declaration.release_t is not None:
         tables["release"] = {"t_s": declaration.release_t}
+    _state_uncertain(tables, declaration.uncertain)
     return tables
+
+
+def _state_uncertain(tables: dict[str, Any], uncertain: Sequence[Uncertain]) -> None:
+    """Put what is uncertain in the place of its mean, in those of recording.toml's tables that are here."""
+    for number in uncertain:
+        *path, key = number.field.split(".")
+        if path[0] in tables:
+            table = tables
+            for name in path:
+                table = table[name]
+            table[key] = number.table()
 
 
 def specimen_table(specimen: Specimen) -> dict[str, Any]:
@@ -207,6 +222,7 @@ def format_recording_file(recording_file: RecordingFile) -> str:
     tables = declaration_tables(recording_file.declaration)
     if recording_file.markers:
         tables["markers"] = {name: {"s": s, "d": d} for name, (s, d) in recording_file.markers.items()}
+    _state_uncertain(tables, recording_file.declaration.uncertain)
     if recording_file.notes:
         tables["notes"] = dict(recording_file.notes)
     head = {} if recording_file.name is None else {"name": recording_file.name}

@@ -44,6 +44,8 @@ def parse_model(document: Table) -> Model:
         parameters={} if effects is None else {name: _parse_effect(effects, name) for name in effects},
     )
     document.finish()
+    if document.uncertain:
+        raise document.error("is uncertain", document.uncertain[0].field, "a number: a model is one arm")
     return model
 
 

@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from tentacle.declared import Uncertain
 from tentacle.errors import InputError
 
 _MISSING = object()
@@ -64,6 +65,7 @@ class Table:
 
     def __init__(self, values: Any, *, file: Path | None, name: str = "", text: str = "") -> None:
         self.file, self.name, self.text = file, name, text
+        self.uncertain: list[Uncertain] = []  # what `measured` met, here and in the tables inside
         self._asked: set[str] = set()
         if not isinstance(values, Mapping):
             raise InputError(f"{values!r} is not a table", file=file, field=name, expected=f"a table [{name}]")
@@ -96,7 +98,11 @@ class Table:
         """A table inside this one; None where it is optional and absent."""
         name = f"{self.name}.{key}" if self.name else key
         values = self.raw(key, f"a table [{name}]", None if optional else _MISSING)
-        return None if values is None else Table(values, file=self.file, name=name, text=self.text)
+        if values is None:
+            return None
+        table = Table(values, file=self.file, name=name, text=self.text)
+        table.uncertain = self.uncertain
+        return table
 
     def required_table(self, key: str) -> Table:
         """A table inside this one; InputError where it is missing."""
@@ -123,6 +129,38 @@ class Table:
         if not (math.isfinite(value) and value > above and least <= value <= most):
             raise self.error(f"{value!r} is out of range", key, expected)
         return float(value)
+
+    def measured(
+        self,
+        key: str,
+        default: Any = _MISSING,
+        *,
+        above: float = -math.inf,
+        least: float = -math.inf,
+        most: float = math.inf,
+    ) -> float:
+        """A number as `number` takes it, or { value = , sd = }, or { low = , high = }: its mean is returned, and what
+        is uncertain about it is noted in `uncertain`.
+        """
+        if not isinstance(self._values.get(key), Mapping):
+            return self.number(key, default, above=above, least=least, most=most)
+        table = self.required_table(key)
+        ranged = "low" in table or "high" in table
+        names = ("low", "high") if ranged else ("value", "sd")
+        limits = {"above": above, "least": least, "most": most}
+        first = table.number(names[0], **limits)
+        second = table.number(names[1], **limits) if ranged else table.number(names[1], above=0.0)
+        table.finish()
+        if ranged and not first < second:
+            raise table.error(f"{first!r} is not below high = {second!r}", "low", "low < high")
+        field = f"{self.name}.{key}"
+        if ranged:
+            number = Uncertain(field, 0.5 * (first + second), None, first, second)
+        else:
+            smallest = max(least, math.nextafter(above, math.inf) if above > -math.inf else -math.inf)
+            number = Uncertain(field, first, second, smallest, most)
+        self.uncertain.append(number)
+        return number.value
 
     def bound(self, key: str, default: float) -> float:
         """An end of an interval: a number, or an infinite one."""

@@ -370,3 +370,38 @@ def test_a_long_csv_keeps_every_digit(tmp_path: Path) -> None:
     table = read_csv(file, list(columns), blank_allowed=True)
     for name, values in columns.items():
         np.testing.assert_array_equal(table[name], values)
+
+
+def test_uncertain_numbers_are_read_with_their_means_and_written_back(tmp_path: Path) -> None:
+    cone = CONE.replace("1070", "{ value = 1050, sd = 40 }").replace("0.14", "{ low = 0.138, high = 0.142 }")
+    text = (
+        cone
+        + "[gravity]\nangle_rad = { value = 0.1, sd = 0.02 }\n[markers]\ntip = { s = { value = 0.9, sd = 0.01 }, d = 0 }\n"
+    )
+    recording = read_folder(lab_folder(tmp_path / "lab", recording__toml=text, markers__csv=MARKERS))
+    declaration = recording.declaration
+    assert (declaration.specimen.density, declaration.specimen.length) == (1050.0, 0.14)
+    assert recording.markers is not None
+    assert recording.markers.s[0] == 0.9
+    fields = {number.field: number for number in declaration.uncertain}
+    assert set(fields) == {"specimen.density_kg_m3", "specimen.length_m", "gravity.angle_rad", "markers.tip.s"}
+    assert fields["specimen.density_kg_m3"].sd == 40.0
+    assert fields["specimen.length_m"].bounds == (0.138, 0.142)
+    assert_equal_recordings(read_folder(write_folder(recording, tmp_path / "again")), recording)
+
+
+@pytest.mark.parametrize(
+    ("written", "complaint"),
+    [
+        ("{ value = 1070 }", "specimen.density_kg_m3.sd: missing"),
+        ("{ value = 1070, sd = -1 }", "specimen.density_kg_m3.sd: -1 is out of range"),
+        ("{ low = 1100, high = 1000 }", "is not below high"),
+        ("{ low = 1, high = 1000 }", "specimen.density_kg_m3.low: 1 is out of range"),
+        ("{ low = 1000, high = 1100, sd = 3 }", "specimen.density_kg_m3.sd: unknown key"),
+    ],
+)
+def test_a_spread_that_is_none_is_named(tmp_path: Path, written: str, complaint: str) -> None:
+    folder = lab_folder(tmp_path / "lab", recording__toml=CONE.replace("1070", written), midline__csv=MIDLINE)
+    with pytest.raises(InputError) as error:
+        read_folder(folder)
+    assert complaint in error.value.line()

@@ -1,0 +1,61 @@
+"""The arm and a recording's observation at other values of what the declaration does not know exactly.
+
+A fit moves declared numbers (length, radii, density, payload, gravity's angle, scale, marker positions) through the
+exact arm that has them: sections, masses and quadrature are made anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from affine_model.arm import Arm
+from inference.experiment import Experiment
+from inference.observation import MarkerObservation, ShapeObservation
+from tentacle.declared import Uncertain, with_values
+from tentacle.recording import Declaration
+
+SCALE = "camera.m_per_px"
+DECLARED = "declared"  # stands in the place of an effect's name before a declared number's field
+
+
+def names_of(declared: tuple[Uncertain, ...]) -> tuple[tuple[str, str], ...]:
+    """The declared numbers as names of free parameters."""
+    return tuple((DECLARED, number.field) for number in declared)
+
+
+def arm_at(arm: Arm, values: Mapping[str, float]) -> Arm:
+    """The arm with these declared values (field -> value)."""
+    found = with_values(Declaration(arm.specimen, arm.fluid, arm.gravity), values)
+    return replace(arm, specimen=found.specimen, fluid=found.fluid, gravity=found.gravity)
+
+
+def experiment_at(
+    experiment: Experiment, arm: Arm, values: Mapping[str, float], means: Mapping[str, float]
+) -> Experiment:
+    """The experiment as it is seen if the declared values are these instead of their means."""
+    observation = experiment.observation
+    if isinstance(observation, ShapeObservation):
+        seen = _shapes_at(observation, arm.specimen.length, values.get(SCALE, 1.0) / means.get(SCALE, 1.0))
+    else:
+        seen = _markers_at(observation, arm.specimen.length, values)
+    return replace(experiment, observation=seen)
+
+
+def _shapes_at(observation: ShapeObservation, length: float, scale: float) -> ShapeObservation:
+    """Shapes of an arm of another length [m], seen at `scale` times the metres a pixel."""
+    coefficients = observation.coefficients.copy()
+    if observation.tracked:  # lengths of a midline or of markers are not read off pixels here
+        coefficients[:, 3] += np.log(scale)
+    coefficients[:, 3] -= np.log(length / observation.length)
+    return replace(observation, coefficients=coefficients, length=length)
+
+
+def _markers_at(observation: MarkerObservation, length: float, values: Mapping[str, float]) -> MarkerObservation:
+    s, d = observation.s.copy(), observation.d.copy()
+    for place, name in enumerate(observation.names):
+        s[place] = values.get(f"markers.{name}.s", s[place])
+        d[place] = values.get(f"markers.{name}.d", d[place])
+    return replace(observation, length=length, s=s, d=d)

@@ -1,0 +1,38 @@
+"""What the data made of the numbers that the declaration does not know exactly, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from inference.declared_arm import names_of
+from inference.trajectory import Fit, Problem
+from tentacle.declared import Uncertain
+
+FAR = 3.0  # standard deviations of the declaration: one honest declaration in 400 is farther from its number
+SILENT = 0.9  # of the declared spread: data that leave more of it than this have said nothing about the number
+
+
+def declared_words(problem: Problem, fitted: Fit) -> list[str]:
+    """A sentence for each uncertain number: what was declared, what the data say, and whether the two agree."""
+    words = []
+    for name, number in zip(names_of(problem.declared), problem.declared, strict=True):
+        if name not in fitted.free:
+            continue
+        place = fitted.free.index(name)
+        sd = float(np.sqrt(max(fitted.covariance[place, place], 0.0)))
+        words.append(_sentence(number, float(fitted.values[place]), sd))
+    return words
+
+
+def _sentence(number: Uncertain, value: float, sd: float) -> str:
+    stated = f"{number.low:.4g} to {number.high:.4g}" if number.sd is None else f"{number.value:.4g} +- {number.sd:.2g}"
+    low, high = number.bounds
+    margin = 1e-3 * (high - low)
+    if not low + margin < value < high - margin:
+        return f"{number.field} is declared as {stated}; the fit ends at its limit, {value:.4g}: check the declaration."
+    if sd > SILENT * number.spread:
+        return f"{number.field} is declared as {stated}; these data say nothing about it."
+    found = f"{number.field} is declared as {stated}; the data say {value:.5g} +- {sd:.2g}"
+    if number.sd is not None and abs(value - number.value) > FAR * number.sd:
+        return f"{found}, {abs(value - number.value) / number.sd:.1f} declared deviations away: check the declaration."
+    return f"{found}."

@@ -1,0 +1,70 @@
+"""Declared numbers with a spread: data that know them find them; data that do not leave them as declared."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from inference.base_fit import Setting, fit_base
+from inference.declared_words import declared_words
+from inference.identify import identify
+from inference.prepare import prepare
+from inference.trajectory import Fit, Problem
+from tentacle.declared import Uncertain, shared, with_values
+from tentacle.recording import Recording
+from tentacle.specimen import AIR
+from tests.made_recordings import SPECIMEN
+
+LENGTH, DENSITY = "specimen.length_m", "specimen.density_kg_m3"
+
+
+def declared_as(recording: Recording, *numbers: Uncertain) -> Recording:
+    means = {number.field: number.value for number in numbers}
+    return replace(recording, declaration=replace(with_values(recording.declaration, means), uncertain=numbers))
+
+
+def fitted_to(recording: Recording) -> tuple[Problem, Fit]:
+    setting = Setting(recording.declaration, (prepare(recording, hold_out=False).experiment,), 2)
+    return fit_base(setting, 2)
+
+
+def test_length_and_density_that_the_motion_shows_are_found(recorded) -> None:
+    wrong = (Uncertain(LENGTH, 0.136, 0.005, 1e-6), Uncertain(DENSITY, 1000.0, 100.0, 10.0))
+    problem, fitted = fitted_to(declared_as(recorded(seconds=6.0), *wrong))
+    for field, true in ((LENGTH, SPECIMEN.length), (DENSITY, SPECIMEN.density)):
+        place = fitted.free.index(("declared", field))
+        deviation = np.sqrt(fitted.covariance[place, place])
+        assert abs(fitted.values[place] - true) < 4.0 * deviation  # one draw in 16 000 is farther
+        assert deviation < 0.02 * true  # of 100 kg/m3 and 5 mm declared: the data decide
+    assert 2.0 * fitted.misfit / fitted.count < 1.1  # a model that is right leaves the noise
+    assert any(LENGTH in sentence and "the data say" in sentence for sentence in declared_words(problem, fitted))
+
+
+def test_a_number_that_the_motion_does_not_show_keeps_its_declared_spread(recorded) -> None:
+    """In air stiffness, damping and density appear as ratios only: gravity aside, no motion tells the density."""
+    number = Uncertain(DENSITY, SPECIMEN.density, 50.0, 10.0)
+    recording = declared_as(recorded(seconds=6.0), number)
+    floating = replace(recording.declaration.gravity, magnitude=0.0)
+    declaration = replace(recording.declaration, gravity=floating, fluid=AIR)
+    problem, fitted = fitted_to(replace(recording, declaration=declaration))
+    place = fitted.free.index(("declared", DENSITY))
+    assert np.isclose(np.sqrt(fitted.covariance[place, place]), 50.0, rtol=0.02)  # the prior alone, to rounding
+    assert declared_words(problem, fitted)[0].endswith("say nothing about it.")
+
+
+def test_a_range_that_excludes_the_truth_is_named(recorded) -> None:
+    problem, fitted = fitted_to(declared_as(recorded(seconds=6.0), Uncertain(LENGTH, 0.1325, None, 0.130, 0.135)))
+    assert fitted.values[fitted.free.index(("declared", LENGTH))] == 0.135  # the nearer end
+    assert "check the declaration" in declared_words(problem, fitted)[0]
+
+
+def test_the_identified_model_is_the_arm_that_was_found(recorded) -> None:
+    found = identify([declared_as(recorded(seconds=6.0), Uncertain(LENGTH, 0.136, 0.005, 1e-6))], order=2)
+    assert abs(found.model.specimen.length - SPECIMEN.length) < 1e-4  # its deviation is some micrometres
+    assert set(found.model.parameters) == {"elasticity", "damping", "drag"}
+
+
+def test_a_field_that_two_recordings_declare_alike_is_one_number() -> None:
+    number = Uncertain(LENGTH, 0.14, 0.001, 1e-6)
+    assert shared([(number,), (number,), ()]) == (number,)
