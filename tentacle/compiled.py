@@ -55,10 +55,11 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]
         compiled: Any = numba.njit(**options)(function)
         if not cache or not isinstance(compiled, Dispatcher):  # NUMBA_DISABLE_JIT leaves the function as it is
             return compiled
+        cached: Any = compiled
         with suppress(RuntimeError):  # numba finds no folder to write to
-            compiled.enable_caching()
-            compiled._cache._cache_file.__class__ = CheckedCacheFile
-        return compiled
+            cached.enable_caching()
+            cached._cache._cache_file.__class__ = CheckedCacheFile
+        return cached
 
     return decorate
 

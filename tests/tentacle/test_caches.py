@@ -12,7 +12,7 @@ import pytest
 
 from tentacle import private_cache
 from tentacle.errors import InputError
-from tentacle.video_store import store_frames, store_video
+from tentacle.io.video_store import store_frames, store_video
 
 DOUBLED = """
 from tentacle.compiled import njit
