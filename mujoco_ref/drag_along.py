@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from mujoco_ref.influence import Fields, water_record
 from mujoco_ref.simulate import plain_parameters
 from mujoco_ref.water import wall_factor, water_motion
+from tentacle.compiled import njit
 from tentacle.midline_motion import midline_motion
 from tentacle.model import Model
 from tentacle.signals import Array

@@ -8,10 +8,10 @@ sign.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.influence import HINGE, Fields, Parameters, Record, value
+from tentacle.compiled import njit
 from tentacle.signals import Array
 
 # Columns of a hinge's memory: the bristle's stretch, the Maxwell branch's dashpot [rad].

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from numba import njit
-
 from mujoco_ref.chain import Mount
 from mujoco_ref.hinges import bristle
 from mujoco_ref.influence import BASE, Fields, Parameters, Record, record, value
+from tentacle.compiled import njit
 from tentacle.errors import InputError
 from tentacle.signals import Array
 

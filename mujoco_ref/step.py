@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.engine import mujoco
@@ -19,6 +18,7 @@ from mujoco_ref.hinges import hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember
 from mujoco_ref.water import LENGTH, MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
+from tentacle.compiled import njit
 from tentacle.signals import Array
 
 

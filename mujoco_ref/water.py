@@ -8,10 +8,10 @@ P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.influence import Fields
+from tentacle.compiled import njit
 from tentacle.signals import Array
 
 # Columns of the link table.

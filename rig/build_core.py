@@ -1,4 +1,7 @@
-"""Compiles the board's core for this computer, once, into the user's cache; named by a hash of its sources."""
+"""Compiles the board's core for this computer, once, into the user's cache; named by a hash of its sources.
+
+A program whose own hash does not agree with the one beside it was torn, and is compiled anew.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import subprocess
 from pathlib import Path
 
 from tentacle.errors import InputError
+from tentacle.private_cache import cache_folder
 
 FIRMWARE = Path(__file__).parent / "firmware"
 _FLAGS = ["-std=c++17", "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -24,14 +28,14 @@ def compiled(program: str) -> Path:
     digest = hashlib.sha256()
     for file in sorted([*FIRMWARE.glob("*/*.hpp"), *FIRMWARE.glob("*/*.cpp")]):
         digest.update(file.name.encode() + b"\0" + file.read_bytes())
-    cache = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "tentacle-twin"
+    cache = cache_folder("boards", "TENTACLE_BOARDS")
     target = cache / f"{program}-{digest.hexdigest()[:16]}"
-    if target.exists():
+    proof = target.with_name(f"{target.name}.sha256")
+    if target.exists() and proof.exists() and proof.read_text() == hashlib.sha256(target.read_bytes()).hexdigest():
         return target
     compiler = os.environ.get("CXX") or shutil.which("g++") or shutil.which("clang++")
     if compiler is None:
         raise InputError("no C++ compiler here", field="rig emulator", expected="g++ (Debian: apt-get install g++)")
-    cache.mkdir(parents=True, exist_ok=True)
     fresh = target.with_suffix(f".{os.getpid()}")
     command = [compiler, *_FLAGS, "-o", str(fresh), str(FIRMWARE / source), *map(str, core)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -40,4 +44,5 @@ def compiled(program: str) -> Path:
             f"{Path(compiler).name} failed: {result.stderr.strip().splitlines()[-1:]}", file=FIRMWARE / source
         )
     fresh.replace(target)
+    proof.write_text(hashlib.sha256(target.read_bytes()).hexdigest())
     return target

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from tentacle.compiled import njit
 
 Array = NDArray[np.float64]
 FINE = 3  # fine pixels to a pixel's side, where a blur acts before the pixels do

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from tentacle.compiled import njit
 from tentacle.signals import Array
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point

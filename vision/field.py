@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numba import njit
 from scipy.linalg import solveh_banded
 
+from tentacle.compiled import njit
 from tentacle.signals import Array
 
 NODES = 40  # along the picture's longer side

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from tentacle.compiled import njit
 from tentacle.recording import Camera
 from tentacle.signals import Array
 from tentacle.specimen import Specimen

@@ -11,9 +11,9 @@ stretch that puts the edge where the shorter ones put it, but for what noise exp
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from tentacle.compiled import njit
 from tentacle.signals import Array
 
 STRETCHES = np.array([16, 45, 130, 400])  # stations to either side

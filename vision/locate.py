@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from tentacle.compiled import njit
 from tentacle.signals import Array
 from vision.kinematics import Geometry
 from vision.lens import bend_point

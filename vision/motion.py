@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from tentacle.compiled import njit
 from tentacle.signals import Array
 from vision.kinematics import Geometry, Outline, outline
 

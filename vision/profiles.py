@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from tentacle.compiled import njit
 from tentacle.signals import Array
 from vision.lens import bend_point
 

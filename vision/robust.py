@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from tentacle.compiled import njit
 from tentacle.signals import Array
 
 TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)

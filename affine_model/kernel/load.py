@@ -1,37 +1,22 @@
-"""Compiles the generated kernel once and keeps it: a module in the user's cache folder,
-named by the hash of its text.
+"""Compiles the generated kernel once and keeps it: a module in the user's cache folder, named by the hash of its text.
+
+The text that is run is the one generated here, whatever lies in the cache; tentacle.compiled checks what numba keeps.
 """
 
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import os
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from affine_model.kernel.generate import BLOCK, kernel_source
+from tentacle.private_cache import cache_folder
 
 __all__ = ["BLOCK", "advance_blocks", "load_kernel"]
-
-
-def _cache_folder() -> Path:
-    """TENTACLE_KERNELS, or TENTACLE_CACHE, or the user's cache folder; a temporary one where none can be written."""
-    base = os.environ.get("TENTACLE_KERNELS") or os.environ.get("TENTACLE_CACHE") or os.environ.get("XDG_CACHE_HOME")
-    base = base or str(Path.home() / ".cache")
-    folder = Path(base) / "tentacle-twin" / "kernels"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError:
-        folder = Path(tempfile.mkdtemp(prefix="tentacle-kernels-"))
-    return folder
 
 
 @cache
@@ -41,17 +26,15 @@ def load_kernel(nodes: int, order: int) -> ModuleType:
     """
     source = kernel_source(nodes, order)
     name = f"kernel_{nodes}_{order}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
-    path = _cache_folder() / f"{name}.py"
-    if not path.exists():
+    path = cache_folder("kernels", "TENTACLE_KERNELS") / f"{name}.py"
+    if not path.exists() or path.read_bytes() != source.encode():  # numba's cache goes by the file's age and size
         partial = path.with_suffix(f".{os.getpid()}.part")
         partial.write_text(source)
         partial.replace(path)
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"cannot load the generated kernel {path}")
-    module = importlib.util.module_from_spec(spec)
+    module = ModuleType(name)
+    module.__file__ = str(path)
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    exec(compile(source, str(path), "exec"), module.__dict__)  # the text made here, whatever lies in the cache
     return module
 
 

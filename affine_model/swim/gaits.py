@@ -8,9 +8,9 @@ it vectorises.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
 
 from affine_model.curvature import Array
+from tentacle.compiled import njit, prange
 from tentacle.gait import COEFFICIENT, MULTIPLE, TERM, Gait, harmonic_weights
 
 _BLOCK = 16

@@ -27,7 +27,7 @@ START = '''
 import math
 
 import numpy as np
-from numba import njit
+from tentacle.compiled import njit
 
 FAST = {"contract", "reassoc", "arcp", "nsz", "afn"}  # not nnan: divergence must show
 

@@ -1,0 +1,77 @@
+"""numba's njit, with a cache on disk that is checked before it is used.
+
+numba unpickles what lies in its cache and runs it. A file that a full disk or a power cut tore then ends every later
+run with a traceback, or worse. Here each cache file ends with the SHA-256 of its name and content; one that does not
+agree is compiled anew. Where nothing can be written, the function is compiled in every process.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba import prange
+from numba.core.caching import IndexDataCacheFile
+from numba.core.dispatcher import Dispatcher
+
+__all__ = ["njit", "prange"]
+
+DIGEST = 32  # bytes
+
+
+class CheckedCacheFile(IndexDataCacheFile):
+    """numba's index and data files, each with a digest behind what numba reads."""
+
+    @contextmanager
+    def _open_for_write(self, filepath: str) -> Iterator[Any]:
+        with super()._open_for_write(filepath) as file:
+            content = io.BytesIO()
+            yield content
+            file.write(content.getvalue() + _digest(Path(filepath), content.getvalue()))
+
+    def _load_index(self) -> dict[Any, str]:
+        return super()._load_index() if is_sound(Path(self._index_path)) else {}
+
+    def _load_data(self, name: str) -> Any:
+        if not is_sound(Path(self._data_path(name))):
+            raise OSError("torn")  # numba takes this as: not there
+        return super()._load_data(name)
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keeps what was compiled; a full or read-only disk is no reason to end a run."""
+        with suppress(OSError):
+            super().save(key, data)
+
+
+def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """numba.njit's decorator; with cache=True the compiled function is kept and checked."""
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        compiled: Any = numba.njit(**options)(function)
+        if not cache or not isinstance(compiled, Dispatcher):  # NUMBA_DISABLE_JIT leaves the function as it is
+            return compiled
+        cached: Any = compiled
+        with suppress(RuntimeError):  # numba finds no folder to write to
+            cached.enable_caching()
+            cached._cache._cache_file.__class__ = CheckedCacheFile
+        return cached
+
+    return decorate
+
+
+def is_sound(file: Path) -> bool:
+    """Whether a cache file ends with the digest of what is before it."""
+    try:
+        content = file.read_bytes()
+    except OSError:
+        return False
+    return content[-DIGEST:] == _digest(file, content[:-DIGEST])
+
+
+def _digest(file: Path, content: bytes) -> bytes:
+    return hashlib.sha256(file.name.encode() + b"\0" + content).digest()

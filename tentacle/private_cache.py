@@ -1,0 +1,53 @@
+"""Folders in the user's cache: his alone (0700, owner checked), or a temporary one where none can be written."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import shutil
+import stat
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from tentacle.errors import InputError
+
+PRIVATE = 0o700
+
+
+def cache_folder(name: str, *settings: str) -> Path:
+    """The cache folder `name`, made where it is missing.
+
+    It lies in the folder that the first set one of these variables names: settings, TENTACLE_CACHE; else in
+    tentacle-twin in the user's cache folder. InputError where it belongs to another user: what lies there is run.
+    """
+    base = next((found for key in (*settings, "TENTACLE_CACHE") if (found := os.environ.get(key))), None)
+    if base is None:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "tentacle-twin"
+    return _made(Path(base) / name)
+
+
+def _made(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=PRIVATE)
+        found = folder.stat()
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        return _temporary(str(folder), error.strerror or str(error))
+    if os.name == "posix":
+        if found.st_uid != os.geteuid():
+            raise InputError("belongs to another user", file=folder, expected="your own folder: set TENTACLE_CACHE")
+        if stat.S_IMODE(found.st_mode) != PRIVATE:
+            folder.chmod(PRIVATE)
+    return folder
+
+
+@cache
+def _temporary(folder: str, reason: str) -> Path:
+    """A folder for this process alone."""
+    made = Path(tempfile.mkdtemp(prefix="tentacle-"))
+    atexit.register(shutil.rmtree, made, ignore_errors=True)
+    print(f"tentacle: {folder}: {reason}; nothing is kept for the next run (set TENTACLE_CACHE)", file=sys.stderr)
+    return made
