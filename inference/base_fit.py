@@ -12,9 +12,10 @@ from inference.declared_arm import names_of
 from inference.experiment import Experiment
 from inference.noise_floor import noise_deviation
 from inference.observation import POSE, ShapeObservation
-from inference.prepare import recalibrated
+from inference.prepare import RELEASE, recalibrated
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, fit, fit_multistart
+from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration
 
@@ -42,6 +43,11 @@ class Setting:
         """Whether any recording shows whole shapes; single markers do not show how many coordinates there are."""
         return any(isinstance(experiment.observation, ShapeObservation) for experiment in self.experiments)
 
+    @property
+    def declared(self) -> tuple[Uncertain, ...]:
+        """The uncertain numbers that a fit moves; a release's instant is a nuisance of its recording."""
+        return tuple(number for number in self.declaration.uncertain if number.field != RELEASE)
+
     def base_free(self) -> tuple[ParameterName, ...]:
         """The base parameters that these surroundings let one see."""
         free: list[ParameterName]
@@ -51,16 +57,16 @@ class Setting:
             free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1")]
         if self.declaration.fluid.density > 0.0:
             free.append(("drag", "C_perp"))
-        return (*free, *names_of(self.declaration.uncertain))
+        return (*free, *names_of(self.declared))
 
     def problem(self, order: int, parameters: Array) -> Problem:
         """The fit of the base effects and of the uncertain declaration, from a parameter vector (R + D,)."""
-        declared = self.declaration.uncertain
+        declared = self.declared
         return Problem(self.arm(order), self.experiments, self.base_free(), parameters, self.step, declared=declared)
 
     def start(self) -> Array:
         """The parameter vector (R + D,) at which every effect is absent, and the declaration is its means."""
-        return np.concatenate([neutral_parameters(), [number.value for number in self.declaration.uncertain]])
+        return np.concatenate([neutral_parameters(), [number.value for number in self.declared]])
 
 
 def needed_order(setting: Setting, *, complete: bool = False) -> int:
@@ -177,7 +183,7 @@ def _starts(setting: Setting) -> Array:
                     # The affine law that has the section's value at the base and a twentieth, or more, at the tip.
                     tip = max(tip_moment, 0.05 * second_moment) - second_moment
                     column = [E * second_moment, E * tip, eta * second_moment, eta * tip]
-                stated = [number.value for number in setting.declaration.uncertain]
+                stated = [number.value for number in setting.declared]
                 columns.append([*column, *([] if drag is None else [drag]), *stated])
     return np.array(columns).T
 

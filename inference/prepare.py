@@ -28,6 +28,7 @@ MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every 
 LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
 NEIGHBOURS, JUMP, OF_WAY = 15, 10.0, 0.3
+RELEASE = "release.t_s"
 LEAST_MOTION = 2.0  # noise sigmas
 LEAST_RATE = 0.01  # rad/s
 # Radians that the seen root turns for a radian of the servo, below which its frame turns along, or one sign is wrong.
@@ -203,11 +204,17 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         release=release,
         used=used,
         noise_gain=np.ones(channels),
-        release_sigma=2.0 * interval,
+        release_sigma=_release_sd(recording, 2.0 * interval),
         rates_seen=rates,
         base_known_from=None if recording.motor is None else float(recording.motor.t[0]),
     )
     return Prepared(recording, experiment, points, sigma, tuple(words))
+
+
+def _release_sd(recording: Recording, usual: float) -> float:
+    """How well the instant of the release is known [s]: as declared, or to some frames."""
+    declared = recording.declaration.uncertain
+    return next((number.spread for number in declared if number.field == RELEASE), usual)
 
 
 def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) -> bool:

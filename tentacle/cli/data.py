@@ -13,7 +13,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the list as JSON")
     actions = parser.add_subparsers(metavar="convert")
     convert = actions.add_parser("convert", help="write a set's runs as import folders", allow_abbrev=False)
-    convert.add_argument("set", choices=["silicone_beam"], help="the set")
+    convert.add_argument("set", choices=["silicone_beam", "trunk_payload", "pressure_arm"], help="the set")
     convert.add_argument("out", type=Path, metavar="OUT", help="where the folders are to stand, one a run")
     convert.set_defaults(convert=True)
     parser.set_defaults(convert=False)
@@ -21,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """List, or convert."""
-    return _convert(arguments.out) if arguments.convert else _list(as_json=arguments.json)
+    return _convert(arguments.set, arguments.out) if arguments.convert else _list(as_json=arguments.json)
 
 
 def _list(*, as_json: bool) -> int:
@@ -46,19 +46,10 @@ def _list(*, as_json: bool) -> int:
     return 0
 
 
-def _convert(out: Path) -> int:
-    from tentacle.errors import InputError
+def _convert(name: str, out: Path) -> int:
+    from tentacle.io.convert_data import convert_data
     from tentacle.io.external_data import data_folder
-    from tentacle.io.silicone_beam import FILES, read_beam
-    from tentacle.io.write_folder import write_folder
 
-    folder = data_folder() / "silicone_beam"
-    if not folder.is_dir():
-        raise InputError("no such data set", file=folder, expected="the folder that `tentacle data` tells of")
-    recordings = [read_beam(folder / f"{name}.csv") for name in FILES]
-    for recording in recordings:
-        if (out / recording.name).exists():
-            raise InputError("is there already", file=out / recording.name, expected="a folder without it")
-    for recording in recordings:
-        print(f"wrote {write_folder(recording, out / recording.name)}")
+    for folder in convert_data(name, data_folder(), out):
+        print(f"wrote {folder}")
     return 0

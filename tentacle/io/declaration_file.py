@@ -144,7 +144,7 @@ def _parse_motor_mode(table: Table) -> str:
 
 
 def _parse_release(table: Table) -> float:
-    time = table.number("t_s", least=0)
+    time = table.measured("t_s", least=0)
     table.finish()
     return time
 

@@ -62,6 +62,37 @@ DATA_SETS = (
         },
     ),
     DataSet(
+        name="trunk_payload",
+        what="motion capture (100 Hz) of a hanging soft arm of .32 m, three discs: let go by hand with 200 g and 300 g "
+        "at its tip, and driven by tendons with 0 g and 100 g (these cut after 3000 rows)",
+        url="https://github.com/StanfordASL/trunk-stack",
+        commit="8b4b9234b287a0403d1844821bfad79e36e1f66f",
+        path="stack/main/data/trajectories/dynamic",
+        licence="MIT (Stanford Autonomous Systems Lab)",
+        files={
+            "control_inputs_controlled_1.csv": "30024acf90259fceef9ef9ee0ec8555053044a335b0eeb0376a5ef8be929a009",
+            "observations_controlled_1_0g.csv": "afd419e511019c79b4888d7f6eca1731f07612fd43787ca75f865ae6393d871f",
+            "observations_controlled_1_100g.csv": "29c832e13a1f9fea2f6128d2da2b7c045833042174640b6337eecf7f003b5ada",
+            "observations_manual_decay_200g.csv": "f018af6fa6af6b56f88eeaff4d89cf4413b2b5196771e7a30c0054ac1a927b22",
+            "observations_manual_decay_200g_2.csv": "a8f87d7d05eebaefde9f6c1ff136dfc0afa2a1064312cb15aa74af8b63a9d273",
+            "observations_manual_decay_300g.csv": "0e157d5dfb93a66ba649f57e6e9f3de74d9bd21c3472d4a67cf77b6a67ce4097",
+        },
+    ),
+    DataSet(
+        name="pressure_arm",
+        what="motion capture (100 Hz) of a pneumatic arm of one segment, clamped in air, inflated in a step to 150 or "
+        "300 mbar and vented. One CSV a run, converted from the C3D files of the source: t_s, then MARKER_x_mm, _y_mm, "
+        "_z_mm",
+        url="https://github.com/srl-ethz/diffPD_sim2real",
+        commit="825e7b7c4638d18f0b35707eb192bedf955a7157",
+        path="python/1segment_arm/Measurement_data/*_V3.c3d",
+        licence="MIT (Soft Robotics Lab, ETH Zurich)",
+        files={
+            "arm_150mbar.csv": "6d68475c39a562c791164f0d3d8c8b84bc8e58a575a27cfa39977ce43af60b08",
+            "arm_300mbar.csv": "b50d5b6af19977bdb35755dbb1dc63e455cb1e6d5e8a99de3d8eec7e4baacd6a",
+        },
+    ),
+    DataSet(
         name="worm_crops",
         what="600 grey crops of a crawling worm, 15 frames/s, with midlines by another program "
         "(reference_midlines.npz: the first 600 rows of features.h5)",

@@ -17,6 +17,7 @@ n up; gravity pulls along -n, so its angle is -pi/2. How the geometry, which the
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,12 @@ BEAM = Specimen(Rectangle(0.03, 0.03), length=0.1, density=1070.0)
 QUIET_SECONDS = 0.3  # from the start: supported in all four runs
 SMALLEST_FALL, LARGEST_FALL = 0.1e-3, 3.0e-3  # m: over the noise and the hand's tremor; still a free fall
 FALL_SECONDS = 0.05
+
+
+def read_beams(folder: Path) -> Iterator[Recording]:
+    """Every run of the set as a recording; InputError where a file is not such a CSV."""
+    for name in FILES:
+        yield read_beam(folder / f"{name}.csv")
 
 
 def read_beam(file: Path) -> Recording:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
+from tentacle.io.convert_data import convert_data
 from tentacle.io.external_data import DATA_SETS, check, data_folder, digest
 from tentacle.io.import_folder import read_folder
 from tentacle.io.silicone_beam import FILES, read_beam, release_time
@@ -83,3 +84,28 @@ def test_converted_beams_are_import_folders(tmp_path: Path, capsys: pytest.Captu
         assert_equal_recordings(read_folder(tmp_path / "beams" / name), read_beam(BEAMS / f"{name}.csv"))
     assert main(["data", "convert", "silicone_beam", str(tmp_path / "beams")]) == 2
     assert "is there already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["trunk_payload", "pressure_arm"])
+def test_other_arms_are_converted_to_import_folders(name: str, tmp_path: Path) -> None:
+    if not (data_folder() / name).is_dir():
+        pytest.skip(f"no {name} in {data_folder()}: `tentacle data` says where to get it")
+    folders = convert_data(name, data_folder(), tmp_path)
+    assert len(folders) == {"trunk_payload": 44, "pressure_arm": 2}[name]  # 13 + 8 + 21 decays, 2 driven; 2 runs
+    for folder in folders:
+        recording = read_folder(folder)
+        markers = recording.markers
+        assert markers is not None
+        still = markers.xy[:50] if name == "pressure_arm" else markers.xy[-145:]
+        if "controlled" not in folder.name:  # the tendons' arm is never at rest
+            np.testing.assert_allclose(still.mean(axis=0)[:, 0], markers.d, atol=1e-6)  # written to the micrometre
+            along = recording.declaration.specimen.length * markers.s
+            assert np.abs(still.mean(axis=0)[:, 1] - along).max() < 1.5e-2  # what still swings hangs less deep
+        assert recording.declaration.uncertain[0].field == "specimen.density_kg_m3"
+        if "decay" in folder.name:
+            release = recording.declaration.release_t
+            assert release is not None
+            held = markers.xy[(markers.t < release) & (markers.t > release - 0.1)]
+            speed = np.linalg.norm(np.diff(held[:, -1], axis=0), axis=-1).max() / 0.01
+            fastest = np.linalg.norm(np.diff(markers.xy[:, -1], axis=0), axis=-1).max() / 0.01
+            assert speed < 0.4 * fastest  # the hand moves too, but the arm swings only once it is let go
