@@ -29,7 +29,7 @@ class Release:
 
 
 def find_release(t: Array, path: Array) -> Release | None:
-    """The release of a path (T, K) [m] that begins at rest, at times t (T,) [s]; None where it never leaves its start."""
+    """The release of a path (T, K) [m] that begins at rest, at times t (T,) [s]; None where it never leaves it."""
     reached = int(np.argmax(_distance(path, path[0]) > 0.5 * SHARE * _distance(path, path[0]).max()))
     held = path[: max(int(0.9 * reached) - FEWEST, 3)]
     away = _distance(path, np.median(held, axis=0))
