@@ -145,7 +145,7 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
 
 
 def _remarks(judged: Hypothesis, correlation: Array) -> tuple[str, ...]:
-    words = []
+    words = [] if judged.fitted.result.converged else [judged.fitted.result.message]
     names = [".".join(name) for name in judged.fitted.free]
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
         if abs(correlation[i, j]) > ILL:

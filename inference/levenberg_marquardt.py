@@ -14,18 +14,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
+from inference.solver_result import RESULTS
 
 LADDER = 10.0 ** np.arange(-3.0, 5.0)  # dampings tried, times the current one
 SMALLEST, LARGEST = 1e-9, 1e9
+FLAT = 1e-14  # reciprocal condition number below which rounding decides the step: about 50 units of double precision
 
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where the search ended: unknowns (P,), rounds taken, whether it converged."""
+    """Where the search ended: unknowns (P,), rounds taken, and how it ended."""
 
     unknowns: Array
     rounds: int
-    converged: bool
+    result: RESULTS
 
 
 def minimise(
@@ -41,8 +43,8 @@ def minimise(
     """Minimise 1/2 |r(x)|^2 over low <= x <= high.
 
     residuals maps (P, B) to (N, B), jacobian takes x (P,) and the residuals there (N,) to (N, P); x is scaled so that
-    its natural steps are about 1. It ends when a round lowers the sum by less than `tolerance` of itself (converged),
-    or after `most` rounds.
+    its natural steps are about 1. It converges when a round lowers the sum by less than `tolerance` of itself; after
+    `most` rounds it ends with RESULTS.MAX_STEPS.
     """
     x, damping = np.clip(start, low, high), 1e-3
     value = residuals(x[:, None])[:, 0]
@@ -53,7 +55,7 @@ def minimise(
         # A variable on its bound that wants to leave the box stays where it is in this round.
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
-            return Minimum(x, round_number, True)
+            return Minimum(x, round_number, RESULTS.AT_BOUND)
         for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more, far more cautiously
             ladder = np.clip(rungs, SMALLEST, LARGEST)
             trials = np.repeat(x[:, None], ladder.size, axis=1)
@@ -65,12 +67,22 @@ def minimise(
             if costs[best] < cost:
                 break
         else:
-            return Minimum(x, round_number, True)
+            return Minimum(x, round_number, _ending(curvature, free))
         gained = cost - costs[best]
         x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
         if gained <= tolerance * cost:
-            return Minimum(x, round_number + 1, True)
-    return Minimum(x, most, False)
+            return Minimum(x, round_number + 1, _ending(curvature, free))
+    return Minimum(x, most, RESULTS.MAX_STEPS)
+
+
+def _ending(curvature: Array, free: np.ndarray) -> RESULTS:
+    """How a search ended that converged: curvature (P, P) of the last round, free (P,) those not held by a bound."""
+    kept = curvature[np.ix_(free, free)]
+    size = np.sqrt(np.maximum(np.diag(kept), 1e-300))
+    values = np.linalg.eigvalsh(kept / np.outer(size, size))
+    if values[0] <= FLAT * values[-1]:
+        return RESULTS.SINGULAR
+    return RESULTS.CONVERGED if free.all() else RESULTS.AT_BOUND
 
 
 def _steps(curvature: Array, gradient: Array, ladder: Array) -> Array:

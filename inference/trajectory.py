@@ -16,6 +16,7 @@ from affine_model.curvature import Array
 from inference.declared_arm import DECLARED, arm_at, experiment_at, names_of
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.levenberg_marquardt import minimise
+from inference.solver_result import RESULTS
 from tentacle.declared import Uncertain
 
 ParameterName = tuple[str, str]  # effect, parameter
@@ -33,7 +34,7 @@ class Fit:
     vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
     (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
     parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; spread: rms in noise
-    sigmas that the unknowns' own uncertainty adds to the frames that were not fitted.
+    sigmas that the unknowns' own uncertainty adds to the frames that were not fitted; result: how the solver ended.
     """
 
     free: tuple[ParameterName, ...]
@@ -49,6 +50,7 @@ class Fit:
     used_residuals: Array
     evaluations: int
     spread: float = 0.0
+    result: RESULTS = RESULTS.CONVERGED
 
 
 @dataclass(frozen=True)
@@ -231,7 +233,7 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
         most=most,
     )
     unknowns = lowest.unknowns * scales
-    return _finished(problem, unknowns, lowest.rounds)
+    return replace(_finished(problem, unknowns, lowest.rounds), result=lowest.result)
 
 
 def _finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
