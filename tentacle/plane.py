@@ -47,4 +47,4 @@ def plane_of_motion(displacement: Array, along: Array) -> Plane:
     normal = normal / np.linalg.norm(normal)
     normal = normal if float(sideways[0] @ normal) >= 0.0 else -normal
     share = float(sizes[1] / np.hypot(sizes[0], sizes[1])) if sizes[0] > 0 else 0.0
-    return Plane(along, normal, np.cross(normal, along), share)
+    return Plane(along, normal, np.asarray(np.cross(normal, along), dtype=float), share)

@@ -23,6 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.io.reading import read_recording
     from tentacle.io.recording_rrd import write_rrd
     from tentacle.io.recording_summary import summarise
+    from tentacle.slips import find_slips
 
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
@@ -34,5 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         for line in summary.values():
             print(line)
+        for slip in find_slips(recording):
+            print(f"check: {slip.line()}")
         print(f"wrote {arguments.out}")
     return 0

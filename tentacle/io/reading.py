@@ -6,11 +6,17 @@ from pathlib import Path
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
+from tentacle.slips import refuse_slips
 
 
 def read_recording(path: str | Path) -> Recording:
     """A recording from an import folder, or from an .rrd file; InputError names what is wrong with it."""
-    path = Path(path)
+    recording = _read(Path(path))
+    refuse_slips(recording)
+    return recording
+
+
+def _read(path: Path) -> Recording:
     if path.is_dir():
         from tentacle.io.import_folder import read_folder
 

@@ -1,0 +1,181 @@
+"""Slips of sign, unit and order in a recording, found before anything slow begins.
+
+What the arm must do is compared with what was handed over: its root points along the base, so that
+
+    direction of the root = theta + a constant near 0,   turning with the servo by .35 to 1.5 rad a radian,
+
+and a marker of arc length s lies within s L of the clamp. A slip that leaves no other reading is an error. One that a
+peculiar set-up could explain is advice, with the numbers that led to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tentacle.errors import InputError
+from tentacle.recording import Recording
+from tentacle.signals import Array
+
+NEAR_ROOT = 0.15  # of the arm: within, the midline's direction is the base's to some degrees
+SLOWEST = 1.0  # s between pictures: no soft arm's motion can be followed so
+LEAST_TURN = 0.05  # rad of the servo, below which its sign and unit cannot be seen
+DEGREE = np.pi / 180.0
+REACH = 1.15  # of s L: how far a marker may lie from the clamp, for roughly declared lengths and shifted clamps
+CONCENTRATED = 0.7  # mean resultant length of the root's directions: a swing of +-60 degrees has as much
+STEADY = 0.1  # relative median deviation of a midline's length over the frames, beyond which it is no midline's
+FEWEST_PX = 20.0  # an arm shorter in the picture has no shape
+
+
+@dataclass(frozen=True)
+class Slip:
+    """One suspicion: the file and field that it concerns, what is seen with its numbers, and the remedy."""
+
+    file: str
+    field: str
+    seen: str
+    remedy: str
+    certain: bool
+
+    def line(self) -> str:
+        """As it is printed."""
+        return f"{self.file}: {self.field}: {self.seen}; {self.remedy}"
+
+
+def refuse_slips(recording: Recording) -> None:
+    """InputError for the first slip that leaves no other reading."""
+    for slip in find_slips(recording):
+        if slip.certain:
+            raise InputError(slip.seen, file=f"{recording.name}/{slip.file}", field=slip.field, expected=slip.remedy)
+
+
+def find_slips(recording: Recording) -> list[Slip]:
+    """All slips of a recording; none where too little was measured to tell."""
+    found = [_slow_clock(recording), _small_picture(recording)]
+    root = _root_direction(recording)
+    if root is not None:
+        found += [_root_slip(*root), _servo_slip(recording, *root)]
+    found += [_length_slip(recording), *_marker_slips(recording)]
+    return [slip for slip in found if slip is not None]
+
+
+def _slow_clock(recording: Recording) -> Slip | None:
+    pictures = recording.midline or recording.markers
+    if pictures is None or len(pictures.t) < 3:
+        return None
+    interval = float(np.median(np.diff(pictures.t)))
+    if interval < SLOWEST:
+        return None
+    name = "midline.csv" if recording.midline is not None else "markers.csv"
+    return Slip(name, "t_s", f"a picture every {interval:.4g} s", "seconds (are these milliseconds?)", True)
+
+
+def _small_picture(recording: Recording) -> Slip | None:
+    camera = recording.declaration.camera
+    if camera is None:
+        return None
+    pixels = recording.declaration.specimen.length / camera.metres_per_px
+    if pixels >= FEWEST_PX:
+        return None
+    seen = f"{camera.metres_per_px:g} m a pixel makes the arm {pixels:.3g} pixels long"
+    return Slip("recording.toml", "camera.m_per_px", seen, "metres a pixel, some 0.0002 to 0.001", True)
+
+
+def _root_direction(recording: Recording) -> tuple[Array, Array] | None:
+    """Times (T,) and direction (T,) [rad] of the midline near the clamp, phi = atan2(-x, y); None without a midline."""
+    midline = recording.midline
+    if midline is None:
+        return None
+    third = float(np.sort(midline.s)[min(2, len(midline.s) - 1)])
+    near = np.flatnonzero((midline.s > 0.0) & (midline.s <= max(NEAR_ROOT, third)))
+    points = midline.xy[:, near]
+    whole = np.isfinite(points).all(axis=(1, 2))
+    if near.size == 0 or whole.sum() < 10:
+        return None
+    vectors = points[whole].sum(axis=1)
+    return midline.t[whole], np.unwrap(np.arctan2(-vectors[:, 0], vectors[:, 1]))
+
+
+def _root_slip(t: Array, direction: Array) -> Slip | None:
+    """A root that points along x, or against y, on average over the recording."""
+    resultant = complex(np.mean(np.exp(1j * direction)))
+    if abs(resultant) < CONCENTRATED:
+        return None
+    mean = float(np.angle(resultant))
+    seen = f"the root points {np.degrees(mean):.0f} degrees away from y on average over {len(t)} frames"
+    if abs(abs(mean) - 0.5 * np.pi) < 0.6:
+        return Slip("midline.csv", "x_m", seen, "y along the straight arm, x across it (exchanged?)", True)
+    if abs(mean) > np.pi - 0.6:
+        return Slip("midline.csv", "y_m", seen, "y from the clamp towards the tip (its sign?)", True)
+    return None
+
+
+def _servo_slip(recording: Recording, t: Array, direction: Array) -> Slip | None:
+    """A servo's log in degrees, or with the other sign, by how far the root turns with it."""
+    motor = recording.motor
+    if motor is None:
+        return None
+    within = (t >= motor.t[0]) & (t <= motor.t[-1])
+    if within.sum() < 10:
+        return None
+    theta, phi = np.interp(t[within], motor.t, motor.angle), direction[within]
+    if np.ptp(theta) < LEAST_TURN:
+        return None
+    slope = float(np.polyfit(theta - theta.mean(), phi, 1)[0])
+    agreement = float(np.corrcoef(theta, phi)[0, 1])
+    seen = f"the root turns {slope:.3g} rad for a radian of the servo (correlation {agreement:.2f})"
+    if agreement > 0.8 and 0.3 * DEGREE < slope < 3.0 * DEGREE:
+        return Slip("motor.csv", "angle_rad", seen, "radians (these are degrees)", True)
+    if agreement < -0.8 and slope < -0.35:
+        return Slip("motor.csv", "angle_rad", seen, "the log's sign is reversed (or declare mirrored)", False)
+    return None
+
+
+def _length_slip(recording: Recording) -> Slip | None:
+    """A midline whose own length is not the declared one."""
+    midline, length = recording.midline, recording.declaration.specimen.length
+    if midline is None or len(midline.s) < 6:
+        return None
+    steps = np.linalg.norm(np.diff(midline.xy, axis=1), axis=2).sum(axis=1)
+    share = float(midline.s[-1] - midline.s[0])
+    measured = steps[np.isfinite(steps)] / max(share, 1e-9)
+    if measured.size < 10:
+        return None
+    if np.median(np.abs(measured - np.median(measured))) > STEADY * np.median(measured):
+        return None
+    ratio = float(np.median(measured)) / length
+    spread = next((n.spread for n in recording.declaration.uncertain if n.field == "specimen.length_m"), 0.0)
+    allowed = max(0.03, 3.0 * spread / length)  # chords and noise change a midline's length by less than 3 %
+    if abs(ratio - 1.0) < allowed:
+        return None
+    seen = f"the midline is {1e3 * ratio * length:.1f} mm long, the arm is declared {1e3 * length:.1f} mm"
+    certain = not 0.5 < ratio < 2.0
+    return Slip("recording.toml", "specimen.length_m", seen, "one length (is the scale off, or the length?)", certain)
+
+
+def _marker_slips(recording: Recording) -> list[Slip]:
+    """Markers farther from the clamp than the arm reaches, or in another order than their s."""
+    markers, length = recording.markers, recording.declaration.specimen.length
+    if markers is None:
+        return []
+    away = np.linalg.norm(markers.xy, axis=2)
+    away = np.where(np.isfinite(away), away, np.nan)
+    found = []
+    with np.errstate(invalid="ignore"):
+        nearest = np.array([np.nanmin(row) if np.isfinite(row).any() else np.nan for row in away.T])
+    reach = REACH * np.hypot(markers.s * length, markers.d) + 0.05 * length
+    for name, distance, most, s in zip(markers.names, nearest, reach, markers.s, strict=True):
+        if distance > most:
+            seen = f"never nearer to the clamp than {1e3 * distance:.1f} mm, at s = {s:.3g} of {1e3 * length:.0f} mm"
+            found.append(Slip("recording.toml", f"markers.{name}.s", seen, "its place along the arm", True))
+    order = np.argsort(markers.s, kind="stable")
+    middle = np.array([np.nanmedian(row) if np.isfinite(row).any() else np.nan for row in away.T])[order]
+    for first, second in zip(range(len(order) - 1), range(1, len(order)), strict=True):
+        apart = (markers.s[order[second]] - markers.s[order[first]]) * length
+        if apart > 0.1 * length and middle[second] < middle[first] - 0.25 * apart:
+            one, other = markers.names[order[first]], markers.names[order[second]]
+            distances = f"({1e3 * middle[second]:.0f} and {1e3 * middle[first]:.0f} mm)"
+            seen = f"{other} is nearer to the clamp than {one} {distances}"
+            found.append(Slip("recording.toml", "markers", seen, "s in the order of the markers along the arm", False))
+    return found
