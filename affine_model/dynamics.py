@@ -17,7 +17,6 @@ from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import angle_basis
 from affine_model.effect import Effect
 
-
 BODY_ADDED_MASS = 0.5  # of a compact body, over the water that it displaces: a sphere's (Lamb 1932, art. 92)
 
 

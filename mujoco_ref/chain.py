@@ -53,8 +53,8 @@ class Chain:
     """A compiled chain of `links` hinges and the geometry that the water needs.
 
     model: MuJoCo's, complete in itself (stiffness, damping, weight, buoyancy as gravcomp). Per link (n + 1,): start and
-    length [m] along the arm, mass [kg]. bodies (2, 4): of the payload and what hangs beside it, see Hung.row. hinge_s (n,), stiffness (n,)
-    [N m/rad of hinge angle], damping (n,) [N m s/rad].
+    length [m] along the arm, mass [kg]. bodies (2, 4): of the payload and what hangs beside it, see Hung.row.
+    hinge_s (n,), stiffness (n,) [N m/rad of hinge angle], damping (n,) [N m s/rad].
     """
 
     model: Any

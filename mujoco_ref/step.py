@@ -265,8 +265,8 @@ class Stepper:
             mujoco.mj_rne(model, data, 1, self._inverse)
             _correct(
                 state.q, state.a, self._q, self._v, self._mass, self._inverse, self._motion, self.links, self.nodes,
-                self.hinges, self.water, self.tip, self.rest, self.base, state.hinge_memory, state.base_memory, self.held,
-                motor[0, 0], motor[1], middle_time, softening, step, self.chain.bodies, self._mount_mass,
+                self.hinges, self.water, self.tip, self.rest, self.base, state.hinge_memory, state.base_memory,
+                self.held, motor[0, 0], motor[1], middle_time, softening, step, self.chain.bodies, self._mount_mass,
                 self._gravity, self.reading,
             )  # fmt: skip
         _finish(

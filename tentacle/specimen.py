@@ -110,7 +110,9 @@ class Specimen:
     tip_mass_density: float = STEEL
 
     def __post_init__(self) -> None:
-        _require_positive(length_m=self.length, density_kg_m3=self.density, tip_mass_density_kg_m3=self.tip_mass_density)
+        _require_positive(
+            length_m=self.length, density_kg_m3=self.density, tip_mass_density_kg_m3=self.tip_mass_density
+        )
         for name, place in (("tip_mass_reach_m", self.tip_mass_reach), ("tip_mass_drop_m", self.tip_mass_drop)):
             if not abs(place) <= self.length:
                 raise InputError(f"{place!r} is not usable", field=name, expected="metres, within an arm's length")

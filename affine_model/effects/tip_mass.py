@@ -14,7 +14,9 @@ TIP_MASS = Effect(
         Parameter(
             "reach", "arm lengths", 0.1, (-0.3, 0.3), "its centre beyond the tip, along the tangent", scan=(0.0,)
         ),
-        Parameter("drop", "arm lengths", 0.05, (-0.3, 0.3), "its centre beside the axis, along the normal", scan=(0.0,)),
+        Parameter(
+            "drop", "arm lengths", 0.05, (-0.3, 0.3), "its centre beside the axis, along the normal", scan=(0.0,)
+        ),
     ),
     source="Newton; Archimedes; Lamb 1932, art. 92: a sphere carries half the water that it displaces",
     family="weight",

@@ -55,10 +55,10 @@ def assumed_model(specimen: Specimen, silicone: str, fluid: Fluid = WATER, gravi
     if silicone not in SILICONES:
         raise InputError(f"{silicone!r} is not known", field="silicone", expected=f"one of {', '.join(SILICONES)}")
     material = SILICONES[silicone]
-    loss = (material.viscosity(factor) for factor in (None, *material.loss_range))
+    eta, least, most = (material.viscosity(factor) for factor in (material.loss_factor, *material.loss_range))
     parameters = {
         "elasticity": {"E": Estimate(material.modulus, *material.modulus_range, "Pa")},
-        "damping": {"eta": Estimate(*loss, "Pa s")},
+        "damping": {"eta": Estimate(eta, least, most, "Pa s")},
         "drag": {"C_perp": Estimate(1.1, 0.8, 1.5)},
         "added_mass": {"C_a": Estimate(1.0, 0.8, 1.2)},
     }

@@ -88,9 +88,9 @@ def parse_specimen(table: Table) -> Specimen:
         density=table.measured("density_kg_m3", least=LIGHTEST_SOLID),
         tip_mass=table.measured("tip_mass_kg", 0.0, least=0),
         stiffness=cast(StiffnessLaw, table.choice("stiffness", ("section", "affine"), "section")),
-        tip_mass_reach=table.number("tip_mass_reach_m", 0.0, least=-length, most=length),
-        tip_mass_drop=table.number("tip_mass_drop_m", 0.0, least=-length, most=length),
-        tip_mass_density=table.number("tip_mass_density_kg_m3", STEEL, least=LIGHTEST_SOLID),
+        tip_mass_reach=table.measured("tip_mass_reach_m", 0.0, least=-length, most=length),
+        tip_mass_drop=table.measured("tip_mass_drop_m", 0.0, least=-length, most=length),
+        tip_mass_density=table.measured("tip_mass_density_kg_m3", STEEL, least=LIGHTEST_SOLID),
     )
     table.finish()
     thickness = 2.0 * float(section.half_thickness(0.0))

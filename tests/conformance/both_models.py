@@ -99,4 +99,3 @@ def answers(mass: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, float]:
     n = ORDER
     acceleration = np.linalg.solve(mass[:n, :n], force[:n])
     return acceleration, float(mass[-1, :n] @ acceleration - force[-1])
-

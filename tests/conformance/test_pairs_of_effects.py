@@ -41,7 +41,9 @@ def test_both_models_accelerate_alike_and_pull_the_base_alike(first):
         scale = np.abs(acceleration).max()
         assert np.abs((4.0 * fine - coarse) / 3.0 - acceleration).max() < 2e-3 * scale, pair
         assert abs((4.0 * fine_pull - coarse_pull) / 3.0 - pull) < 2e-3 * max(abs(pull), 0.05), pair
-        assert np.abs(fine - acceleration).max() < 0.05 * scale, pair  # what 40 links err by, where the accelerations nearly cancel
+        assert np.abs(fine - acceleration).max() < 0.05 * scale, (
+            pair
+        )  # what 40 links err by, where the accelerations nearly cancel
 
 
 @each_effect
@@ -49,7 +51,7 @@ def test_energy_momentum_and_symmetry_of_the_reduced_model(first):
     for pair in pairs_of(first):
         motion = Motion.drawn(len(pair[-1]) + 1)
         model = model_with(nominal(pair))
-        mass, force, arm, p, u = reduced(model, motion)
+        mass, _, arm, p, u = reduced(model, motion)
         effects = active_effects(p)
         np.testing.assert_allclose(mass, mass.T, rtol=0, atol=1e-14)
         assert np.linalg.eigvalsh(mass).min() > 0.0
@@ -60,7 +62,8 @@ def test_energy_momentum_and_symmetry_of_the_reduced_model(first):
         still = balance(arm, effects, p, u, 0.0 * v, motion.t).force
         moving = balance(arm, effects, p, u, v, motion.t).force
         step = 1e-6
-        ahead, behind = (balance(arm, effects, p, u + sign * step * v, 0.0 * v, motion.t).mass_matrix for sign in (1, -1))
+        places = (u + step * v, u - step * v)
+        ahead, behind = (balance(arm, effects, p, place, 0.0 * v, motion.t).mass_matrix for place in places)
         work = v @ (moving - still) + 0.5 * v @ ((ahead - behind) / (2.0 * step)) @ v
         assert work < 0.0, pair  # material damping and drag act in every pair
         # What depends on the shape alone is a potential's: the slopes of its forces are symmetric.

@@ -1,7 +1,7 @@
 """Point masses at the tip, servo and rail, and the solution for the correction of the accelerations."""
 
 SOLUTION = """\
-            # Compact bodies at the tip: the payload, and what hangs there undeclared. The last section's water is theirs.
+            # Compact bodies at the tip: the payload, and what hangs there undeclared.
             for body in range(BODIES):
                 whole = 0.0
                 for b in range(BLOCK):
