@@ -121,6 +121,9 @@ class Arm:
             "density": self.specimen.density,
             "fluid_density": self.fluid.density,
             "payload": self.specimen.tip_mass,
+            "payload_reach": self.specimen.tip_mass_reach,
+            "payload_drop": self.specimen.tip_mass_drop,
+            "payload_density": self.specimen.tip_mass_density,
             "gravity": self.gravity.magnitude,
         }
 

@@ -25,6 +25,8 @@ def drag_along(arm: Arm, parameters: Array, t: Array, s: Array, xy: Array) -> Ar
         width=section.width(s), perimeter=section.perimeter(s), phi=motion.angle, x=xy[..., 0], y=xy[..., 1],
     )  # fmt: skip
     own = [(effect, parameters_of(effect, parameters)) for effect in active_effects(parameters)]
+    coefficients = (effect.drag_coefficient(x, p) for effect, p in own if effect.drag_coefficient is not None)
+    x.drag_coefficient = sum(coefficients, 0.0)
     water = np.zeros(xy.shape)
     for effect, p in own:
         if effect.water_velocity is not None:

@@ -17,6 +17,8 @@ from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import angle_basis
 from affine_model.effect import Effect
 
+BODY_ADDED_MASS = 0.5  # of a compact body, over the water that it displaces: a sphere's (Lamb 1932, art. 92)
+
 
 @dataclass(frozen=True)
 class Balance:
@@ -97,7 +99,7 @@ def balance(
 
     x = SimpleNamespace(
         **node, **arm.arm_quantities, t=t, phi=phi, phi_rate=phi_rate,
-        c=z @ C.T, c_rate=z_rate @ C.T, x=position[..., 0], y=position[..., 1], stiffness=0.0,
+        c_rate=z_rate @ C.T, x=position[..., 0], y=position[..., 1], stiffness=0.0, drag_coefficient=0.0,
     )  # fmt: skip
     own = [(effect, parameters_of(effect, parameters)) for effect in effects]
 
@@ -108,7 +110,12 @@ def balance(
         pairs = [getattr(effect, kind)(x, p) for effect, p in own if getattr(effect, kind) is not None]
         return sum((pair[0] for pair in pairs), 0.0), sum((pair[1] for pair in pairs), 0.0)
 
+    x.c = z @ C.T - total("natural_curvature")
     x.stiffness = total("stiffness") + 0 * phi
+    for effect, p in own:
+        if effect.stiffness_share is not None:
+            x.stiffness = x.stiffness * (1.0 + effect.stiffness_share(x, p))
+    x.drag_coefficient = total("drag_coefficient") + 0 * phi
     water_x, water_y = total_pair("water_velocity")
     relative_x, relative_y = velocity[..., 0] - water_x, velocity[..., 1] - water_y
     x.u_n = relative_x * cos + relative_y * sin
@@ -125,6 +132,7 @@ def balance(
     tilt = arm.gravity.angle + total("gravity_tilt") + 0 * phi
     gravity = arm.gravity.magnitude * xp.stack([xp.sin(tilt), xp.cos(tilt)], -1)
     carried, normal_inertia = total("line_inertia") + 0 * phi, total("normal_inertia") + 0 * phi
+    carried_water = total("carried_water") + 0 * phi
     force_n, force_t = total_pair("force")
     water = xp.stack(water_acceleration, -1)
     displaced = x.fluid_density * x.area  # the tank's pressure gradient accelerates the displaced water (Froude-Krylov)
@@ -135,12 +143,13 @@ def balance(
     reaction = reaction + (x.phi_rate * x.u_n)[..., None] * tangent
     fluid = fluid - normal_inertia[..., None] * reaction
     fluid = fluid - (normal_inertia * xp.sum(acceleration * normal, -1))[..., None] * normal
+    fluid = fluid - carried_water[..., None] * (acceleration - water)
     applied = fluid + (total("weight") + 0 * phi)[..., None] * gravity - carried[..., None] * acceleration
     couple = total("couple") + normal_inertia * x.u_n * x.u_t
 
     projected = xp.einsum("...ixj,...ix->...ij", jacobian, normal)
     rotary = total("rotary_inertia") + 0 * phi
-    M = xp.einsum("i,...i,...ixj,...ixl->...jl", w, carried, jacobian, jacobian)
+    M = xp.einsum("i,...i,...ixj,...ixl->...jl", w, carried + carried_water, jacobian, jacobian)
     M = M + xp.einsum("i,...i,...ij,...il->...jl", w, normal_inertia, projected, projected)
     M = M + xp.einsum("i,...i,...ij,...il->...jl", w, rotary, angle_columns, angle_columns)
     force = xp.einsum("i,...ixj,...ix->...j", w, jacobian, applied)
@@ -154,24 +163,34 @@ def balance(
             moment = moment + effect.bending_moment(x, p)
     force = force - xp.einsum("i,...ij,...i->...j", w / L, curvature_columns, moment)
 
-    hung, reach = total_pair("hung_mass")
+    fluid_force = xp.einsum("i,...ix->...x", w, fluid)
+    fluid_mass = xp.einsum("i,...i,...ix,...ij->...xj", w, normal_inertia, normal, projected)
+    fluid_mass = fluid_mass + xp.einsum("i,...i,...ixj->...xj", w, carried_water, jacobian)
+
+    # Compact bodies at the tip: the payload, and what hangs there undeclared.
     end_columns = xp.concatenate([end + 0 * z, xp.ones_like(theta)], -1)
     end_phi, end_rate = theta[..., 0] + z @ end, theta_rate[..., 0] + z_rate @ end
     end_normal = xp.stack([xp.cos(end_phi), xp.sin(end_phi)], -1)
     end_tangent = xp.stack([-xp.sin(end_phi), xp.cos(end_phi)], -1)
     tip_turning = xp.einsum("k,...kx,...kj->...xj", w, -normal, angle_columns[..., : n + 1])
     tip_centripetal = xp.einsum("k,...kx->...x", w, -tangent * (phi_rate**2)[..., None])
-    # Point masses: the payload at s = 1, and what hangs from the tip at a reach along its tangent.
-    for mass, ahead in ((total("tip_mass"), 0.0), (hung, reach)):
-        point, ahead = (mass + 0 * phi)[..., -1], (ahead + 0 * phi)[..., -1]
-        lever = tip_turning - ahead[..., None, None] * xp.einsum("...x,...j->...xj", end_normal, end_columns)
-        columns = xp.concatenate([lever, rail_column[..., -1, :, :]], -1)
-        acceleration = tip_centripetal - (ahead * end_rate**2)[..., None] * end_tangent
-        M = M + point[..., None, None] * xp.einsum("...xj,...xl->...jl", columns, columns)
-        pull = point[..., None] * (gravity[..., -1, :] - acceleration)
+    for effect, p in own:
+        if effect.hung_mass is None:
+            continue
+        mass, reach, drop, density = ((part + 0 * phi)[..., -1, None] for part in effect.hung_mass(x, p))
+        displaced = x.fluid_density * mass / density
+        carries = BODY_ADDED_MASS * displaced
+        lever = drop * end_tangent - reach * end_normal  # d (reach t + drop n) / d phi
+        turning = tip_turning + xp.einsum("...x,...j->...xj", lever, end_columns)
+        columns = xp.concatenate([turning, rail_column[..., -1, :, :]], -1)
+        acceleration = tip_centripetal - (reach * end_tangent + drop * end_normal) * (end_rate**2)[..., None]
+        M = M + (mass + carries)[..., None] * xp.einsum("...xj,...xl->...jl", columns, columns)
+        flow = (displaced + carries) * water[..., -1, :] - carries * acceleration
+        pull = (mass - displaced) * gravity[..., -1, :] - mass * acceleration + flow
         force = force + xp.einsum("...xj,...x->...j", columns, pull)
-    fluid_mass = xp.einsum("i,...i,...ix,...ij->...xj", w, normal_inertia, normal, projected)
-    return Balance(M, force, xp.einsum("i,...ix->...x", w, fluid), fluid_mass)
+        fluid_force = fluid_force + flow
+        fluid_mass = fluid_mass + carries[..., None] * columns
+    return Balance(M, force, fluid_force, fluid_mass)
 
 
 def remembering(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 Law = Callable[[Any, Any], Any]
 PairLaw = Callable[[Any, Any], tuple[Any, Any]]
+BodyLaw = Callable[[Any, Any], tuple[Any, Any, Any, Any]]
 
 # What a law sees at each section. Per node of the arm:
 NODE_QUANTITIES = {
@@ -27,14 +28,17 @@ ARM_QUANTITIES = {
     "density": "density of the arm [kg/m^3]",
     "fluid_density": "density of the fluid [kg/m^3], 0 in air",
     "payload": "declared mass at the tip [kg]",
+    "payload_reach": "how far its centre lies beyond the tip, along the tangent [m]",
+    "payload_drop": "how far its centre lies beside the axis, along the normal [m]",
+    "payload_density": "density of what hangs at the tip [kg/m^3]",
     "gravity": "magnitude of gravity [m/s^2]",
     "t": "time since the recording began [s]",
 }
 # Changing with the motion:
 STATE_QUANTITIES = {
-    "c": "curvature q1 + q2 s + ... (eq. 1) [rad]",
+    "c": "curvature q1 + q2 s + ... (eq. 1) beyond that of the unloaded arm [rad]",
     "c_rate": "its rate [rad/s]",
-    "stiffness": "k(s) of the elasticity (eq. 13) [N m/rad]",
+    "stiffness": "k(s, t) of the elasticity (eq. 13), with all that changes it [N m/rad]",
     "x": "position along n at theta = 0 [m]",
     "y": "position along the straight arm at theta = 0 [m]",
     "phi": "tangent angle theta + alpha [rad]",
@@ -42,6 +46,7 @@ STATE_QUANTITIES = {
     "u_n": "velocity relative to the water, along the normal [m/s]",
     "u_t": "velocity relative to the water, along the tangent [m/s]",
     "speed": "its magnitude [m/s]",
+    "drag_coefficient": "C_perp of the normal drag (eq. 15)",
     "memory": "curvature [rad] that the effect remembers (only with relaxation_time or yield_curvature)",
 }
 QUANTITIES = {**NODE_QUANTITIES, **ARM_QUANTITIES, **STATE_QUANTITIES}
@@ -79,13 +84,19 @@ class Effect:
     """One physical effect: what it adds to the equations of motion, or how it bends the base or the measurement.
 
     Laws along the arm, per length and at each section:
-    stiffness [N m/rad] (adds k(s) c to the bending moment; other laws see the sum as x.stiffness),
+    stiffness [N m/rad], stiffness_share (its relative change), natural_curvature [rad] (of the unloaded arm):
+    the elastic moment is k(s, t) c, k(s, t) = sum of stiffness * product of (1 + stiffness_share), c the curvature
+    beyond the natural one. Every other law sees this k as x.stiffness and this c as x.c, so that whatever is elastic
+    softens, and rests, with the arm.
     bending_moment [N m] (conjugate to c, so Q_j = -int m dc/dq_j ds, as in eq. 12-14),
+    drag_coefficient (adds to C_perp; force laws see the sum as x.drag_coefficient),
     force (normal, tangential) [N/m] of the fluid, couple [N] (moment per length),
-    line_inertia [kg/m] (as carried mass), normal_inertia [kg/m] (carried along the normal only),
+    line_inertia [kg/m] (of the arm), carried_water [kg/m] (water carried every way: it feels the water's own
+    acceleration), normal_inertia [kg/m] (water carried along the normal only),
     rotary_inertia [kg m], weight [kg/m] (mass per length on which gravity acts, buoyancy already taken off),
     water_velocity (x, y) [m/s] in the base frame.
-    At the tip: tip_mass [kg]; hung_mass (mass [kg], reach [m] beyond s = 1 along the tangent; one effect only). For
+    At the tip: hung_mass, a compact body (mass [kg], reach [m] beyond s = 1 along the tangent, drop [m] along the
+    normal, density [kg/m^3]: it displaces water, and carries half of that as a sphere does). For
     all: gravity_tilt [rad]. relaxation_time [s] or yield_curvature [rad], one of them: gives the law x.memory, the
     curvature of a spring in series with a dashpot, or with a slip at that size. Outside the equations of motion: base
     ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature
@@ -99,16 +110,19 @@ class Effect:
     family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement", "rest"]
     dissipative: bool = False
     stiffness: Law | None = None
+    stiffness_share: Law | None = None
+    natural_curvature: Law | None = None
     bending_moment: Law | None = None
     force: PairLaw | None = None
     couple: Law | None = None
+    drag_coefficient: Law | None = None
     line_inertia: Law | None = None
+    carried_water: Law | None = None
     normal_inertia: Law | None = None
     rotary_inertia: Law | None = None
     weight: Law | None = None
     water_velocity: PairLaw | None = None
-    tip_mass: Law | None = None
-    hung_mass: PairLaw | None = None
+    hung_mass: BodyLaw | None = None
     gravity_tilt: Law | None = None
     relaxation_time: Law | None = None
     yield_curvature: Law | None = None

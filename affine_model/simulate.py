@@ -111,7 +111,8 @@ def simulate(
         relaxing = [effect.relaxation_time is not None for effect in slots]
         start_store[relaxing] = arm.curvature_basis @ arm.from_monomial @ memory
     node, whole = arm.node_quantities, arm.arm_quantities
-    constants = (*(whole[k] for k in ("length", "density", "fluid_density", "payload", "gravity")), arm.gravity.angle)
+    names = ("length", "density", "fluid_density", "payload", "gravity")
+    constants = (*(whole[k] for k in (*names, "payload_reach", "payload_drop", "payload_density")), arm.gravity.angle)
     acting = {effect.name for effect in active_effects(parameters)}
     active = np.array([name in acting for name in catalogue()])
     columns = np.zeros((arm.nodes, n + 2))

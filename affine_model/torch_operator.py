@@ -26,15 +26,17 @@ def arm_row(arm: Arm) -> Tensor:
     else:
         shape = [1.0, section.section_width, section.height]
     specimen, gravity = arm.specimen, arm.gravity
-    whole = [specimen.length, specimen.density, specimen.tip_mass, arm.fluid.density, gravity.angle, gravity.magnitude]
+    payload = [specimen.tip_mass, specimen.tip_mass_reach, specimen.tip_mass_drop, specimen.tip_mass_density]
+    whole = [specimen.length, specimen.density, *payload, arm.fluid.density, gravity.angle, gravity.magnitude]
     return torch.tensor([*shape, *whole, float(arm.order), float(arm.nodes)], dtype=torch.float64)
 
 
 def arm_from_row(row: Tensor) -> Arm:
     """The arm of a row of numbers."""
-    kind, a, b, length, density, tip_mass, fluid, angle, magnitude, order, nodes = row.tolist()
+    kind, a, b, length, density, *payload, fluid, angle, magnitude, order, nodes = row.tolist()
+    mass, reach, drop, of_payload = payload
     section = Cone(a, b) if kind == 0.0 else Rectangle(a, b)
-    specimen = Specimen(section, length, density, tip_mass)
+    specimen = Specimen(section, length, density, mass, "section", reach, drop, of_payload)
     return Arm(specimen, Fluid(fluid), Gravity(angle, magnitude), int(order), int(nodes))
 
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from mujoco_ref.engine import mujoco
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from tentacle.specimen import Fluid, Gravity, Specimen
+from tentacle.specimen import STEEL, Fluid, Gravity, Specimen
 
 # MuJoCo refuses inertias below 1e-15 kg m^2; the last half link of a pointed cone can be smaller than that.
 SMALLEST_INERTIA = 4e-15
@@ -34,11 +34,18 @@ class Mount:
 
 @dataclass(frozen=True)
 class Hung:
-    """A point mass [kg] that hangs from the tip beside the specimen's payload, at a reach [m] beyond it along the last
-    link."""
+    """A compact body at the tip: mass [kg], its centre at a reach [m] beyond the tip along the last link and a drop [m]
+    beside it along the normal; density [kg/m^3], and so the water that it displaces."""
 
     mass: float = 0.0
     reach: float = 0.0
+    drop: float = 0.0
+    density: float = STEEL
+
+    @property
+    def row(self) -> tuple[float, float, float, float]:
+        """Mass, reach, drop, volume [m^3]."""
+        return self.mass, self.reach, self.drop, self.mass / self.density
 
 
 @dataclass(frozen=True)
@@ -46,8 +53,8 @@ class Chain:
     """A compiled chain of `links` hinges and the geometry that the water needs.
 
     model: MuJoCo's, complete in itself (stiffness, damping, weight, buoyancy as gravcomp). Per link (n + 1,): start and
-    length [m] along the arm, mass [kg]. payload [kg] at the tip, with what hangs there. hinge_s (n,), stiffness (n,)
-    [N m/rad of hinge angle], damping (n,) [N m s/rad].
+    length [m] along the arm, mass [kg]. bodies (2, 4): of the payload and what hangs beside it, see Hung.row.
+    hinge_s (n,), stiffness (n,) [N m/rad of hinge angle], damping (n,) [N m s/rad].
     """
 
     model: Any
@@ -56,7 +63,7 @@ class Chain:
     start: Array
     length: Array
     mass: Array
-    payload: float
+    bodies: Array
     hinge_s: Array
     stiffness: Array
     damping: Array
@@ -114,7 +121,7 @@ def build_spec(
     damping: Array,
     fluid: Fluid,
     gravity: Gravity,
-    hung: Hung,
+    hung: tuple[Hung, ...],
     mount: Mount,
 ) -> Any:
     """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for the eye: they carry no mass."""
@@ -150,10 +157,11 @@ def build_spec(
         size = [float(specimen.section.half_thickness(middle)), 0.5 * lengths[k], 0.0]
         geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, pos=[0.0, 0.5 * lengths[k], 0.0])
         geom.quat, geom.mass, geom.contype, geom.conaffinity = [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], 0.0, 0, 0
-    for name, point in (("payload", Hung(specimen.tip_mass)), ("hung", hung)):
+    for name, point in zip(("payload", "hung"), hung, strict=True):
         if point.mass <= 0.0:
             continue
-        payload = body.add_body(name=name, pos=[0.0, lengths[-1] + point.reach, 0.0])
+        payload = body.add_body(name=name, pos=[point.drop, lengths[-1] + point.reach, 0.0])
+        payload.gravcomp = fluid.density / point.density
         turning = max(1e-4 * point.mass * lengths[-1] ** 2, SMALLEST_INERTIA)  # as nearly a point as MuJoCo takes
         payload.mass, payload.inertia, payload.explicitinertial = point.mass, [turning] * 3, True
         payload.ipos = [0.0, 0.0, 0.0]  # left out, MuJoCo 4.0 puts it at `pos` once more
@@ -179,9 +187,10 @@ def build_chain(
         raise InputError(f"{links} is too few", field="links", expected="an integer >= 2")
     starts, ends = link_bounds(links)
     refuse_bad_stiffness(hinge_positions(links), stiffness)
-    hung = hung or Hung()
+    payload = Hung(specimen.tip_mass, specimen.tip_mass_reach, specimen.tip_mass_drop, specimen.tip_mass_density)
+    bodies = payload, hung or Hung()
     spec = build_spec(
-        specimen, links, links * stiffness, links * damping, fluid, gravity, hung, mount or Mount()
+        specimen, links, links * stiffness, links * damping, fluid, gravity, bodies, mount or Mount()
     )  # fmt: skip
     mass, _, _, _ = _inertia_of_links(specimen, starts, ends)
     return Chain(
@@ -191,7 +200,7 @@ def build_chain(
         start=specimen.length * starts,
         length=specimen.length * (ends - starts),
         mass=mass,
-        payload=specimen.tip_mass + hung.mass,
+        bodies=np.array([body.row for body in bodies]),
         hinge_s=hinge_positions(links),
         stiffness=links * stiffness,
         damping=links * damping,

@@ -34,6 +34,8 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made = np.zeros(chain.links, HINGE)
     made["stiffness"], made["damping"] = chain.stiffness, chain.damping
     made["rest"] = value(parameters, "intrinsic_curvature", "c0") / chain.links
+    made["stiff_tip"] = value(parameters, "unnamed", "stiff_tip") * chain.hinge_s
+    made["set_tip"] = value(parameters, "unnamed", "set_tip") * chain.hinge_s / chain.links
     made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.links**2
     c_f = value(parameters, "dry_friction", "c_f")
     made["yield_moment"] = chain.stiffness / chain.links * c_f
@@ -41,6 +43,9 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made["yield_angle"] = max(slip, 1e-9) / chain.links
     made["maxwell"] = value(parameters, "viscoelasticity", "g") * chain.stiffness
     made["relaxation"] = value(parameters, "viscoelasticity", "tau", 0.3)
+    made["bent_loss"] = value(parameters, "amplitude_damping", "b") * chain.links**2
+    made["loss"] = value(parameters, "unnamed", "slow_tip") * chain.hinge_s
+    made["one_sided"] = value(parameters, "unnamed", "one_sided") * chain.links
     return made
 
 
@@ -69,27 +74,30 @@ def hinge_moments(
     """Add the moments at the middle of a step to force (n + 3,) and half_step damping + step^2/4 slope to matrix.
 
     start, middle (n + 3,): positions at the step's start and middle; rate: at its middle. memory (n, 2) at its start.
-    softening: factor on the elastic stiffness at this time.
+    softening: factor at this time on the stiffness of all that is elastic. Angles count from those at rest.
     """
     half = 0.5 * step
     for j in range(hinges.shape[0]):
         hinge = hinges[j]
         i = j + 3
-        angle = middle[i]
+        angle = middle[i] - hinge.rest
         stiffness = softening * hinge.stiffness
-        moment = stiffness * (angle - hinge.rest) + stiffness * hinge.cubic * angle**3
-        slope = stiffness * (1.0 + 3.0 * hinge.cubic * angle**2)
+        moment = stiffness * (angle * (1.0 + hinge.stiff_tip) + hinge.cubic * angle**3)
+        moment += stiffness * (hinge.set_tip + hinge.one_sided * angle**2)
+        slope = stiffness * (1.0 + hinge.stiff_tip + 3.0 * hinge.cubic * angle**2 + 2.0 * hinge.one_sided * angle)
+        damping = hinge.damping + stiffness * (hinge.loss + hinge.bent_loss * angle**2)
         if hinge.maxwell != 0.0:
             share = half / hinge.relaxation
-            dashpot = (memory[j, DASHPOT] + share * angle) / (1.0 + share)
-            moment += hinge.maxwell * (angle - dashpot)
-            slope += hinge.maxwell / (1.0 + share)
+            dashpot = (memory[j, DASHPOT] + share * middle[i]) / (1.0 + share)
+            moment += softening * hinge.maxwell * (middle[i] - dashpot)
+            slope += softening * hinge.maxwell / (1.0 + share)
         if hinge.yield_moment != 0.0:
-            stretch, sticks = bristle(memory[j, BRISTLE] + angle - start[i], hinge.yield_angle)
-            moment += hinge.yield_moment * stretch / hinge.yield_angle
-            slope += sticks * hinge.yield_moment / hinge.yield_angle
-        force[i] -= moment + hinge.damping * rate[i]
-        matrix[i, i] += half * hinge.damping + half * half * slope
+            stretch, sticks = bristle(memory[j, BRISTLE] + middle[i] - start[i], hinge.yield_angle)
+            moment += softening * hinge.yield_moment * stretch / hinge.yield_angle
+            slope += softening * sticks * hinge.yield_moment / hinge.yield_angle
+        slope += 2.0 * stiffness * hinge.bent_loss * angle * rate[i]
+        force[i] -= moment + damping * rate[i]
+        matrix[i, i] += half * damping + half * half * slope
 
 
 @njit(cache=True)

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
-from mujoco_ref.engine import mujoco
 from mujoco_ref.statics import equilibrium
 from mujoco_ref.step import State, Stepper
-from mujoco_ref.water import link_motion, water_forces
 from tentacle.signals import Array
 
 _PERTURBATION = 1e-6  # [rad]
@@ -16,22 +14,7 @@ _PERTURBATION = 1e-6  # [rad]
 
 def mass_matrix(stepper: Stepper, state: State) -> Array:
     """MuJoCo's mass matrix plus the added mass (n + 3, n + 3) in this state."""
-    model, data, size = stepper.chain.model, stepper.data, stepper.chain.links + 3
-    data.qpos[:] = state.q
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_makeM(model, data)
-    matrix, zeros = np.zeros((size, size)), np.zeros(size)
-    lower = np.tril_indices(size)
-    matrix[lower] = data.M
-    matrix = matrix + np.tril(matrix, -1).T
-    motion = np.zeros((stepper.chain.links + 2, 9))
-    link_motion(state.q, zeros, zeros, stepper.links, motion)
-    force, sums = np.zeros(size), np.zeros(4)
-    water_forces(
-        motion, stepper.links, stepper.nodes, stepper.water[0], stepper.tip[0], 0.0, 0.0, force, matrix, sums
-    )  # fmt: skip
-    return matrix
+    return stepper.balance(state)[0]
 
 
 def stiffness_matrix(stepper: Stepper, state: State) -> Array:

@@ -9,13 +9,13 @@ On average over a period of steady motion the two agree.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mujoco_ref.chain import Hung, build_chain, flexural, hinge_positions
 from mujoco_ref.hinges import hinge_records, soft_spot
-from mujoco_ref.influence import Parameters, refuse_unknown, tip_record, value, water_record
+from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
 from mujoco_ref.midline import midline_points
 from mujoco_ref.mount import Rail, Servo, base_record
 from mujoco_ref.statics import equilibrium
@@ -23,7 +23,7 @@ from mujoco_ref.step import State, Stepper
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.signals import Array, Midline
-from tentacle.specimen import Gravity, Specimen
+from tentacle.specimen import Gravity
 from tentacle.waveform import Waveform
 
 DEFAULT_LINKS = 20
@@ -113,7 +113,7 @@ def make_stepper(
     _refuse_wrong_units(parameters)
     declared = model.specimen
     density = declared.density + value(parameters, "buoyancy", "density_error")
-    specimen = Specimen(declared.section, declared.length, density, declared.tip_mass, declared.stiffness)
+    specimen = replace(declared, density=density)
     angle = model.gravity.angle + value(parameters, "gravity_tilt", "tilt")
     gravity = Gravity(angle, model.gravity.magnitude)
     s = hinge_positions(links)
@@ -121,14 +121,16 @@ def make_stepper(
     stiffness = flexural(specimen, s, value(parameters, "elasticity", "E"), k0, k1) * soft_spot(parameters, s)
     d0, d1 = value(parameters, "damping", "d0"), value(parameters, "damping", "d1")
     damping = flexural(specimen, s, value(parameters, "damping", "eta"), d0, d1)
-    hung = Hung(value(parameters, "tip_mass", "mass"), value(parameters, "tip_mass", "reach") * specimen.length)
+    reach, drop = (specimen.length * value(parameters, "tip_mass", name) for name in ("reach", "drop"))
+    hung = Hung(value(parameters, "tip_mass", "mass"), reach, drop, specimen.tip_mass_density)
     base, mount = base_record(parameters, servo, rail, specimen.mass + specimen.tip_mass + hung.mass)
     chain = build_chain(specimen, links, stiffness, damping, model.fluid, gravity, hung, mount)
     pull = (gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle))
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)
     drift = value(parameters, "stiffness_drift", "rate")
-    return Stepper(chain, hinge_records(chain, parameters), water, tip, base, drift)
+    rest = rest_record(parameters, specimen.length, declared.density)
+    return Stepper(chain, hinge_records(chain, parameters), water, tip, base, drift, rest)
 
 
 def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> State:

@@ -59,7 +59,7 @@ def _predict(q: Array, v: Array, a: Array, held: Array, motor: Array, step: floa
 
 @njit(cache=True)
 def _add_tension(
-    motion: Array, links: Array, payload: float, water: Fields, gravity: Array, scale: float, matrix: Array
+    motion: Array, links: Array, bodies: Array, water: Fields, gravity: Array, scale: float, matrix: Array
 ) -> None:
     """Add scale times the stiffness that weight and inertial forces give the joints: a heavy tip tightens the chain.
 
@@ -68,8 +68,14 @@ def _add_tension(
     """
     count = links.shape[0]
     end = motion[count]
-    fx, fy = payload * (gravity[0] - end[4]), payload * (gravity[1] - end[5])
-    work = fx * end[0] + fy * end[1]
+    fx, fy, work = 0.0, 0.0, 0.0
+    c, s = np.cos(end[6]), np.sin(end[6])
+    for k in range(bodies.shape[0]):
+        mass, reach, drop, volume = bodies[k]
+        net = mass - water.density * volume
+        gx, gy = net * gravity[0] - mass * end[4], net * gravity[1] - mass * end[5]
+        fx, fy = fx + gx, fy + gy
+        work += gx * (end[0] - reach * s + drop * c) + gy * (end[1] + reach * c + drop * s)
     for k in range(count - 1, -1, -1):
         x0, y0, _, _, ax0, ay0, phi, rate, acceleration = motion[k]
         c, s, reach = np.cos(phi), np.sin(phi), links[k, VOLUME_CENTRE]
@@ -130,6 +136,7 @@ def _correct(
     hinges: Fields,
     water: Fields,
     tip: Fields,
+    rest: Fields,
     base: Fields,
     hinge_memory: Array,
     base_memory: Array,
@@ -139,7 +146,7 @@ def _correct(
     t: float,
     softening: float,
     step: float,
-    payload: float,
+    bodies: Array,
     mount_mass: float,
     gravity: Array,
     out: Array,
@@ -162,8 +169,8 @@ def _correct(
         force[i] -= mount_mass * gravity[i]
     link_motion(middle, rate, a, links, motion)
     sums = np.empty(4)
-    water_forces(motion, links, nodes, water[0], tip[0], t, 0.5 * step, force, matrix, sums)
-    _add_tension(motion, links, payload, water[0], gravity, 0.25 * step * step, matrix)
+    water_forces(motion, links, nodes, water[0], tip[0], rest[0], bodies, t, 0.5 * step, force, matrix, sums)
+    _add_tension(motion, links, bodies, water[0], gravity, 0.25 * step * step, matrix)
     hinge_moments(q, middle, rate, hinges, hinge_memory, softening, step, force, matrix)
     torque = base_forces(q, middle, rate, motor_start, motor, base[0], base_memory, step, force, matrix)
     change = np.empty(size)
@@ -220,18 +227,19 @@ class Stepper:
     """
 
     def __init__(
-        self, chain: Chain, hinges: Record, water: Record, tip: Record, base: Record, drift: float = 0.0
+        self, chain: Chain, hinges: Record, water: Record, tip: Record, base: Record, drift: float, rest: Record
     ) -> None:
-        """drift [1/s]: relative change of the elastic stiffness per second."""
+        """drift [1/s]: relative change of the stiffness of all that is elastic, per second."""
         self.chain = chain
         self.data = mujoco.MjData(chain.model)
         self.hinges, self.water, self.tip, self.base, self.drift = hinges, water, tip, base, drift
+        self.rest = rest
         self.links, self.nodes = link_table(chain), node_table(chain)
         self.held = np.array([not base[0][name] for name in ("free_x", "free_y", "free_theta")])
         self.reading = np.zeros(5)
         # Laws with a corner or a steep curve need Newton's method to converge; the smooth ones are right after one
         # step.
-        steep = np.any(hinges["yield_moment"] > 0.0) or np.any(hinges["cubic"] != 0.0)
+        steep = any(np.any(hinges[name] != 0.0) for name in ("yield_moment", "cubic", "bent_loss", "one_sided"))
         loose = any(base[0][name] > 0.0 for name in ("play", "slip_moment", "hub_friction", "rail_friction"))
         self.corrections = 4 if steep or loose else 1
         # The rail or stand carries the mount's own weight.
@@ -257,8 +265,8 @@ class Stepper:
             mujoco.mj_rne(model, data, 1, self._inverse)
             _correct(
                 state.q, state.a, self._q, self._v, self._mass, self._inverse, self._motion, self.links, self.nodes,
-                self.hinges, self.water, self.tip, self.base, state.hinge_memory, state.base_memory, self.held,
-                motor[0, 0], motor[1], middle_time, softening, step, self.chain.payload, self._mount_mass,
+                self.hinges, self.water, self.tip, self.rest, self.base, state.hinge_memory, state.base_memory,
+                self.held, motor[0, 0], motor[1], middle_time, softening, step, self.chain.bodies, self._mount_mass,
                 self._gravity, self.reading,
             )  # fmt: skip
         _finish(
@@ -268,25 +276,40 @@ class Stepper:
         state.t += step
 
     def residual(self, state: State) -> Array:
-        """Generalised force (n + 3,) that is not balanced where the chain stands still in this state, at its time."""
-        size = self.chain.links + 3
-        zeros = np.zeros(size)
-        self._q[:], self._v[:], self._a[:] = state.q, 0.0, 0.0
-        mujoco.mj_kinematics(self.chain.model, self.data)
-        mujoco.mj_comPos(self.chain.model, self.data)
-        mujoco.mj_comVel(self.chain.model, self.data)
-        mujoco.mj_rne(self.chain.model, self.data, 0, self._inverse)
-        force, matrix = -self._inverse, np.zeros((size, size))
+        """Generalised force (n + 3,) that is not balanced where the chain stands still in this state, at its time.
+
+        Bristles and dashpots are slack at rest: friction holds nothing, a Maxwell branch has relaxed.
+        """
+        memory = np.stack([np.zeros(self.chain.links), state.q[3:]], axis=1)
+        zeros = np.zeros(self.chain.links + 3)
+        return self.balance(State(state.q, zeros, zeros, memory, state.base_memory, state.t))[1]
+
+    def balance(self, state: State) -> tuple[Array, Array]:
+        """(M, F): mass matrix (n + 3, n + 3), with the water that is carried, and force (n + 3,) of M a = F in this
+        state; without what acts at the base."""
+        size, model, data = self.chain.links + 3, self.chain.model, self.data
+        self._q[:], self._v[:], self._a[:] = state.q, state.v, 0.0
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 0, self._inverse)
+        matrix = np.zeros((size, size))
+        matrix[np.tril_indices(size)] = self._mass
+        matrix += np.tril(matrix, -1).T
+        force = -self._inverse
         force[:2] -= self._mount_mass * self._gravity
-        link_motion(state.q, zeros, zeros, self.links, self._motion)
+        link_motion(state.q, state.v, np.zeros(size), self.links, self._motion)
         water_forces(
-            self._motion, self.links, self.nodes, self.water[0], self.tip[0], state.t, 0.0, force, matrix, np.zeros(4)
+            self._motion, self.links, self.nodes, self.water[0], self.tip[0], self.rest[0], self.chain.bodies, state.t,
+            0.0, force, matrix, np.zeros(4),
         )  # fmt: skip
         softening = 1.0 + self.drift * state.t
-        # Bristles and dashpots are slack at rest: friction holds nothing, a Maxwell branch has relaxed.
-        relaxed = np.stack([np.zeros(self.chain.links), state.q[3:]], axis=1)
-        hinge_moments(state.q, state.q, zeros, self.hinges, relaxed, softening, 1e-9, force, matrix)
-        return force
+        implicit = np.zeros((size, size))  # of a step that takes no time
+        hinge_moments(
+            state.q, state.q, state.v, self.hinges, state.hinge_memory, softening, 1e-9, force, implicit
+        )  # fmt: skip
+        return matrix, force
 
     def midline_lengths(self) -> Array:
         """Lengths of the links (n + 1,) [m]."""

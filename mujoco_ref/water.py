@@ -14,6 +14,7 @@ from mujoco_ref.influence import Fields
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
+SPHERE = 0.5  # water that a compact body carries, over that which it displaces
 # Columns of the link table.
 LENGTH, VOLUME, VOLUME_CENTRE, CARRIED, CARRIED_CENTRE, CARRIED_TURNING, MASS = range(7)
 # Columns of the node table.
@@ -110,6 +111,8 @@ def water_forces(
     nodes: Array,
     water: Fields,
     tip: Fields,
+    rest: Fields,
+    bodies: Array,
     t: float,
     half_step: float,
     force: Array,
@@ -125,6 +128,7 @@ def water_forces(
     """
     count = links.shape[0]
     composite = np.zeros(6)
+    wet = water.density > 0.0 or water.c_n != 0.0  # a viscous resistance may be air's
     fx, fy, moment = 0.0, 0.0, 0.0
     sums[:] = 0.0
     end = motion[count]
@@ -143,10 +147,37 @@ def water_forces(
         sums[3] += pull * dy
     fx, fy = sums[2], sums[3]
     moment = end[0] * fy - end[1] * fx
+    if water.density > 0.0:
+        c, s, rate, acceleration = np.cos(end[6]), np.sin(end[6]), end[7], end[8]
+        for k in range(bodies.shape[0]):
+            displaced = water.density * bodies[k, 3]
+            if displaced == 0.0:
+                continue
+            # A compact body: buoyancy, the swaying water's pressure, and the water that it carries.
+            px, py = bodies[k, 2] * c - bodies[k, 1] * s, bodies[k, 2] * s + bodies[k, 1] * c
+            ax = end[4] - acceleration * py - rate**2 * px
+            ay = end[5] + acceleration * px - rate**2 * py
+            px, py = end[0] + px, end[1] + py
+            _, _, wax, way = water_motion(px, py, t, water)
+            carries = SPHERE * displaced
+            flow_x, flow_y = (displaced + carries) * wax, (displaced + carries) * way
+            sums[0] += flow_x
+            sums[1] += flow_y
+            gx, gy = -displaced * water.gravity_x, -displaced * water.gravity_y
+            sums[2] += gx
+            sums[3] += gy
+            gx, gy = gx + flow_x - carries * ax, gy + flow_y - carries * ay
+            fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
+            _add_tensor(composite, px, py, carries, carries, 0.0, c, s)
+    length = 0.0
+    for k in range(count):
+        length += links[k, LENGTH]
+    reached = length
     for k in range(count - 1, -1, -1):
+        reached -= links[k, LENGTH]
         x0, y0, vx0, vy0, ax0, ay0, phi, rate, acceleration = motion[k]
         c, s = np.cos(phi), np.sin(phi)
-        if water.density > 0.0:
+        if wet:
             volume, reach = links[k, VOLUME], links[k, VOLUME_CENTRE]
             px, py = x0 - reach * s, y0 + reach * c
             bx, by = -water.density * volume * water.gravity_x, -water.density * volume * water.gravity_y
@@ -207,8 +238,22 @@ def water_forces(
                 fx, fy = fx + gx, fy + gy
                 moment += px * gy - py * gx + across * u_n * u_t - turning * acceleration
                 _add_tensor(composite, px, py, carried, round_it, turning, c, s)
+        if rest.acts != 0.0:
+            for g in range(nodes.shape[1]):
+                reach = nodes[k, g, ALONG]
+                px, py = x0 - reach * s, y0 + reach * c
+                wx, wy, _, _ = water_motion(px, py, t, water)
+                u_n = (vx0 - reach * rate * c - wx) * c + (vy0 - reach * rate * s - wy) * s
+                towards = ((reached + reach) / length) ** 3
+                per_mass = rest.push * towards + px * (rest.tether + rest.tip_tether * towards)
+                per_mass += rest.bowed_tether * px * px + rest.tip_brake * u_n * towards
+                f_n = -rest.density * nodes[k, g, AREA] * nodes[k, g, WEIGHT] * per_mass
+                gx, gy = f_n * c, f_n * s
+                sums[0] += gx
+                sums[1] += gy
+                fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
         force[2 + k] += moment - (x0 * fy - y0 * fx)
-        if water.density > 0.0:
+        if wet:
             # Rows of the composite's matrix for the joint at (x0, y0): arms p' = (-y, x).
             sx, sy = composite[3], composite[4]
             rx, ry = -composite[0] * y0 + composite[1] * x0, -composite[1] * y0 + composite[2] * x0

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tentacle.errors import InputError
 
 STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
+STEEL = 7850.0  # kg/m^3
 
 StiffnessLaw = Literal["section", "affine"]
 Array = NDArray[np.float64]
@@ -93,8 +94,10 @@ Section = Cone | Rectangle
 class Specimen:
     """The arm as measured with ruler and scales.
 
-    length [m], density [kg/m^3], tip_mass [kg] (declared payload at s = 1). stiffness says which law the fit
+    length [m], density [kg/m^3], tip_mass [kg] (declared payload). stiffness says which law the fit
     uses for k(s) and d(s): "section" (k = E I(s)/L, d = eta I(s)/L) or "affine" (k0 + k1 s, d0 + d1 s; eq. 13-14).
+    The payload's centre lies tip_mass_reach [m] beyond s = 1 along the tangent, and tip_mass_drop [m] beside the axis
+    along the normal; tip_mass_density [kg/m^3] gives its volume.
     """
 
     section: Section
@@ -102,9 +105,17 @@ class Specimen:
     density: float
     tip_mass: float = 0.0
     stiffness: StiffnessLaw = "section"
+    tip_mass_reach: float = 0.0
+    tip_mass_drop: float = 0.0
+    tip_mass_density: float = STEEL
 
     def __post_init__(self) -> None:
-        _require_positive(length_m=self.length, density_kg_m3=self.density)
+        _require_positive(
+            length_m=self.length, density_kg_m3=self.density, tip_mass_density_kg_m3=self.tip_mass_density
+        )
+        for name, place in (("tip_mass_reach_m", self.tip_mass_reach), ("tip_mass_drop_m", self.tip_mass_drop)):
+            if not abs(place) <= self.length:
+                raise InputError(f"{place!r} is not usable", field=name, expected="metres, within an arm's length")
         if not (np.isfinite(self.tip_mass) and self.tip_mass >= 0):
             raise InputError(f"{self.tip_mass!r} is not usable", field="tip_mass_kg", expected="a number >= 0")
         if self.stiffness not in ("section", "affine"):

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
+from affine_model.swim.silicones import SILICONES as TABLE
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 
 BASE_RADIUS = 0.0125  # m: the specimens are 25 mm thick at the base (Fig. 5)
 TIP_RADIUS = 0.001  # m: chosen; the print has a cone that ends in a point, a cast one does not
-DENSITY = 1070.0  # kg/m^3: Smooth-On data sheets of the three silicones
-# Young's modulus [Pa]: chosen. Dragon Skin 10 as measured (k0 = E I0/L = 36 mN m at 140 mm), the others from the data
-# sheets' 100 % moduli (10 and 49 psi). The paper gives k0 and k1 of a single arm, whose unit is a misprint.
-SILICONES = {"Eco-Flex": 6.9e4, "Dragon Skin 10": 2.6e5, "Dragon Skin 20": 3.4e5}
-LOSS_TIME = 1.5e-3  # s: eta = E times this, chosen
+# The paper names the silicones; what they are like is in affine_model.swim.silicones. The paper gives k0 and k1 of a
+# single arm, whose unit is a misprint: E I0/L of Dragon Skin 10 at 140 mm is 36 mN m.
+SILICONES = {
+    "Eco-Flex": TABLE["ecoflex-00-30"],
+    "Dragon Skin 10": TABLE["dragon-skin-10"],
+    "Dragon Skin 20": TABLE["dragon-skin-20"],
+}
 DRAG, ADDED_MASS = 1.1, 1.0  # a cylinder across the flow; potential flow
+_MODULI = ", ".join(f"{1e-3 * silicone.modulus:.0f}" for silicone in SILICONES.values())
 CHOICES = (
-    "Chosen where the paper is silent: tip radius 1 mm, Young's moduli 69, 260 and 340 kPa, material damping"
-    " eta = E x 1.5 ms, C_perp = 1.1, C_a = 1."
+    f"Chosen where the paper is silent: tip radius 1 mm, Young's moduli {_MODULI} kPa, loss factor"
+    f" {TABLE['dragon-skin-10'].loss_factor:g} at 1 Hz, C_perp = 1.1, C_a = 1."
 )
 
 
 def arm(length: float, silicone: str) -> Model:
     """An arm of that length [m] and silicone in water, hanging."""
-    modulus = SILICONES[silicone]
-    specimen = Specimen(Cone(BASE_RADIUS, TIP_RADIUS), length, DENSITY)
-    model = Model(specimen, WATER).with_effect("elasticity", E=Estimate.exact(modulus, "Pa"))
-    model = model.with_effect("damping", eta=Estimate.exact(LOSS_TIME * modulus, "Pa s"))
+    material = SILICONES[silicone]
+    specimen = Specimen(Cone(BASE_RADIUS, TIP_RADIUS), length, material.density)
+    model = Model(specimen, WATER).with_effect("elasticity", E=Estimate.exact(material.modulus, "Pa"))
+    model = model.with_effect("damping", eta=Estimate.exact(material.viscosity(), "Pa s"))
     model = model.with_effect("drag", C_perp=Estimate.exact(DRAG))
     return model.with_effect("added_mass", C_a=Estimate.exact(ADDED_MASS))

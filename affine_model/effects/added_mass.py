@@ -26,5 +26,5 @@ ADDED_MASS = Effect(
     source="Lighthill 1960; Morison et al. 1950, inertia term",
     family="fluid",
     normal_inertia=lambda x, p: (1.0 - p.tangential) * _carried(x, p),
-    line_inertia=lambda x, p: p.tangential * _carried(x, p),
+    carried_water=lambda x, p: p.tangential * _carried(x, p),
 )

@@ -1,18 +1,19 @@
-"""Amplitude-dependent damping: the material loses more where it is bent more,
-in proportion to the size of the curvature.
+"""Amplitude-dependent damping: adds b k c^2 to the damping d, so that the loss factor grows with the amplitude squared.
+
+Over a cycle of amplitude A it takes what a damping b k A^2 / 4 would take (equivalent viscous damping).
 """
 
 from affine_model.effect import Effect, Parameter
-from affine_model.laws import sqrt
 
 AMPLITUDE_DAMPING = Effect(
     name="amplitude_damping",
     title="Damping that grows with amplitude",
     parameters=(
-        Parameter("b", "s/rad", 0.01, (0.0, 10.0), "loss over stiffness, per curvature: adds b k |c| to the damping d"),
+        Parameter("b", "s/rad^2", 0.01, (0.0, 10.0), "loss over stiffness, per squared curvature: adds b k c^2 to d"),
     ),
-    source="Payne 1962, softening and loss of filled elastomers with strain; lowest order in |c|",
+    source="Amabili 2018, J. Mech. Phys. Solids 118: x^2 x', from a viscoelastic law at finite strain; Nayfeh and Mook"
+    " 1979, ch. 3",
     family="elastic",
     dissipative=True,
-    bending_moment=lambda x, p: p.b * x.stiffness * sqrt(x.c**2 + 1e-4) * x.c_rate,
+    bending_moment=lambda x, p: p.b * x.stiffness * x.c**2 * x.c_rate,
 )

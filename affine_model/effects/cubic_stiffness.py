@@ -1,4 +1,7 @@
-"""Cubic stiffness: the material hardens (beta > 0) or softens with curvature, k (1 + beta c^2) c."""
+"""Cubic stiffness: the material hardens (beta > 0) or softens with curvature, k (1 + beta c^2) c.
+
+c counts from the natural curvature: an arm that was cast curved is at rest there.
+"""
 
 from affine_model.effect import Effect, Parameter
 

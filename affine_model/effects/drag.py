@@ -9,5 +9,6 @@ DRAG = Effect(
     source="paper eq. 15",
     family="base",
     dissipative=True,
-    force=lambda x, p: (-0.5 * x.fluid_density * p.C_perp * x.width * x.speed * x.u_n, 0.0),
+    drag_coefficient=lambda x, p: p.C_perp,
+    force=lambda x, p: (-0.5 * x.fluid_density * x.drag_coefficient * x.width * x.speed * x.u_n, 0.0),
 )

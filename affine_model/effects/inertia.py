@@ -12,5 +12,5 @@ INERTIA = Effect(
     family="base",
     line_inertia=lambda x, p: x.density * x.area,
     rotary_inertia=lambda x, p: x.density * x.second_moment,
-    tip_mass=lambda x, p: x.payload,
+    hung_mass=lambda x, p: (x.payload, x.payload_reach, x.payload_drop, x.payload_density),
 )

@@ -8,5 +8,5 @@ INTRINSIC_CURVATURE = Effect(
     parameters=(Parameter("c0", "rad", 0.1, (-6.3, 6.3), "curvature of the unloaded arm, per unit s"),),
     source="Antman 2005, ch. 4, naturally curved rod",
     family="elastic",
-    bending_moment=lambda x, p: -x.stiffness * p.c0,
+    natural_curvature=lambda x, p: p.c0,
 )

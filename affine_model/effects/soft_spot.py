@@ -12,5 +12,5 @@ SOFT_SPOT = Effect(
     ),
     source="Gaussian dip of k(s) of width 0.08",
     family="elastic",
-    bending_moment=lambda x, p: -p.depth * exp(-0.5 * ((x.s - p.s0) / 0.08) ** 2) * x.stiffness * x.c,
+    stiffness_share=lambda x, p: -p.depth * exp(-0.5 * ((x.s - p.s0) / 0.08) ** 2),
 )

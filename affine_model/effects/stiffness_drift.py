@@ -8,5 +8,5 @@ STIFFNESS_DRIFT = Effect(
     parameters=(Parameter("rate", "1/s", 2.0e-3, (-0.05, 0.05), "relative change of stiffness per second"),),
     source="first-order term in time",
     family="elastic",
-    bending_moment=lambda x, p: p.rate * x.t * x.stiffness * x.c,
+    stiffness_share=lambda x, p: p.rate * x.t,
 )

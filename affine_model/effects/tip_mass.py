@@ -1,6 +1,7 @@
-"""Tip mass: an undeclared mass fixed to the tip, with inertia and weight (heavy and small: no buoyancy of its own).
+"""Tip mass: an undeclared weight fixed to the tip, with inertia, weight, buoyancy and the water that it carries.
 
-Its centre lies at a reach beyond s = 1, along the tangent there: a weight fixed to the end face stands ahead of it.
+Its centre lies at a reach beyond s = 1 along the tangent there, and at a drop beside the axis along the normal. It is
+as dense as the declared payload (steel, where nothing else is declared), and so has its volume.
 """
 
 from affine_model.effect import Effect, Parameter
@@ -13,8 +14,11 @@ TIP_MASS = Effect(
         Parameter(
             "reach", "arm lengths", 0.1, (-0.3, 0.3), "its centre beyond the tip, along the tangent", scan=(0.0,)
         ),
+        Parameter(
+            "drop", "arm lengths", 0.05, (-0.3, 0.3), "its centre beside the axis, along the normal", scan=(0.0,)
+        ),
     ),
-    source="Newton",
+    source="Newton; Archimedes; Lamb 1932, art. 92: a sphere carries half the water that it displaces",
     family="weight",
-    hung_mass=lambda x, p: (p.mass, p.reach * x.length),
+    hung_mass=lambda x, p: (p.mass, p.reach * x.length, p.drop * x.length, x.payload_density),
 )

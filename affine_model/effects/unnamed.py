@@ -22,8 +22,7 @@ def _force(x: Any, p: Any) -> tuple[Any, Any]:
 
 def _moment(x: Any, p: Any) -> Any:
     elastic = p.set_tip * x.s + p.stiff_tip * x.c * x.s + p.one_sided * x.c**2
-    viscous = p.slow_tip * x.c_rate * x.s + p.slow_bend * x.c_rate * x.c**2
-    return x.stiffness * (elastic + viscous)
+    return x.stiffness * (elastic + p.slow_tip * x.c_rate * x.s)
 
 
 UNNAMED = Effect(
@@ -39,7 +38,6 @@ UNNAMED = Effect(
         Parameter("stiff_tip", "1", 0.05, (-0.8, 2.0), "share of stiffness more at the tip"),
         Parameter("one_sided", "1/rad", 0.05, (-1.0, 1.0), "stiffer to one side"),
         Parameter("slow_tip", "s", 0.005, (-0.1, 0.5), "damping over stiffness, towards the tip"),
-        Parameter("slow_bend", "s/rad^2", 0.005, (0.0, 0.5), "damping over stiffness that grows with the bend"),
     ),
     source="the first terms of a power series in s, c, c_rate, x and u_n",
     family="rest",

@@ -26,18 +26,17 @@ _NODE = " " * 16  # inside: for step, for iteration, for node i
 
 # Where the plain sums over effects go.
 SECTION_TARGETS = {
-    "stiffness": ("stiffness[i, b]",),
+    "stiffness": ("rigidity[i, b]",),
+    "natural_curvature": ("natural[i, b]",),
+    "drag_coefficient": ("drag_coefficient[i, b]",),
     "line_inertia": ("carried[i, b]",),
+    "carried_water": ("round_it[i, b]",),
     "normal_inertia": ("added[i, b]",),
     "rotary_inertia": ("rotary[i, b]",),
     "weight": ("heavy[i, b]",),
     "couple": ("couple[i, b]",),
 }
-TIP_TARGETS = {
-    "gravity_tilt": ("tilt[b]",),
-    "tip_mass": ("tip_mass[b]",),
-    "hung_mass": ("hung_mass[b]", "hung_reach[b]"),
-}
+TIP_TARGETS = {"gravity_tilt": ("tilt[b]",)}
 
 
 def _guarded(effect: Effect, number: int, body: list[str]) -> list[str]:
@@ -76,6 +75,45 @@ def _sums(targets: dict[str, tuple[str, ...]], constant: bool, indent: str) -> s
             text += [f"{_NODE}        {line}" for line in fixed]
         text += own
     return textwrap.indent(textwrap.dedent("\n".join(text)), indent)
+
+
+def _stiffness(changing: bool) -> str:
+    """k(s, t): the sum of the stiffness laws times (1 + share) of each effect that changes it.
+
+    Before the first step of all effects; in every step only where one of them changes in time or with the motion.
+    """
+    shares = [(k, effect) for k, effect in enumerate(catalogue().values()) if effect.stiffness_share is not None]
+    laws = [(k, effect) for k, effect in enumerate(catalogue().values()) if effect.stiffness is not None]
+    moving = [f"active[{k}]" for k, effect in shares if not _constant(traced(effect, "stiffness_share"))]
+    moving += [f"active[{k}]" for k, effect in laws if not _constant(traced(effect, "stiffness"))]
+    if changing and not moving:
+        return ""
+    text = [f"{_NODE}for b in range(BLOCK):", f"{_NODE}    stiffness[i, b] = rigidity[i, b]"]
+    for number, effect in shares:
+        (share,) = traced(effect, "stiffness_share")
+        text += _guarded(effect, number, lines([("stiffness[i, b]", "*=", 1 + share)], ""))
+    if not changing:
+        return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 8)
+    return "\n".join([f"{_NODE}if {' or '.join(moving)}:", textwrap.indent("\n".join(text), "    ")])
+
+
+def _bodies() -> str:
+    """The compact bodies at the tip, from the laws that say where they are and how dense; i is the last node."""
+    text: list[str] = []
+    water = sympy.Symbol("fluid_density", real=True)
+    for place, (number, effect) in enumerate(_hung()):
+        if not _constant(traced(effect, "hung_mass")):
+            raise ValueError(f"{effect.name}: a hung_mass may not change in time or with the motion")
+        mass, reach, drop, density = traced(effect, "hung_mass")
+        values = {"mass": mass, "reach": reach, "drop": drop, "displaced": water * mass / density}
+        assignments = [(f"body_{name}[{place}, b]", "=", value) for name, value in values.items()]
+        text += _guarded(effect, number, lines(assignments, ""))
+    return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 4)
+
+
+def _hung() -> list[tuple[int, Effect]]:
+    """The effects with a body at the tip, numbered as in the catalogue."""
+    return [(k, effect) for k, effect in enumerate(catalogue().values()) if effect.hung_mass is not None]
 
 
 def _changing(kind: str) -> bool:
@@ -235,9 +273,9 @@ def kernel_source(nodes: int, order: int) -> str:
     remembering_flags = [f"active[{k}]" for k, effect in enumerate(catalogue().values()) if effect.remembers]
     tip_changing = [kind for kind in TIP_TARGETS if _changing(kind)]
     replacements = {
-        "@SECTION_CONSTANT@": _sums(SECTION_TARGETS, True, " " * 8),
-        "@SECTION_CHANGING@": _sums(SECTION_TARGETS, False, " " * 16),
-        "@TIP_CONSTANT@": "\n".join([_sums(TIP_TARGETS, True, " " * 4), _gravity(" " * 4), _copies()]),
+        "@SECTION_CONSTANT@": "\n".join([_sums(SECTION_TARGETS, True, " " * 8), _stiffness(False)]),
+        "@SECTION_CHANGING@": "\n".join([_sums(SECTION_TARGETS, False, " " * 16), _stiffness(True)]),
+        "@TIP_CONSTANT@": "\n".join([_sums(TIP_TARGETS, True, " " * 4), _bodies(), _gravity(" " * 4), _copies()]),
         "@TIP_CHANGING@": _sums(TIP_TARGETS, False, " " * 12) + ("\n" + _gravity(" " * 12)) * bool(tip_changing),
         "@WATER@": _water(),
         "@FORCES@": _forces(),
@@ -250,7 +288,7 @@ def kernel_source(nodes: int, order: int) -> str:
     for mark, text in replacements.items():
         template = template.replace(mark, text)
     extents = {"parameters": len(parameter_rows()), "coordinates": order + 2, "nodes": nodes, "three": 3, "four": 4}
-    extents["stores"] = len(_slots())
+    extents |= {"stores": len(_slots()), "bodies": len(_hung())}
     shapes = {**ARRAYS, **{name: ARRAYS[source] for name, source in _fixed_arrays().items()}}
     sizes = {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
-    return unrolled_source(template, {"n": order, "NODES": nodes, "BLOCK": BLOCK}, sizes)
+    return unrolled_source(template, {"n": order, "NODES": nodes, "BLOCK": BLOCK, "BODIES": len(_hung())}, sizes)

@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     printed = np.array([PAPER[task["silicone"]][LENGTHS.index(task["length"])] for task in tasks])
     columns = {
         "length_m": np.array([task["length"] for task in tasks]),
-        "young_pa": np.array([SILICONES[task["silicone"]] for task in tasks]),
+        "young_pa": np.array([SILICONES[task["silicone"]].modulus for task in tasks]),
         "printed_q1": printed[:, 0],
         "printed_q2": printed[:, 1],
     }
@@ -87,7 +87,7 @@ def _row(task: Mapping[str, Any], result: Mapping[str, Any], paper: Sequence[flo
         f"{paper[0]:g}",
         f"{paper[1]:g}",
         f"{100 * result['q2_rad2'] / result['motion_q2_rad2']:.1f}",
-        f"{result['E_pa'] / SILICONES[task['silicone']]:.2f}",
+        f"{result['E_pa'] / SILICONES[task['silicone']].modulus:.2f}",
         f"{result['reduction_mm']:.2f}",
     )
 
@@ -98,7 +98,7 @@ def _words(columns: Mapping[str, Any]) -> tuple[str, ...]:
     from scipy.stats import rankdata
 
     from tentacle.specimen import WATER
-    from validation.paper_arms import ADDED_MASS, CHOICES, DENSITY
+    from validation.paper_arms import ADDED_MASS, CHOICES, SILICONES
     from validation.table1_arm import CHIRP_FROM, CHIRP_S, CHIRP_TO
 
     def rank(ours: str, theirs: str) -> float:
@@ -109,7 +109,8 @@ def _words(columns: Mapping[str, Any]) -> tuple[str, ...]:
     both = columns["printed_q1"].size
     beyond = int(np.sum(columns["printed_q1"] > columns["motion_q1_rad2"]))
     higher = np.mean(columns["q2_rad2"] > columns["q1_rad2"])
-    share = DENSITY / (DENSITY + ADDED_MASS * WATER.density)
+    density = SILICONES["Dragon Skin 10"].density
+    share = density / (density + ADDED_MASS * WATER.density)
     lost = int(np.sum(~np.isfinite(columns["paper_q1_rad2"])))
     soft = int(np.sum(columns["paper_k0"] + columns["paper_k1"] <= 0.0))
     return (

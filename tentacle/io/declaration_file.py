@@ -17,6 +17,7 @@ from tentacle.specimen import (
     AIR,
     HANGING_DOWN,
     STANDARD_GRAVITY,
+    STEEL,
     Cone,
     Fluid,
     Gravity,
@@ -80,12 +81,16 @@ def parse_specimen(table: Table) -> Specimen:
     for key in foreign:
         if key in table:
             raise table.error(f'does not belong to section = "{kind}"', key)
+    length = table.measured("length_m", above=0, most=LONGEST_ARM)
     specimen = Specimen(
         section=section,
-        length=table.measured("length_m", above=0, most=LONGEST_ARM),
+        length=length,
         density=table.measured("density_kg_m3", least=LIGHTEST_SOLID),
         tip_mass=table.measured("tip_mass_kg", 0.0, least=0),
         stiffness=cast(StiffnessLaw, table.choice("stiffness", ("section", "affine"), "section")),
+        tip_mass_reach=table.measured("tip_mass_reach_m", 0.0, least=-length, most=length),
+        tip_mass_drop=table.measured("tip_mass_drop_m", 0.0, least=-length, most=length),
+        tip_mass_density=table.measured("tip_mass_density_kg_m3", STEEL, least=LIGHTEST_SOLID),
     )
     table.finish()
     thickness = 2.0 * float(section.half_thickness(0.0))
@@ -200,13 +205,18 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         sizes = {"section": "cone", "base_radius_m": section.base_radius, "tip_radius_m": section.tip_radius}
     else:
         sizes = {"section": "rectangle", "width_m": section.section_width, "height_m": section.height}
+    placed = (
+        ("tip_mass_reach_m", specimen.tip_mass_reach, 0.0),
+        ("tip_mass_drop_m", specimen.tip_mass_drop, 0.0),
+        ("tip_mass_density_kg_m3", specimen.tip_mass_density, STEEL),
+    )
     return {
         **sizes,
         "length_m": specimen.length,
         "density_kg_m3": specimen.density,
         "tip_mass_kg": specimen.tip_mass,
         "stiffness": specimen.stiffness,
-    }
+    } | {key: value for key, value, usual in placed if value != usual}
 
 
 def gravity_table(gravity: Gravity) -> dict[str, Any]:

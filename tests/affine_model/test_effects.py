@@ -25,8 +25,9 @@ CONTRACT = {  # closing_the_loop.md: these names are known outside
     "third_curvature", "servo_lag", "backlash", "time_offset", "camera_roll", "camera_scale",
 }  # fmt: skip
 LAWS = (
-    "stiffness", "bending_moment", "force", "couple", "line_inertia", "normal_inertia", "rotary_inertia", "weight",
-    "water_velocity", "tip_mass", "hung_mass", "gravity_tilt", "relaxation_time", "yield_curvature",
+    "stiffness", "stiffness_share", "natural_curvature", "bending_moment", "force", "couple", "drag_coefficient",
+    "line_inertia", "carried_water", "normal_inertia", "rotary_inertia", "weight",
+    "water_velocity", "hung_mass", "gravity_tilt", "relaxation_time", "yield_curvature",
 )  # fmt: skip
 EFFECTS = list(catalogue().values())
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=3, nodes=8)
@@ -89,7 +90,7 @@ def test_laws_are_formulas_of_known_quantities(effect):
         for expression in traced(effect, kind):
             assert {str(symbol) for symbol in expression.free_symbols} <= allowed
             assert all(value.is_finite is not False for value in expression.atoms(sympy.Number))
-            if kind in ("line_inertia", "normal_inertia", "rotary_inertia", "tip_mass", "stiffness"):
+            if kind in ("line_inertia", "carried_water", "normal_inertia", "rotary_inertia", "hung_mass", "stiffness"):
                 # inertia and stiffness may not depend on rates: M must be a Hessian, and U a potential
                 assert not {"c_rate", "phi_rate", "u_n", "u_t", "speed"} & {str(s) for s in expression.free_symbols}
 

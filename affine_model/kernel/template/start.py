@@ -8,6 +8,7 @@ ARRAYS = {
     "matrix": ("coordinates", "coordinates"),
     **dict.fromkeys(("phi", "phi_rate", "twist", "c", "c_rate", "normal_x", "normal_y"), ("nodes",)),
     **dict.fromkeys(("swing_x", "swing_y", "x", "y", "u_n", "u_t", "speed", "stiffness"), ("nodes",)),
+    **dict.fromkeys(("rigidity", "natural", "drag_coefficient", "round_it"), ("nodes",)),
     **dict.fromkeys(("couple", "moment", "bend", "rotary", "carried", "added", "heavy", "memory"), ("nodes",)),
     **dict.fromkeys(("jac_x", "jac_y"), ("coordinates", "nodes")),
     "store": ("stores", "nodes"),
@@ -16,7 +17,7 @@ ARRAYS = {
     **dict.fromkeys(("water_x", "water_y", "surge_x", "surge_y"), ()),
     **dict.fromkeys(("force_n", "force_t", "slope_n", "slope_t", "tensor_xx", "tensor_xy", "tensor_yy"), ()),
     **dict.fromkeys(("tilt", "gravity_x", "gravity_y", "fluid_x", "fluid_y", "integral", "torque", "diverged"), ()),
-    **dict.fromkeys(("point", "ahead", "tip_mass", "hung_mass", "hung_reach"), ()),
+    **dict.fromkeys(("body_mass", "body_reach", "body_drop", "body_displaced"), ("bodies",)),
     **dict.fromkeys(("tip_x", "tip_y"), ("coordinates",)),
     **dict.fromkeys(("sums", "window"), ("four",)),
     "command": ("three",),  # the row of the base table
@@ -54,7 +55,8 @@ def sincos(angle):
 def advance(block, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, A_end,
             C, base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, start_store, iterations, stride,
             average_from, t0, out_u, out_rate, out_force, summary):
-    length, density, fluid_density, payload, gravity, gravity_angle = constants
+    length, density, fluid_density, payload, gravity = constants[:5]
+    payload_reach, payload_drop, payload_density, gravity_angle = constants[5:]
     count = parameters.shape[1]
     first = block * BLOCK
     lane = np.empty(BLOCK, np.int64)
