@@ -13,18 +13,23 @@ from tentacle.signals import Array
 ENLARGE = 4  # a threshold on the enlarged picture places the contour between pixels
 LONGEST_ENLARGED = 1600  # px; larger pictures are fine enough as they are
 FAINT = 0.8  # of the body's pixels are darker than its faint parts
+SPECK = 3.0  # px^2: less is noise
 END_WINDOW = 0.04  # of the contour's length: what bends within it is an end
 SIDE_POINTS = 200
 
 
 @dataclass(frozen=True)
 class Silhouette:
-    """Outer contour (C, 2) [px] of the largest body, its area and that of its holes [px^2], polarity (+1 dark)."""
+    """Outer contour (C, 2) [px] of the largest body, its area and that of its holes [px^2], polarity (+1 dark).
+
+    beside: the outer contours of whatever else stands out, larger than some pixels of noise.
+    """
 
     contour: Array
     area: float
     holes: float
     polarity: float
+    beside: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,8 +72,11 @@ def silhouette(image: NDArray[np.uint8], polarity: float | None = None, faint: b
     if len(contours[largest]) < 20:
         return None
     # a contour runs through the centres of the mask's outermost pixels: half a fine pixel inside the edge
-    contour = (contours[largest][:, 0].astype(float) + 0.5) / enlarge - 0.5
-    return Silhouette(contour, float(areas.max()) / enlarge**2, holes / enlarge**2, polarity)
+    placed = {k: (contours[k][:, 0].astype(float) + 0.5) / enlarge - 0.5 for k in outer}
+    beside = tuple(
+        placed[k] for k, area in zip(outer, areas, strict=True) if k != largest and area > SPECK * enlarge**2
+    )
+    return Silhouette(placed[largest], float(areas.max()) / enlarge**2, holes / enlarge**2, polarity, beside)
 
 
 def _with_faint_parts(fine: NDArray[np.uint8], mask: NDArray[np.uint8], polarity: float) -> NDArray[np.uint8]:
