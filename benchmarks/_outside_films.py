@@ -58,7 +58,9 @@ class Film:
 
 
 FILMS = (
-    Film("fish", (200, 140), "left", 98.0, (7.0, 3.0), 95.0, 150.0, at_base="body", repeats=True, servo=False, sway=0.1),
+    Film(
+        "fish", (200, 140), "left", 98.0, (7.0, 3.0), 95.0, 150.0, at_base="body", repeats=True, servo=False, sway=0.1
+    ),
     Film("fish_light", (140, 200), "bottom", 98.0, (7.0, 3.0), 170.0, 60.0, at_base="body", repeats=True, servo=False),
     Film("thin", (320, 240), "right", 170.0, (5.0, 3.0)),
     Film("thin_12", (320, 240), "left", 220.0, (12.0, 3.5), codec="jpeg 50"),
@@ -189,7 +191,9 @@ class Painter:
         dirt = sum(cv2.GaussianBlur(rng.standard_normal((height, width)), (0, 0), s) * s for s in (1.5, 4.0, 10.0))
         self._dirt = film.texture * dirt / max(float(np.std(dirt)), 1e-9)
 
-    def line(self, k: int, bends: Array | float = 0.0, turn: float = 0.0, shift=(0.0, 0.0), longer: float = 0.0) -> Array:
+    def line(
+        self, k: int, bends: Array | float = 0.0, turn: float = 0.0, shift=(0.0, 0.0), longer: float = 0.0
+    ) -> Array:
         """Frame k's midline (STEPS + 1, 2) [px], changed by bends [rad], turned, shifted [px] and made longer."""
         heading = self.rest + self.theta[k] + turn
         return midline(self.base + shift, heading, self.bends[k] + bends, self.film.length * (1.0 + longer))
@@ -226,9 +230,7 @@ class Painter:
             return _share(film, _discs([[u + 12.0, v, 6.0], [u + 19.0, v + 5.0, 5.0]])), 0.9 * film.arm
         if film.intruder in ("post", "glare"):
             place = self.base + film.length * (0.62 if film.intruder == "post" else 0.4) * ahead
-            return _share(film, _bar(place, self.rest, film)), (
-                film.ground if film.intruder == "post" else 250.0
-            )
+            return _share(film, _bar(place, self.rest, film)), (film.ground if film.intruder == "post" else 250.0)
         return np.zeros((height, width)), 0.0
 
 

@@ -83,7 +83,9 @@ def seen_midlines(shape: ShapeTrack, declaration: Declaration, theta: Array) -> 
     heading = np.arctan2(camera.arm_px[1], camera.arm_px[0]) + theta[:, None] + shape.coefficients @ powers
     step = declaration.specimen.length / camera.metres_per_px * shape.scale / STEPS
     walk = step * np.stack([np.cos(heading), np.sin(heading)], axis=2)
-    lines = camera.to_pixels(shape.base_shift) + np.concatenate([np.zeros((len(theta), 1, 2)), walk.cumsum(axis=1)], axis=1)
+    lines = camera.to_pixels(shape.base_shift) + np.concatenate(
+        [np.zeros((len(theta), 1, 2)), walk.cumsum(axis=1)], axis=1
+    )
     turned = step * np.stack([-np.sin(heading), np.cos(heading)], axis=2)
     moved = np.cumsum(turned[:, :, None] * powers.T[None, :, :, None], axis=1)  # (T, STEPS, K, 2)
     across = np.einsum("tskx,tsx->tsk", moved, turned / step)
@@ -121,7 +123,9 @@ def limit(drawn: Drawn, order: int, frames: NDArray[np.intp], count: int) -> flo
         slopes.append((moved[::2] - moved[1::2]) / (2.0 * steps[:, None]))
     shared = np.zeros((4, 4))
     for info in information:
-        shared += info[order:, order:] - info[order:, :order] @ np.linalg.solve(info[:order, :order], info[:order, order:])
+        shared += info[order:, order:] - info[order:, :order] @ np.linalg.solve(
+            info[:order, :order], info[:order, order:]
+        )
     common = np.linalg.inv(shared * count / len(information))
     variances = []
     for info, slope in zip(information, slopes, strict=True):
@@ -140,7 +144,9 @@ def judge_film(film: Film, seed: int = 1) -> Judged:
     try:
         tracked, declaration, theta = track_drawn(drawn)
     except InputError as error:
-        return Judged(film.name, int(visible.sum()), 0, 0, 0, np.nan, np.nan, np.nan, int(hidden.sum()), 0, np.nan, error.line())
+        return Judged(
+            film.name, int(visible.sum()), 0, 0, 0, np.nan, np.nan, np.nan, int(hidden.sum()), 0, np.nan, error.line()
+        )
     shape = tracked.shape
     index = np.searchsorted(drawn.t, shape.t - 1e-3)
     lines, sigma = seen_midlines(shape, declaration, theta[index])
