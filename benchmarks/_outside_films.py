@@ -1,8 +1,8 @@
 """Films of arms drawn by a program of their own: no line is shared with vision, neither its renderer nor its model.
 
-A midline is laid out by steps along a heading, its outline, with a rounded tip, is drawn four times enlarged by the Agg
-library that Matplotlib brings (right to .001 px), and the picture is then blurred, shrunk, lit, dirtied, coded by JPEG or
-H.264 and decoded again.
+A midline is laid out by steps along a heading. Its outline, with a rounded tip, is drawn four times enlarged by the Agg
+library that Matplotlib brings (right to .001 px). The picture is then blurred, shrunk, lit, dirtied, coded by JPEG or
+H.264, and decoded again.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def base_of(film: Film) -> Array:
     inset = 0.10 * film.length + (0.14 * film.length if film.at_base == "body" else 0.0)
     places = {"top": (0.5 * width, inset), "bottom": (0.5 * width, height - inset)}
     places |= {"left": (inset, 0.5 * height), "right": (width - inset, 0.5 * height)}
-    return np.array(places[film.side]) + (1.3, -0.7)
+    return np.array(places[film.side]) + np.array([1.3, -0.7])
 
 
 def motion(film: Film, seed: int) -> tuple[Array, Array]:

@@ -31,6 +31,7 @@ SMALLEST = 20.0  # px of length
 STILL, ALWAYS = 0.1, 0.9  # weight of what does not move; share of the pictures in which it then is
 TAPER = slice(0.35, 0.9)  # of the length: there the arm's own widths are told
 WIDER = 1.35  # times the arm's own width: a clamp's, or a trunk's
+CORNER = 0.7  # rad that a flat end's contour turns at least
 POINTS = 120
 
 
@@ -135,7 +136,9 @@ def picture(image: Grey, proposal: Proposal) -> NDArray[np.uint8]:
     cv2.line(shown, ends[0], ends[1], (235, 70, 60), max(grow // 2, 2), cv2.LINE_AA)
     for name, at in (("base", place[0]), ("tip", place[-1])):
         cv2.circle(shown, at.tolist(), 4, (235, 70, 60), 1, cv2.LINE_AA)
-        cv2.putText(shown, name, (at + (8, 4)).tolist(), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (235, 70, 60), 1, cv2.LINE_AA)
+        cv2.putText(
+            shown, name, (at + np.array([8, 4])).tolist(), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (235, 70, 60), 1, cv2.LINE_AA
+        )
     return np.asarray(shown, dtype=np.uint8)
 
 
@@ -195,11 +198,32 @@ def _axis(contour: Array, first: int, last: int) -> Axis | None:
 
 
 def _opposite(contour: Array, tip: Array) -> tuple[int, int]:
-    """Indices of the contour's point half the perimeter from the tip, and of the tip."""
+    """Indices of the contour's point in the middle of the base's flat end, and of the tip.
+
+    Half the perimeter from the tip lies the base; of a bent arm, whose sides differ in length, not its middle. So the
+    two corners about it are looked for; the middle is as far from one as from the other.
+    """
     at = int(np.argmin(np.linalg.norm(contour - tip, axis=1)))
-    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(contour, axis=0), axis=1))])
-    whole = arc[-1] + float(np.linalg.norm(contour[0] - contour[-1]))
-    return int(np.argmin(np.abs(arc - np.mod(arc[at] + 0.5 * whole, whole)))), at
+    closed = np.concatenate([contour, contour[:1]])
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    whole = float(arc[-1])
+    half = float(np.mod(arc[at] + 0.5 * whole, whole))
+    x, y = contour[:, 0], contour[:, 1]
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+    wide = 2.0 * area / (0.5 * whole)  # of a cone, at its base
+    places = half + np.linspace(-1.3 * wide, 1.3 * wide, 105)
+    even = np.stack([np.interp(np.mod(places, whole), arc, closed[:, k]) for k in (0, 1)], axis=1)
+    step = 10  # a quarter of the width, over which a corner turns
+    ahead, behind = even[2 * step :] - even[step:-step], even[step:-step] - even[: -2 * step]
+    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
+    turn = np.arctan2(cross, np.sum(behind * ahead, axis=1))
+    turn = turn * np.sign(turn.sum())
+    first = int(np.argmax(turn))
+    apart = np.abs(np.arange(len(turn)) - first) > 2 * step
+    second = int(np.argmax(np.where(apart, turn, -np.inf)))
+    if turn[second] > CORNER:
+        half = float(np.mod(0.5 * (places[first + step] + places[second + step]), whole))
+    return int(np.argmin(np.abs(arc[:-1] - half))), at
 
 
 def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:

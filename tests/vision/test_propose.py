@@ -13,14 +13,16 @@ from vision.render import render
 from vision.scene import swaying
 
 
-@pytest.mark.parametrize(("look", "polarity"), [(CLEAN, 1.0), (LIGHT_ARM, -1.0), (replace(TANK, dropped=0.0), 1.0)])
-def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity):
+@pytest.mark.parametrize(
+    ("look", "polarity", "near"), [(CLEAN, 1.0, 2.0), (LIGHT_ARM, -1.0, 2.0), (replace(TANK, dropped=0.0), 1.0, 7.0)]
+)
+def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity, near):
     scene = swaying(seed=3, frames=30, size=(320, 240))
     film = list(render(scene.midline, scene.specimen, scene.camera, scene.size, look, 1, scene.theta))
     write_video(tmp_path / "film.mp4", film, scene.t)
     found = propose(tmp_path / "film.mp4")
     assert found.polarity == polarity
-    assert np.linalg.norm(np.subtract(found.base_px, scene.camera.base_px)) < 4.0
+    assert np.linalg.norm(np.subtract(found.base_px, scene.camera.base_px)) < near  # px; a clamp hides it
     tip = scene.camera.to_pixels(scene.midline.xy[0, -1])
     assert np.linalg.norm(np.subtract(found.tip_px, tip)) < 4.0
     length = scene.specimen.length / scene.camera.metres_per_px
