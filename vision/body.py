@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from tentacle.signals import Array
+from vision.body_evidence import STRANGE, dirt_at_an_end, length_doubts, width_doubts
 from vision.frames import Frame
 from vision.silhouette import Axis, find_ends, mean_axis, silhouette
 
@@ -53,10 +54,11 @@ def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTr
     """Midline of the largest body in each frame; accepted where its length and width are the recording's own.
 
     A body that touches itself has a hole in its silhouette, or a length or width that it never has when it lies open.
+    Dirt that touches it, or nearly does at an end, is told by body_evidence.
     """
     times, axes, reasons = [], [], []
     for frame in frames:
-        seen = silhouette(frame.image, polarity)
+        seen = silhouette(frame.image, polarity, faint=True)
         axis, reason = None, ""
         if seen is None:
             reason = "no body found"
@@ -64,6 +66,7 @@ def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTr
             reason = "coiled"
         else:
             axis = mean_axis(seen.contour, *find_ends(seen.contour), points=POINTS)
+            reason = "something lies at an end" if dirt_at_an_end(axis, seen.beside) else ""
         times.append(frame.t)
         axes.append(axis)
         reasons.append(reason)
@@ -76,6 +79,14 @@ def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTr
         off = abs(axis.length / length - 1.0) > LENGTH_TOLERANCE
         if off or abs(np.quantile(axis.width, 0.9) / width - 1.0) > WIDTH_TOLERANCE:
             reasons[k] = "coiled or merged with something"
+    lengthened, widened = length_doubts(axes), width_doubts(axes)
+    for k in range(len(axes)):
+        if not reasons[k] and lengthened[k] > STRANGE:
+            reasons[k] = "longer than in the frames about it: something touches it"
+        elif not reasons[k] and lengthened[k] < -STRANGE:
+            reasons[k] = "shorter than in the frames about it: an end is not seen"
+        elif not reasons[k] and widened[k] > STRANGE:
+            reasons[k] = "not as wide as it is elsewhere: something touches it"
     kept = [axis if axis is not None and not reason else None for axis, reason in zip(axes, reasons, strict=True)]
     return BodyTrack(
         t=np.array(times),

@@ -12,18 +12,24 @@ from tentacle.signals import Array
 
 ENLARGE = 4  # a threshold on the enlarged picture places the contour between pixels
 LONGEST_ENLARGED = 1600  # px; larger pictures are fine enough as they are
+FAINT = 0.8  # of the body's pixels are darker than its faint parts
+SPECK = 3.0  # px^2: less is noise
 END_WINDOW = 0.04  # of the contour's length: what bends within it is an end
 SIDE_POINTS = 200
 
 
 @dataclass(frozen=True)
 class Silhouette:
-    """Outer contour (C, 2) [px] of the largest body, its area and that of its holes [px^2], polarity (+1 dark)."""
+    """Outer contour (C, 2) [px] of the largest body, its area and that of its holes [px^2], polarity (+1 dark).
+
+    beside: the outer contours of whatever else stands out, larger than some pixels of noise.
+    """
 
     contour: Array
     area: float
     holes: float
     polarity: float
+    beside: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -35,10 +41,12 @@ class Axis:
     length: float
 
 
-def silhouette(image: NDArray[np.uint8], polarity: float | None = None) -> Silhouette | None:
+def silhouette(image: NDArray[np.uint8], polarity: float | None = None, faint: bool = False) -> Silhouette | None:
     """The largest body that Otsu's threshold sets off; None where nothing stands out.
 
     polarity +1: the body is darker than its ground, -1 lighter; None: it is what touches less of the picture's border.
+    faint: the threshold then goes half way between the ground and the body's faint parts, as a thin end lets light
+    through: half way to the whole body's grey would cut it off.
     """
     enlarge = ENLARGE if max(image.shape) * ENLARGE <= LONGEST_ENLARGED else 1
     fine = image if enlarge == 1 else cv2.resize(image, None, fx=enlarge, fy=enlarge, interpolation=cv2.INTER_CUBIC)
@@ -52,6 +60,8 @@ def silhouette(image: NDArray[np.uint8], polarity: float | None = None) -> Silho
         polarity = 1.0 if np.mean(border > 0) < 0.5 else -1.0
     if polarity < 0:
         mask = cv2.bitwise_not(mask)
+    if faint:
+        mask = _with_faint_parts(fine, mask, polarity)
     contours, tree = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     outer = [k for k in range(len(contours)) if tree[0][k][3] < 0]
     if not outer:
@@ -62,8 +72,18 @@ def silhouette(image: NDArray[np.uint8], polarity: float | None = None) -> Silho
     if len(contours[largest]) < 20:
         return None
     # a contour runs through the centres of the mask's outermost pixels: half a fine pixel inside the edge
-    contour = (contours[largest][:, 0].astype(float) + 0.5) / enlarge - 0.5
-    return Silhouette(contour, float(areas.max()) / enlarge**2, holes / enlarge**2, polarity)
+    placed = {k: (contours[k][:, 0].astype(float) + 0.5) / enlarge - 0.5 for k in outer}
+    beside = tuple(
+        placed[k] for k, area in zip(outer, areas, strict=True) if k != largest and area > SPECK * enlarge**2
+    )
+    return Silhouette(placed[largest], float(areas.max()) / enlarge**2, holes / enlarge**2, polarity, beside)
+
+
+def _with_faint_parts(fine: NDArray[np.uint8], mask: NDArray[np.uint8], polarity: float) -> NDArray[np.uint8]:
+    """The mask of all that is nearer to the body's faint parts than to the ground, where a first mask shows both."""
+    shown = polarity * fine.astype(np.float32)
+    ground, weak = float(np.median(shown[mask == 0])), float(np.quantile(shown[mask > 0], FAINT))
+    return np.where(shown < 0.5 * (ground + weak), 255, 0).astype(np.uint8)
 
 
 def find_ends(contour: Array) -> tuple[int, int]:

@@ -1,0 +1,290 @@
+"""Films of arms drawn by a program of their own: no line is shared with vision, neither its renderer nor its model.
+
+A midline is laid out by steps along a heading. Its outline, with a rounded tip, is drawn four times enlarged by the Agg
+library that Matplotlib brings (right to .001 px). The picture is then blurred, shrunk, lit, dirtied, coded by JPEG or
+H.264, and decoded again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from io import BytesIO
+
+import av
+import cv2
+import numpy as np
+from matplotlib.backends.backend_agg import RendererAgg
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Grey = NDArray[np.uint8]
+FINE = 4  # drawn pixels to a pixel's side
+STEPS = 240  # along the arm
+
+
+@dataclass(frozen=True)
+class Film:
+    """What is drawn. Lengths in px, greys 0 to 255, angles in rad.
+
+    side: where in the picture the base is. widths: full width at base and tip. at_base: "", "clamp" (a block of the
+    arm's grey), "body" (a head and trunk of it) or "dark" (a block darker than the arm). intruder: "", "debris" (a
+    blob that touches the arm), "second_arm", "hand", "post" (a bar of the ground's grey before the arm), "glare".
+    codec: "", "jpeg 30" (quality), "h264 35" (crf). repeats: True, every frame is shown two or three times.
+    """
+
+    name: str
+    size: tuple[int, int] = (320, 240)
+    side: str = "top"
+    length: float = 170.0
+    widths: tuple[float, float] = (16.0, 5.0)
+    arm: float = 60.0
+    ground: float = 180.0
+    noise: float = 2.0
+    blur: float = 0.9
+    texture: float = 0.0
+    uneven: float = 0.0
+    flicker: float = 0.0
+    at_base: str = ""
+    intruder: str = ""
+    codec: str = ""
+    repeats: bool = False
+    servo: bool = True
+    sway: float = 0.4
+    bend: float = 0.8
+    frames: int = 60
+
+
+FILMS = (
+    Film(
+        "fish", (200, 140), "left", 98.0, (7.0, 3.0), 95.0, 150.0, at_base="body", repeats=True, servo=False, sway=0.1
+    ),
+    Film("fish_light", (140, 200), "bottom", 98.0, (7.0, 3.0), 170.0, 60.0, at_base="body", repeats=True, servo=False),
+    Film("thin", (320, 240), "right", 170.0, (5.0, 3.0)),
+    Film("thin_12", (320, 240), "left", 220.0, (12.0, 3.5), codec="jpeg 50"),
+    Film("small", (100, 90), "top", 60.0, (9.0, 3.0)),
+    Film("faint", arm=130.0, ground=150.0, noise=3.0),
+    Film("texture", texture=16.0),
+    Film("flicker", uneven=0.5, flicker=0.15),
+    Film("jpeg", codec="jpeg 25"),
+    Film("h264", codec="h264 33"),
+    Film("light", arm=200.0, ground=70.0, side="bottom"),
+    Film("clamp", at_base="clamp"),
+    Film("dark_clamp", at_base="dark", side="right", servo=False),
+    Film("debris", intruder="debris"),
+    Film("second_arm", intruder="second_arm"),
+    Film("hand", intruder="hand"),
+    Film("post", intruder="post"),
+    Film("glare", intruder="glare"),
+)
+REST = {"top": 0.5 * np.pi, "bottom": -0.5 * np.pi, "left": 0.0, "right": np.pi}  # heading of the straight arm
+
+
+def base_of(film: Film) -> Array:
+    """Where the arm is held (2,) [px]."""
+    width, height = film.size
+    inset = 0.10 * film.length + (0.14 * film.length if film.at_base == "body" else 0.0)
+    places = {"top": (0.5 * width, inset), "bottom": (0.5 * width, height - inset)}
+    places |= {"left": (inset, 0.5 * height), "right": (width - inset, 0.5 * height)}
+    return np.array(places[film.side]) + np.array([1.3, -0.7])
+
+
+def motion(film: Film, seed: int) -> tuple[Array, Array]:
+    """Servo angle (T,) and bending (T, 4) [rad]: the heading is rest + servo + sum_k bend_k s^k / k."""
+    rng = np.random.default_rng([seed, 77])
+    t = np.arange(film.frames) / 60.0
+    phase = rng.uniform(0, 2 * np.pi, 5)
+    wave = 2 * np.pi * 0.9 * t
+    theta = film.sway * np.sin(wave + phase[4])
+    sizes = film.bend * np.array([1.0, 1.0, 0.6, 0.0])
+    bends = sizes * np.sin(wave[:, None] + phase[:4]) + 0.2 * sizes * np.sin(2 * wave[:, None] + phase[[1, 2, 3, 0]])
+    return theta, bends
+
+
+def midline(base: Array, heading: float, bends: Array, length: float) -> Array:
+    """Points (STEPS + 1, 2) from base to tip, by the middle of each step."""
+    middle = (np.arange(STEPS) + 0.5) / STEPS
+    angle = heading + sum(bends[k] * middle ** (k + 1) / (k + 1) for k in range(len(bends)))
+    steps = length / STEPS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return base + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+
+
+def _body(points: Array, widths: Array) -> Array:
+    """Outline (N, 2) of a body of full widths (N,) about points (N, 2) [px], its tip round."""
+    along = np.gradient(points, axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    end = 0.5 * widths[-1]
+    to_tip = np.append(np.linalg.norm(np.diff(points, axis=0), axis=1)[::-1].cumsum()[::-1], 0.0)
+    half = np.where(to_tip < end, np.sqrt(np.clip(end**2 - (end - to_tip) ** 2, 0, None)), 0.5 * widths)
+    return np.concatenate([points + half[:, None] * across, (points - half[:, None] * across)[::-1]])
+
+
+def _share(film: Film, polygons: list[Array]) -> Array:
+    """Coverage (H, W) by polygons (N, 2) [px] through the lens."""
+    width, height = film.size
+    if not polygons:
+        return np.zeros((height, width))
+    agg = RendererAgg(width * FINE, height * FINE, 72)
+    pen = agg.new_gc()
+    pen.set_linewidth(0)
+    pen.set_snap(False)
+    place = Affine2D().translate(0.5, 0.5).scale(FINE, -FINE).translate(0, height * FINE)
+    for polygon in polygons:
+        agg.draw_path(pen, Path(np.vstack([polygon, polygon[:1]]), closed=True), place, (1.0, 1.0, 1.0, 1.0))
+    canvas = np.asarray(agg.buffer_rgba())[:, :, 3].astype(np.float32)
+    blurred = cv2.GaussianBlur(canvas, (0, 0), film.blur * FINE)
+    return cv2.resize(blurred, (width, height), interpolation=cv2.INTER_AREA).astype(float) / 255.0
+
+
+def _holder(film: Film, base: Array, heading: float) -> list[Array]:
+    """Polygons of what holds the arm."""
+    along = np.array([np.cos(heading), np.sin(heading)])
+    across = np.array([-along[1], along[0]])
+    if film.at_base in ("clamp", "dark"):
+        w, d = 1.3 * film.widths[0], 2.0 * film.widths[0]
+        return [base + np.array([w * across, -w * across, -w * across - d * along, w * across - d * along])]
+    if film.at_base == "body":  # trunk that widens into a head
+        back = np.linspace(0, 0.55 * film.length, 60)
+        half = 0.5 * film.widths[0] * (1 + 2.2 / (1 + np.exp(-(back - 0.2 * film.length) / (0.05 * film.length))))
+        half *= np.sqrt(np.clip(1 - (back / back[-1]) ** 6, 0, 1))
+        middle = base - back[:, None] * along
+        return [np.concatenate([middle + half[:, None] * across, (middle - half[:, None] * across)[::-1]])]
+    return []
+
+
+def _delivered(film: Film, plain: list[Array], seed: int) -> list[Grey]:
+    """With noise, whole greys and coding."""
+    rng = np.random.default_rng([seed, 5])
+    noisy = [np.clip(np.rint(p + film.noise * rng.standard_normal(p.shape)), 0, 255).astype(np.uint8) for p in plain]
+    kind, _, number = film.codec.partition(" ")
+    if kind == "jpeg":
+        packed = [cv2.imencode(".jpg", p, [cv2.IMWRITE_JPEG_QUALITY, int(number)])[1] for p in noisy]
+        return [np.asarray(cv2.imdecode(p, cv2.IMREAD_GRAYSCALE), dtype=np.uint8) for p in packed]
+    if kind == "h264":
+        buffer = BytesIO()
+        with av.open(buffer, "w", format="matroska") as container:
+            stream = container.add_stream("libx264", rate=Fraction(60), options={"crf": number})
+            stream.width, stream.height, stream.pix_fmt = film.size[0], film.size[1], "yuv420p"
+            for p in noisy:
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(p, format="gray")))
+            container.mux(stream.encode(None))
+        buffer.seek(0)
+        with av.open(buffer) as container:
+            return [f.to_ndarray(format="yuv420p")[: film.size[1]].copy() for f in container.decode(video=0)]
+    return noisy
+
+
+class Painter:
+    """A film's scene without noise; a frame may be painted with another midline in the true one's place."""
+
+    def __init__(self, film: Film, seed: int) -> None:
+        self.film = film
+        rng = np.random.default_rng([seed, 3])
+        width, height = film.size
+        self.base, self.rest = base_of(film), REST[film.side]
+        self.theta, self.bends = motion(film, seed)
+        self.widths = np.linspace(*film.widths, STEPS + 1)
+        self._light = 1.0 - film.uneven * np.add.outer(np.linspace(0, 0.5, height), np.linspace(0, 0.5, width))
+        dirt = sum(cv2.GaussianBlur(rng.standard_normal((height, width)), (0, 0), s) * s for s in (1.5, 4.0, 10.0))
+        self._dirt = film.texture * dirt / max(float(np.std(dirt)), 1e-9)
+
+    def line(
+        self, k: int, bends: Array | float = 0.0, turn: float = 0.0, shift=(0.0, 0.0), longer: float = 0.0
+    ) -> Array:
+        """Frame k's midline (STEPS + 1, 2) [px], changed by bends [rad], turned, shifted [px] and made longer."""
+        heading = self.rest + self.theta[k] + turn
+        return midline(self.base + shift, heading, self.bends[k] + bends, self.film.length * (1.0 + longer))
+
+    def paint(self, k: int, line: Array) -> tuple[Array, float]:
+        """Grey (H, W) of frame k, and the share of its own midline that something in front hides."""
+        film, (width, height) = self.film, self.film.size
+        scene = film.ground + self._dirt
+        if film.intruder == "second_arm":
+            aside = np.array([0.2 * width, 0.0])
+            bends = -0.7 * self.bends[(k + 7) % film.frames]
+            other = midline(self.base + aside, self.rest - self.theta[k], bends, 0.8 * film.length)
+            scene = _over(scene, _share(film, [_body(other, self.widths)]), film.arm)
+        arm = _share(film, [_body(line, self.widths)])
+        scene = _over(scene, arm, film.arm + 0.3 * self._dirt)
+        turned = self.rest + (self.theta[k] if film.servo else 0.0)
+        held = _share(film, _holder(film, self.base, turned))
+        scene = _over(scene, held, 0.4 * film.arm if film.at_base == "dark" else film.arm)
+        hidden, grey = self._in_front(k)
+        scene = _over(scene, hidden, grey) * self._light * (1.0 + film.flicker * np.sin(2.3 * k))
+        at = np.clip(np.rint(self.line(k)).astype(int), 0, [width - 1, height - 1])
+        return scene, float(np.mean(hidden[at[:, 1], at[:, 0]] > 0.3))
+
+    def _in_front(self, k: int) -> tuple[Array, float]:
+        """Coverage (H, W) by the intruder of frame k, and its grey."""
+        film, (width, height) = self.film, self.film.size
+        ahead = np.array([np.cos(self.rest), np.sin(self.rest)])
+        if film.intruder == "hand":
+            u = (k / max(film.frames - 1, 1) * 1.5 - 0.25) * width
+            fingers = [[u - 0.05 * finger * width, (0.3 + 0.1 * finger) * height, 0.09 * height] for finger in range(4)]
+            return _share(film, _discs(fingers)), 0.9 * film.arm
+        if film.intruder == "debris":
+            u, v = self.base + 0.55 * film.length * ahead
+            return _share(film, _discs([[u + 12.0, v, 6.0], [u + 19.0, v + 5.0, 5.0]])), 0.9 * film.arm
+        if film.intruder in ("post", "glare"):
+            place = self.base + film.length * (0.62 if film.intruder == "post" else 0.4) * ahead
+            return _share(film, _bar(place, self.rest, film)), (film.ground if film.intruder == "post" else 250.0)
+        return np.zeros((height, width)), 0.0
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A film as delivered: pictures, times [s], servo angle (T,) [rad], true midlines (T, STEPS + 1, 2) [px].
+
+    covered (T,): share of the arm that something hides. fresh (T,): False where a picture is shown again.
+    plain (T,): pictures without noise and coding.
+    """
+
+    painter: Painter
+    pictures: list[Grey]
+    plain: list[Array]
+    t: Array
+    theta: Array
+    midlines: Array
+    covered: Array
+    fresh: NDArray[np.bool_]
+
+
+def _over(scene: Array, share: Array, grey: Array | float) -> Array:
+    return scene + share * (grey - scene)
+
+
+def draw_film(film: Film, seed: int = 1) -> Drawn:
+    """All pictures of a film, with their truth."""
+    painter = Painter(film, seed)
+    lines = np.array([painter.line(k) for k in range(film.frames)])
+    painted = [painter.paint(k, line) for k, line in enumerate(lines)]
+    order = np.arange(film.frames)
+    if film.repeats:
+        order = np.repeat(order, np.random.default_rng([seed, 9]).integers(2, 4, film.frames))
+    pictures = _delivered(film, [painted[k][0] for k in order] if film.codec else [scene for scene, _ in painted], seed)
+    return Drawn(
+        painter,
+        pictures if film.codec else [pictures[k] for k in order],
+        [painted[k][0] for k in order],
+        np.arange(len(order)) / 60.0,
+        painter.theta[order],
+        lines[order],
+        np.array([share for _, share in painted])[order],
+        np.concatenate([[True], np.diff(order) > 0]),
+    )
+
+
+def _discs(discs: list[list[float]]) -> list[Array]:
+    turn = np.linspace(0.0, 2.0 * np.pi, 60)
+    return [np.column_stack([u + radius * np.cos(turn), v + radius * np.sin(turn)]) for u, v, radius in discs]
+
+
+def _bar(place: Array, heading: float, film: Film) -> list[Array]:
+    """A bar across the straight arm, an eighth of its length deep (a glare: a spot of that size)."""
+    along = np.array([np.cos(heading), np.sin(heading)])
+    across = np.array([-along[1], along[0]])
+    deep, wide = 0.06 * film.length * along, (3.0 if film.intruder == "post" else 0.15) * film.length * across
+    return [place + np.array([deep + wide, deep - wide, -deep - wide, -deep + wide])]

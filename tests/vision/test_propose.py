@@ -1,0 +1,41 @@
+"""A proposal of where the arm is, from a film alone: rendered arms of known base, tip and width."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tentacle.errors import InputError
+from vision.encode import write_video
+from vision.looks import CLEAN, LIGHT_ARM, TANK
+from vision.propose import picture, propose
+from vision.render import render
+from vision.scene import swaying
+
+
+@pytest.mark.parametrize(
+    ("look", "polarity", "near"), [(CLEAN, 1.0, 2.0), (LIGHT_ARM, -1.0, 2.0), (replace(TANK, dropped=0.0), 1.0, 7.0)]
+)
+def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity, near):
+    scene = swaying(seed=3, frames=30, size=(320, 240))
+    film = list(render(scene.midline, scene.specimen, scene.camera, scene.size, look, 1, scene.theta))
+    write_video(tmp_path / "film.mp4", film, scene.t)
+    found = propose(tmp_path / "film.mp4")
+    assert found.polarity == polarity
+    assert np.linalg.norm(np.subtract(found.base_px, scene.camera.base_px)) < near  # px; a clamp hides it
+    tip = scene.camera.to_pixels(scene.midline.xy[0, -1])
+    assert np.linalg.norm(np.subtract(found.tip_px, tip)) < 4.0
+    length = scene.specimen.length / scene.camera.metres_per_px
+    assert found.length_px == pytest.approx(length, rel=0.05)
+    assert found.width_px[0] == pytest.approx(2 * 0.0125 / scene.camera.metres_per_px, rel=0.15)
+    camera = found.camera(scene.specimen.length, 60.0)
+    assert camera.metres_per_px == pytest.approx(scene.camera.metres_per_px, rel=0.05)
+    shown = picture(film[0], found)
+    assert shown.shape == (480, 640, 3)
+    assert np.ptp(shown.astype(int), axis=2).max() > 100  # something is drawn in colour
+
+
+def test_an_empty_picture_is_one_line():
+    empty = (200 + np.random.default_rng(0).normal(0, 2, (120, 160))).astype(np.uint8)
+    with pytest.raises(InputError, match="nothing slender"):
+        propose(empty)

@@ -1,0 +1,273 @@
+"""Where an arm is in a film, from the film alone: base, tip, widths and length in px, to be confirmed by a person.
+
+What stands out against its own slow ground, is slender, and moves, is the arm. The end that stays is the base's; there,
+whatever is wider than the arm's own taper (a clamp, a fish's trunk) is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tentacle.errors import InputError
+from tentacle.recording import Camera
+from tentacle.signals import Array
+from vision.frames import read_frames
+from vision.silhouette import Axis, find_ends, mean_axis
+
+Grey = NDArray[np.uint8]
+LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
+FINE_BELOW = 480  # px; smaller pictures are enlarged
+STANDS_OUT = 5.0  # times the ground's own scatter
+HALF_WAY, CONTRAST = 0.45, 0.8  # of the arm's contrast, which is this quantile of what stands out
+SLENDER = 3.0  # length over width of what may be an arm
+SMALLEST = 20.0  # px of length
+STILL, ALWAYS = 0.1, 0.9  # weight of what does not move; share of the pictures in which it then is
+TAPER = slice(0.35, 0.9)  # of the length: there the arm's own widths are told
+WIDER = 1.35  # times the arm's own width: a clamp's, or a trunk's
+CORNER = 0.7  # rad that a flat end's contour turns at least
+POINTS = 120
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """base_px, tip_px (u, v); arm_px: unit vector along the mean arm; width_px: full width at base and tip; length_px.
+
+    polarity: +1 an arm darker than its ground, -1 lighter. score: share of the pictures in which it was found. axis_px
+    (P, 2): the midline in the first of them, base to tip. words: what a person should look at.
+    """
+
+    base_px: tuple[float, float]
+    tip_px: tuple[float, float]
+    arm_px: tuple[float, float]
+    width_px: tuple[float, float]
+    length_px: float
+    polarity: float
+    score: float
+    axis_px: Array
+    words: tuple[str, ...] = ()
+
+    def camera(self, length: float, fps: float, exposure: float = 0.0) -> Camera:
+        """The camera for an arm of that length [m], measured from the base to the tip of the silicone."""
+        return Camera(fps, length / self.length_px, self.base_px, self.arm_px, exposure)
+
+
+@dataclass(frozen=True)
+class _Body:
+    mask: NDArray[np.bool_]
+    contour: Array
+    merit: float
+
+
+def propose(source: Path | Grey, fps: float | None = None) -> Proposal:
+    """The arm in a film (the first pictures of a file, or of a folder at fps), or in one picture (H, W).
+
+    Raises InputError where nothing slender stands out.
+    """
+    if isinstance(source, np.ndarray):
+        return propose_among([source])
+    frames = islice(read_frames(Path(source), fps or 30.0), LOOKED_AT * EVERY)
+    try:
+        return propose_among([frame.image for k, frame in enumerate(frames) if k % EVERY == 0])
+    except InputError as error:
+        raise error if error.file else InputError(error.problem, file=source, expected=error.expected) from error
+
+
+def propose_among(pictures: Sequence[Grey]) -> Proposal:
+    """The arm in pictures of one film."""
+    if not pictures:
+        raise InputError("there are no pictures", expected="a film")
+    pictures = [picture for picture in pictures if picture.shape == pictures[0].shape]
+    ways = [(polarity, _arms(pictures, polarity)) for polarity in (1.0, -1.0)]
+    polarity, bodies = max(ways, key=lambda way: sum(body.merit for body in way[1] if body is not None))
+    contours = [body.contour for body in bodies if body is not None]
+    both = [(contour, axis) for contour in contours if (axis := _axis(contour, *find_ends(contour))) is not None]
+    if not both:
+        raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
+    tips = [axis.points[-1] for axis in _base_first([axis for _, axis in both], pictures[0].shape)]
+    # a flat end's two corners bend most: the middle of the base is half the perimeter from the tip
+    ends = [_opposite(contour, tip) for (contour, _), tip in zip(both, tips, strict=True)]
+    whole = [_axis(contour, *pair) for (contour, _), pair in zip(both, ends, strict=True)]
+    found = [axis for axis in whole if axis is not None]
+    if not found:
+        raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
+    held = [_held(axis) for axis in found]
+    lines = [axis.points[first:] for axis, first in zip(found, held, strict=True)]
+    base = np.median([line[0] for line in lines], axis=0)
+    ahead = np.array([line[-1] - base for line in lines])
+    mean = np.sum(ahead / np.linalg.norm(ahead, axis=1, keepdims=True), axis=0)
+    arm = mean / max(float(np.linalg.norm(mean)), 1e-9)
+    lengths = [float(np.sum(np.linalg.norm(np.diff(line, axis=0), axis=1))) for line in lines]
+    widths = np.median([_ends_width(axis, first) for axis, first in zip(found, held, strict=True)], axis=0)
+    words = []
+    if max(held) > 0:
+        words.append("the base is where the arm gets wider than its taper: is this where it is held?")
+    if len(pictures) > 1 and np.ptp(ahead, axis=0).max() < 2.0:
+        words.append("nothing moves: base and tip may be exchanged")
+    return Proposal(
+        base_px=(float(base[0]), float(base[1])),
+        tip_px=(float(lines[0][-1][0]), float(lines[0][-1][1])),
+        arm_px=(float(arm[0]), float(arm[1])),
+        width_px=(float(widths[0]), float(widths[1])),
+        length_px=float(np.median(lengths)),
+        polarity=polarity,
+        score=len(found) / len(pictures),
+        axis_px=lines[0],
+        words=tuple(words),
+    )
+
+
+def picture(image: Grey, proposal: Proposal) -> NDArray[np.uint8]:
+    """An RGB picture (H, W, 3) with base, midline and tip drawn in, at least 640 px wide, to be confirmed."""
+    grow = max(round(640 / image.shape[1]), 1)
+    shown = cv2.resize(image, None, fx=grow, fy=grow, interpolation=cv2.INTER_NEAREST)
+    shown = np.repeat(shown[:, :, None], 3, axis=2)
+    place = np.rint((proposal.axis_px + 0.5) * grow - 0.5).astype(np.int32)
+    cv2.polylines(shown, [place.reshape(-1, 1, 2)], False, (60, 220, 90), max(grow // 2, 1), cv2.LINE_AA)
+    wide = 0.5 * proposal.width_px[0] * np.array([proposal.arm_px[1], -proposal.arm_px[0]])
+    base = np.array(proposal.base_px)
+    ends = [np.rint((base + sign * wide + 0.5) * grow - 0.5).astype(int).tolist() for sign in (1.0, -1.0)]
+    cv2.line(shown, ends[0], ends[1], (235, 70, 60), max(grow // 2, 2), cv2.LINE_AA)
+    for name, at in (("base", place[0]), ("tip", place[-1])):
+        cv2.circle(shown, at.tolist(), 4, (235, 70, 60), 1, cv2.LINE_AA)
+        cv2.putText(
+            shown, name, (at + np.array([8, 4])).tolist(), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (235, 70, 60), 1, cv2.LINE_AA
+        )
+    return np.asarray(shown, dtype=np.uint8)
+
+
+def _arms(pictures: Sequence[Grey], polarity: float) -> list[_Body | None]:
+    """In each picture the slender body that stands out most and moves, or None."""
+    masks = [_mask(picture, polarity) for picture in pictures]
+    always = np.mean(masks, axis=0) > ALWAYS if len(masks) > 3 else np.zeros(masks[0].shape, dtype=bool)
+    return [_most_like_an_arm(mask, always, pictures[0].shape) for mask in masks]
+
+
+def _mask(image: Grey, polarity: float) -> NDArray[np.bool_]:
+    """What stands out against the slow ground, in a picture that is enlarged where it is small."""
+    grow = _enlarged(image.shape)
+    shrink = max(max(image.shape) // 160, 1)
+    small = cv2.resize(image, None, fx=1.0 / shrink, fy=1.0 / shrink, interpolation=cv2.INTER_AREA)
+    wide = min(51, 2 * (min(small.shape) // 3) + 1)
+    ground = cv2.resize(cv2.medianBlur(small, wide), image.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    smooth = cv2.GaussianBlur(image, (0, 0), 0.8)
+    apart = polarity * (ground.astype(np.float32) - smooth.astype(np.float32))
+    noise = 1.4826 * float(np.median(np.abs(apart - np.median(apart)))) + 0.3
+    out = apart[apart > STANDS_OUT * noise]
+    level = max(STANDS_OUT * noise, HALF_WAY * float(np.quantile(out, CONTRAST))) if out.size else np.inf
+    if grow > 1:
+        apart = cv2.resize(apart, None, fx=grow, fy=grow, interpolation=cv2.INTER_CUBIC)
+    return np.asarray(apart > level)
+
+
+def _enlarged(shape: Sequence[int]) -> int:
+    return 4 if max(shape) < FINE_BELOW else 1
+
+
+def _most_like_an_arm(mask: NDArray[np.bool_], always: NDArray[np.bool_], shape: Sequence[int]) -> _Body | None:
+    grow = _enlarged(shape)
+    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    best: _Body | None = None
+    for contour in contours:
+        area, around = cv2.contourArea(contour), cv2.arcLength(contour, True)
+        length = 0.5 * around
+        if length < SMALLEST * grow or length**2 < SLENDER * max(area, 1.0):
+            continue
+        filled = np.zeros(mask.shape, np.uint8)
+        cv2.fillPoly(filled, [contour], 1)
+        here = filled > 0
+        merit = float(np.sqrt(area) * (STILL + np.count_nonzero(here & ~always) / max(np.count_nonzero(here), 1)))
+        if best is None or merit > best.merit:
+            best = _Body(here, (contour[:, 0].astype(float) + 0.5) / grow - 0.5, merit)
+    return best
+
+
+def _axis(contour: Array, first: int, last: int) -> Axis | None:
+    """Mean axis between two of the contour's points; None of what is no slender body after all."""
+    if first == last:
+        return None
+    axis = mean_axis(contour, first, last, points=POINTS)
+    slender = np.isfinite(axis.points).all() and axis.length > SLENDER * float(np.median(axis.width))
+    return axis if slender else None
+
+
+def _opposite(contour: Array, tip: Array) -> tuple[int, int]:
+    """Indices of the contour's point in the middle of the base's flat end, and of the tip.
+
+    Half the perimeter from the tip lies the base; of a bent arm, whose sides differ in length, not its middle. So the
+    two corners about it are looked for; the middle is as far from one as from the other.
+    """
+    at = int(np.argmin(np.linalg.norm(contour - tip, axis=1)))
+    closed = np.concatenate([contour, contour[:1]])
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    whole = float(arc[-1])
+    half = float(np.mod(arc[at] + 0.5 * whole, whole))
+    x, y = contour[:, 0], contour[:, 1]
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+    wide = 2.0 * area / (0.5 * whole)  # of a cone, at its base
+    places = half + np.linspace(-1.3 * wide, 1.3 * wide, 105)
+    even = np.stack([np.interp(np.mod(places, whole), arc, closed[:, k]) for k in (0, 1)], axis=1)
+    step = 10  # a quarter of the width, over which a corner turns
+    ahead, behind = even[2 * step :] - even[step:-step], even[step:-step] - even[: -2 * step]
+    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
+    turn = np.arctan2(cross, np.sum(behind * ahead, axis=1))
+    turn = turn * np.sign(turn.sum())
+    first = int(np.argmax(turn))
+    apart = np.abs(np.arange(len(turn)) - first) > 2 * step
+    second = int(np.argmax(np.where(apart, turn, -np.inf)))
+    if turn[second] > CORNER:
+        half = float(np.mod(0.5 * (places[first + step] + places[second + step]), whole))
+    return int(np.argmin(np.abs(arc[:-1] - half))), at
+
+
+def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
+    """Axes from the base on: of the two ends the one that stays, or, where neither moves, the wider one."""
+    points = [axes[0].points]
+    for axis in axes[1:]:
+        same = np.linalg.norm(axis.points - points[-1], axis=1).mean()
+        points.append(
+            axis.points if same <= np.linalg.norm(axis.points[::-1] - points[-1], axis=1).mean() else axis.points[::-1]
+        )
+    turned = [p is not axis.points for p, axis in zip(points, axes, strict=True)]
+    axes = [_reversed(axis) if turn else axis for axis, turn in zip(axes, turned, strict=True)]
+    ends = np.array([[axis.points[0], axis.points[-1]] for axis in axes])
+    moves = np.linalg.norm(np.std(ends, axis=0), axis=1)
+    if max(moves) > 2.0 * min(moves) + 1.0:
+        exchange = moves[0] > moves[1]
+    else:
+        size = np.array(shape[::-1], dtype=float)
+        rim = np.min(np.concatenate([ends, size - 1.0 - ends], axis=2), axis=2).mean(axis=0)
+        wide = [np.median([np.mean(axis.width[part]) for axis in axes]) for part in (slice(0, 60), slice(-60, None))]
+        exchange = rim[1] < rim[0] - 5.0 if abs(wide[0] - wide[1]) < 0.15 * sum(wide) else wide[1] > wide[0]
+    return [_reversed(axis) for axis in axes] if exchange else axes
+
+
+def _reversed(axis: Axis) -> Axis:
+    return Axis(axis.points[::-1], axis.width[::-1], axis.length)
+
+
+def _widths(axis: Axis) -> tuple[Array, Array]:
+    """Widths at the axis' points (P,), and those that the taper of its free part (P,) would have."""
+    s = np.linspace(0.0, 1.0, len(axis.points))
+    width = np.interp(s, np.linspace(0.0, 1.0, len(axis.width)), axis.width)
+    free = (s > TAPER.start) & (s < TAPER.stop)
+    taper = np.polynomial.polynomial.polyfit(s[free], width[free], 1)
+    return width, np.maximum(taper[0] + taper[1] * s, 0.3 * float(np.median(width[free])))
+
+
+def _held(axis: Axis) -> int:
+    """Index of the axis' point where what holds the arm ends; 0 where nothing does."""
+    width, taper = _widths(axis)
+    wide = np.flatnonzero((width > WIDER * taper + 0.5)[: len(width) // 2])
+    return int(wide[-1]) + 1 if len(wide) > 2 else 0
+
+
+def _ends_width(axis: Axis, first: int) -> tuple[float, float]:
+    _, taper = _widths(axis)
+    return float(taper[first]), float(taper[-1])
