@@ -42,7 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     import sys
 
     from affine_model.run_forces import with_forces
-    from tentacle.cli._progress import stages
+    from tentacle.cli._kernels import kernels_ahead
+    from tentacle.cli._progress import IDENTIFYING, reading_plan, stages
     from tentacle.errors import InputError
     from tentacle.io.model_file import write_model
     from tentacle.io.provenance import input_hashes, versions
@@ -55,9 +56,11 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.bootstrap != 0 and arguments.bootstrap < 20:
         raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
-    with stages() as stage:
+    plan = [*reading_plan([*arguments.recordings, *arguments.check]), *IDENTIFYING]
+    with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]
         check = [read_tracked(path, stage) for path in arguments.check]
+        wait_for_kernels()
         stage("fitting")
         from inference.identify import identify
 
@@ -67,6 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         paths = [*arguments.recordings, *arguments.check]
         command = " ".join(["tentacle", *sys.argv[1:]])
         origin = Origin(command, None, versions(), input_hashes(paths))
+        stage("writing the report")
         with written(arguments.out) as folder:
             (folder / "identification.json").write_text(json.dumps(summary, indent=1) + "\n")
             write_model(found.model, folder / "model.toml")

@@ -40,6 +40,20 @@ def frame_files(folder: Path) -> list[Path]:
     return files
 
 
+def count_frames(video: Video) -> int:
+    """About how many frames there are, from the file's own header; 0 where it does not say."""
+    if video.path.is_dir():
+        return len(frame_files(video.path))
+    import av
+
+    with av.open(str(video.path)) as container:
+        stream = container.streams.video[0]
+        if stream.frames:
+            return stream.frames
+        rate = float(stream.average_rate or 0)
+        return round(rate * container.duration / av.time_base) if container.duration else 0
+
+
 def check_frames(folder: Path) -> None:
     """InputError where a frame is no whole PNG file."""
     for file in frame_files(folder):
