@@ -5,12 +5,12 @@
 setup_s and setup_mb: the clock's seconds of what `make demo` sets up from an empty cache, and the megabytes of the
 archives that it takes (downloaded, or from a folder that pip was told of). installed_mb: what then lies on the disk.
 --before measures the set-up of an earlier commit in the same run, turn by turn, as before_s and before_mb.
-first_verdict_s: from the end of the set-up to the demo's first verdict, the model compiled on the way. app_paint_s: from
-`tentacle app` to its page drawn in a headless Chromium; left out where there is none.
+first_verdict_s: from the end of the set-up to the demo's first verdict, the model compiled on the way. app_paint_s:
+from `tentacle app` to its page drawn in a headless Chromium; left out where there is none.
 
-The video of the rest is not the tool's own picture of itself: the MuJoCo reference moves the arm in a current that the declaration
-leaves out, and the renderer films it. Downloads are left out, but for the build tool: the fresh environment sees the
-libraries of this one. import_s and help_s are processor time, path_minutes is the clock's.
+The rest is measured on a video that is not the tool's own picture of itself: the MuJoCo reference moves the arm in a
+current that the declaration leaves out, and the renderer films it. There downloads are left out, but for the build
+tool: the fresh environment sees the libraries of this one. import_s and help_s are processor time, path_minutes is the clock's.
 """
 
 from __future__ import annotations
