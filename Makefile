@@ -1,15 +1,24 @@
-# make setup | test | commands | demo | lint | clean. Needs python 3.11 or newer and pip; everything else goes into .venv.
+# make demo | test | commands | lint | setup | clean. Needs python 3.11 or newer and pip; everything else goes into .venv.
+# demo sets up what a user needs; test, commands and lint set up what the tests and the documentation need besides.
 VENV := .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/set-up-from-pyproject-and-constraints
+RUNTIME := $(VENV)/set-up-for-use
+EVERYTHING := $(VENV)/set-up-for-tests
+READ := pyproject.toml constraints.txt .ci/set_up
 
-.PHONY: setup test commands demo lint clean firmware-check
+.PHONY: runtime setup test commands demo lint clean firmware-check
 
-setup: $(STAMP)
+runtime: $(RUNTIME)
 
-$(STAMP): pyproject.toml constraints.txt .ci/set_up
+setup: $(EVERYTHING)
+
+$(RUNTIME): $(READ)
 	@.ci/set_up $(VENV)
 	@touch $@
+
+$(EVERYTHING): $(READ)
+	@.ci/set_up $(VENV) dev
+	@touch $(RUNTIME) $@
 
 # The emulated board is ended by its watchdog where both cores are taken, and a viewer's processor time is measured: their
 # tests run after the others, alone. What runs every command that the docs show takes minutes: a target of its own.
@@ -22,7 +31,7 @@ test: setup
 commands: setup
 	$(BIN)/python -m pytest $(SHOWN)
 
-demo: setup
+demo: runtime
 	$(BIN)/tentacle demo
 
 lint: setup

@@ -1,10 +1,16 @@
-"""A newcomer's first hour (issue 9): import and help time, size of what is written, minutes from clone to a verdict.
+"""A newcomer's first hour: set-up from an empty cache, the demo's verdict, the app's first paint, sizes, minutes.
 
-    python benchmarks/first_hour.py --json FILE [--short]
+    python benchmarks/first_hour.py --json FILE [--short] [--before COMMIT]
 
-The video is not the tool's own picture of itself: the MuJoCo reference moves the arm in a current that the declaration
-leaves out, and the renderer films it. Downloads are left out, but for the build tool: the fresh environment sees the
-libraries of this one. import_s and help_s are processor time, path_minutes is the clock's.
+setup_s and setup_mb: the clock's seconds of what `make demo` sets up from an empty cache, and the megabytes of the
+archives that it takes (downloaded, or from a folder that pip was told of). installed_mb: what then lies on the disk.
+--before measures the set-up of an earlier commit in the same run, turn by turn, as before_s and before_mb.
+first_verdict_s: from the end of the set-up to the demo's first verdict, the model compiled on the way. app_paint_s:
+from `tentacle app` to its page drawn in a headless Chromium; left out where there is none.
+
+The rest is measured on a video that is not the tool's own picture of itself: the MuJoCo reference moves the arm in a
+current that the declaration leaves out, and the renderer films it. There downloads are left out, but for the build
+tool: the fresh environment sees the libraries of this one. import_s and help_s are processor time, path_minutes is the clock's.
 """
 
 from __future__ import annotations
@@ -12,6 +18,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import resource
 import shutil
 import statistics
@@ -96,6 +103,52 @@ def fresh_environment(folder: Path) -> tuple[Path, float]:
     quiet = ["-m", "pip", "install", "--quiet", "--no-deps", "--disable-pip-version-check"]
     seconds_of([str(python), *quiet, str(clone)], folder, ask)
     return place / "bin", time.perf_counter() - start
+
+
+SIZE = re.compile(r"Downloading \S+ \(([\d.]+) ?([kKM])i?B\)")
+FOUND = re.compile(r"Processing (?:file://)?(\S+\.(?:whl|tar\.gz))")
+
+
+def archives_mb(said: str, place: Path) -> float:
+    """Megabytes of the archives that pip says it downloaded, or took from a folder that it was told of."""
+    fetched = sum(float(size) / (1.0 if unit == "M" else 1e3) for size, unit in SIZE.findall(said))
+    local = sum((place / name).stat().st_size for name in FOUND.findall(said) if (place / name).is_file())
+    return fetched + local / 1e6
+
+
+def set_up(folder: Path, commit: str) -> tuple[float, float, float]:
+    """What `make demo` sets up, from an empty cache: seconds, megabytes of archives, megabytes on the disk."""
+    clone, ask = folder / "clone", {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    ask |= {"PIP_CACHE_DIR": str(folder / "pip"), "UV_CACHE_DIR": str(folder / "uv")}
+    seconds_of(["git", "clone", "--quiet", str(ROOT), str(clone)], folder, ask)
+    seconds_of(["git", "checkout", "--quiet", commit], clone, ask)
+    start = time.perf_counter()
+    done = subprocess.run([".ci/set_up", ".venv"], cwd=clone, env=ask, capture_output=True, text=True, check=False)
+    took = time.perf_counter() - start
+    if done.returncode != 0:
+        raise SystemExit(done.stdout + done.stderr)
+    files = [file for file in (clone / ".venv").rglob("*") if file.is_file() and not file.is_symlink()]
+    return took, archives_mb(done.stdout + done.stderr, clone), sum(file.stat().st_size for file in files) / 1e6
+
+
+def set_ups(folder: Path, before: str | None) -> dict[str, float]:
+    """The set-up of this commit and of the one before, one after the other."""
+    found = {}
+    for name, commit in (("setup", "HEAD"), ("before", before)):
+        if commit is not None:
+            (folder / name).mkdir()
+            seconds, archives, installed = set_up(folder / name, commit)
+            found |= {f"{name}_s": seconds, f"{name}_mb": archives}
+            found |= {"installed_mb" if name == "setup" else "before_installed_mb": installed}
+            print(f"set-up of {commit}: {seconds:.0f} s, {archives:.0f} MB of archives, {installed:.0f} MB on the disk")
+    return found
+
+
+def first_verdict(folder: Path, program: Path) -> float:
+    """Seconds from `tentacle demo` to its first verdict, nothing compiled before."""
+    kernels = {"TENTACLE_KERNELS": str(folder / "kernels"), "TENTACLE_DATA": str(folder / "none")}
+    ask = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | kernels
+    return seconds_of([str(program), "demo", "--out", "demo"], folder, ask)
 
 
 def measure(folder: Path, short: bool) -> dict[str, float]:

@@ -37,6 +37,7 @@ class Identification:
     base has no motor log; errors on the judged frames; correlation (F, F) of the estimates in the order of free;
     at_bound: parameters that ended on a bound; identifiability: what the fitted recordings can tell; bootstrap: 95 %
     intervals by resampling (effect.parameter -> low, high), empty unless asked for; words: remarks.
+    adequate: what the model leaves of the fitted recordings passes for noise, in size, in time and over the run.
     """
 
     model: Model
@@ -50,6 +51,7 @@ class Identification:
     bootstrap: dict[str, tuple[float, float]]
     runs: tuple[RunComparison, ...]
     words: tuple[str, ...]
+    adequate: bool
 
 
 def identify(
@@ -100,6 +102,7 @@ def identify(
         },
         runs=tuple(run for run, _, _ in runs),
         words=(*_remarks(judged, correlation), *_told(problem, known), *declared_words(problem, fitted)),
+        adequate=all(gate.passed for gate in judged.train.gates),
     )
 
 

@@ -8,13 +8,13 @@ again.
 
 from __future__ import annotations
 
-import fcntl
 import json
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import optuna
@@ -160,13 +160,25 @@ def _is_json(line: bytes) -> bool:
     return True
 
 
+def _lock(file: IO[str]) -> None:
+    """Take the file for this process alone; OSError where another process has it."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
 @contextmanager
 def _owned(folder: Path) -> Iterator[None]:
     """One process a study; the lock goes with the process, however it ends."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / ".lock").open("w") as lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _lock(lock)
         except OSError:
             raise InputError(
                 "is in use by another process", file=folder, expected="one optimisation a folder"

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -167,6 +168,9 @@ def _threads_of_children(count: int) -> Iterator[None]:
 def _interrupts_held() -> Iterator[None]:
     """Ctrl-C waits for the end of this block, and never reaches a process that was started in it: one that is not up
     yet would end with a traceback of its own."""
+    if sys.platform == "win32":  # it has no mask of signals; a child's traceback on Ctrl-C harms nothing
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
-from tentacle.diagnosis import Diagnosis
+from tentacle.diagnosis import Diagnosis, Gate
 from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.figures.budget import budget_figure
 from viz.figures.coordinates import coordinates_figure
-from viz.figures.ranking import ranking_figure
 from viz.figures.residual import residual_figure
 from viz.figures.shapes import shapes_figure
 from viz.figures.spectrum import spectrum_figure
@@ -21,9 +19,12 @@ from viz.figures.thrust import thrust_figure
 from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, Section, Table, render
 from viz.scene import Scene, paired, scene_of
-from viz.words import NONE, VERDICT_TITLES, effect_name, error_rows, interval, number
+from viz.verdict_sections import finding_section, limits_sections, next_section, title_of
+from viz.words import NONE, effect_name, error_rows, interval, listed, number, probability_words, value_of
 
 DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
+PRICE = 7.6  # nat: what one parameter must gain to be worth more than chance gives it
+FAR = "far off"  # a gate's limit beside its statistic
 TWIN_COSINE = 0.85  # pairs above this are named in words
 
 
@@ -35,6 +36,13 @@ def error_section(diagnosis: Diagnosis) -> Section:
         "the verdict adds. Floor: what measurement noise and the reduction to few coordinates alone would leave."
     )
     rows = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
+    after, floor = diagnosis.after.midline_mm, diagnosis.floor.midline_mm
+    if after is not None and floor is not None and after < floor:
+        paragraph += (
+            f" Here the error after, {number(after)} mm, is below the floor, {number(floor)} mm: the floor counts the "
+            "reduction at what the reference simulation shows of it, and this arm shows less. It means: as good as "
+            "these data can tell."
+        )
     table = Table("Errors", ("quantity", "unit", "before", "after", "floor"), rows, numeric=(2, 3, 4))
     budget = Picture(
         budget_figure(diagnosis.budget),
@@ -50,7 +58,7 @@ def parameter_rows(model: Model, base: Model | None) -> list[tuple[str, ...]]:
         for name, estimate in values.items():
             earlier = None if base is None else base.parameters.get(effect, {}).get(name)
             before = "" if base is None else ("not in the model" if earlier is None else number(earlier.value))
-            rows.append((effect_name(effect), name, number(estimate.value), interval(estimate), estimate.unit, before))
+            rows.append((effect_name(effect), name, value_of(estimate), interval(estimate), estimate.unit, before))
     return rows
 
 
@@ -63,7 +71,7 @@ def parameter_section(diagnosis: Diagnosis) -> Section:
     arm = f"The arm is described by {model.order} curvature coordinates (before: {diagnosis.base_model.order})."
     tables = [Table("Parameters of the augmented model", header, rows, numeric=(2, 5), marked=added)]
     elsewhere = [
-        (effect_name(effect), name, number(estimate.value), interval(estimate), estimate.unit)
+        (effect_name(effect), name, value_of(estimate), interval(estimate), estimate.unit)
         for effect, values in diagnosis.parameters.items()
         for name, estimate in values.items()
         if name not in model.parameters.get(effect, {})
@@ -73,17 +81,31 @@ def parameter_section(diagnosis: Diagnosis) -> Section:
     return Section("Parameters", [arm], tables)
 
 
+def limit_words(gate: Gate) -> str:
+    """A gate's limit; in words where it is so far off that its digits say nothing."""
+    far = gate.passed and abs(gate.threshold) > 100.0 * max(abs(gate.statistic), 1.0)
+    return FAR if far else number(gate.threshold)
+
+
 def gate_section(diagnosis: Diagnosis) -> Section:
     """Whether the augmented model leaves anything that noise does not explain."""
     rows = [
-        (gate.name, number(gate.statistic), number(gate.threshold), "passed" if gate.passed else "failed", gate.words)
+        (gate.name, number(gate.statistic), limit_words(gate), "passed" if gate.passed else "failed", gate.words)
         for gate in diagnosis.gates
     ]
+    remarks = [
+        "A model passes only where its residual looks like the measurement's noise: in size, in time, over the run."
+    ]
+    if any(limit_words(gate) == FAR for gate in diagnosis.gates):
+        remarks.append(
+            f"{FAR.capitalize()}: so much noise-like data would show an error that no model of a soft arm is free of. "
+            "The limit allows for it, and lies more than a hundred times higher than the statistic."
+        )
     failed = tuple(k for k, gate in enumerate(diagnosis.gates) if not gate.passed)
-    header = ("test", "statistic", "threshold", "result", "in words")
+    header = ("test", "statistic", "limit", "result", "in words")
     return Section(
         "Is the model adequate?",
-        ["A model passes only where its residual looks like the measurement's noise: in size, in time, over the run."],
+        remarks,
         [Table("Adequacy tests", header, rows, numeric=(1, 2), warned=failed)] if rows else [],
     )
 
@@ -104,19 +126,23 @@ def twin_words(names: Sequence[str], cosines: Array) -> str:
 
 def candidate_section(diagnosis: Diagnosis) -> Section:
     """The catalogue as ranked, and which candidates resemble one another."""
+    worth = [r for r in diagnosis.ranking if r.score >= PRICE or r.effect in diagnosis.effects]
+    rest = [effect_name(r.effect) for r in diagnosis.ranking if r not in worth]
     rows = [
-        (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.3f}")
-        for r in diagnosis.ranking
+        (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), probability_words(r.probability))
+        for r in worth
     ]
-    marked = tuple(k for k, ranked in enumerate(diagnosis.ranking) if ranked.effect in diagnosis.effects)
-    tables, pictures = [], []
+    marked = tuple(k for k, ranked in enumerate(worth) if ranked.effect in diagnosis.effects)
+    tables, pictures, paragraphs = [], [], []
     if rows:
         header = ("effect", "score [nat]", "judged error [mm]", "probability")
-        tables.append(Table("Every candidate, added alone", header, rows, numeric=(1, 2, 3), marked=marked))
-        pictures.append(
-            Picture(ranking_figure(diagnosis.ranking, diagnosis.effects), "Candidates; hatched: in the verdict.")
-        )
-    paragraphs = []
+        most = max(max(r.score for r in worth), 1.0)
+        bars = tuple(max(r.score, 0.0) / most for r in worth)
+        caption = "Each candidate alone. The bar behind the score is its share of the highest."
+        tables.append(Table(caption, header, rows, numeric=(1, 2, 3), marked=marked, bars=bars))
+        paragraphs.append("A score is the log-likelihood that an effect gains when it is added to the declared model.")
+    if rest:
+        paragraphs.append(f"Not worth a parameter's price ({PRICE} nat): {listed(rest)}.")
     if len(diagnosis.twin_names) > 1:
         paragraphs.append(twin_words(diagnosis.twin_names, diagnosis.twin_cosines))
         pictures.append(
@@ -161,30 +187,6 @@ def runs_section(scenes: Sequence[Scene]) -> Section:
     return Section("Recordings", words, [Table("Distance to the measured points, rms", header, rows, numeric=numeric)])
 
 
-def flatten(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """A waveform table as rows (key, value), nested keys joined by dots."""
-    rows: list[tuple[str, str]] = []
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            rows += flatten(value, f"{prefix}{key}.")
-        elif isinstance(value, Sequence) and not isinstance(value, str):
-            rows.append((f"{prefix}{key}", ", ".join(number(v) if isinstance(v, float) else str(v) for v in value)))
-        else:
-            rows.append((f"{prefix}{key}", number(value) if isinstance(value, float) else str(value)))
-    return rows
-
-
-def remaining_section(diagnosis: Diagnosis) -> Section:
-    """What remains, in words, and the experiment that would tell more."""
-    words = list(diagnosis.words) or ["Nothing was noted."]
-    if diagnosis.next_experiment is None:
-        words.append("No further experiment is proposed.")
-        return Section("What remains, and what to do next", words)
-    words.append("Next experiment: this base motion, designed within the servo's limits, would tell more.")
-    rows = flatten(diagnosis.next_experiment)
-    return Section("What remains, and what to do next", words, [Table("Next base motion", ("key", "value"), rows)])
-
-
 def diagnosis_report(
     diagnosis: Diagnosis,
     recordings: Sequence[Recording],
@@ -200,21 +202,20 @@ def diagnosis_report(
     pairs = [(scene_of(run), recording) for run, recording in paired(diagnosis.runs, recordings)]
     scenes = [scene for scene, _ in pairs]
     known = {scene.name: recording for scene, recording in pairs}
+    filmed = [scene for scene, recording in pairs if recording is not None and recording.video is not None]
     sections = [
+        finding_section(diagnosis, worst_runs(filmed or scenes, 1), known),
+        next_section(diagnosis, command),
         error_section(diagnosis),
         parameter_section(diagnosis),
-        gate_section(diagnosis),
+        *limits_sections(diagnosis.verdict_json()),
         candidate_section(diagnosis),
-        remaining_section(diagnosis),
+        gate_section(diagnosis),
         runs_section(scenes),
         *(run_section(scene, known.get(scene.name)) for scene in worst_runs(scenes, DRAWN_RUNS)),
     ]
     before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
     merits = [
-        (
-            "verdict",
-            ", ".join(effect_name(effect) for effect in diagnosis.effects) or diagnosis.verdict.replace("_", " "),
-        ),
         ("confidence", f"{diagnosis.confidence:.0%}"),
         ("error before", NONE if before is None else f"{number(before)} mm"),
         ("error after", NONE if after is None else f"{number(after)} mm"),
@@ -222,7 +223,7 @@ def diagnosis_report(
     return render(
         Report(
             verb="diagnose",
-            title=VERDICT_TITLES[diagnosis.verdict],
+            title=title_of(diagnosis),
             headline=diagnosis.headline,
             sections=sections,
             origin=Origin(command, diagnosis.seed, versions, inputs),

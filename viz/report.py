@@ -18,7 +18,8 @@ MAXIMUM_BYTES = 3_000_000
 @dataclass(frozen=True)
 class Table:
     """Rows of texts under a header; `numeric` are the columns that are set right-aligned; `marked` rows
-    stand out, `warned` rows are those that failed."""
+    stand out, `warned` rows are those that failed; `bars`, a share (0 to 1) a row, are drawn behind the first numeric
+    column."""
 
     caption: str
     header: tuple[str, ...]
@@ -26,6 +27,7 @@ class Table:
     numeric: tuple[int, ...] = ()
     marked: tuple[int, ...] = ()
     warned: tuple[int, ...] = ()
+    bars: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -38,12 +40,17 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with paragraphs, then its tables, then its pictures."""
+    """A heading with paragraphs, commands to copy (what each does, the line), links to files beside the page (name,
+    what it is), then its tables, then its pictures. A leading section has its pictures first and no heading of its own.
+    """
 
     title: str
     paragraphs: Sequence[str] = ()
     tables: Sequence[Table] = ()
     pictures: Sequence[Picture] = ()
+    commands: Sequence[tuple[str, str]] = ()
+    files: Sequence[tuple[str, str]] = ()
+    leads: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,7 +91,12 @@ def render(report: Report) -> str:
         label = Markup.escape(caption)
         return Markup(element.replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1))
 
-    return environment.get_template("report.html").render(report=report, drawn=drawn)
+    return environment.get_template("report.html").render(report=report, drawn=drawn, bar=_bar)
+
+
+def _bar(share: float) -> str:
+    """The style that gives a cell's bar its length."""
+    return f"--share: {100.0 * min(max(share, 0.0), 1.0):.1f}%"
 
 
 def write_report(page: str, path: Path | str) -> Path:

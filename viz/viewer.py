@@ -57,12 +57,20 @@ def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator
     try:
         yield process
     finally:
-        for order in (signal.SIGTERM, signal.SIGKILL):  # one that is busy with a page does not hear the first
+        for hard in (False, True):  # one that is busy with a page does not hear the first order
             with suppress(ProcessLookupError):
-                os.killpg(process.pid, order)
+                _end(process, hard)
             with suppress(subprocess.TimeoutExpired):
                 process.wait(5.0)
                 break
+
+
+def _end(process: subprocess.Popen[bytes], hard: bool) -> None:
+    """Ends the group of a process; on Windows, which has no groups of this kind, the process alone."""
+    if sys.platform == "win32":
+        process.kill() if hard else process.terminate()
+    else:
+        os.killpg(process.pid, signal.SIGKILL if hard else signal.SIGTERM)
 
 
 def has_screen() -> bool:

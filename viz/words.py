@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from tentacle.diagnosis import ErrorMeasure, Verdict
 from tentacle.model import Estimate
@@ -37,11 +38,44 @@ def number(value: float | None) -> str:
     return f"{round(value, digits):.0f}"
 
 
+def rounded(value: float, width: float) -> str:
+    """The value with as many digits as an interval of that width needs: two digits of the width itself."""
+    if not 0.0 < width < math.inf or not math.isfinite(value):
+        return number(value)
+    decimals = 1 - math.floor(math.log10(width))
+    if decimals > 7 or abs(value) >= 1e7:
+        digits = max(2, 2 + math.floor(math.log10(max(abs(value), width))) - math.floor(math.log10(width)))
+        return f"{value:.{digits - 1}e}"
+    return f"{round(value, decimals):.{max(decimals, 0)}f}"
+
+
+def value_of(estimate: Estimate) -> str:
+    """The value, with the digits that its interval needs."""
+    return rounded(estimate.value, estimate.high - estimate.low)
+
+
 def interval(estimate: Estimate) -> str:
     """The 95 % interval, or "given" where the value was not fitted."""
     if estimate.low == estimate.high:
         return "given"
-    return f"{number(estimate.low)} to {number(estimate.high)}"
+    width = estimate.high - estimate.low
+    return f"{rounded(estimate.low, width)} to {rounded(estimate.high, width)}"
+
+
+def probability_words(probability: float) -> str:
+    """A probability in per cent; what a rounding would make sure or impossible is said as a bound."""
+    if probability != probability:
+        return NONE
+    if probability > 0.999:
+        return "> 99.9 %"
+    return "< 0.1 %" if probability < 0.001 else f"{100.0 * probability:.1f} %"
+
+
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Names as a list in a sentence: a, b and c."""
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
 def error_rows(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure) -> list[tuple[str, str, str, str, str]]:

@@ -10,6 +10,7 @@ import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -19,14 +20,25 @@ from tentacle.private_cache import cache_folder
 __all__ = ["BLOCK", "advance_blocks", "load_kernel"]
 
 
+def _kernel_file(source: str, nodes: int, order: int) -> Path:
+    name = f"kernel_{nodes}_{order}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+    return cache_folder("kernels", "TENTACLE_KERNELS") / f"{name}.py"
+
+
+def is_compiled(nodes: int, order: int) -> bool:
+    """Whether this computer has the kernel in machine code already: numba's index of it lies in the cache."""
+    file = _kernel_file(kernel_source(nodes, order), nodes, order)
+    return any(file.parent.glob(f"__pycache__/{file.stem}.advance-*.nbi"))
+
+
 @cache
 def load_kernel(nodes: int, order: int) -> ModuleType:
     """The kernel for that number of quadrature nodes and curvatures; compiled on first use (several seconds),
     then loaded from the cache.
     """
     source = kernel_source(nodes, order)
-    name = f"kernel_{nodes}_{order}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
-    path = cache_folder("kernels", "TENTACLE_KERNELS") / f"{name}.py"
+    path = _kernel_file(source, nodes, order)
+    name = path.stem
     if not path.exists() or path.read_bytes() != source.encode():  # numba's cache goes by the file's age and size
         partial = path.with_suffix(f".{os.getpid()}.part")
         partial.write_text(source)

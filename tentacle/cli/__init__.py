@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib import import_module, metadata
 from pathlib import Path
 
@@ -22,7 +23,7 @@ A RECORDING is an import folder (recording.toml with a video, a midline or marke
 EPILOG = "`tentacle VERB --help` says more. Exit codes: 0 done, 2 bad input (one line says what), 130 stopped (Ctrl-C)."
 
 # What not everyone needs: module -> the extra that brings it.
-EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu"}
+EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "nicegui": "app"}
 
 
 class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
@@ -59,7 +60,11 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; the exit code."""
-    parsed = build_parser().parse_args(arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if words and not words[0].startswith("-") and words[0] not in verb_names():
+        print(f"tentacle: {_unknown_verb(words[0])}", file=sys.stderr)
+        return 2
+    parsed = build_parser().parse_args(words)
     try:
         return parsed.run(parsed)
     except InputError as error:
@@ -84,6 +89,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("tentacle: stopped", file=sys.stderr)
         return 130
+
+
+def _unknown_verb(word: str) -> str:
+    """What to say of a first word that is no verb."""
+    close = get_close_matches(word, verb_names(), n=1)
+    hint = f"did you mean {close[0]}?" if close else "`tentacle --help` lists them"
+    return InputError(f"unknown verb; {hint}", field=word).line()
 
 
 def _version() -> str:

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from tentacle.diagnosis import Diagnosis
+    from tentacle.progress import Stage
+    from tentacle.recording import Recording
 
 HELP = "make a tank video with an undeclared current, find it; then trace a real beam's undeclared weight"
 
 DURATION, FPS, SIZE, SEED = 12.0, 30.0, (640, 480), 4
+MAKING = (("simulating", 5.0), ("filming", 10.0))
 BEAM_BASELINE, BEAM_LOADED = "beam_gravity_V2_a.csv", "beam_load52_V2_b.csv"
 
 
@@ -26,10 +27,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Both parts, each with its folder of results; the second only where the data are."""
-    from tentacle.cli._progress import stages
+    from tentacle.cli._kernels import kernels_ahead
+    from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
 
-    with stages() as stage:
-        tank = _tank(arguments.out / "tank", stage)
+    source = arguments.out / "tank" / "recording"
+    with stages([*MAKING, *reading_plan([source]), *DIAGNOSING]) as stage, kernels_ahead(stage) as wait_for_kernels:
+        recording = _tank(source, stage)
+        wait_for_kernels()
+        tank = _diagnosed([recording], [], arguments.out / "tank", [source], stage)
     _say(
         "A tank video, made now, in which a steady current is left out of the declaration", tank, arguments.out / "tank"
     )
@@ -37,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     if beam is None:
         print("The real silicone beam is not here: `tentacle data` says where to get it (TENTACLE_DATA).")
         return 0
-    with stages() as stage:
+    with stages(DIAGNOSING) as stage:
         found = _beam(beam, arguments.out / "beam", stage)
     _say("A real silicone beam with a weight of 52 g that its declaration leaves out", found, arguments.out / "beam")
     return 0
@@ -53,8 +58,8 @@ def _say(title: str, diagnosis: Diagnosis, folder: Path) -> None:
     print(f"  report: {folder / 'report.html'}   replay: tentacle view {folder / 'session.rrd'}")
 
 
-def _tank(folder: Path, stage: Callable[[str], None]) -> Diagnosis:
-    """Simulate in MuJoCo, film, write the import folder, and diagnose it from what was written."""
+def _tank(source: Path, stage: Stage) -> Recording:
+    """The recording, tracked: simulated in MuJoCo, filmed and written as an import folder where that is not there."""
     import tempfile
 
     from mujoco_ref.undeclared import make
@@ -65,6 +70,8 @@ def _tank(folder: Path, stage: Callable[[str], None]) -> Diagnosis:
     from validation.film import filmed
     from vision.tracked_recording import read_tracked
 
+    if source.exists():
+        return read_tracked(source, stage)
     stage("simulating the tank in MuJoCo")
     parameters = {
         "elasticity": {"E": Estimate.exact(1.6e5, "Pa")},
@@ -76,13 +83,11 @@ def _tank(folder: Path, stage: Callable[[str], None]) -> Diagnosis:
     recording, _ = make(
         hidden, model, Chirp(0.5, 0.3, 2.0, DURATION), SEED, DURATION, FPS, name="tank", clean_midline=True
     )
-    source = folder / "recording"
-    if not source.exists():
-        with tempfile.TemporaryDirectory() as scratch:
-            stage("filming")
-            folder.mkdir(parents=True, exist_ok=True)
-            write_folder(filmed(recording, Path(scratch) / "video.mp4", "tank", SIZE, SEED), source)
-    return _diagnosed([read_tracked(source, stage)], [], folder, [source], stage)
+    with tempfile.TemporaryDirectory() as scratch:
+        stage("filming the tank")
+        source.parent.mkdir(parents=True, exist_ok=True)
+        write_folder(filmed(recording, Path(scratch) / "video.mp4", "tank", SIZE, SEED), source)
+    return read_tracked(source, stage)
 
 
 def _beam_folder() -> Path | None:
@@ -92,7 +97,7 @@ def _beam_folder() -> Path | None:
     return folder if (folder / BEAM_BASELINE).exists() and (folder / BEAM_LOADED).exists() else None
 
 
-def _beam(data: Path, folder: Path, stage: Callable[[str], None]) -> Diagnosis:
+def _beam(data: Path, folder: Path, stage: Stage) -> Diagnosis:
     from tentacle.io.silicone_beam import read_beam
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -100,9 +105,7 @@ def _beam(data: Path, folder: Path, stage: Callable[[str], None]) -> Diagnosis:
     return _diagnosed([read_beam(files[0])], [read_beam(files[1])], folder, files, stage)
 
 
-def _diagnosed(
-    recordings: list, baseline: list, folder: Path, inputs: list[Path], stage: Callable[[str], None]
-) -> Diagnosis:
+def _diagnosed(recordings: list, baseline: list, folder: Path, inputs: list[Path], stage: Stage) -> Diagnosis:
     from discovery.diagnose import diagnose
     from tentacle.cli.diagnose import write_answer
     from tentacle.io.result_folder import written

@@ -42,8 +42,9 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     import sys
 
-    from tentacle.cli._progress import stages
-    from tentacle.io.result_folder import written
+    from tentacle.cli._kernels import kernels_ahead
+    from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
+    from tentacle.io.result_folder import replaced, written
     from vision.tracked_recording import read_tracked
 
     calibration = None
@@ -51,11 +52,15 @@ def run(arguments: argparse.Namespace) -> int:
         from discovery.calibration import read_calibration
 
         calibration = read_calibration(arguments.calibration)
-    with stages() as stage:
-        groups = [arguments.recordings, arguments.baseline, arguments.held_out]
+    groups = [arguments.recordings, arguments.baseline, arguments.held_out]
+    if words := replaced(arguments.out):
+        print(words, file=sys.stderr)
+    plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
+    with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
         from discovery.diagnose import diagnose
 
+        wait_for_kernels()
         diagnosis = diagnose(
             recordings, baseline, held_out, seed=arguments.seed, calibration=calibration, progress=stage
         )

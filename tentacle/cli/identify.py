@@ -42,11 +42,12 @@ def run(arguments: argparse.Namespace) -> int:
     import sys
 
     from affine_model.run_forces import with_forces
-    from tentacle.cli._progress import stages
+    from tentacle.cli._kernels import kernels_ahead
+    from tentacle.cli._progress import IDENTIFYING, reading_plan, stages
     from tentacle.errors import InputError
     from tentacle.io.model_file import write_model
     from tentacle.io.provenance import input_hashes, versions
-    from tentacle.io.result_folder import written
+    from tentacle.io.result_folder import replaced, written
     from vision.tracked_recording import read_tracked
     from viz.compare import model_markdown, write_comparison
     from viz.identify_report import model_report
@@ -55,9 +56,13 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.bootstrap != 0 and arguments.bootstrap < 20:
         raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
-    with stages() as stage:
+    if words := replaced(arguments.out):
+        print(words, file=sys.stderr)
+    plan = [*reading_plan([*arguments.recordings, *arguments.check]), *IDENTIFYING]
+    with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]
         check = [read_tracked(path, stage) for path in arguments.check]
+        wait_for_kernels()
         stage("fitting")
         from inference.identify import identify
 
@@ -67,6 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
         paths = [*arguments.recordings, *arguments.check]
         command = " ".join(["tentacle", *sys.argv[1:]])
         origin = Origin(command, None, versions(), input_hashes(paths))
+        stage("writing the report")
         with written(arguments.out) as folder:
             (folder / "identification.json").write_text(json.dumps(summary, indent=1) + "\n")
             write_model(found.model, folder / "model.toml")
@@ -76,8 +82,19 @@ def run(arguments: argparse.Namespace) -> int:
             write_report(page, folder / "report.html")
             text = model_markdown(found.model, (lines[0], *found.words))
             write_comparison(scenes[0], judges[0], text, folder / "session.rrd")
-    print(json.dumps(summary, indent=1) if arguments.json else "\n".join([*lines, f"written to {arguments.out}"]))
+    end = [f"written to {arguments.out}", *_next(found.adequate, arguments)]
+    print(json.dumps(summary, indent=1) if arguments.json else "\n".join([*lines, *end]))
     return 0
+
+
+def _next(adequate: bool, arguments: argparse.Namespace) -> list[str]:
+    """Whether the model is adequate, and which command is next."""
+    if adequate:
+        words = "The model is adequate: what it leaves of these recordings passes for noise."
+        return [words, f"next: tentacle optimise {arguments.out / 'model.toml'} --out gait"]
+    recordings = " ".join(map(str, arguments.recordings))
+    words = "The model is not adequate: what it leaves of these recordings is more than noise."
+    return [words, f"next: tentacle diagnose {recordings} --out {arguments.out}_diagnosed"]
 
 
 def _as_json(found: Identification) -> dict[str, Any]:
@@ -92,6 +109,7 @@ def _as_json(found: Identification) -> dict[str, Any]:
         "regression": found.regression,
         "error": asdict(found.errors),
         "held_out": found.held_out,
+        "adequate": found.adequate,
         "correlation": {"names": list(found.free), "matrix": found.correlation.tolist()},
         "at_bound": list(found.at_bound),
         "identifiability": {

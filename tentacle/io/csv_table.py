@@ -112,8 +112,22 @@ def _header(data: bytes, file: Path) -> tuple[int, list[str], int]:
                 text = line.decode("utf-8")
             except UnicodeDecodeError:
                 raise InputError("not UTF-8 text", file=file, row=row, expected="a header of column names") from None
+            _refuse_other_separators(text, file, row)
             return row, [name.strip().strip('"') for name in text.split(",")], start
     raise InputError("empty file", file=file, expected="a header of column names, then rows of numbers")
+
+
+def _refuse_other_separators(line: str, file: Path, row: int) -> None:
+    """InputError where a spreadsheet of another language, or one that separates by tabs, wrote the file."""
+    for sign, name in ((";", "semicolons"), ("\t", "tabs")):
+        if sign in line and "," not in line:
+            raise InputError(
+                f"columns are separated by {name}",
+                file=file,
+                row=row,
+                expected="commas between columns and a point in numbers (2.5): save as CSV with these, or "
+                + "replace decimal commas by points first, then each separator by a comma",
+            )
 
 
 def _check_names(
@@ -177,6 +191,8 @@ def _parse_row_by_row(body: bytes, names: list[str], file: Path, header_row: int
         cells = content.split(",")
         if len(cells) != len(names):
             problem = f"{len(cells)} {'cell' if len(cells) == 1 else 'cells'} in this row"
+            if len(cells) == 2 * len(names):
+                problem += ": decimal commas (2,5 in place of 2.5)?"
             raise InputError(problem, file=file, row=row, expected=f"{len(names)}: {','.join(names)}")
         rows.append([_parse_cell(cell, name, file, row) for cell, name in zip(cells, names, strict=True)])
     return np.array(rows, dtype=float).reshape(len(rows), len(names))

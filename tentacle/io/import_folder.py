@@ -23,7 +23,7 @@ import numpy as np
 from tentacle.errors import InputError
 from tentacle.io.csv_table import CsvTable, read_csv
 from tentacle.io.declaration_file import RecordingFile, read_recording_file
-from tentacle.io.video_file import find_video
+from tentacle.io.video_file import find_video, misnamed_video
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal
 
@@ -59,6 +59,10 @@ def read_folder(folder: Path) -> Recording:
     )
     _check_clocks(recording, folder)
     if recording.video is None and recording.midline is None and recording.markers is None:
+        film = misnamed_video(folder)
+        if film is not None:
+            name = f"video{film.suffix.lower()}"
+            raise InputError("a film is not read under this name", file=film, expected=f"{name}: rename it")
         raise InputError(
             "nothing shows the arm", file=folder, expected="video.mp4, frames/00000.png, midline.csv or markers.csv"
         )
@@ -95,7 +99,7 @@ def _read_motor(file: Path) -> MotorSignal | None:
     table = read_csv(file, ("t_s", "command_rad", "angle_rad"), extra_allowed=True)
     table.require_rising("t_s")
     for name in ("command_rad", "angle_rad"):
-        table.require_within(name, LARGEST_ANGLE, "an angle in rad")
+        table.require_within(name, LARGEST_ANGLE, "an angle in rad; degrees? then multiply by 0.0174533")
     return MotorSignal(table["t_s"], table["command_rad"], table["angle_rad"])
 
 

@@ -11,6 +11,12 @@ from pathlib import Path
 from tentacle.errors import InputError
 
 
+def replaced(folder: Path) -> str:
+    """What to say before results are written where results of an earlier run lie; empty where none do."""
+    held = folder.is_dir() and any(folder.iterdir())
+    return f"{folder} holds earlier results: files of the same name are replaced" if held else ""
+
+
 @contextmanager
 def written(folder: Path) -> Iterator[Path]:
     """A folder to write into; on success its files replace those of the same names in `folder`, on failure nothing

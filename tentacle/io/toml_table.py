@@ -127,7 +127,8 @@ class Table:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self.error(f"{value!r} is no number", key, expected)
         if not (math.isfinite(value) and value > above and least <= value <= most):
-            raise self.error(f"{value!r} is out of range", key, expected)
+            remedy = "; degrees? then multiply by 0.0174533" if key.endswith("_rad") else ""
+            raise self.error(f"{value!r} is out of range", key, expected + remedy)
         return float(value)
 
     def measured(

@@ -40,6 +40,34 @@ def frame_files(folder: Path) -> list[Path]:
     return files
 
 
+def misnamed_video(folder: Path) -> Path | None:
+    """A film in the folder under a name that is not read: the camera's own, or video.MP4; None where there is none."""
+    films = [file for file in sorted(folder.iterdir()) if file.is_file() and file.suffix.lower() in VIDEO_SUFFIXES]
+    return films[0] if films else None
+
+
+def count_frames(video: Video) -> int:
+    """About how many frames there are, from the file's own header; 0 where it does not say."""
+    if video.path.is_dir():
+        return len(frame_files(video.path))
+    import av
+
+    with av.open(str(video.path)) as container:
+        stream = container.streams.video[0]
+        if stream.frames:
+            return stream.frames
+        rate = float(stream.average_rate or 0)
+        return round(rate * container.duration / av.time_base) if container.duration else 0
+
+
+def frame_rate(file: Path) -> float:
+    """Pictures a second on average, as the film's header says; 30 where it does not say."""
+    import av
+
+    with av.open(str(file)) as container:
+        return float(container.streams.video[0].average_rate or 30.0)
+
+
 def check_frames(folder: Path) -> None:
     """InputError where a frame is no whole PNG file."""
     for file in frame_files(folder):

@@ -52,7 +52,7 @@ class How:
 OFFLINE = "--dry-run --quiet --no-deps --no-index --no-build-isolation"
 QUICK = "--evaluations 60 --no-reference"
 NO_SCREEN = How(status=(2,), says="no screen here to open the viewer on; expected --web, or --screenshot OUT.png")
-STOPPED_MAKE = f"-o setup BIN={{programs}} -f {ROOT / 'Makefile'}"
+STOPPED_MAKE = f"-o runtime BIN={{programs}} -f {ROOT / 'Makefile'}"
 SPECIAL = {
     "make demo": How(add=STOPPED_MAKE, until="out/demo"),
     "make test": How(add=f"-o setup BIN={{programs}} -C {ROOT}", says="tests/rig/test_settle.py"),

@@ -11,10 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tentacle.diagnosis import ErrorMeasure
+from tentacle.diagnosis import ErrorMeasure, Gate
+from tentacle.model import Estimate
 from tests.page import parsed, problems
-from viz.diagnosis_report import diagnosis_report, twin_words
+from viz.diagnosis_report import diagnosis_report, limit_words, twin_words
 from viz.report import MAXIMUM_BYTES, write_report
+from viz.verdict_sections import limits_sections, sure_words
+from viz.words import interval, value_of
 
 
 def text_of(page: str) -> str:
@@ -69,7 +72,7 @@ def test_it_says_the_verdict_the_errors_and_how_to_reproduce(case, page):
 def test_every_axis_has_its_unit(page):
     labels = [" ".join(text.split()) for text in parsed(page)[0].itertext()]
     for axis in ("q1 [rad]", "q2 [rad]", "t [s]", "x [mm]", "thrust [N]", "frequency [Hz]", "tip, amplitude [mm]",
-                 "distance to measured [mm]", "arc length s [1] (0 clamp, 1 tip)", "probability [1]"):  # fmt: skip
+                 "distance to measured [mm]", "arc length s [1] (0 clamp, 1 tip)"):  # fmt: skip
         assert axis in labels
 
 
@@ -91,6 +94,53 @@ def test_every_verdict_has_a_page_even_where_little_was_measured(case, verdict):
     page = diagnosis_report(bare, [], "tentacle diagnose run", {}, {})
     assert problems(page) == []
     assert bare.headline in text_of(page)
+
+
+def test_it_leads_with_the_film_at_the_worst_moment_and_both_models(page):
+    before_headline = page[: page.index('class="headline"')]
+    assert "data:image/png;base64," in before_headline
+    assert "as declared and with current" in before_headline
+
+
+def test_the_next_step_can_be_copied_and_names_what_is_asked_for(page):
+    assert '<pre class="command"><code>tentacle diagnose next.rrd &lt;run&gt; --out x</code></pre>' in page
+    assert 'href="next_experiment.toml"' in page
+
+
+def test_what_the_likelihood_says_is_shown_where_it_is_there(case):
+    told = case.diagnosis.verdict_json() | {
+        "explained": {"share": 0.93, "low": 0.88, "high": 0.96},
+        "certain": ["current"],
+        "sets": [{"effects": ["current"], "probability": 0.9}, {"effects": ["current", "wall"], "probability": 0.06}],
+        "where": {"a": ["current"], "b": []},
+        "laws": [{"expression": "k v^3", "acts": "along n", "place": "tip", "evidence": 31.0,
+                  "held_out_midline_mm": 0.4, "file": "law.py"}],
+        "detection_limits": {"wall": {"distance": {"value": 0.03, "unit": "m"}}},
+    }  # fmt: skip
+    assert sure_words(told) == [
+        "What was found explains 93 % of the force that was missing (88 to 96 %).",
+        "Every likely answer has current in it.",
+        "By recording: a: current; b: nothing.",
+    ]
+    titles = [section.title for section in limits_sections(told)]
+    assert titles == ["Likely answers", "Laws proposed", "What would have been seen"]
+    assert limits_sections(case.diagnosis.verdict_json()) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "shown"),
+    [(0.04001, 0.04, 0.04002, ("0.040010", "0.040000 to 0.040020")),
+     (160010.0, 159960.0, 160070.0, ("160010", "159960 to 160070")),
+     (3e-9, 2.5e-9, 3.5e-9, ("3.0e-09", "2.5e-09 to 3.5e-09")), (5.0, 5.0, 5.0, ("5", "given"))],
+)  # fmt: skip
+def test_numbers_have_the_digits_that_their_interval_needs(value, low, high, shown):
+    estimate = Estimate(value, low, high)
+    assert (value_of(estimate), interval(estimate)) == shown
+
+
+def test_a_limit_that_is_far_off_is_said_in_words():
+    assert limit_words(Gate("Ljung-Box", 4880.0, 1.1e9, True, "")) == "far off"
+    assert limit_words(Gate("Ljung-Box", 31.0, 28.0, False, "")) == "28"
 
 
 def test_twins_are_named_in_words():

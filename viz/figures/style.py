@@ -69,6 +69,7 @@ def svg(figure: Figure, prefix: str) -> str:
     element = element[element.index("<svg") :]
     element = re.sub(r"<metadata>.*?</metadata>", "", element, flags=re.DOTALL)
     element = re.sub(r"<style[^>]*>.*?</style>", "", element, flags=re.DOTALL)  # it would style the whole page
+    element = re.sub(r'(<image\b[^>]*?) id="[^"]*"', r"\1", element)  # of its content: not unique
     element = re.sub(r'\bid="', f'id="{prefix}-', element)
     element = re.sub(r'(xlink:href="#|url\(#)', rf"\g<1>{prefix}-", element)
     return element.replace(INK, "currentColor").strip()

@@ -189,7 +189,10 @@ BAD = {
     "payload": (good(recording__toml=CONE + "tip_mass_kg = -1"), "specimen.tip_mass_kg: -1 is out of range"),
     "unknown table": (good(recording__toml=CONE + "[fluids]\nx=1"), "fluids: unknown key (did you mean fluid?)"),
     "fluid": (good(recording__toml=CONE + "[fluid]\ndensity_kg_m3 = -1"), "recording.toml:8: fluid.density_kg_m3: -1"),
-    "degrees": (good(recording__toml=CONE + "[gravity]\nangle_rad = 90"), "gravity.angle_rad: 90 is out of range"),
+    "degrees": (
+        good(recording__toml=CONE + "[gravity]\nangle_rad = 90"),
+        "gravity.angle_rad: 90 is out of range; expected a number >= -6.28319 and <= 6.28319; degrees?",
+    ),
     "fps": (good(recording__toml=CONE + CAMERA.replace("60", "0")), "recording.toml:8: camera.fps: 0 is out of range"),
     "arm_px": (
         good(recording__toml=CONE + CAMERA.replace("[0, 1]", "[0, 2]")),
@@ -243,7 +246,10 @@ BAD = {
         "angle_rad: column missing (there is angle_deg)",
     ),
     "twice": (good(motor__csv="t_s,t_s,command_rad,angle_rad\n1,1,1,1"), "motor.csv:1: t_s: column occurs twice"),
-    "semicolons": (good(motor__csv=MOTOR.replace(",", ";")), "motor.csv:1: t_s: column missing"),
+    "semicolons": (
+        good(motor__csv=MOTOR.replace(",", ";")),
+        "motor.csv:1: columns are separated by semicolons; expected commas",
+    ),
     "nan cell": (good(motor__csv=MOTOR.replace("0.15", "nan")), "motor.csv:3: angle_rad: 'nan' is no finite number"),
     "inf cell": (good(load_cell__csv=LOAD_CELL.replace("0.02", "-inf")), "load_cell.csv:3: thrust_n: '-inf' is no"),
     "too large": (good(motor__csv=MOTOR.replace("0.02,", "1e999,")), "motor.csv:4: t_s: '1e999' is no finite number"),

@@ -1,0 +1,48 @@
+"""Kernels compiled before they are needed: in a process of its own, while this one reads and tracks."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from affine_model.arm import arm_of, parameter_vector
+from affine_model.kernel.load import is_compiled
+from affine_model.simulate import simulate
+from tentacle.model import Estimate, Model
+from tentacle.specimen import WATER, Cone, Specimen
+
+USUAL = (2, 5)  # coordinates: the paper's model, and the most that a diagnosis fits
+
+
+def not_compiled(orders: Sequence[int] = USUAL) -> list[int]:
+    """The orders whose kernel this computer has not compiled yet."""
+    return [order for order in orders if not is_compiled(arm_of(_model(order)).nodes, order)]
+
+
+def compile_orders(orders: Sequence[int]) -> None:
+    """Compile the kernels of these orders by running each for one step."""
+    for order in orders:
+        model = _model(order)
+        simulate(arm_of(model), parameter_vector(model)[:, None], np.zeros((3, 1, 1)), 1e-3)
+
+
+def start_compiling(orders: Sequence[int] = USUAL) -> subprocess.Popen[bytes] | None:
+    """A process that compiles the kernels that are missing; None where there are none."""
+    missing = not_compiled(orders)
+    if not missing:
+        return None
+    words = [sys.executable, "-m", __name__, *map(str, missing)]
+    return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _model(order: int) -> Model:
+    arm = Specimen(Cone(0.01, 0.005), 0.1, 1070.0)
+    return replace(Model(arm, WATER).with_effect("elasticity", E=Estimate.exact(2e5, "Pa")), order=order)
+
+
+if __name__ == "__main__":
+    compile_orders([int(word) for word in sys.argv[1:]])

@@ -1,0 +1,70 @@
+"""`tentacle new`: a folder to put a recording into, with a recording.toml that explains itself."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from tentacle.errors import InputError
+
+HELP = "begin a recording: a folder with a commented recording.toml, from five questions or flags"
+
+# flag, question, what stands there where nothing is typed
+QUESTIONS = (
+    ("length", "Length of the arm, from clamp to tip [m]", "0.14"),
+    ("base_radius", "Radius at the clamp [m]", "0.0125"),
+    ("tip_radius", "Radius at the tip [m]", "0.004"),
+    ("density", "Density of its material [kg/m3]", "1070"),
+    ("fluid_density", "Density of the fluid around it [kg/m3], 0 in air", "998"),
+)
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """A folder, the five answers, and the film."""
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where the recording is to lie")
+    for name, question, _ in QUESTIONS:
+        parser.add_argument(f"--{name.replace('_', '-')}", type=float, metavar="X", help=question)
+    parser.add_argument(
+        "--video", type=Path, metavar="FILM", help="copy this film into the folder, and propose [camera] from it"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Ask what was not given, write, and say what comes next."""
+    from tentacle.io.recording_template import Answers, recording_text, write_recording_file
+
+    if (arguments.folder / "recording.toml").exists():  # said before anything is asked
+        write_recording_file(arguments.folder, "")
+    numbers = [_answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS]
+    answers, words = Answers(*numbers), ""
+    if arguments.video is not None:
+        from vision.film_begun import begun
+
+        answers, words = begun(answers, arguments.video, arguments.folder)
+    file = write_recording_file(arguments.folder, recording_text(answers))
+    print(f"wrote {file}")
+    if words:
+        print(words)
+    if answers.camera is None:
+        line = f"tentacle import {arguments.folder} --out my_arm.rrd"
+        print(f"put the film beside it as video.mp4, fill in [camera], then: {line}")
+    else:
+        print(f"next: tentacle diagnose {arguments.folder} --out answer")
+    return 0
+
+
+def _answer(given: float | None, name: str, question: str, usual: str) -> float:
+    """The flag's number, or what is typed; without a terminal a missing flag is an error."""
+    flag = f"--{name.replace('_', '-')}"
+    if given is None and not sys.stdin.isatty():
+        raise InputError("missing, and there is nobody to ask", field=flag, expected=question)
+    text = "" if given is not None else input(f"{question} [{usual}]: ").strip()
+    try:
+        value = given if given is not None else float(text.replace(",", ".") or usual)
+    except ValueError:
+        raise InputError(f"{text!r} is no number", field=flag, expected=question) from None
+    least = 0.0
+    if not value >= least or (value == 0.0 and name in ("length", "base_radius", "density")):
+        raise InputError(f"{value:g} is out of range", field=flag, expected=question)
+    return value

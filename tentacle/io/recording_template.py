@@ -1,0 +1,78 @@
+"""recording.toml as a text with comments, to begin a recording with; what it does not know yet it says how to find."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from tentacle.errors import InputError
+from tentacle.recording import Camera
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Lengths [m] and density [kg/m^3] of the arm; fluid_density [kg/m^3], 0 in air. camera None: not known yet."""
+
+    length: float
+    base_radius: float
+    tip_radius: float
+    density: float
+    fluid_density: float
+    camera: Camera | None = None
+
+
+def recording_text(answers: Answers) -> str:
+    """The file's text: every table that a film needs, each number with a comment."""
+    return f"""\
+# What you believe to be in this recording. Lengths in metres, angles in rad, densities in kg/m3.
+# A number may also be {{ value = 0.14, sd = 0.001 }} or {{ low = 0.139, high = 0.141 }} where you know it only so well.
+
+[specimen]
+section = "cone"               # a round arm; "rectangle" takes width_m and height_m in place of the radii
+length_m = {answers.length!r}              # from the clamp to the tip
+base_radius_m = {answers.base_radius!r}        # half the thickness at the clamp
+tip_radius_m = {answers.tip_radius!r}         # half the thickness at the tip
+density_kg_m3 = {answers.density!r}       # of the material: weigh a piece in air and in water
+# tip_mass_kg = 0.005          # a payload that you know of
+
+[fluid]
+density_kg_m3 = {answers.fluid_density!r}        # 998: water at 20 C; 0: air
+
+[gravity]
+angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.5708: held horizontally
+
+{camera_text(answers.camera)}
+# Beside this file: the film as video.mp4 (.mkv .avi .mov .webm), and where you have them
+#   motor.csv      t_s,command_rad,angle_rad     the servo, in the film's time; without it the base is clamped
+#   load_cell.csv  t_s,thrust_n
+"""
+
+
+def camera_text(camera: Camera | None) -> str:
+    """[camera] as the film shows it, or as comments that say how to find it."""
+    if camera is None:
+        return """\
+# [camera]                     # found from the film: tentacle new FOLDER --video FILM, or in the page of: tentacle app
+# fps = 30.0                   # pictures a second
+# m_per_px = 0.0005            # length of a ruler in the arm's plane, in metres, over its length in pixels
+# base_px = [320.0, 40.0]      # where the arm leaves its clamp: pixels to the right and down from the upper left corner
+# arm_px = [0.0, 1.0]          # the direction of the straight arm in the picture: [0, 1] is down
+"""
+    u, v = camera.base_px
+    return f"""\
+[camera]                       # proposed from the film's first picture: look at it with `tentacle view`
+fps = {camera.fps:.6g}
+m_per_px = {camera.metres_per_px:.5g}          # the arm's length over its pixels; a ruler in the arm's plane is better
+base_px = [{u:.1f}, {v:.1f}]       # where the arm leaves its clamp: pixels to the right and down
+arm_px = [{camera.arm_px[0]:g}, {camera.arm_px[1]:g}]                # the direction of the straight arm: [0, 1] is down
+"""
+
+
+def write_recording_file(folder: Path, text: str) -> Path:
+    """recording.toml in the folder, which is made; InputError where there is one already."""
+    file = folder / "recording.toml"
+    if file.exists():
+        raise InputError("is there already", file=file, expected="a folder without one, or edit it")
+    folder.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, encoding="utf-8", newline="\n")
+    return file

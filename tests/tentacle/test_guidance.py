@@ -1,0 +1,98 @@
+"""What a newcomer is told: slips of the pen, a recording to begin with, the share done, shells' completion."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tentacle.cli import main
+from tentacle.cli._progress import reading_plan, share_done, stages
+from tentacle.errors import InputError
+from tentacle.io.declaration_file import read_recording_file
+from tentacle.io.import_folder import read_folder
+from tests.docs.desk import film_an_arm
+
+ARM = [
+    "--length",
+    "0.14",
+    "--base-radius",
+    "0.0125",
+    "--tip-radius",
+    "0.001",
+    "--density",
+    "1070",
+    "--fluid-density",
+    "998",
+]
+
+
+def test_an_unknown_verb_is_one_line_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["diagnos", "x"]) == 2
+    assert capsys.readouterr().err == "tentacle: diagnos: unknown verb; did you mean diagnose?\n"
+    assert main(["xyzzy"]) == 2
+    assert "`tentacle --help` lists them" in capsys.readouterr().err
+
+
+def test_a_recording_is_begun_from_flags_and_a_film(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    film_an_arm(tmp_path / "filmed")
+    folder = tmp_path / "my_arm"
+    assert main(["new", str(folder), *ARM, "--video", str(tmp_path / "filmed" / "video.mp4")]) == 0
+    assert f"next: tentacle diagnose {folder} --out answer" in capsys.readouterr().out
+    recording = read_folder(folder)
+    camera = recording.declaration.camera
+    assert camera is not None
+    assert camera.base_px == pytest.approx((320, 40), abs=4.0)
+    assert camera.metres_per_px == pytest.approx(0.0008, rel=0.05)
+    assert main(["new", str(folder), *ARM]) == 2  # what is there stays
+
+
+def test_without_a_film_the_camera_is_left_to_be_filled_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    typed = iter(["", "0,012", "", "", "0"])
+    monkeypatch.setattr("builtins.input", lambda _: next(typed))
+    monkeypatch.setattr(sys.stdin, "isatty", lambda: True)
+    assert main(["new", str(tmp_path / "a")]) == 0
+    declared = read_recording_file(tmp_path / "a" / "recording.toml").declaration
+    assert declared.specimen.section.half_thickness(0.0) == 0.012
+    assert declared.fluid.density == 0.0
+    assert declared.camera is None
+
+
+@pytest.mark.parametrize("wrong", [["--length", "-1"], ["--length", "nan"]])
+def test_a_wrong_answer_is_named(tmp_path: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", str(tmp_path / "a"), *wrong]) == 2
+    assert "--length: " in capsys.readouterr().err
+    assert not (tmp_path / "a").exists()
+
+
+def test_a_film_under_another_name_is_named_with_the_remedy(tmp_path: Path) -> None:
+    film_an_arm(tmp_path / "filmed")
+    main(["new", str(tmp_path / "a"), *ARM])
+    (tmp_path / "filmed" / "video.mp4").rename(tmp_path / "a" / "GOPR0001.MP4")
+    with pytest.raises(InputError, match=r"GOPR0001\.MP4: a film is not read under this name; expected video\.mp4"):
+        read_folder(tmp_path / "a")
+
+
+def test_the_share_done_rises_and_stays_where_a_stage_is_not_in_the_plan(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan = [*reading_plan(["a.rrd"]), ("fitting", 4.0)]
+    assert share_done(plan, "fitting the declared model", 0.5) == pytest.approx(18.0 / 20.0)
+    assert share_done(plan, "something else", 0.0) is None
+    monkeypatch.setenv("TENTACLE_PROGRESS", "lines")
+    with stages(plan) as stage:
+        for words in ("reading a.rrd", "fitting it", "something else", "reading a.rrd"):
+            stage(words)
+    shares = [float(line.split("\t")[0]) for line in capsys.readouterr().err.splitlines()]
+    assert shares == [0.0, 0.8, 0.8, 0.8]
+
+
+def test_bash_takes_the_completion(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["completion", "bash"]) == 0
+    script = tmp_path / "completion.bash"
+    script.write_text(capsys.readouterr().out)
+    ask = f'source {script}; COMP_WORDS=(tentacle diagn); COMP_CWORD=1; _shtab_tentacle; echo "${{COMPREPLY[@]}}"'
+    done = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "diagnose"

@@ -1,0 +1,39 @@
+"""A film put where a recording begins, and the camera that its first picture proposes."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+from tentacle.errors import InputError
+from tentacle.io.recording_template import Answers
+from tentacle.io.video_file import VIDEO_SUFFIXES, check_video, frame_rate
+from tentacle.recording import Camera
+from tentacle.specimen import Cone, Specimen
+from vision.frames import read_frames
+from vision.guess import guess_camera
+
+
+def proposed_camera(film: Path, answers: Answers) -> Camera:
+    """Base, scale and direction as the first picture shows them; InputError where no arm stands out."""
+    arm = Specimen(Cone(answers.base_radius, answers.tip_radius), answers.length, answers.density)
+    return guess_camera(next(iter(read_frames(film, None))).image, arm, frame_rate(film))
+
+
+def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
+    """The answers with a camera where one can be proposed, and what to say of it; the film copied into the folder."""
+    if film.suffix.lower() not in VIDEO_SUFFIXES:
+        raise InputError("not a film that is known", file=film, field="--video", expected=" ".join(VIDEO_SUFFIXES))
+    if not film.is_file():
+        raise InputError("no such file", file=film, field="--video", expected="a film")
+    check_video(film)
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(film, folder / f"video{film.suffix.lower()}")
+    try:
+        camera = proposed_camera(film, answers)
+    except InputError as error:
+        return answers, f"the film proposes no camera: {error.problem}"
+    u, v = camera.base_px
+    words = f"the film proposes: base at ({u:.0f}, {v:.0f}) px, {1e3 * camera.metres_per_px:.3g} mm a pixel"
+    return replace(answers, camera=camera), words

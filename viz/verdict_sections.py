@@ -1,0 +1,151 @@
+"""What a diagnosis found, how sure it is, what it could have seen, and what to do next: sections of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tentacle.diagnosis import Diagnosis
+from tentacle.recording import Recording
+from viz.figures.finding import finding_figure
+from viz.report import Picture, Section, Table
+from viz.scene import Scene
+from viz.words import NONE, VERDICT_TITLES, effect_name, listed, number, probability_words
+
+FILES = (
+    ("session.rrd", "the recording and both models over it, in time"),
+    ("model.toml", "the model with what was found; every other command takes it"),
+    ("verdict.json", "this answer as data"),
+)
+
+
+def title_of(diagnosis: Diagnosis) -> str:
+    """The verdict as a title that names what was found."""
+    names = [effect_name(effect) for effect in diagnosis.effects]
+    if diagnosis.verdict == "effect" and names:
+        return f"Missing: {listed(names)}"
+    if diagnosis.verdict == "group" and names:
+        return f"Missing: {listed(names, 'or')}"
+    return VERDICT_TITLES[diagnosis.verdict]
+
+
+def finding_section(
+    diagnosis: Diagnosis, worst: Sequence[Scene], recordings: Mapping[str, Recording | None]
+) -> Section:
+    """The worst moment as a picture, the value found, and how sure the answer is; it stands first."""
+    pictures = []
+    for scene in worst:
+        figure = finding_figure(scene, recordings.get(scene.name))
+        if figure is not None:
+            found = listed([effect_name(effect) for effect in diagnosis.effects])
+            added = f" and with {found}" if found and diagnosis.verdict == "effect" else " and with what was found"
+            words = f"{scene.name} at the moment of the largest error, as declared{added}. Models run open loop."
+            pictures.append(Picture(figure, words))
+    return Section("The finding", sure_words(diagnosis.verdict_json()), pictures=pictures, leads=True)
+
+
+def sure_words(answer: Mapping[str, Any]) -> list[str]:
+    """Sentences about how sure the answer is, from the keys of verdict.json that say so."""
+    words = []
+    explained = answer.get("explained")
+    if explained:
+        share, low, high = (100.0 * explained[key] for key in ("share", "low", "high"))
+        words.append(
+            f"What was found explains {share:.0f} % of the force that was missing ({low:.0f} to {high:.0f} %)."
+        )
+    certain, sets = answer.get("certain") or [], answer.get("sets") or []
+    if certain and len(sets) > 1:
+        words.append(f"Every likely answer has {listed([effect_name(effect) for effect in certain])} in it.")
+    where = answer.get("where") or {}
+    if len(where) > 1:
+        told = "; ".join(
+            f"{name}: {listed([effect_name(e) for e in effects]) or 'nothing'}" for name, effects in where.items()
+        )
+        words.append(f"By recording: {told}.")
+    return words
+
+
+def limits_sections(answer: Mapping[str, Any]) -> list[Section]:
+    """The credible set, the laws proposed for what has no name, and the smallest effects that would have been seen."""
+    found = []
+    sets = answer.get("sets") or []
+    if sets:
+        rows = [
+            (
+                listed([effect_name(e) for e in one["effects"]]) or "nothing missing",
+                probability_words(one["probability"]),
+            )
+            for one in sets
+        ]
+        words = "These answers together hold 95 % of the probability. What a calibration by blind trials says is above."
+        found.append(
+            Section(
+                "Likely answers", [words], [Table("Sets of effects", ("effects", "probability"), rows, numeric=(1,))]
+            )
+        )
+    laws = answer.get("laws") or []
+    if laws:
+        rows = [
+            (
+                law["expression"],
+                law["acts"],
+                law["place"],
+                number(law["evidence"]),
+                number(law["held_out_midline_mm"]),
+                law["file"] or NONE,
+            )
+            for law in laws
+        ]
+        header = ("law", "acts on", "place", "evidence [nat]", "judged error [mm]", "file")
+        words = (
+            "No effect of the catalogue is it. These laws were read off the residual; they are proposals to be tested."
+        )
+        found.append(Section("Laws proposed", [words], [Table("Proposals", header, rows, numeric=(3, 4))]))
+    limits = answer.get("detection_limits") or {}
+    if limits:
+        rows = [
+            (effect_name(effect), name, number(one["value"]), one["unit"])
+            for effect, values in limits.items()
+            for name, one in values.items()
+        ]
+        words = "The smallest value that would have been named in 95 of 100 such recordings. Smaller ones may be there."
+        table = Table("Detection limits", ("effect", "parameter", "from", "unit"), rows, numeric=(2,))
+        found.append(Section("What would have been seen", [words], [table]))
+    return found
+
+
+def next_section(diagnosis: Diagnosis, command: str) -> Section:
+    """What was noted, and what to do next as commands that can be copied; links to the files beside the report."""
+    commands = [(f"{words} (in the folder of this report):", line) for words, line in local_commands(diagnosis)]
+    tables = []
+    files = FILES
+    if diagnosis.next_experiment is not None:
+        line = command.replace("tentacle diagnose ", "tentacle diagnose next.rrd ", 1)
+        commands.append(("Then diagnose it together with the others:", line))
+        tables.append(Table("Next base motion", ("key", "value"), flatten(diagnosis.next_experiment)))
+        files = (*FILES, ("next_experiment.toml", "the base motion that would tell more"))
+    return Section("What to do next", list(diagnosis.words), tables, commands=commands, files=files)
+
+
+def local_commands(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """What each does, and the line, for this verdict."""
+    look = ("Look at it in time", "tentacle view session.rrd")
+    use = ("Find the gait that swims best with this model", "tentacle optimise model.toml --out gait")
+    rig = "tentacle rig record rig.toml next_experiment.toml --seconds 30 --out next.rrd"
+    run = ("Run the base motion that would tell more on your rig", rig)
+    if diagnosis.next_experiment is not None:
+        return [look, run]
+    return [look, use] if diagnosis.verdict in ("effect", "nothing_missing") else [look]
+
+
+def flatten(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """A waveform table as rows (key, value), nested keys joined by dots."""
+    rows: list[tuple[str, str]] = []
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            rows += flatten(value, f"{prefix}{key}.")
+        elif isinstance(value, Sequence) and not isinstance(value, str):
+            rows.append((f"{prefix}{key}", ", ".join(number(v) if isinstance(v, float) else str(v) for v in value)))
+        else:
+            rows.append((f"{prefix}{key}", number(value) if isinstance(value, float) else str(value)))
+    return rows
