@@ -36,7 +36,7 @@ def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     model = parse_model(Table(dict(task["model"]), file=None, name="model"))
     limits = dict(task["limits"])
     trial = trial_of(model, GaitLimits(ServoLimits(**limits.pop("servo")), **limits))
-    trial = replace(trial, device=task["device"])
+    trial = replace(trial, device=task.get("device"))
     if task["robust"]:
         trial = robust_trial(trial, model, task["robust"], seed=0)
     objective = OBJECTIVES[task["objective"]]
