@@ -6,36 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from affine_model.arm import Arm, active_effects
-from affine_model.curvature import Array, angle_basis
+from affine_model.advance import Drive, Pace, Rail, Servo, State, advance, at_rest
+from affine_model.arm import Arm
+from affine_model.curvature import Array
 from affine_model.dynamics import remembering
 from affine_model.effects import catalogue
-from affine_model.kernel import advance_blocks
 
-
-@dataclass(frozen=True)
-class Servo:
-    """PID servo: stiffness [N m/rad], integral [N m/(rad s)], damping [N m s/rad], torque_limit [N m],
-    rotor_inertia [kg m^2].
-    """
-
-    stiffness: float
-    damping: float
-    torque_limit: float
-    integral: float = 0.0
-    rotor_inertia: float = 1e-5
-
-
-@dataclass(frozen=True)
-class Rail:
-    """The base slides along y: carriage mass [kg], viscous friction [N s/m], dry friction [N],
-    smoothed at slip_speed [m/s].
-    """
-
-    mass: float
-    viscous: float = 0.0
-    dry: float = 0.0
-    slip_speed: float = 1e-3
+__all__ = ["Batch", "Rail", "Servo", "simulate"]
 
 
 @dataclass(frozen=True)
@@ -93,59 +70,47 @@ def simulate(
     """
     parameters = np.ascontiguousarray(parameters, dtype=float)
     base = np.ascontiguousarray(base, dtype=float)
-    n, count, steps = arm.order, parameters.shape[1], base.shape[1]
+    n, count = arm.order, parameters.shape[1]
     if base.shape[0] != 3 or base.shape[2] not in (1, count):
         raise ValueError(f"base has shape {base.shape}; expected (3, steps, 1 or {count})")
-    start, start_rate = np.zeros((n + 2, count)), np.zeros((n + 2, count))
-    start[:n] = 0.0 if q is None else arm.from_monomial @ q
-    start_rate[:n] = 0.0 if q_rate is None else arm.from_monomial @ q_rate
-    # From the first middle back to the start, to second order, as the kernel does forward.
-    start[n] = base[0, 0] - 0.5 * step * base[1, 0] + 0.125 * step**2 * base[2, 0]
-    start_rate[n] = base[1, 0] - 0.5 * step * base[2, 0]
-    kept = steps // stride if stride else 0
-    out_u, out_rate = np.zeros((kept + 1, n + 2, count)), np.zeros((kept + 1, n + 2, count))
-    out_force, summary = np.zeros((max(kept, 1), 4, count)), np.zeros((5 + 2 * (n + 2), count))
-    slots = remembering(tuple(catalogue().values()))
-    start_store = np.zeros((len(slots), arm.nodes, count))
-    if memory is not None:
-        relaxing = [effect.relaxation_time is not None for effect in slots]
-        start_store[relaxing] = arm.curvature_basis @ arm.from_monomial @ memory
-    node, whole = arm.node_quantities, arm.arm_quantities
-    names = ("length", "density", "fluid_density", "payload", "gravity")
-    constants = (*(whole[k] for k in (*names, "payload_reach", "payload_drop", "payload_density")), arm.gravity.angle)
-    acting = {effect.name for effect in active_effects(parameters)}
-    active = np.array([name in acting for name in catalogue()])
-    columns = np.zeros((arm.nodes, n + 2))
-    angle, curvature, end = columns.copy(), columns, np.zeros(n + 2)
-    end[:n], end[n] = angle_basis(n, [1.0])[0], 1.0
-    angle[:, :n], angle[:, n], curvature[:, :n] = arm.angle_basis, 1.0, arm.curvature_basis
-    length, rule = arm.specimen.length, arm.rule
-    servo_row = np.zeros(5)
-    if servo is not None:
-        servo_row[:] = servo.stiffness, servo.integral, servo.damping, servo.torque_limit, servo.rotor_inertia
-    rail_row = np.array([0.0, 0.0, 0.0, 1.0] if rail is None else [rail.mass, rail.viscous, rail.dry, rail.slip_speed])
-    advance_blocks(
-        arm.nodes, n, count, parameters, active, constants, node["s"], node["area"], node["second_moment"],
-        node["width"], node["perimeter"], length * rule.integration, length * rule.weights, rule.weights, angle, end,
-        curvature, base, servo_row, rail_row, servo is not None, rail is not None, step, steps, start, start_rate,
-        start_store, iterations, stride, round(average_from / step), t0, out_u, out_rate, out_force, summary,
-    )  # fmt: skip
+    state = _start(arm, base, step, q, q_rate, memory, count)
+    pace = Pace(step, stride, round(average_from / step), iterations)
+    course = advance(arm, Drive(servo, rail), parameters, base, (np.full(count, float(t0)), state), pace)
+    u, u_rate, force, summary = course.u, course.u_rate, course.force, course.summary
     if not stride:
-        out_u, out_rate, out_force = out_u[:0], out_rate[:0], out_force[:0]
-    times = t0 + step * stride * np.arange(len(out_u), dtype=np.float64)
+        u, u_rate, force = u[:0], u_rate[:0], force[:0]
+    times = t0 + step * stride * np.arange(len(u), dtype=np.float64)
+    sound = summary[4] < 0.0
     return Batch(
         t=times,
-        q=np.einsum("jk,tkb->tjb", arm.to_monomial, out_u[:, :n]),
-        q_rate=np.einsum("jk,tkb->tjb", arm.to_monomial, out_rate[:, :n]),
-        theta=out_u[:, n],
-        theta_rate=out_rate[:, n],
-        rail=out_u[:, n + 1],
-        rail_rate=out_rate[:, n + 1],
+        q=np.einsum("jk,tkb->tjb", arm.to_monomial, u[:, :n]),
+        q_rate=np.einsum("jk,tkb->tjb", arm.to_monomial, u_rate[:, :n]),
+        theta=u[:, n],
+        theta_rate=u_rate[:, n],
+        rail=u[:, n + 1],
+        rail_rate=u_rate[:, n + 1],
         force_t=0.5 * (times[1:] + times[:-1]),
-        fluid_force=out_force[: len(times) - 1, :2] if stride else out_force[:, :2],
-        load=out_force[:, 2],
-        torque=out_force[:, 3],
-        mean_thrust=np.where(summary[4] < 0.0, summary[1], np.nan),
-        mean_power=np.where(summary[4] < 0.0, summary[2], np.nan),
-        diverged=np.where(summary[4] < 0.0, np.nan, summary[4]),
+        fluid_force=force[: len(times) - 1, :2] if stride else force[:, :2],
+        load=force[:, 2],
+        torque=force[:, 3],
+        mean_thrust=np.where(sound, summary[1], np.nan),
+        mean_power=np.where(sound, summary[2], np.nan),
+        diverged=np.where(sound, np.nan, summary[4]),
     )
+
+
+def _start(
+    arm: Arm, base: Array, step: float, q: Array | None, q_rate: Array | None, memory: Array | None, count: int
+) -> State:
+    """The state before the first step; the base where the first middle says, to second order, as the kernel goes on."""
+    n, state = arm.order, at_rest(arm, count)
+    if q is not None:
+        state.u[:n] = arm.from_monomial @ q
+    if q_rate is not None:
+        state.u_rate[:n] = arm.from_monomial @ q_rate
+    state.u[n] = base[0, 0] - 0.5 * step * base[1, 0] + 0.125 * step**2 * base[2, 0]
+    state.u_rate[n] = base[1, 0] - 0.5 * step * base[2, 0]
+    if memory is not None:
+        relaxing = [effect.relaxation_time is not None for effect in remembering(tuple(catalogue().values()))]
+        state.store[relaxing] = arm.curvature_basis @ arm.from_monomial @ memory
+    return state

@@ -9,6 +9,7 @@ slopes of bending moments and fluid forces in the matrix, M + h/2 D + h^2/4 K: s
 from __future__ import annotations
 
 import textwrap
+from dataclasses import dataclass
 
 import sympy
 
@@ -16,7 +17,7 @@ from affine_model.arm import parameter_rows
 from affine_model.dynamics import remembering
 from affine_model.effect import STATE_QUANTITIES, Effect
 from affine_model.effects import catalogue
-from affine_model.kernel.template import ARRAYS, TEMPLATE
+from affine_model.kernel.template import ARRAYS, SUMMARY, TABLE, TEMPLATE, TRAJECTORY
 from affine_model.kernel.trace import lines, slope_along, traced
 from affine_model.kernel.unroll import unrolled_source
 
@@ -268,11 +269,27 @@ def _solution(order: int) -> str:
     return "\n".join(text)
 
 
-def kernel_source(nodes: int, order: int) -> str:
-    """The module's text for that number of nodes and curvatures; the same catalogue gives the same text."""
+@dataclass(frozen=True)
+class Parts:
+    """Code that a back end chooses: where the base's motion comes from, what is kept after a step, and at the end;
+    what comes before the first step.
+    """
+
+    command: str = TABLE
+    kept: str = TRAJECTORY
+    summary: str = SUMMARY
+    before: str = ""
+
+
+def filled_template(order: int, parts: Parts) -> str:
+    """The template with the effects' code in it; loops over coordinates and arrays still as written."""
     remembering_flags = [f"active[{k}]" for k, effect in enumerate(catalogue().values()) if effect.remembers]
     tip_changing = [kind for kind in TIP_TARGETS if _changing(kind)]
     replacements = {
+        "@COMMAND@": parts.command,
+        "@KEPT@": parts.kept,
+        "@SUMMARY@": parts.summary,
+        "@BEFORE@": parts.before,
         "@SECTION_CONSTANT@": "\n".join([_sums(SECTION_TARGETS, True, " " * 8), _stiffness(False)]),
         "@SECTION_CHANGING@": "\n".join([_sums(SECTION_TARGETS, False, " " * 16), _stiffness(True)]),
         "@TIP_CONSTANT@": "\n".join([_sums(TIP_TARGETS, True, " " * 4), _bodies(), _gravity(" " * 4), _copies()]),
@@ -287,8 +304,23 @@ def kernel_source(nodes: int, order: int) -> str:
     template = TEMPLATE
     for mark, text in replacements.items():
         template = template.replace(mark, text)
+    return template
+
+
+def bodies() -> int:
+    """How many compact bodies may hang at the tip."""
+    return len(_hung())
+
+
+def array_sizes(nodes: int, order: int) -> dict[str, tuple[int, ...]]:
+    """The block's arrays, without the lane."""
     extents = {"parameters": len(parameter_rows()), "coordinates": order + 2, "nodes": nodes, "three": 3, "four": 4}
     extents |= {"stores": len(_slots()), "bodies": len(_hung())}
     shapes = {**ARRAYS, **{name: ARRAYS[source] for name, source in _fixed_arrays().items()}}
-    sizes = {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
-    return unrolled_source(template, {"n": order, "NODES": nodes, "BLOCK": BLOCK, "BODIES": len(_hung())}, sizes)
+    return {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
+
+
+def kernel_source(nodes: int, order: int) -> str:
+    """The module's text for that number of nodes and curvatures; the same catalogue gives the same text."""
+    constants = {"n": order, "NODES": nodes, "BLOCK": BLOCK, "BODIES": bodies()}
+    return unrolled_source(filled_template(order, Parts()), constants, array_sizes(nodes, order))

@@ -20,14 +20,14 @@ from tentacle.private_cache import cache_folder
 __all__ = ["BLOCK", "advance_blocks", "load_kernel"]
 
 
-def _kernel_file(source: str, nodes: int, order: int) -> Path:
-    name = f"kernel_{nodes}_{order}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
+def _file(name: str, source: str) -> Path:
+    name = f"{name}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     return cache_folder("kernels", "TENTACLE_KERNELS") / f"{name}.py"
 
 
 def is_compiled(nodes: int, order: int) -> bool:
     """Whether this computer has the kernel in machine code already: numba's index of it lies in the cache."""
-    file = _kernel_file(kernel_source(nodes, order), nodes, order)
+    file = _file(f"kernel_{nodes}_{order}", kernel_source(nodes, order))
     return any(file.parent.glob(f"__pycache__/{file.stem}.advance-*.nbi"))
 
 
@@ -36,16 +36,19 @@ def load_kernel(nodes: int, order: int) -> ModuleType:
     """The kernel for that number of quadrature nodes and curvatures; compiled on first use (several seconds),
     then loaded from the cache.
     """
-    source = kernel_source(nodes, order)
-    path = _kernel_file(source, nodes, order)
-    name = path.stem
+    return module_of(f"kernel_{nodes}_{order}", kernel_source(nodes, order))
+
+
+def module_of(name: str, source: str) -> ModuleType:
+    """The module of a generated text, which is kept in the cache folder under its name and the hash of the text."""
+    path = _file(name, source)
     if not path.exists() or path.read_bytes() != source.encode():  # numba's cache goes by the file's age and size
         partial = path.with_suffix(f".{os.getpid()}.part")
         partial.write_text(source)
         partial.replace(path)
-    module = ModuleType(name)
+    module = ModuleType(path.stem)
     module.__file__ = str(path)
-    sys.modules[name] = module
+    sys.modules[path.stem] = module
     exec(compile(source, str(path), "exec"), module.__dict__)  # the text made here, whatever lies in the cache
     return module
 

@@ -17,6 +17,7 @@ from affine_model.effect import ARM_QUANTITIES, NODE_QUANTITIES, STATE_QUANTITIE
 SPELLING = {
     **{name: f"{name}[i]" for name in NODE_QUANTITIES},
     **{name: name for name in ARM_QUANTITIES},
+    "t": "t[b]",
     **{name: f"{name}[i, b]" for name in STATE_QUANTITIES},
 }
 

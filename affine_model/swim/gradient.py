@@ -1,7 +1,8 @@
 """The gradient of mean thrust over the nine parameters by reverse differentiation (torch), to check and to compare.
 
-It is exact, and it serves any number of parameters at one price; but with nine of them the 18 neighbours of a point,
-run as one batch of the compiled kernel, are hundreds of times faster (benchmarks/swim.py). So polish uses those.
+It is that of the operator's own steps (affine_model.torch_adjoint), and serves any number of parameters at one price.
+With nine of them the 18 neighbours of a point, run as one batch of the compiled kernel, are faster. So polish uses
+those.
 """
 
 from __future__ import annotations
@@ -37,13 +38,10 @@ def thrust_gradient(trial: Trial, alpha: Array) -> tuple[float, Array]:
     The base is clamped, and no limits scale the gait.
     """
     point = torch.tensor(alpha, dtype=torch.float64, requires_grad=True)
-    settled = 2 * round(0.5 * trial.settle / trial.step)
     middles = (torch.arange(trial.steps, dtype=torch.float64) + 0.5) * trial.step
     base = torch_gait(point, middles, trial.limits.bandwidth)[:, :, None]
     parameters = torch.from_numpy(trial.parameters[:, :1].copy())
-    batch = torch_simulate(
-        trial.arm, parameters, base, trial.step, stride=0, average_from=settled * trial.step, iterations=2
-    )
+    batch = torch_simulate(trial.arm, parameters, base, trial.step, stride=0, average_from=trial.settled * trial.step)
     thrust = -batch.mean_thrust.sum()
     (gradient,) = torch.autograd.grad(thrust, point)
     return float(thrust.detach()), gradient.numpy()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
+from affine_model.swim.evaluate import Bounds
 from tentacle.errors import InputError
 from tentacle.servo_limits import ServoLimits
 
@@ -43,14 +44,10 @@ class GaitLimits:
             )
 
     @property
-    def kinematic(self) -> Array:
-        """Largest |theta|, |theta'|, |theta''| (3,)."""
-        return np.array([self.servo.angle, self.servo.speed, self.servo.acceleration])
-
-    def scale(self, peaks: Array) -> Array:
-        """The factor (B,) <= 1 on the amplitudes that brings peaks (3, B) within the limits (gaits are linear)."""
-        with np.errstate(divide="ignore"):
-            return np.minimum(1.0, np.min(self.kinematic[:, None] / peaks, axis=0))
+    def bounds(self) -> Bounds:
+        """What a batch of gaits is scaled to."""
+        servo = self.servo
+        return Bounds(np.array([servo.angle, servo.speed, servo.acceleration]), self.bandwidth)
 
 
 @dataclass(frozen=True)

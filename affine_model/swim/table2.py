@@ -10,7 +10,7 @@ that, not in the paper: the best sine and the best gait with all that the servo 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -83,23 +83,27 @@ def table2(
     seed: int = 0,
     reference: Callable[[Model, Gait], float] | None = None,
     lengths: tuple[float, ...] = tuple(PRINTED),
+    device: str | None = None,
 ) -> list[Row]:
-    """Table II on the affine model; reference(model, gait) gives another simulation's speed [m/s] on PAPER_RAIL."""
-    return [_row(length, objective, evaluations, seed, reference) for length in lengths]
+    """Table II on the affine model; reference(model, gait) gives another simulation's speed [m/s] on PAPER_RAIL.
+
+    device: where torch runs the searches' batches, as in Trial.
+    """
+
+    def best(model: Model, limits: GaitLimits) -> Swimming:
+        trial = replace(trial_of(model, limits), device=device)
+        return optimise(trial, OBJECTIVES[objective], evaluations=evaluations, seed=seed)
+
+    return [_row(length, best, reference) for length in lengths]
 
 
 def _row(
     length: float,
-    objective: str,
-    evaluations: int,
-    seed: int,
+    best: Callable[[Model, GaitLimits], Swimming],
     reference: Callable[[Model, Gait], float] | None,
 ) -> Row:
     model = assumed_model(paper_cone(length), SILICONE)
-    within_map, within_servo = (
-        optimise(trial_of(model, limits), OBJECTIVES[objective], evaluations=evaluations, seed=seed)
-        for limits in (MAP_LIMITS, SERVO_LIMITS)
-    )
+    within_map, within_servo = best(model, MAP_LIMITS), best(model, SERVO_LIMITS)
     slow, fast = (_map_sine(model, band) for band in (SLOW_BAND, FAST_BAND))
     gaits = (slow, fast, within_map.gait, within_servo.sine, within_servo.gait)
     trial = trial_of(model)

@@ -56,7 +56,7 @@ def best_sine(trial: Trial, objective: Objective, rounds: int = 3, count: int = 
     for _ in range(rounds):
         frequencies, shares = (axis.ravel() for axis in np.meshgrid(frequency, share))
         omega = 2.0 * np.pi * frequencies
-        largest = np.min(limits.kinematic[:, None] / np.stack([np.ones_like(omega), omega, omega**2]), axis=0)
+        largest = np.min(limits.bounds.kinematic[:, None] / np.stack([np.ones_like(omega), omega, omega**2]), axis=0)
         outcome = run(trial, sine_gaits(shares * largest, frequencies))
         values = scores(objective, trial, outcome)
         leader = int(np.argmax(values))

@@ -14,9 +14,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from affine_model.advance import Drive, Pace, Rail
 from affine_model.arm import Arm, arm_of, parameter_vector, refuse_soft_sections
 from affine_model.curvature import Array
-from affine_model.simulate import Rail, simulate
+from affine_model.swim.evaluate import evaluate
 from affine_model.swim.gaits import gait_tables
 from affine_model.swim.limits import GaitLimits
 from tentacle.errors import InputError
@@ -34,6 +35,7 @@ class Trial:
 
     arm, parameters (R, K): K samples of the model's parameters, every gait is run on each. settle [s] is left out of
     the means, window [s] is averaged over. rail: see on_rail; None clamps the base. step [s]: accuracy alone sets it.
+    device: where torch runs the batches ("cpu", "cuda:0"); None calls the compiled kernel on numpy arrays.
     """
 
     arm: Arm
@@ -43,6 +45,12 @@ class Trial:
     settle: float = 2.0
     window: float = 6.0
     step: float = 1.0 / 120.0
+    device: str | None = None
+
+    @property
+    def settled(self) -> int:
+        """Steps that are left out of the means, even."""
+        return 2 * round(0.5 * self.settle / self.step)
 
     @property
     def steps(self) -> int:
@@ -91,36 +99,34 @@ def within_limits(alpha: Array, limits: GaitLimits, seconds: float, step: float)
     """Gaits (9, B), amplitudes scaled down where angle, speed or acceleration leave the limits in that time."""
     _, peaks = gait_tables(alpha, round(seconds / step) + 1, step, limits.bandwidth)
     scaled = np.array(alpha, dtype=float)
-    scaled[:3] *= limits.scale(peaks)
+    scaled[:3] *= limits.bounds.scale(peaks)
     return scaled
 
 
 def run(trial: Trial, alpha: Array) -> Outcome:
     """Try gaits alpha (9, B), scaled to the servo's limits first."""
     alpha = np.atleast_2d(np.asarray(alpha, dtype=float).T).T
-    count, samples, steps = alpha.shape[1], trial.parameters.shape[1], trial.steps
-    table, peaks = gait_tables(alpha, steps, trial.step, trial.limits.bandwidth, 0.5 * trial.step)
-    scale = trial.limits.scale(peaks)
-    table *= scale
+    genes = np.ascontiguousarray(alpha.T)
+    own = trial.arm, Drive(rail=trial.rail)
+    bounds, timing = trial.limits.bounds, (Pace(trial.step, 2, trial.settled), trial.steps)
+    if trial.device is None:
+        found = evaluate(*own, genes, trial.parameters, bounds, timing)
+    else:
+        import torch
+
+        from affine_model.swim.torch_evaluate import population, swum
+
+        given = population(genes, trial.device), torch.from_numpy(trial.parameters)
+        found = swum(*own, *given, bounds, timing).cpu().numpy()
+    thrust, speed, power, torque, lost, scale = found
     scaled = np.array(alpha)
-    scaled[:3] *= scale
-    settled = 2 * round(0.5 * trial.settle / trial.step)
-    batch = simulate(
-        trial.arm,
-        np.tile(trial.parameters, count),
-        np.repeat(table, samples, axis=2) if samples > 1 else table,
-        trial.step,
-        rail=trial.rail,
-        stride=2,
-        average_from=settled * trial.step,
-    )
-    shape = (count, samples)
-    seconds = (steps - settled) * trial.step
+    scaled[:3] *= scale[:, 0]
+    sound = lost < 0.0
     return Outcome(
         alpha=scaled,
-        thrust=-batch.mean_thrust.reshape(shape),
-        speed=-((batch.rail[-1] - batch.rail[settled // 2]) / seconds).reshape(shape),
-        power=batch.mean_power.reshape(shape),
-        torque=np.max(np.abs(batch.torque[settled // 2 :]), axis=0).reshape(shape),
-        diverged=np.isfinite(batch.diverged).reshape(shape),
+        thrust=np.where(sound, thrust, np.nan),
+        speed=speed,
+        power=np.where(sound, power, np.nan),
+        torque=torque,
+        diverged=~sound,
     )

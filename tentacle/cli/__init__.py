@@ -23,7 +23,7 @@ A RECORDING is an import folder (recording.toml with a video, a midline or marke
 EPILOG = "`tentacle VERB --help` says more. Exit codes: 0 done, 2 bad input (one line says what), 130 stopped (Ctrl-C)."
 
 # What not everyone needs: module -> the extra that brings it.
-EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "nicegui": "app"}
+EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "warp": "gpu", "nicegui": "app"}
 
 
 class _HelpFormatter(argparse.RawDescriptionHelpFormatter):

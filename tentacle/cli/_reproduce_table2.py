@@ -18,6 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder for table2.csv, table2.json and report.html")
     parser.add_argument("--evaluations", type=int, default=5000, help="gaits tried per search; default: 5000")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--device", default="auto", help="cpu, cuda, cuda:1; auto (default): CUDA where there is one")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -26,17 +27,19 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from affine_model.swim import table2 as table
+    from affine_model.swim.device import chosen_device
     from tentacle.cli._progress import stages
     from tentacle.cli._swimming import reference_speed
     from tentacle.io.result_folder import written
 
-    rows = []
+    rows, device = [], chosen_device(arguments.device)
     with stages() as stage:
         for length in table.PRINTED:
             stage(f"optimising the {100 * length:.0f} cm arm")
             rows += table.table2(
-                evaluations=arguments.evaluations, seed=arguments.seed, reference=reference_speed, lengths=(length,)
-            )
+                evaluations=arguments.evaluations, seed=arguments.seed, reference=reference_speed, lengths=(length,),
+                device=device,
+            )  # fmt: skip
     lines = table.cells(rows)
     with written(arguments.out) as folder:
         with (folder / "table2.csv").open("w", encoding="utf-8", newline="") as file:

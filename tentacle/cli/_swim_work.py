@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,9 @@ VERSION = "2"  # of what a search computes
 def search_tasks(
     model: Model, limits: GaitLimits, settings: Mapping[str, Any], seeds: Sequence[int]
 ) -> list[dict[str, Any]]:
-    """One task a seed; settings hold objective, method, evaluations and robust (samples, 0: at the estimates)."""
+    """One task a seed; settings hold objective, method, evaluations, robust (samples, 0: at the estimates) and
+    device (of torch, None: none).
+    """
     from tentacle.io.model_file import model_tables
 
     common = {"model": model_tables(model), "limits": asdict(limits), **settings}
@@ -34,6 +36,7 @@ def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     model = parse_model(Table(dict(task["model"]), file=None, name="model"))
     limits = dict(task["limits"])
     trial = trial_of(model, GaitLimits(ServoLimits(**limits.pop("servo")), **limits))
+    trial = replace(trial, device=task.get("device"))
     if task["robust"]:
         trial = robust_trial(trial, model, task["robust"], seed=0)
     objective = OBJECTIVES[task["objective"]]

@@ -35,13 +35,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robust", type=int, default=0, metavar="N", help="over N samples of the model's intervals")
     parser.add_argument("--restarts", type=int, default=1, metavar="N", help="searches from N seeds side by side")
     parser.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler for the searches (default: processes)")
+    parser.add_argument("--device", default="auto", help="cpu, cuda, cuda:1; auto (default): CUDA where there is one")
     parser.add_argument("--front", action="store_true", help="also trace the front of speed against power")
     parser.add_argument("--no-reference", action="store_true", help="leave out the check on the MuJoCo reference")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Search, check, write; an interrupted search goes on where it stopped when called again."""
+    from dataclasses import replace
+
     from affine_model.swim import robust_trial, trial_of
+    from affine_model.swim.device import chosen_device
     from tentacle.cli._swim_work import best_of_restarts
     from tentacle.cli._swimming import result_tables
     from tentacle.errors import InputError
@@ -55,10 +59,12 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.restarts < 1:
         raise InputError(f"{arguments.restarts} is not usable", field="--restarts", expected="1 or more")
     model, limits = read_arm(arguments.arm, arguments.silicone), read_limits(arguments.limits)
-    at_estimates = trial_of(model, limits)
+    device = chosen_device(arguments.device)
+    at_estimates = replace(trial_of(model, limits), device=device)
     trial = robust_trial(at_estimates, model, arguments.robust, seed=0) if arguments.robust else at_estimates
     if arguments.restarts > 1 or arguments.cluster:
         settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "robust")}
+        settings["device"] = device
         seeds = range(arguments.seed, arguments.seed + arguments.restarts)
         found = best_of_restarts(model, limits, settings, seeds, arguments.out / "searches", arguments.cluster)
     else:
@@ -69,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
             tables["reference"] = check_on_reference(model, found)
         except InputError as error:  # an effect of the reduced model that the reference lacks
             tables["left_out"] = {"reference": str(error)}
-    front = trace_front(model, limits, found) if arguments.front else None
+    front = trace_front(at_estimates, found) if arguments.front else None
     with written(arguments.out) as folder:
         write_answer(arguments, at_estimates, found, tables, front, folder)
     for line in summary(tables):
@@ -204,15 +210,14 @@ def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
     }
 
 
-def trace_front(model: Model, limits: GaitLimits, found: Swimming) -> Front:
+def trace_front(trial: Trial, found: Swimming) -> Front:
     """The front of speed against power at the model's estimates."""
     import numpy as np
 
-    from affine_model.swim import PAPER_RAIL, pareto_front, search_box, trial_of
+    from affine_model.swim import PAPER_RAIL, pareto_front, search_box
 
-    known = np.array([found.gait.alpha, found.sine.alpha]).T
-    trial = trial_of(model, limits, PAPER_RAIL)
-    return pareto_front(trial, search_box(limits), known=known, evaluations=8000, seed=found.seed)
+    known, box = np.array([found.gait.alpha, found.sine.alpha]).T, search_box(trial.limits)
+    return pareto_front(trial.on_rail(PAPER_RAIL), box, known=known, evaluations=8000, seed=found.seed)
 
 
 def front_table(front: Front) -> dict[str, list[Any]]:

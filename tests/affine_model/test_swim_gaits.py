@@ -69,9 +69,9 @@ def test_limits_hold_between_the_samples():
     scaled = within_limits(random_gaits(40, seed=3), LIMITS, 20.0, 0.005)
     _, peaks = gait_tables(scaled, 80000, 0.00025, LIMITS.bandwidth)
     # A peak between samples 5 ms apart rises by at most (2 pi 5 Hz x 2.5 ms)^2 / 2 = 0.3 %.
-    assert np.all(peaks <= 1.004 * LIMITS.kinematic[:, None])
+    assert np.all(peaks <= 1.004 * LIMITS.bounds.kinematic[:, None])
     # Nothing is scaled further than needed: every gait was too large, so each now touches one limit.
-    assert np.all(np.max(peaks / LIMITS.kinematic[:, None], axis=0) > 0.999)
+    assert np.all(np.max(peaks / LIMITS.bounds.kinematic[:, None], axis=0) > 0.999)
 
 
 def test_gentle_gaits_stay_as_they_are():

@@ -19,6 +19,7 @@ from affine_model.swim import (
     parameter_samples,
     robust_trial,
     run,
+    search,
     search_box,
     sine_gaits,
     sine_map,
@@ -133,7 +134,7 @@ def test_the_optimised_gait_obeys_the_servo_and_beats_the_sine():
     t = np.arange(0.0, 120.0, 1e-3)
     peaks = np.max(np.abs(result.gait(t)), axis=1)
     assert np.all(
-        peaks <= TRIAL.limits.kinematic * 1.001
+        peaks <= TRIAL.limits.bounds.kinematic * 1.001
     )  # sampled at 2 ms: a peak in between is (2 pi 5 Hz x 1 ms)^2/2 higher
     assert result.promise.torque <= TRIAL.limits.torque
     assert result.gain > 1.2
@@ -189,14 +190,23 @@ def test_what_cannot_swim_is_one_line():
 
 
 def test_gradient_through_torch_equals_the_batch_differences():
-    # Half a second of a gentle gait. The kernel takes one Newton correction a step where torch takes two: 0.3 % apart
-    # at a step of 1/200 s, a quarter of that at half the step.
     brief = replace(TRIAL, limits=GaitLimits(ServoLimits(9.0, 900.0, 9e4)), settle=0.2, window=0.3, step=1 / 200)
     alpha = np.array([0.2, 0.1, 0.1, 6.0, 4.0, 5.0, 0.3, 1.0, 2.0])
     value, gradient = thrust_gradient(brief, alpha)
-    offsets = 1e-4 * np.eye(9)
-    around = alpha[:, None] + np.concatenate([np.zeros((9, 1)), offsets, -offsets], axis=1)
+    around = alpha[:, None] + 1e-4 * np.concatenate([np.zeros((9, 1)), *(k * np.eye(9) for k in (2, 1, -1, -2))], 1)
     thrust = run(brief, around).thrust[:, 0]
-    differences = (thrust[1:10] - thrust[10:]) / 2e-4
-    assert value == pytest.approx(thrust[0], rel=6e-3)
-    assert np.max(np.abs(gradient - differences)) < 6e-3 * np.max(np.abs(differences))
+    far, near, behind, farthest = thrust[1:].reshape(4, 9)
+    differences = (8.0 * (near - behind) - (far - farthest)) / 12e-4
+    assert value == pytest.approx(thrust[0], rel=1e-12)
+    np.testing.assert_allclose(gradient, differences, atol=1e-6 * np.max(np.abs(differences)))
+
+
+def test_torch_and_numpy_pick_the_same_gait():
+    """The population as a tensor on the CPU: the same kernel on the same memory, so the same search to the last bit."""
+    box = search_box(TRIAL.limits)
+    brief = replace(TRIAL, settle=0.5, window=1.0)
+    courses = [
+        [g.scores for g in search(replace(brief, device=device), THRUST, box, "ga", evaluations=150, seed=3)]
+        for device in (None, "cpu")
+    ]
+    np.testing.assert_array_equal(*courses)

@@ -4,11 +4,11 @@
 by affine_model.kernel.unroll. n is the order, NODES the number of quadrature nodes, b the individual's lane.
 """
 
-from affine_model.kernel.template.motion import MOTION
-from affine_model.kernel.template.outcome import OUTCOME
+from affine_model.kernel.template.motion import MOTION, TABLE
+from affine_model.kernel.template.outcome import OUTCOME, SUMMARY, TRAJECTORY
 from affine_model.kernel.template.solution import SOLUTION
 from affine_model.kernel.template.start import ARRAYS, START
 
-__all__ = ["ARRAYS", "TEMPLATE"]
+__all__ = ["ARRAYS", "SUMMARY", "TABLE", "TEMPLATE", "TRAJECTORY"]
 
 TEMPLATE = START + MOTION + SOLUTION + OUTCOME

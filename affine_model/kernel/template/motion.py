@@ -1,12 +1,6 @@
 """A step's predictor, the motion of all sections at mid-step, and the assembly of residual and matrix over them."""
 
-MOTION = """\
-    for step in range(steps):
-        t = t0 + (step + 0.5) * h
-        # Predictor: the mean acceleration of the step, extrapolated from the two before.
-        for b in range(BLOCK):
-            for j in unrolled(n + 2):
-                acc[j, b] = 2.0 * last[j, b] - before[j, b]
+TABLE = """\
         if own_base:
             for b in range(BLOCK):
                 for k in unrolled(3):
@@ -15,12 +9,23 @@ MOTION = """\
             for b in range(BLOCK):
                 for k in unrolled(3):
                     command[k, b] = base[k, step, base_lane[b]]
+"""
+
+MOTION = """\
+    for step in range(steps):
+        for b in range(BLOCK):
+            t[b] = t0[lane[b]] + (float(step) + 0.5) * h
+        # Predictor: the mean acceleration of the step, extrapolated from the two before.
+        for b in range(BLOCK):
+            for j in unrolled(n + 2):
+                acc[j, b] = 2.0 * last[j, b] - before[j, b]
+@COMMAND@
         if not free_theta:
             for b in range(BLOCK):
                 mid[n, b] = command[0, b]
                 mid_rate[n, b] = command[1, b]
                 acc[n, b] = command[2, b]
-        rounds = iterations if step > 1 else iterations + 3
+        rounds = iterations if step + age > 1 else iterations + 3
         for iteration in range(rounds):
             for b in range(BLOCK):
                 for j in unrolled(n):
@@ -59,12 +64,12 @@ MOTION = """\
             for i in range(NODES):
                 for b in range(BLOCK):
                     for j in unrolled(n + 1):
-                        jac_x[j, i, b] = total(LWA[j, i, k] * normal_x[k, b] for k in unrolled(NODES))
-                        jac_y[j, i, b] = total(LWA[j, i, k] * normal_y[k, b] for k in unrolled(NODES))
+                        jac_x[j, i, b] = length * total(WA[j, i, k] * normal_x[k, b] for k in unrolled(NODES))
+                        jac_y[j, i, b] = length * total(WA[j, i, k] * normal_y[k, b] for k in unrolled(NODES))
                     velocity_x[b] = total(jac_x[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1))
                     velocity_y[b] = mid_rate[n + 1, b] + total(jac_y[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1))
-                    acceleration_x[b] = total(LW[i, k] * swing_x[k, b] for k in unrolled(NODES))
-                    acceleration_y[b] = acc[n + 1, b] + total(LW[i, k] * swing_y[k, b] for k in unrolled(NODES))
+                    acceleration_x[b] = length * total(W[i, k] * swing_x[k, b] for k in unrolled(NODES))
+                    acceleration_y[b] = acc[n + 1, b] + length * total(W[i, k] * swing_y[k, b] for k in unrolled(NODES))
                     # The base angle's lever arm is the position itself: dr/d theta = (-y, x).
                     x[i, b] = jac_y[n, i, b]
                     y[i, b] = -jac_x[n, i, b]

@@ -1,5 +1,42 @@
 """The end of a step: memories, the new state, divergence, means and what is kept of the trajectory."""
 
+TRAJECTORY = """\
+        if stride > 0 and (step + 1) % stride == 0:
+            for b in range(BLOCK):
+                if first + b < count:
+                    for j in range(n + 2):
+                        out_u[stored, j, first + b] = u[j, b]
+                        out_rate[stored, j, first + b] = v[j, b]
+                    for k in range(4):
+                        out_force[stored - 1, k, first + b] = window[k, b] / float(stride)
+            if out_past.shape[0] > 0:
+                for b in range(BLOCK):
+                    if first + b < count:
+                        for j in range(n + 2):
+                            out_past[stored - 1, j, first + b] = last[j, b]
+                            out_past[stored - 1, n + 2 + j, first + b] = before[j, b]
+                        out_past[stored - 1, 2 * n + 4, first + b] = integral[b]
+                        for slot in range(start_store.shape[0]):
+                            for i in range(NODES):
+                                out_store[stored - 1, slot, i, first + b] = store[slot, i, b]
+            stored += 1
+            for k in range(4):
+                for b in range(BLOCK):
+                    window[k, b] = 0.0
+"""
+
+SUMMARY = """\
+    kept = max(steps - average_from, 1)
+    for b in range(BLOCK):
+        if first + b < count:
+            for k in range(4):
+                summary[k, first + b] = sums[k, b] / float(kept)
+            summary[4, first + b] = diverged[b]
+            for j in range(n + 2):
+                summary[5 + j, first + b] = u[j, b]
+                summary[7 + n + j, first + b] = v[j, b]
+"""
+
 OUTCOME = """\
         if @REMEMBERS@:
             for i in range(NODES):
@@ -24,7 +61,7 @@ OUTCOME = """\
             for b in range(BLOCK):
                 u[n + 1, b] += h * v[n + 1, b] + 0.5 * h * h * acc[n + 1, b]
                 v[n + 1, b] += h * acc[n + 1, b]
-        started = 1.0 if step > 0 else 0.0
+        started = 1.0 if step + age > 0 else 0.0
         sound = 0.0
         for b in range(BLOCK):
             within = 1.0
@@ -33,14 +70,14 @@ OUTCOME = """\
                 last[j, b] = acc[j, b]
                 within *= 1.0 if (abs(u[j, b]) < 1e3) & (abs(v[j, b]) < 1e6) else 0.0
             sound += within
-        if not sound == BLOCK:
+        if sound < float(BLOCK):
             for b in range(BLOCK):
                 within = 1.0
                 for j in range(n + 2):
                     within *= 1.0 if (abs(u[j, b]) < 1e3) & (abs(v[j, b]) < 1e6) else 0.0
                 if within == 0.0:
                     if diverged[b] < 0.0:
-                        diverged[b] = t
+                        diverged[b] = t[b]
                     integral[b] = 0.0
                     for j in range(n + 2):
                         u[j, b] = 0.0
@@ -62,26 +99,6 @@ OUTCOME = """\
             sums[1, b] += counts * fluid_y[b]
             sums[2, b] += counts * power
             sums[3, b] += counts * (power if power > 0.0 else 0.0)
-        if stride > 0 and (step + 1) % stride == 0:
-            for b in range(BLOCK):
-                if first + b < count:
-                    for j in range(n + 2):
-                        out_u[stored, j, first + b] = u[j, b]
-                        out_rate[stored, j, first + b] = v[j, b]
-                    for k in range(4):
-                        out_force[stored - 1, k, first + b] = window[k, b] / stride
-            stored += 1
-            for k in range(4):
-                for b in range(BLOCK):
-                    window[k, b] = 0.0
-    kept = max(steps - average_from, 1)
-    for b in range(BLOCK):
-        if first + b < count:
-            for k in range(4):
-                summary[k, first + b] = sums[k, b] / kept
-            summary[4, first + b] = diverged[b]
-            for j in range(n + 2):
-                summary[5 + j, first + b] = u[j, b]
-                summary[7 + n + j, first + b] = v[j, b]
-
+@KEPT@
+@SUMMARY@
 """

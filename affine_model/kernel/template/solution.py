@@ -6,39 +6,40 @@ SOLUTION = """\
                 whole = 0.0
                 for b in range(BLOCK):
                     whole += abs(body_mass[body, b])
-                if whole == 0.0:
-                    continue
-                for b in range(BLOCK):
-                    reach = body_reach[body, b]
-                    drop = body_drop[body, b]
-                    displaced = body_displaced[body, b]
-                    carries = 0.5 * displaced  # a sphere's: affine_model.dynamics.BODY_ADDED_MASS
-                    heavy_mass = body_mass[body, b]
-                    tip_rate = mid_rate[n, b] + total(A_end[j] * mid_rate[j, b] for j in unrolled(n))
-                    tip_twist = acc[n, b] + total(A_end[j] * acc[j, b] for j in unrolled(n))
-                    sine, cosine = sincos(mid[n, b] + total(A_end[j] * mid[j, b] for j in unrolled(n)))
-                    place_x = drop * cosine - reach * sine
-                    place_y = drop * sine + reach * cosine
-                    for j in unrolled(n + 1):
-                        tip_x[j, b] = total(LwA[j, k] * normal_x[k, b] for k in unrolled(NODES)) - A_end[j] * place_y
-                        tip_y[j, b] = total(LwA[j, k] * normal_y[k, b] for k in unrolled(NODES)) + A_end[j] * place_x
-                    tip_x[n + 1, b] = 0.0
-                    tip_y[n + 1, b] = 1.0
-                    body_x = (total(Lw[k] * swing_x[k, b] for k in unrolled(NODES))
-                              - place_y * tip_twist - place_x * tip_rate * tip_rate)
-                    body_y = (total(Lw[k] * swing_y[k, b] for k in unrolled(NODES)) + acc[n + 1, b]
-                              + place_x * tip_twist - place_y * tip_rate * tip_rate)
-                    flow_x = (displaced + carries) * surge_x[b] - carries * body_x
-                    flow_y = (displaced + carries) * surge_y[b] - carries * body_y
-                    fluid_x[b] += flow_x
-                    fluid_y[b] += flow_y
-                    pull_x = (heavy_mass - displaced) * gravity_x[b] - heavy_mass * body_x + flow_x
-                    pull_y = (heavy_mass - displaced) * gravity_y[b] - heavy_mass * body_y + flow_y
-                    inertia = heavy_mass + carries
-                    for j in unrolled(n + 2):
-                        residual[j, b] += tip_x[j, b] * pull_x + tip_y[j, b] * pull_y
-                        for l in unrolled(j + 1):
-                            matrix[j, l, b] += inertia * (tip_x[j, b] * tip_x[l, b] + tip_y[j, b] * tip_y[l, b])
+                if whole > 0.0:
+                    for b in range(BLOCK):
+                        reach = body_reach[body, b]
+                        drop = body_drop[body, b]
+                        displaced = body_displaced[body, b]
+                        carries = 0.5 * displaced  # a sphere's: affine_model.dynamics.BODY_ADDED_MASS
+                        heavy_mass = body_mass[body, b]
+                        tip_rate = mid_rate[n, b] + total(A_end[j] * mid_rate[j, b] for j in unrolled(n))
+                        tip_twist = acc[n, b] + total(A_end[j] * acc[j, b] for j in unrolled(n))
+                        sine, cosine = sincos(mid[n, b] + total(A_end[j] * mid[j, b] for j in unrolled(n)))
+                        place_x = drop * cosine - reach * sine
+                        place_y = drop * sine + reach * cosine
+                        for j in unrolled(n + 1):
+                            tip_x[j, b] = (length * total(wA[j, k] * normal_x[k, b] for k in unrolled(NODES))
+                                           - A_end[j] * place_y)
+                            tip_y[j, b] = (length * total(wA[j, k] * normal_y[k, b] for k in unrolled(NODES))
+                                           + A_end[j] * place_x)
+                        tip_x[n + 1, b] = 0.0
+                        tip_y[n + 1, b] = 1.0
+                        body_x = (length * total(w[k] * swing_x[k, b] for k in unrolled(NODES))
+                                  - place_y * tip_twist - place_x * tip_rate * tip_rate)
+                        body_y = (length * total(w[k] * swing_y[k, b] for k in unrolled(NODES)) + acc[n + 1, b]
+                                  + place_x * tip_twist - place_y * tip_rate * tip_rate)
+                        flow_x = (displaced + carries) * surge_x[b] - carries * body_x
+                        flow_y = (displaced + carries) * surge_y[b] - carries * body_y
+                        fluid_x[b] += flow_x
+                        fluid_y[b] += flow_y
+                        pull_x = (heavy_mass - displaced) * gravity_x[b] - heavy_mass * body_x + flow_x
+                        pull_y = (heavy_mass - displaced) * gravity_y[b] - heavy_mass * body_y + flow_y
+                        inertia = heavy_mass + carries
+                        for j in unrolled(n + 2):
+                            residual[j, b] += tip_x[j, b] * pull_x + tip_y[j, b] * pull_y
+                            for l in unrolled(j + 1):
+                                matrix[j, l, b] += inertia * (tip_x[j, b] * tip_x[l, b] + tip_y[j, b] * tip_y[l, b])
             for b in range(BLOCK):
                 torque[b] = -residual[n, b]  # what the servo must give so that the base moves as prescribed
             if free_theta:

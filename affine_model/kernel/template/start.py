@@ -18,6 +18,7 @@ ARRAYS = {
     **dict.fromkeys(("force_n", "force_t", "slope_n", "slope_t", "tensor_xx", "tensor_xy", "tensor_yy"), ()),
     **dict.fromkeys(("tilt", "gravity_x", "gravity_y", "fluid_x", "fluid_y", "integral", "torque", "diverged"), ()),
     **dict.fromkeys(("body_mass", "body_reach", "body_drop", "body_displaced"), ("bodies",)),
+    "t": (),
     **dict.fromkeys(("tip_x", "tip_y"), ("coordinates",)),
     **dict.fromkeys(("sums", "window"), ("four",)),
     "command": ("three",),  # the row of the base table
@@ -33,7 +34,7 @@ from tentacle.compiled import njit
 FAST = {"contract", "reassoc", "arcp", "nsz", "afn"}  # not nnan: divergence must show
 
 
-@njit(fastmath=FAST, inline="always")
+@njit(fastmath=FAST, forceinline=True)
 def sincos(angle):
     """Sine and cosine to 1e-15 without a branch, so that the loop around it vectorises."""
     quadrant = np.floor(angle * 0.6366197723675814 + 0.5)
@@ -52,9 +53,9 @@ def sincos(angle):
 
 
 @njit(fastmath=FAST, cache=True, nogil=True, boundscheck=False, error_model="numpy")
-def advance(block, parameters, active, constants, s, area, second_moment, width, perimeter, LW, Lw, w, A, A_end,
-            C, base, servo, rail, free_theta, free_rail, h, steps, start, start_rate, start_store, iterations, stride,
-            average_from, t0, out_u, out_rate, out_force, summary):
+def advance(block, parameters, active, constants, s, area, second_moment, width, perimeter, W, Lw, w, A, A_end,
+            C, WA, wA, base, servo, rail, free_theta, free_rail, h, steps, age, t0, start, start_rate, start_past,
+            start_store, iterations, stride, average_from, out_u, out_rate, out_force, out_past, out_store, summary):
     length, density, fluid_density, payload, gravity = constants[:5]
     payload_reach, payload_drop, payload_density, gravity_angle = constants[5:]
     count = parameters.shape[1]
@@ -73,23 +74,19 @@ def advance(block, parameters, active, constants, s, area, second_moment, width,
         for j in range(n + 2):
             u[j, b] = start[j, lane[b]]
             v[j, b] = start_rate[j, lane[b]]
+            last[j, b] = start_past[j, lane[b]]
+            before[j, b] = start_past[n + 2 + j, lane[b]]
+        integral[b] = start_past[2 * n + 4, lane[b]]
         for i in range(NODES):
             for slot in range(start_store.shape[0]):
                 store[slot, i, b] = start_store[slot, i, lane[b]]
-    LWA = np.zeros((n + 1, NODES, NODES))  # what a unit of a coordinate's angle moves
-    LwA = np.zeros((n + 1, NODES))
-    for j in range(n + 1):
-        for k in range(NODES):
-            LwA[j, k] = -Lw[k] * A[k, j]
-            for i in range(NODES):
-                LWA[j, i, k] = -LW[i, k] * A[k, j]
     # Laws that neither the motion nor the time changes: once for all steps.
-    t = t0
     for i in range(NODES):
         pass
 @SECTION_CONSTANT@
     i = NODES - 1
 @TIP_CONSTANT@
+@BEFORE@
     stored = 0
     if stride > 0:
         for j in range(n + 2):

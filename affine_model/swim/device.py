@@ -1,0 +1,35 @@
+"""Where gaits are tried: the CPU, by torch where it is installed, or a CUDA device."""
+
+from __future__ import annotations
+
+import importlib.util
+
+from tentacle.errors import InputError
+
+AUTO, CPU = "auto", "cpu"
+
+
+def chosen_device(asked: str) -> str | None:
+    """The device of `auto`, `cpu`, `cuda` or `cuda:1`, as torch names it; None for the CPU where torch is missing.
+
+    Without torch the same compiled kernel is called on numpy arrays. InputError where CUDA is asked for and missing.
+    """
+    if asked not in (AUTO, CPU) and not (asked == "cuda" or asked.removeprefix("cuda:").isdecimal()):
+        raise InputError(f"{asked!r} is not known", field="device", expected="auto, cpu, cuda or cuda:NUMBER")
+    missing = [name for name in ("torch", "warp") if importlib.util.find_spec(name) is None]
+    if asked.startswith("cuda") and missing:
+        words = " and ".join({"torch": "PyTorch", "warp": "NVIDIA Warp"}[name] for name in missing)
+        raise InputError(f"{words} missing", field="device", expected="pip install 'tentacle-twin[gpu]'")
+    if "torch" in missing:
+        return None
+    if asked == CPU:
+        return CPU
+    import torch
+
+    if asked == AUTO:
+        return "cuda" if torch.cuda.is_available() and not missing else CPU
+    number = int(asked.partition(":")[2] or 0)
+    if number >= torch.cuda.device_count():
+        found = f"{torch.cuda.device_count()} CUDA devices are there"
+        raise InputError(f"{found}; {asked} is not among them", field="device", expected="a device that torch sees")
+    return asked

@@ -1,0 +1,62 @@
+"""evaluate as one torch operator, `tentacle::swim`: the compiled kernel on the CPU, one fused Warp kernel on CUDA.
+
+The population is a tensor of (individuals, genes). On the CPU its memory is read where it lies; on CUDA every thread
+makes its own gait and keeps its own arm, so a million gaits need no table of base motions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from affine_model.advance import Drive, Pace
+from affine_model.arm import Arm
+from affine_model.curvature import Array
+from affine_model.swim.evaluate import ROWS, Bounds, evaluate
+from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
+
+
+@torch.library.custom_op("tentacle::swim", mutates_args=(), device_types="cpu")
+def _swim(
+    arm: Tensor, drive: Tensor, genes: Tensor, parameters: Tensor, kinematic: Tensor,
+    bandwidth: float, step: float, steps: int, average_from: int,
+) -> Tensor:  # fmt: skip
+    bounds, timing = Bounds(kinematic.numpy(), bandwidth), (Pace(step, 2, average_from), steps)
+    given = genes.numpy(), parameters.numpy()
+    return torch.from_numpy(evaluate(arm_from_row(arm), drive_from_row(drive), *given, bounds, timing))
+
+
+@_swim.register_kernel("cuda")
+def _swim_cuda(
+    arm: Tensor, drive: Tensor, genes: Tensor, parameters: Tensor, kinematic: Tensor,
+    bandwidth: float, step: float, steps: int, average_from: int,
+) -> Tensor:  # fmt: skip
+    from affine_model.gpu import swim_on_device
+
+    own, pace = (arm_from_row(arm), drive_from_row(drive)), Pace(step, 2, average_from)
+    limits = kinematic.to(genes.device), bandwidth
+    columns = [swim_on_device(*own, sample, genes, limits, (pace, steps)) for sample in parameters.unbind(1)]
+    return torch.stack(columns, dim=2)
+
+
+@_swim.register_fake
+def _swim_shape(
+    arm: Tensor, drive: Tensor, genes: Tensor, parameters: Tensor, kinematic: Tensor,
+    bandwidth: float, step: float, steps: int, average_from: int,
+) -> Tensor:  # fmt: skip
+    del arm, drive, kinematic, bandwidth, step, steps, average_from
+    return genes.new_empty(ROWS, genes.shape[0], parameters.shape[1])
+
+
+def population(genes: Array, device: str) -> Tensor:
+    """The tensor (individuals, genes) of an array (B, 9): on the CPU of the same memory."""
+    return torch.from_numpy(np.ascontiguousarray(genes)).to(device)
+
+
+def swum(arm: Arm, drive: Drive, genes: Tensor, parameters: Tensor, bounds: Bounds, timing: tuple[Pace, int]) -> Tensor:
+    """affine_model.swim.evaluate.evaluate of a population (B, 9), on the device where it lies."""
+    pace, steps = timing
+    kinematic = torch.from_numpy(bounds.kinematic)
+    rows = arm_row(arm), drive_row(drive)
+    return _swim(*rows, genes, parameters, kinematic, bounds.bandwidth, pace.step, steps, pace.average_from)

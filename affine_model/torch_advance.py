@@ -1,0 +1,148 @@
+"""The batch simulation as one torch operator, `tentacle::advance`: the compiled kernel on the CPU, a generated Warp
+kernel on CUDA (affine_model.gpu), and a gradient on both.
+
+On the CPU nothing is copied: the kernel reads and writes the tensors' own memory. The gradient is that of what was
+computed, one Newton correction a step included (affine_model.torch_adjoint).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from affine_model.advance import Drive, Pace, Rail, Servo, State, advance
+from affine_model.arm import Arm
+from affine_model.torch_adjoint import pulled_back
+from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Specimen
+
+Outputs = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
+
+
+def arm_row(arm: Arm) -> Tensor:
+    """The arm as a row of numbers, since an operator of torch takes only tensors and numbers."""
+    section = arm.specimen.section
+    if isinstance(section, Cone):
+        shape = [0.0, section.base_radius, section.tip_radius]
+    else:
+        shape = [1.0, section.section_width, section.height]
+    specimen, gravity = arm.specimen, arm.gravity
+    payload = [specimen.tip_mass, specimen.tip_mass_reach, specimen.tip_mass_drop, specimen.tip_mass_density]
+    whole = [specimen.length, specimen.density, *payload, arm.fluid.density, gravity.angle, gravity.magnitude]
+    return torch.tensor([*shape, *whole, float(arm.order), float(arm.nodes)], dtype=torch.float64)
+
+
+def arm_from_row(row: Tensor) -> Arm:
+    """The arm of a row of numbers."""
+    return _arm(tuple(row.tolist()))
+
+
+@lru_cache(maxsize=64)
+def _arm(row: tuple[float, ...]) -> Arm:
+    kind, a, b, length, density, *payload, fluid, angle, magnitude, order, nodes = row
+    mass, reach, drop, of_payload = payload
+    section = Cone(a, b) if kind == 0.0 else Rectangle(a, b)
+    specimen = Specimen(section, length, density, mass, "section", reach, drop, of_payload)
+    return Arm(specimen, Fluid(fluid), Gravity(angle, magnitude), int(order), int(nodes))
+
+
+def drive_row(drive: Drive) -> Tensor:
+    """Servo and rail as a row of 11 numbers, each behind a flag that says whether it is there."""
+    servo, rail = drive.rows()
+    flags = float(drive.servo is not None), float(drive.rail is not None)
+    return torch.tensor([flags[0], *servo, flags[1], *rail], dtype=torch.float64)
+
+
+def drive_from_row(row: Tensor) -> Drive:
+    """The drive of a row of numbers."""
+    driven, stiffness, integral, damping, limit, rotor, slides, *rail = row.tolist()
+    servo = Servo(stiffness, damping, limit, integral, rotor) if driven else None
+    return Drive(servo, Rail(*rail) if slides else None)
+
+
+@torch.library.custom_op("tentacle::advance", mutates_args=(), device_types="cpu")
+def _advance(
+    arm: Tensor, drive: Tensor, parameters: Tensor, base: Tensor, times: Tensor,
+    u: Tensor, u_rate: Tensor, past: Tensor, store: Tensor,
+    step: float, stride: int, average_from: int, iterations: int, age: int, complete: bool,
+) -> Outputs:  # fmt: skip
+    state = State(*(tensor.contiguous().numpy() for tensor in (u, u_rate, past, store)))
+    given = [tensor.contiguous().numpy() for tensor in (parameters, base)]
+    pace = Pace(step, stride, average_from, iterations, age, complete)
+    start = times.contiguous().numpy(), state
+    course = advance(arm_from_row(arm), drive_from_row(drive), given[0], given[1], start, pace)
+    whole = (course.u, course.u_rate, course.force, course.past, course.store, course.summary)
+    a, b, c, d, e, f = (torch.from_numpy(array) for array in whole)
+    return a, b, c, d, e, f
+
+
+@_advance.register_kernel("cuda")
+def _advance_cuda(
+    arm: Tensor, drive: Tensor, parameters: Tensor, base: Tensor, times: Tensor,
+    u: Tensor, u_rate: Tensor, past: Tensor, store: Tensor,
+    step: float, stride: int, average_from: int, iterations: int, age: int, complete: bool,
+) -> Outputs:  # fmt: skip
+    from affine_model.gpu import advance_on_device
+
+    pace = Pace(step, stride, average_from, iterations, age, complete)
+    moving = (times, u, u_rate, past, store)
+    return advance_on_device(arm_from_row(arm), drive_from_row(drive), parameters, base, moving, pace)
+
+
+@_advance.register_fake
+def _advance_shapes(
+    arm: Tensor, drive: Tensor, parameters: Tensor, base: Tensor, times: Tensor,
+    u: Tensor, u_rate: Tensor, past: Tensor, store: Tensor,
+    step: float, stride: int, average_from: int, iterations: int, age: int, complete: bool,
+) -> Outputs:  # fmt: skip
+    del arm, drive, times, u_rate, step, average_from, iterations, age
+    count, kept = parameters.shape[1], base.shape[1] // stride if stride else 0
+    whole = kept if complete else 0
+    motion = parameters.new_empty(kept + 1, u.shape[0], count)
+    return (
+        motion,
+        torch.empty_like(motion),
+        parameters.new_empty(max(kept, 1), 4, count),
+        parameters.new_empty(whole, past.shape[0], count),
+        parameters.new_empty(whole, *store.shape[:2], count),
+        parameters.new_empty(5 + 2 * u.shape[0], count),
+    )
+
+
+def _remember(ctx: Any, inputs: tuple[Any, ...], output: Outputs) -> None:
+    del output
+    tensors, ctx.numbers = inputs[:9], inputs[9:]
+    ctx.save_for_backward(*tensors)
+
+
+def _backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
+    step, stride, average_from, iterations, age, _ = ctx.numbers
+    arm, drive, *tensors = ctx.saved_tensors
+    pace = Pace(step, stride, average_from, iterations, age)
+
+    def run(*arguments: Any) -> Outputs:
+        return _advance(arm, drive, *arguments)
+
+    wanted = (ctx.needs_input_grad[2], ctx.needs_input_grad[3])
+    with torch.no_grad():
+        found = pulled_back(run, arm_from_row(arm), drive_from_row(drive), tensors, pace, gradients, wanted)
+    return None, None, *found, *(None,) * 6
+
+
+_advance.register_autograd(_backward, setup_context=_remember)
+
+
+def advanced(
+    arm: Arm, drive: Drive, parameters: Tensor, base: Tensor, start: tuple[Tensor, ...], pace: Pace
+) -> Outputs:
+    """affine_model.advance.advance on tensors of one device, float64: (u, u_rate, force, past, store, summary).
+
+    start: times (B,), u, u_rate, past, store. Gradients flow from all outputs except past and store to parameters,
+    base, u, u_rate, past and store. Works under torch.compile.
+    """
+    return _advance(
+        arm_row(arm), drive_row(drive), parameters, base, *start,
+        pace.step, pace.stride, pace.average_from, pace.iterations, pace.age, pace.complete,
+    )  # fmt: skip
