@@ -10,7 +10,8 @@ from `tentacle app` to its page drawn in a headless Chromium; left out where the
 
 The rest is measured on a video that is not the tool's own picture of itself: the MuJoCo reference moves the arm in a
 current that the declaration leaves out, and the renderer films it. There downloads are left out, but for the build
-tool: the fresh environment sees the libraries of this one. import_s and help_s are processor time, path_minutes is the clock's.
+tool: the fresh environment sees the libraries of this one. import_s and help_s are processor time; path_minutes
+is the clock's.
 """
 
 from __future__ import annotations

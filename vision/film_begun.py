@@ -9,16 +9,7 @@ from pathlib import Path
 from tentacle.errors import InputError
 from tentacle.io.recording_template import Answers
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_video, frame_rate
-from tentacle.recording import Camera
-from tentacle.specimen import Cone, Specimen
-from vision.frames import read_frames
-from vision.guess import guess_camera
-
-
-def proposed_camera(film: Path, answers: Answers) -> Camera:
-    """Base, scale and direction as the first picture shows them; InputError where no arm stands out."""
-    arm = Specimen(Cone(answers.base_radius, answers.tip_radius), answers.length, answers.density)
-    return guess_camera(next(iter(read_frames(film, None))).image, arm, frame_rate(film))
+from vision.propose import propose
 
 
 def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
@@ -31,9 +22,10 @@ def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(film, folder / f"video{film.suffix.lower()}")
     try:
-        camera = proposed_camera(film, answers)
+        proposal = propose(film)
     except InputError as error:
         return answers, f"the film proposes no camera: {error.problem}"
+    camera = proposal.camera(answers.length, frame_rate(film))
     u, v = camera.base_px
     words = f"the film proposes: base at ({u:.0f}, {v:.0f}) px, {1e3 * camera.metres_per_px:.3g} mm a pixel"
-    return replace(answers, camera=camera), words
+    return replace(answers, camera=camera), "; ".join([words, *proposal.words])

@@ -36,8 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     if (arguments.folder / "recording.toml").exists():  # said before anything is asked
         write_recording_file(arguments.folder, "")
-    numbers = [_answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS]
-    answers, words = Answers(*numbers), ""
+    given = {name: _answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS}
+    answers, words = Answers(camera=None, **given), ""
     if arguments.video is not None:
         from vision.film_begun import begun
 

@@ -15,18 +15,7 @@ from tentacle.io.declaration_file import read_recording_file
 from tentacle.io.import_folder import read_folder
 from tests.docs.desk import film_an_arm
 
-ARM = [
-    "--length",
-    "0.14",
-    "--base-radius",
-    "0.0125",
-    "--tip-radius",
-    "0.001",
-    "--density",
-    "1070",
-    "--fluid-density",
-    "998",
-]
+ARM = ["--length=0.14", "--base-radius=0.0125", "--tip-radius=0.001", "--density=1070", "--fluid-density=998"]
 
 
 def test_an_unknown_verb_is_one_line_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
