@@ -63,7 +63,7 @@ class Forces:
         self._last = None
 
     def _take_water_out(self) -> None:
-        """MuJoCo's own fluid and the mass that stood for added mass leave; the arm's own numbers come in their place."""
+        """MuJoCo's own fluid and the mass that stood for added mass leave; the arm's own numbers take their place."""
         model = self.model
         model.opt.density, model.opt.viscosity = 0.0, 0.0
         for k in range(self.links):
@@ -209,6 +209,8 @@ def drive(model: Any, data: Any, base: Any, times: np.ndarray) -> np.ndarray:
             reached = data.time
             mujoco.mj_step(model, data)
             if not data.time > reached:  # MuJoCo begins anew where numbers run away
-                raise FloatingPointError(f"the arm ran away at {reached:.3f} s: a shorter timestep than {model.opt.timestep:g} s")
+                raise FloatingPointError(
+                    f"the arm ran away at {reached:.3f} s: a shorter timestep than {model.opt.timestep:g} s"
+                )
         kept[k] = data.qpos + (t - data.time) * data.qvel
     return kept

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 from tentacle.model import Model
@@ -64,7 +65,7 @@ class Carried:
 
 def carried_by(model: Model) -> Carried:
     """Sort the model's effects, the ones that every model has among them."""
-    names = [name for name in ("inertia", "weight", *model.parameters) if name not in ()]
+    names = list(dict.fromkeys(("inertia", "weight", *model.parameters)))
     left = {
         name: ELSEWHERE.get(name, "no law of it is known to the exporter") for name in names
         if name not in NATIVE and name not in SUBSTITUTED and name not in CALLBACK_ONLY
@@ -72,7 +73,7 @@ def carried_by(model: Model) -> Carried:
     kept = replace(model, parameters={name: values for name, values in model.parameters.items() if name not in left})
     wet = model.fluid.density > 0.0
 
-    def those(known: object) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(name for name in names if name in known))  # type: ignore[operator]
+    def those(known: Collection[str]) -> tuple[str, ...]:
+        return tuple(name for name in names if name in known)
 
     return Carried(kept, those(NATIVE), those(SUBSTITUTED) if wet else (), those(CALLBACK_ONLY), left)

@@ -13,7 +13,7 @@ Kutta's lift with the same coefficient turns the force from the velocity's direc
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,14 @@ from mujoco_ref.influence import value
 from mujoco_ref.simulate import make_stepper, plain_parameters
 from mujoco_ref.step import Stepper
 from mujoco_ref.water import (
-    ALONG, AREA, CARRIED, CARRIED_CENTRE, CARRIED_TURNING, PERIMETER, WEIGHT, WIDTH,
+    ALONG,
+    AREA,
+    CARRIED,
+    CARRIED_CENTRE,
+    CARRIED_TURNING,
+    PERIMETER,
+    WEIGHT,
+    WIDTH,
 )  # fmt: skip
 from tentacle.model import Model
 from tentacle.signals import Array
@@ -52,14 +59,14 @@ def export_mjcf(model: Model, links: int = 20) -> Mjcf:
     carried = carried_by(model)
     parameters = plain_parameters(carried.kept)
     known = {name: values for name, values in carried.kept.parameters.items() if name != "amplitude_damping"}
-    stepper = make_stepper(Model(model.specimen, model.fluid, model.gravity, model.order, known), links=links)
-    spec = _spec(stepper, model)
+    stepper = make_stepper(replace(model, parameters=known), links=links)
+    spec = _spec(stepper)
     _add_numbers(spec, stepper, value(parameters, "amplitude_damping", "b"))
     spec.compile()
     return Mjcf(_headed(spec.to_xml(), carried), carried)
 
 
-def _spec(stepper: Stepper, model: Model) -> Any:
+def _spec(stepper: Stepper) -> Any:
     """The chain with the clamp's drive and MuJoCo's own water."""
     chain, water = stepper.chain, stepper.water[0]
     source = chain.model
@@ -79,7 +86,6 @@ def _spec(stepper: Stepper, model: Model) -> Any:
         geometry.add(body, k)
     _add_points(body, source)
     _add_drive(spec)
-    del model
     return spec
 
 
@@ -216,7 +222,10 @@ def _add_numbers(spec: Any, stepper: Stepper, amplitude_damping: float) -> None:
 
 def _headed(xml: str, carried: Carried) -> str:
     """The XML with a comment that says what is in it, what arm_forces.py adds, what is in neither."""
-    lines = ["An arm identified by tentacle. Base frame: x along the normal, y along the straight arm; metres, radians.",
-             "ctrl: theta, its rate, its acceleration.", *carried.sentences()]  # fmt: skip
+    lines = [
+        "An arm identified by tentacle. Base frame: x along the normal, y along the straight arm; metres, radians.",
+        "ctrl: theta, its rate, its acceleration.",
+        *carried.sentences(),
+    ]
     comment = "<!--\n  " + "\n  ".join(line.replace("--", "- -") for line in lines) + "\n-->\n"
     return comment + xml
