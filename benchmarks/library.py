@@ -68,21 +68,29 @@ def stand_in_verdicts(folder: Path) -> None:
         place.mkdir(parents=True)
         E, sd = 2e5 * (1.0 - 2e-5 * k), 2e3
         verdict, effects = ("effect", "current") if k % 5 == 0 else ("nothing_missing", "")
-        values = [
-            ("elasticity", "E", E, sd, "Pa"),
-            ("damping", "eta", 1.5e3, 40.0, "Pa s"),
-            ("drag", "C_perp", 1.1, 0.02, "1"),
-        ]
         layer = {
             "sha256": row["sha256"], "code": code_version(), "verdict": verdict, "effects": effects,
-            "confidence": float(random.uniform(0.8, 1.0)), "before_mm": 0.3, "after_mm": float(random.uniform(0.14, 0.2)),
-            "floor_mm": 0.14, "held_out": True, "failed": None, "residual_mm": random.uniform(0, 0.3, (16, 60)).tolist(),
+            "confidence": float(random.uniform(0.8, 1.0)), "before_mm": 0.3, "floor_mm": 0.14, "held_out": True,
+            "after_mm": float(random.uniform(0.14, 0.2)), "failed": None,
+            "residual_mm": random.uniform(0, 0.3, (16, 60)).tolist(),
             "parameters": [
-                {"effect": e, "parameter": p, "value": v + s * random.standard_normal(), "low": v - 2 * s, "high": v + 2 * s, "unit": u}
-                for e, p, v, s, u in values
+                _parameter("elasticity", "E", E + sd * random.standard_normal(), sd, "Pa"),
+                _parameter("damping", "eta", 1.5e3 + 40.0 * random.standard_normal(), 40.0, "Pa s"),
+                _parameter("drag", "C_perp", 1.1 + 0.02 * random.standard_normal(), 0.02, "1"),
             ],
         }  # fmt: skip
         (place / LAYER).write_text(json.dumps(layer))
+
+
+def _parameter(effect: str, name: str, value: float, sd: float, unit: str) -> dict[str, object]:
+    return {
+        "effect": effect,
+        "parameter": name,
+        "value": value,
+        "low": value - 2 * sd,
+        "high": value + 2 * sd,
+        "unit": unit,
+    }
 
 
 def asked(folder: Path) -> dict[str, float]:

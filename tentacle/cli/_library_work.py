@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,23 +42,24 @@ def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
     from discovery.library.layer import failed_layer, layer_of
     from tentacle.cli.diagnose import write_answer
     from tentacle.errors import InputError
-    from tentacle.io.library.layers import LAYER
+    from tentacle.io.library.layers import LAYER, write_layer
     from tentacle.io.result_folder import written
     from vision.tracked_recording import read_tracked
 
     path, baseline = Path(task["path"]), [Path(file) for file in task["baseline"]]
-    failed = None
-    with written(Path(task["layer"])) as folder:
-        try:
-            recording = read_tracked(path, _quiet)
-            known = [read_tracked(file, _quiet) for file in baseline]
-            found = diagnose([recording], known, [], seed=task["seed"])
-            layer = layer_of(found, task["content"], task["code"])
+    home, failed = Path(task["layer"]), None
+    (home / LAYER).unlink(missing_ok=True)
+    try:
+        recording = read_tracked(path, _quiet)
+        known = [read_tracked(file, _quiet) for file in baseline]
+        found = diagnose([recording], known, [], seed=task["seed"])
+        layer = layer_of(found, task["content"], task["code"])
+        with written(home) as folder:
             write_answer(found, [recording], folder, f"tentacle library diagnose {path}", [path])
-        except InputError as error:
-            failed = error.line()
-            layer = failed_layer(failed, task["content"], task["code"])
-        (folder / LAYER).write_text(json.dumps(layer) + "\n", encoding="utf-8")
+    except InputError as error:
+        failed = error.line()
+        layer = failed_layer(failed, task["content"], task["code"])
+    write_layer(layer, home)  # last: a layer counts from here on
     return {"path": task["path"], "failed": failed}
 
 

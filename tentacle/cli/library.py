@@ -147,7 +147,10 @@ def _print(table: pa.Table) -> None:
         shown.add_column(name, no_wrap=True)
     for row in table.select(SHOWN).slice(0, PRINTED).to_pylist():
         shown.add_row(*(number(v) if isinstance(v, float) else _text(v) for v in row.values()))
-    Console().print(shown)
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=160)  # a file has no edge
+    console.print(shown)
     if table.num_rows > PRINTED:
         print(f"and {table.num_rows - PRINTED} more: the page and --csv hold all")
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.util import find_spec
@@ -52,6 +53,14 @@ def layer_key(content: str, settings: Mapping[str, Any]) -> str:
     """The name of a diagnosis of that content (SHA-256) with these settings (plain data)."""
     text = json.dumps([content, settings], sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def write_layer(layer: Mapping[str, Any], folder: Path) -> None:
+    """A layer's data into its folder, whole or not at all."""
+    folder.mkdir(parents=True, exist_ok=True)
+    partial = folder / f".{LAYER}.{os.getpid()}.partial"
+    partial.write_text(json.dumps(layer) + "\n", encoding="utf-8")
+    partial.replace(folder / LAYER)
 
 
 def layers_and_parameters(folders: Sequence[Path]) -> tuple[pa.Table, pa.Table]:

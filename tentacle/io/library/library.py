@@ -64,8 +64,8 @@ class Library:
         state: done, older code, new, failed, unreadable.
         """
         index, layers = read_index(self.index_file), self._stored("verdicts.parquet", LAYERS)
-        known = {row["sha256"]: row for row in layers.to_pylist()}
-        blank = dict.fromkeys(LAYERS.names)
+        known: dict[str, dict[str, Any]] = {row["sha256"]: row for row in layers.to_pylist()}
+        blank: dict[str, Any] = dict.fromkeys(LAYERS.names)
         rows = []
         for row in index.to_pylist():
             layer = known.get(row["sha256"])
@@ -103,9 +103,11 @@ def open_library(source: Path, home: Path | None = None, settings: Mapping[str, 
         raise InputError("no such folder or list", file=source, expected="a folder of .rrd files, or a list of them")
     home = source.with_name(f"{source.stem if source.is_file() else source.name}.library") if home is None else home
     memory = home / SETTINGS
-    if settings is None:
-        settings = json.loads(memory.read_text(encoding="utf-8")) if memory.exists() else {}
-    else:
+    chosen: dict[str, Any] = {}
+    if settings is not None:
+        chosen.update(settings)
         home.mkdir(parents=True, exist_ok=True)
-        memory.write_text(json.dumps(dict(settings)) + "\n", encoding="utf-8")
-    return Library(source, home.resolve(), dict(settings))
+        memory.write_text(json.dumps(chosen) + "\n", encoding="utf-8")
+    elif memory.exists():
+        chosen.update(json.loads(memory.read_text(encoding="utf-8")))
+    return Library(source, home.resolve(), chosen)
