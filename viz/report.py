@@ -77,6 +77,11 @@ class Report:
 
 def render(report: Report) -> str:
     """The page as one self-contained HTML text: style and figures inside, nothing loaded from elsewhere."""
+    return render_page("report.html", report=report)
+
+
+def render_page(template: str, **content: object) -> str:
+    """A template's page; `drawn(figure, caption)` puts a figure into it."""
     environment = Environment(
         loader=PackageLoader("viz"), autoescape=select_autoescape(default=True), undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
@@ -91,7 +96,7 @@ def render(report: Report) -> str:
         label = Markup.escape(caption)
         return Markup(element.replace("<svg ", f'<svg role="img" aria-label="{label}" ', 1))
 
-    return environment.get_template("report.html").render(report=report, drawn=drawn, bar=_bar)
+    return environment.get_template(template).render(**content, drawn=drawn, bar=_bar)
 
 
 def _bar(share: float) -> str:

@@ -76,6 +76,7 @@ def set_desk(desk: Path) -> Path:
     asked(f"simulate {desk}/arm.toml --out {desk}/sine.rrd {sine}")
     asked(f"simulate {desk}/arm.toml --out {desk}/chirp.rrd {chirp}")
     asked(f"identify {desk}/sine.rrd --out {desk}/answer")
+    asked(f"export {desk}/answer/model.toml --out {desk}/arm")
     for name in ("a", "b", "c", "again/trial_0017"):
         (desk / name).parent.mkdir(exist_ok=True)
         shutil.copy(desk / "sine.rrd", desk / f"{name}.rrd")

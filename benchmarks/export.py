@@ -1,0 +1,59 @@
+"""How well an exported arm shows the recordings that its model was diagnosed from: MuJoCo's error over ours.
+
+Five recordings of the reference, each with another effect that its declaration leaves out, are diagnosed; the model
+that the diagnosis wrote is exported and run under the recording's base motion. Asked: at most 1.1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from discovery.diagnose import diagnose
+from mujoco_ref.export.mjcf import export_mjcf
+from mujoco_ref.undeclared import Noise, make
+from tentacle.model import Estimate, Model
+from tentacle.specimen import WATER, Cone, Specimen
+from tentacle.waveform import Chirp
+from validation.export.in_mujoco import export_error
+
+HIDDEN = ({}, {"added_mass": "visible"}, {"current": "visible"}, {"tip_mass": "visible"}, {"linear_drag": "visible"})
+SECONDS, FPS = 12.0, 60.0
+
+
+def arm() -> Model:
+    values = {"elasticity": {"E": 2e5}, "damping": {"eta": 300.0}, "drag": {"C_perp": 1.1}}
+    exact = {effect: {name: Estimate.exact(v) for name, v in held.items()} for effect, held in values.items()}
+    return Model(Specimen(Cone(0.0125, 0.0015), 0.14, 1070.0), WATER, order=2, parameters=exact)
+
+
+def figures() -> dict[str, float]:
+    model, wave = arm(), Chirp(0.5, 0.3, 2.2, SECONDS)
+    ratios, alone = [], []
+    for seed, hidden in enumerate(HIDDEN):
+        name = "+".join(hidden) or "nothing"
+        recording, _ = make(hidden, model, wave, seed, SECONDS, FPS, Noise(midline=1.5e-4), name=name)
+        found = diagnose([recording], [], [], seed=seed)
+        answer = found.augmented_model
+        made = export_mjcf(answer)
+        error = export_error(made.xml, answer, recording)
+        print(f"{found.verdict} {'+'.join(found.effects)}; {error.sentence()}; left: {sorted(made.carried.left)}", flush=True)
+        ratios.append(error.with_forces_mm / error.ours_mm)
+        alone.append(error.alone_mm / error.ours_mm)
+    return {"export_ratio_worst": max(ratios), "export_alone_ratio_worst": max(alone)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--json", type=Path, metavar="FILE")
+    arguments = parser.parse_args()
+    found = figures()
+    for name, value in found.items():
+        print(f"{name}: {value:.4g}")
+    if arguments.json is not None:
+        arguments.json.write_text(json.dumps({"figures": found}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

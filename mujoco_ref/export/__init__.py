@@ -1,0 +1,1 @@
+"""The identified arm in files that MuJoCo reads without this project."""

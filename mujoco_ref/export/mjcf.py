@@ -1,0 +1,231 @@
+"""An identified arm as an MJCF file: the hinge chain of the reference, complete in itself, for MuJoCo alone.
+
+MuJoCo's own means carry what they can: joint stiffness (a cubic law too), damping, curvature at rest, weight, buoyancy
+(gravcomp), a payload, a steady current (wind) and drag (ellipsoid fluid model). Added mass is put into the links' mass,
+the same along every direction, with gravcomp rescaled so that the weight stays. The exact forces stand in
+arm_forces.py, which takes these substitutes out again (mujoco_ref.export.arm_forces).
+
+Drag: MuJoCo's is rho |u| (C_blunt A_proj + C_slender (A_max - A_proj)) u for an ellipsoid, so links as round as the arm
+bring end area and do not converge with their number. The fluid geoms are plates instead, thin along the normal: half
+width b = 2 r/pi and half length h give A_proj = pi b h = 2 r h across the flow, C_blunt = C_perp is eq. 15, and
+Kutta's lift with the same coefficient turns the force from the velocity's direction to the normal.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from mujoco_ref.chain import SMALLEST_INERTIA, SMALLEST_MASS, Chain
+from mujoco_ref.engine import mujoco
+from mujoco_ref.export.arm_forces import PREFIX
+from mujoco_ref.export.carried import Carried, carried_by
+from mujoco_ref.influence import value
+from mujoco_ref.simulate import make_stepper, plain_parameters
+from mujoco_ref.step import Stepper
+from mujoco_ref.water import (
+    ALONG,
+    AREA,
+    CARRIED,
+    CARRIED_CENTRE,
+    CARRIED_TURNING,
+    PERIMETER,
+    WEIGHT,
+    WIDTH,
+)  # fmt: skip
+from tentacle.model import Model
+from tentacle.signals import Array
+
+STEP = 5e-4  # s; the tip moves by less than 1e-3 of its swing where it is halved (tests/mujoco_ref/test_export.py)
+THINNESS = 0.02  # of a plate's half thickness over its half width
+# A flywheel at the clamp and a spring and damper to the command: the arm's torque turns it by less than a microradian.
+FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
+WATER_FIELDS = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f",
+                "wall_B", "wall_x")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Mjcf:
+    """arm.xml's text, and what of the model it and arm_forces.py carry."""
+
+    xml: str
+    carried: Carried
+
+
+def export_mjcf(model: Model, links: int = 20) -> Mjcf:
+    """The arm of a model as MJCF with `links` hinges. InputError where the reference refuses the model."""
+    carried = carried_by(model)
+    parameters = plain_parameters(carried.kept)
+    known = {name: values for name, values in carried.kept.parameters.items() if name != "amplitude_damping"}
+    stepper = make_stepper(replace(model, parameters=known), links=links)
+    spec = _spec(stepper)
+    _add_numbers(spec, stepper, value(parameters, "amplitude_damping", "b"))
+    spec.compile()
+    return Mjcf(_headed(spec.to_xml(), carried), carried)
+
+
+def _spec(stepper: Stepper) -> Any:
+    """The chain with the clamp's drive and MuJoCo's own water."""
+    chain, water = stepper.chain, stepper.water[0]
+    source = chain.model
+    spec = mujoco.MjSpec()
+    spec.modelname, spec.compiler.degree = "tentacle", False
+    spec.option.gravity = source.opt.gravity
+    spec.option.integrator, spec.option.timestep = mujoco.mjtIntegrator.mjINT_IMPLICITFAST, STEP
+    spec.option.density = float(water["density"])
+    spec.option.wind = [float(water["U_x"]), float(water["U_y"]), 0.0]
+    spec.visual.scale.framelength = 0.1
+    body = spec.worldbody
+    geometry = _Plates(chain, water)
+    for k in range(chain.links + 1):
+        body = body.add_body(name=f"link_{k}", pos=[0.0, 0.0 if k == 0 else float(chain.length[k - 1]), 0.0])
+        _add_joint(body, stepper, k)
+        _set_mass(body, stepper, k)
+        geometry.add(body, k)
+    _add_points(body, source)
+    _add_drive(spec)
+    return spec
+
+
+def _add_joint(body: Any, stepper: Stepper, k: int) -> None:
+    joint = body.add_joint(name="theta" if k == 0 else f"hinge_{k}", axis=[0, 0, 1])
+    joint.type = mujoco.mjtJoint.mjJNT_HINGE
+    if k == 0:
+        joint.armature = FLYWHEEL
+        return
+    hinge = stepper.hinges[k - 1]
+    stiffness = float(hinge["stiffness"])
+    joint.stiffness = [stiffness, 0.0, stiffness * float(hinge["cubic"])]
+    joint.damping = [float(hinge["damping"]), 0.0, 0.0]
+    joint.springref = float(hinge["rest"])
+
+
+def _set_mass(body: Any, stepper: Stepper, k: int) -> None:
+    """Mass, centre and inertia with the carried water put in; gravcomp leaves the weight as it was."""
+    own, water = own_link(stepper, k), stepper.water[0]
+    link = stepper.links[k]
+    added = float(water["C_a"] * water["density"] * link[CARRIED])
+    mass = own.mass + added
+    centre = (own.mass * own.centre + added * link[CARRIED_CENTRE]) / mass
+    turning = own.across + own.mass * (own.centre - centre) ** 2 + added * (link[CARRIED_CENTRE] - centre) ** 2
+    turning += float(water["C_a"] * water["density"] * link[CARRIED_TURNING])
+    body.mass, body.ipos, body.explicitinertial = mass, [0.0, centre, 0.0], True
+    body.inertia = [turning, min(own.along, 2.0 * turning), turning]
+    body.gravcomp = 1.0 - own.mass * (1.0 - own.gravcomp) / mass
+
+
+@dataclass(frozen=True)
+class OwnLink:
+    """A link as it is cast: mass [kg], centre [m] from its start, inertia [kg m^2] across and along, gravcomp."""
+
+    mass: float
+    centre: float
+    across: float
+    along: float
+    gravcomp: float
+
+
+def own_link(stepper: Stepper, k: int) -> OwnLink:
+    """Link k of the reference's chain, the mount's hub taken off."""
+    source = stepper.chain.model
+    at = source.body(f"link_{k}").id
+    hub = float(source.body_inertia[source.body("mount").id, 0]) if k == 0 else 0.0
+    across, along, _ = (float(inertia) for inertia in np.maximum(source.body_inertia[at] - hub, SMALLEST_INERTIA))
+    return OwnLink(
+        max(float(source.body_mass[at]), SMALLEST_MASS),
+        float(source.body_ipos[at, 1]),
+        across,
+        min(along, 2.0 * across),
+        float(source.body_gravcomp[at]),
+    )
+
+
+class _Plates:
+    """Adds each link's geoms: a capsule for the eye, and a plate that MuJoCo's water meets."""
+
+    def __init__(self, chain: Chain, water: Any) -> None:
+        self.chain, self.water = chain, water
+
+    def add(self, body: Any, k: int) -> None:
+        section, length = self.chain.specimen.section, float(self.chain.length[k])
+        s = (self.chain.start[k] + 0.5 * length) / self.chain.specimen.length
+        half = 0.5 * float(section.width(s))
+        eye = body.add_geom(name=f"skin_{k}", type=mujoco.mjtGeom.mjGEOM_CYLINDER, pos=[0.0, 0.5 * length, 0.0])
+        eye.size, eye.quat = [half, 0.5 * length, 0.0], [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]
+        eye.mass, eye.contype, eye.conaffinity, eye.rgba = 0.0, 0, 0, [0.85, 0.55, 0.45, 1.0]
+        if self.water["density"] <= 0.0:
+            return
+        b, h = 2.0 * half / np.pi, 0.5 * length
+        a = THINNESS * min(b, h)
+        plate = body.add_geom(name=f"water_{k}", type=mujoco.mjtGeom.mjGEOM_ELLIPSOID, pos=[0.0, h, 0.0])
+        plate.size, plate.mass, plate.contype, plate.conaffinity, plate.group = [a, h, b], 0.0, 0, 0, 3
+        blunt = float(self.water["C_perp"])
+        # Along the tangent: 1/2 rho C_t P l |u| u = rho |u| u C_slender pi b h.
+        slender = 0.5 * float(self.water["C_t"] * section.perimeter(s)) * length / (np.pi * b * h)
+        plate.fluid_ellipsoid, plate.fluid_coefs = 1.0, [blunt, slender, 0.0, blunt, 0.0]
+
+
+def _add_points(tip: Any, source: Any) -> None:
+    """What hangs at the tip, as the chain has it."""
+    for name in ("payload", "hung"):
+        at = mujoco.mj_name2id(source, mujoco.mjtObj.mjOBJ_BODY, name)
+        if at < 0:
+            continue
+        point = tip.add_body(name=name, pos=source.body_pos[at])
+        point.mass, point.inertia, point.explicitinertial = source.body_mass[at], source.body_inertia[at], True
+        point.ipos = source.body_ipos[at]
+
+
+def _add_drive(spec: Any) -> None:
+    """Actuators of the clamp: ctrl = theta [rad], its rate and its acceleration."""
+    for name, gain, bias in (
+        ("theta", FLYWHEEL * HOLD**2, [0.0, -FLYWHEEL * HOLD**2, 0.0]),
+        ("theta_rate", 2.0 * FLYWHEEL * HOLD, [0.0, 0.0, -2.0 * FLYWHEEL * HOLD]),
+        ("theta_acceleration", FLYWHEEL, [0.0, 0.0, 0.0]),
+    ):
+        actuator = spec.add_actuator(name=name, target="theta", trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        actuator.gaintype, actuator.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+        actuator.gainprm[0], actuator.biasprm[:3] = gain, bias
+
+
+def _add_numbers(spec: Any, stepper: Stepper, amplitude_damping: float) -> None:
+    """What arm_forces.py reads, under <custom>."""
+    own = [own_link(stepper, k) for k in range(stepper.chain.links + 1)]
+    links, nodes, hinges, water = stepper.links, stepper.nodes, stepper.hinges, stepper.water[0]
+    fluid = float(water["C_a"] * water["density"])
+    numbers: dict[str, Array] = {
+        "length": stepper.chain.length,
+        "mass": np.array([link.mass for link in own]),
+        "centre": np.array([link.centre for link in own]),
+        "inertia_across": np.array([link.across for link in own]),
+        "inertia_along": np.array([link.along for link in own]),
+        "gravcomp": np.array([link.gravcomp for link in own]),
+        "carried": fluid * links[:, CARRIED],
+        "carried_centre": links[:, CARRIED_CENTRE],
+        "carried_turning": fluid * links[:, CARRIED_TURNING],
+        "node_along": nodes[:, :, ALONG].ravel(),
+        "node_weight": nodes[:, :, WEIGHT].ravel(),
+        "node_width": nodes[:, :, WIDTH].ravel(),
+        "node_perimeter": nodes[:, :, PERIMETER].ravel(),
+        "node_area": nodes[:, :, AREA].ravel(),
+        "water": np.array([float(water[name]) for name in WATER_FIELDS]),
+        "drift": np.array([stepper.drift]),
+        "amplitude_damping": np.array([amplitude_damping]),
+        **{f"hinge_{name}": np.array(hinges[name]) for name in
+           ("stiffness", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle")},
+    }  # fmt: skip
+    for name, data in numbers.items():
+        spec.add_numeric(name=f"{PREFIX}{name}", data=np.asarray(data, dtype=float), size=len(data))
+
+
+def _headed(xml: str, carried: Carried) -> str:
+    """The XML with a comment that says what is in it, what arm_forces.py adds, what is in neither."""
+    lines = [
+        "An arm identified by tentacle. Base frame: x along the normal, y along the straight arm; metres, radians.",
+        "ctrl: theta, its rate, its acceleration.",
+        *carried.sentences(),
+    ]
+    comment = "<!--\n  " + "\n  ".join(line.replace("--", "- -") for line in lines) + "\n-->\n"
+    return comment + xml

@@ -1,0 +1,67 @@
+"""Diagnoses of a library's recordings: the work that tentacle.runner hands to processes or Dask, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tentacle.io.library import Library
+    from tentacle.runner import Runner
+
+
+def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline: list[Path], seed: int) -> list[str]:
+    """Diagnose what has no layer yet (renew: or one of older code); a line for each that could not be."""
+    from tentacle.io.library.layers import code_version
+
+    wanted = ("new", "failed", "older code") if renew else ("new",)
+    rows = [row for row in library.table().to_pylist() if row["state"] in wanted]
+    once = {row["sha256"]: row for row in rows}  # a copy of a recording is the same recording
+    tasks = [
+        {
+            "path": row["path"],
+            "content": row["sha256"],
+            "layer": str(library.layer(row["sha256"])),
+            "baseline": [str(path) for path in baseline],
+            "seed": seed,
+            "code": code_version(),
+        }
+        for row in once.values()
+    ]
+    for task in tasks:  # the layers are what counts: a result whose layer is gone is made again
+        runner.file_of(diagnose_work, task).with_suffix(".json").unlink(missing_ok=True)
+    results = runner.run(diagnose_work, tasks, words="recordings") if tasks else []
+    library.gather()
+    return [f"{result['path']}: {result['failed']}" for result in results if result["failed"] is not None]
+
+
+def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
+    """One recording's layer, written whole; what cannot be diagnosed leaves its reason there."""
+    from discovery.diagnose import diagnose
+    from discovery.library.layer import failed_layer, layer_of
+    from tentacle.cli.diagnose import write_answer
+    from tentacle.errors import InputError
+    from tentacle.io.library.layers import LAYER, write_layer
+    from tentacle.io.result_folder import written
+    from vision.tracked_recording import read_tracked
+
+    path, baseline = Path(task["path"]), [Path(file) for file in task["baseline"]]
+    home, failed = Path(task["layer"]), None
+    (home / LAYER).unlink(missing_ok=True)
+    try:
+        recording = read_tracked(path, _quiet)
+        known = [read_tracked(file, _quiet) for file in baseline]
+        found = diagnose([recording], known, [], seed=task["seed"])
+        layer = layer_of(found, task["content"], task["code"])
+        with written(home) as folder:
+            write_answer(found, [recording], folder, f"tentacle library diagnose {path}", [path])
+    except InputError as error:
+        failed = error.line()
+        layer = failed_layer(failed, task["content"], task["code"])
+    write_layer(layer, home)  # last: a layer counts from here on
+    return {"path": task["path"], "failed": failed}
+
+
+def _quiet(_words: str) -> None:
+    """Progress of one recording among many is not shown."""

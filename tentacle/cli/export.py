@@ -1,0 +1,40 @@
+"""tentacle export: an identified arm in files that another program reads."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "write an identified arm for another program (MuJoCo), and hold that program against recordings"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("model", type=Path, metavar="MODEL.toml", help="as diagnose or identify wrote it")
+    parser.add_argument("--to", choices=("mjcf",), default="mjcf", help="the program's format, default: mjcf")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="arm.xml and arm_forces.py go there")
+    parser.add_argument("--links", type=int, default=20, metavar="N", help="hinges of the chain, default: 20")
+    parser.add_argument(
+        "--recording", nargs="+", default=[], type=Path, metavar="RECORDING",
+        help="run the export under these recordings' base motion, and print its error beside ours",
+    )  # fmt: skip
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the files, say what they carry, compare."""
+    from mujoco_ref.export.write import write_mjcf
+    from tentacle.cli._progress import stages
+    from tentacle.io.model_file import read_model
+    from validation.export.in_mujoco import export_error
+    from vision.tracked_recording import read_tracked
+
+    model = read_model(arguments.model)
+    made = write_mjcf(model, arguments.out, arguments.links)
+    for sentence in made.carried.sentences():
+        print(sentence)
+    with stages() as stage:
+        recordings = [read_tracked(path, stage) for path in arguments.recording]
+    for recording in recordings:
+        print(export_error(made.xml, model, recording).sentence())
+    print(f"wrote {arguments.out}/arm.xml, arm_forces.py")
+    return 0

@@ -1,0 +1,77 @@
+"""Verdicts as layers beside the recordings: a folder a diagnosis, named by what it was made from.
+
+    LIBRARY/layers/KEY/layer.json        what the index takes from it
+    LIBRARY/layers/KEY/verdict.json, report.html, session.rrd, model.toml
+
+KEY is the hash of the recording's content, of the content of its baseline, and of the settings. The version of the code
+stands inside: a layer of older code stays readable, and says so. Nothing is ever written into a recording.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+ROOMS = ("tentacle", "affine_model", "vision", "inference", "discovery")
+LAYERS = pa.schema(
+    [
+        ("key", pa.string()), ("sha256", pa.string()), ("code", pa.string()), ("verdict", pa.string()),
+        ("effects", pa.string()), ("confidence", pa.float64()), ("before_mm", pa.float64()),
+        ("after_mm", pa.float64()), ("floor_mm", pa.float64()), ("held_out", pa.bool_()), ("failed", pa.string()),
+    ]
+)  # fmt: skip
+PARAMETERS = pa.schema(
+    [
+        ("key", pa.string()), ("sha256", pa.string()), ("effect", pa.string()), ("parameter", pa.string()),
+        ("value", pa.float64()), ("low", pa.float64()), ("high", pa.float64()), ("unit", pa.string()),
+    ]
+)  # fmt: skip
+LAYER = "layer.json"
+
+
+@cache
+def code_version() -> str:
+    """A hash of the source of every room that a verdict comes from."""
+    total = hashlib.sha256()
+    for room in ROOMS:
+        spec = find_spec(room)
+        for place in spec.submodule_search_locations or [] if spec else []:
+            for file in sorted(Path(place).rglob("*.py")):
+                total.update(str(file.relative_to(place)).encode() + file.read_bytes())
+    return total.hexdigest()[:16]
+
+
+def layer_key(content: str, settings: Mapping[str, Any]) -> str:
+    """The name of a diagnosis of that content (SHA-256) with these settings (plain data)."""
+    text = json.dumps([content, settings], sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def write_layer(layer: Mapping[str, Any], folder: Path) -> None:
+    """A layer's data into its folder, whole or not at all."""
+    folder.mkdir(parents=True, exist_ok=True)
+    partial = folder / f".{LAYER}.{os.getpid()}.partial"
+    partial.write_text(json.dumps(layer) + "\n", encoding="utf-8")
+    partial.replace(folder / LAYER)
+
+
+def layers_and_parameters(folders: Sequence[Path]) -> tuple[pa.Table, pa.Table]:
+    """The layers in these folders as tables; one that is not whole is left out."""
+    rows, parameters = [], []
+    for folder in folders:
+        try:
+            layer = json.loads((folder / LAYER).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            continue
+        rows.append({name: layer.get(name) for name in LAYERS.names} | {"key": folder.name})
+        shared = {"key": folder.name, "sha256": layer["sha256"]}
+        parameters += [{**shared, **values} for values in layer.get("parameters", [])]
+    return pa.Table.from_pylist(rows, schema=LAYERS), pa.Table.from_pylist(parameters, schema=PARAMETERS)
