@@ -67,15 +67,23 @@ def judge(case: Case, material: Path, place: Path) -> Outcome:
         source = material / name
         shutil.copytree(source, place / name) if source.is_dir() else shutil.copy(source, place / name)
     case.prepare(place)
+    place.with_suffix(".err").touch()
     begun = time.monotonic()
     child = os.fork()
     if child == 0:
-        _run(case, place)
+        try:
+            _run(case, place)
+        finally:
+            os._exit(71)  # whatever interrupts it: the parent's folders are not the child's to remove
     code = _waited(child, case.stop, case.signal)
     seconds = time.monotonic() - begun
-    said = (place / ".stderr").read_text(errors="replace")
-    kind = _kind(case, code, said)
-    left = [path.name for path in place.iterdir() if "partial" in path.name or re.match(r"\.(out|again)", path.name)]
+    said = place.with_suffix(".err").read_text(errors="replace")
+    kind = _kind(case, code, said) if place.is_dir() else "removed its folder"
+    left = [
+        path.name
+        for path in (place.iterdir() if place.is_dir() else ())
+        if "partial" in path.name or re.match(r"\.(out|again)", path.name)
+    ]
     if kind in GOOD and left:
         kind, said = "leftover", " ".join(left)
     if _others(child):
@@ -91,8 +99,8 @@ def _run(case: Case, place: Path) -> None:
         os.setsid()
         os.chdir(place)
         os.environ.update(case.environment)
-        out = os.open(".stdout", os.O_WRONLY | os.O_CREAT)
-        err = os.open(".stderr", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        out = os.open(place.with_suffix(".out"), os.O_WRONLY | os.O_CREAT)
+        err = os.open(place.with_suffix(".err"), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(out, 1)
         os.dup2(err, 2)
@@ -113,7 +121,7 @@ def _run(case: Case, place: Path) -> None:
         sys.stdout.flush()
         if code == 0 and case.verify is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-            changed = case.verify(place, Path(".stdout").read_text(errors="replace"))
+            changed = case.verify(place, place.with_suffix(".out").read_text(errors="replace"))
             if changed:
                 print(changed, file=sys.stderr, flush=True)
                 code = 72

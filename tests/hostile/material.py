@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -168,7 +169,7 @@ def _pictures() -> list[np.ndarray]:
     for xy in recording.midline.xy[:20]:
         picture = np.full((240, 160, 3), 220, np.uint8)
         px = np.round(CAMERA.to_pixels(xy)).astype(np.int32)
-        for k, (one, two) in enumerate(zip(px, px[1:], strict=False)):
+        for k, (one, two) in enumerate(pairwise(px)):
             cv2.line(picture, one.tolist(), two.tolist(), (30, 30, 30), 28 - 3 * k)
         pictures.append(picture)
     return pictures
