@@ -82,6 +82,18 @@ class EventCode(IntEnum):
     STOPPED = 11
 
 
+def event_name(code: int) -> str:
+    """An event's name; a newer board may know events that this program does not."""
+    return EventCode(code).name if code in set(EventCode) else f"EVENT_{code}"
+
+
+def reason_words(code: int) -> str:
+    """Why the board refused, in words; a newer board may know reasons that this program does not."""
+    if code not in set(Reason):
+        return f"for a reason that this program does not know (number {code}: is the firmware newer?)"
+    return Reason(code).name.lower().replace("_", " ")
+
+
 @dataclass(frozen=True)
 class Frame:
     """One checked frame, not yet taken apart."""

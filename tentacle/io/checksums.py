@@ -1,7 +1,8 @@
 """A checksum for every block of every signal in an .rrd, written beside it and compared on every read.
 
 The entity /sums has a row per block of time, with lists of equal length: signal, first (row), count, sha256. A static
-row holds those of what is written once, with first = count = 0. A file without /sums is of before they were written.
+row holds those of what is written once, with first = count = 0. A text, a frame, an event has its own beside it.
+A file whose declaration states no format is of before they were written.
 """
 
 from __future__ import annotations
@@ -64,6 +65,27 @@ def log_sums(stream: rr.RecordingStream, sums: Sequence[Sum], block: int | None 
     # A block of its own and no `log`: that travels in a batch, and would lie behind what it is of.
     columns = [column.partition([len(sums)]) for column in rr.AnyValues.columns(**lists)]
     stream.send_columns(ENTITY, [rr.TimeColumn("row", sequence=[block])], columns)
+
+
+def log_text(stream: rr.RecordingStream, entity: str, text: str, media_type: str) -> None:
+    """Writes a static text with its checksum and the format that says that there is one."""
+    import rerun as rr
+
+    document = rr.TextDocument(text, media_type=media_type)
+    stream.log(entity, document, rr.AnyValues(format=FORMAT, sha256=text_digest(text)), static=True)
+
+
+def sound_text(columns: Columns) -> str | None:
+    """A static text; None where it does not agree with its checksum. An older file has none."""
+    text = str(columns.static("TextDocument:text")[0])
+    if columns.has_static("sha256") != columns.has_static("format"):
+        return None
+    return text if not columns.has_static("sha256") or columns.static("sha256")[0] == text_digest(text) else None
+
+
+def text_digest(text: str) -> str:
+    """SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def read_sums(columns: Columns | None) -> list[Sum]:

@@ -25,7 +25,7 @@ def require_plain(file: Path, expected: str | None = None) -> None:
         mode = file.stat().st_mode
     except FileNotFoundError:
         if file.is_symlink():
-            target = os.readlink(file)
+            target = str(file.readlink())
             annexed = " (its content is not here: git annex get)" if "annex" in target else ""
             raise InputError(f"a link to {target}, which is not there{annexed}", file=file, expected=expected) from None
         raise InputError("no such file", file=file, expected=expected) from None

@@ -6,6 +6,7 @@ Every block of every signal is compared with its checksum, and the whole obeys w
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from tentacle.errors import InputError
 from tentacle.io.checksums import ENTITY as SUMS
-from tentacle.io.checksums import Sum, covered, digest, first_unsound, read_sums
+from tentacle.io.checksums import Sum, covered, digest, first_unsound, read_sums, sound_text
 from tentacle.io.declaration_file import RecordingFile, parse_recording_file
 from tentacle.io.film_pieces import ENTITY as FILM
 from tentacle.io.film_pieces import stored_film
@@ -40,14 +41,12 @@ def read_rrd(file: Path) -> Recording:
     if "/declaration" not in entities:
         raise InputError("holds no recording", file=file, expected="an .rrd of `tentacle import`, not cut off at once")
     try:
-        recording, sums = _assembled(entities, file)
+        recording = _assembled(entities, file)
         note = _what_is_missing(entities, recording, bytes_lost)
     except InputError:
         raise
     except DAMAGE as error:
         raise InputError(f"damaged: {error}", file=file, expected="an .rrd of `tentacle import`") from None
-    if note is None and not sums and "/rows" not in entities:
-        note = "the file is cut off; its length is unknown"
     if note is not None:
         kept = {name: None for name in ("motor", "load_cell", "midline", "markers", "shape")
                 if (signal := getattr(recording, name)) is not None and not len(signal.t)}  # fmt: skip
@@ -55,16 +54,15 @@ def read_rrd(file: Path) -> Recording:
     return check_recording(recording, file)
 
 
-def _assembled(entities: dict[str, Columns], file: Path) -> tuple[Recording, list[Sum]]:
-    """The recording, every part of it compared with its checksum; and the checksums."""
+def _assembled(entities: dict[str, Columns], file: Path) -> Recording:
+    """The recording, every part of it compared with its checksum."""
     head, sums = entities["/declaration"], read_sums(entities.get(SUMS))
-    text = str(head.static("TextDocument:text")[0])
-    if head.has_static("format") != bool(sums):
-        raise InputError("damaged: its checksums are gone", file=file, expected="an .rrd of `tentacle import`")
+    compare = _Comparison(sums, file, has_sums=head.has_static("format"))
+    text = sound_text(head)
+    if text is None:
+        raise compare.error("the declaration")
     declared = parse_recording_file(parse_toml(text, file), file=file, text=text)
-    compare = _Comparison(sums, file)
-    compare.once("declaration", {"text": np.array([text])})
-    recording = Recording(
+    return Recording(
         name=declared.name or file.stem,
         declaration=declared.declaration,
         motor=_motor(entities, compare),
@@ -75,50 +73,43 @@ def _assembled(entities: dict[str, Columns], file: Path) -> tuple[Recording, lis
         video=_video(entities, file, compare),
         notes=declared.notes,
     )
-    return recording, sums
 
 
 class _Comparison:
-    """A file's checksums, held against what was read. Without any (an older file) everything passes."""
+    """A file's checksums, held against what was read. In an older file, which has none, everything passes."""
 
-    def __init__(self, sums: list[Sum], file: Path) -> None:
-        self._sums, self._file = sums, file
+    def __init__(self, sums: list[Sum], file: Path, *, has_sums: bool) -> None:
+        self.has_sums = has_sums
+        self._file = file
         self._static = {one.signal: one.sha256 for one in sums if not one.count}
         self._blocks = [one for one in sums if one.count]
 
-    @property
-    def has_sums(self) -> bool:
-        """Whether there are any."""
-        return bool(self._sums)
-
     def once(self, signal: str, columns: dict[str, Array]) -> None:
         """InputError where what is written once does not agree."""
-        self._require(signal, digest(columns))
+        if self.has_sums and self._static.get(signal) != digest(columns):
+            raise self.error(signal)
 
-    def content(self, signal: str, sha256: str) -> None:
+    def content(self, signal: str, content: bytes, sha256: Sequence[str]) -> None:
         """InputError where a file's bytes do not agree."""
-        self._require(signal, sha256)
+        if self.has_sums and [hashlib.sha256(content).hexdigest()] != list(sha256):
+            raise self.error(signal)
 
     def rows(self, signal: str, columns: dict[str, Array]) -> dict[str, Array]:
         """The columns' rows up to where all of them, and a checksum, are there. InputError where one disagrees."""
         count = min(map(len, columns.values()))
-        if self._sums:
+        if self.has_sums:
             count = min(count, covered(self._blocks, signal))
         columns = {name: values[:count] for name, values in columns.items()}
         unsound = first_unsound(self._blocks, signal, columns)
         if unsound is not None:
             t = columns["t_s"][unsound.first]
-            self._fail(f"{signal} from {float(t.ravel()[0]):.3f} s on")
+            raise self.error(f"{signal} from {float(t.ravel()[0]):.3f} s on")
         return columns
 
-    def _require(self, signal: str, sha256: str) -> None:
-        if self._sums and self._static.get(signal) != sha256:
-            self._fail(signal)
-
-    def _fail(self, what: str) -> None:
-        raise InputError(
-            f"damaged: {what} does not agree with its checksum", file=self._file, expected="the file as it was written"
-        )
+    def error(self, what: str) -> InputError:
+        """To be raised: something does not agree."""
+        problem = f"damaged: {what} does not agree with its checksum"
+        return InputError(problem, file=self._file, expected="the file as it was written")
 
 
 def _motor(entities: dict[str, Columns], compare: _Comparison) -> MotorSignal | None:
@@ -195,7 +186,7 @@ def _video(entities: dict[str, Columns], file: Path, compare: _Comparison) -> Vi
     video, frames = entities.get("/camera/video"), entities.get("/camera/frames")
     if video is not None and video.has_static("AssetVideo:blob", "suffix"):
         content, suffix = video.static_bytes("AssetVideo:blob"), str(video.static("suffix")[0])
-        compare.content("camera", hashlib.sha256(content).hexdigest())
+        compare.content("the video", content, video.static("sha256") if video.has_static("sha256") else ())
         if suffix not in VIDEO_SUFFIXES:
             raise InputError(f"{suffix!r} is no kind of video", file=file, field="camera")
         return Video(store_video(content, suffix))
@@ -203,8 +194,7 @@ def _video(entities: dict[str, Columns], file: Path, compare: _Comparison) -> Vi
         blobs = frames.row_bytes("EncodedImage:blob")
         sums = frames.texts("sha256") if compare.has_sums else [hashlib.sha256(blob).hexdigest() for blob in blobs]
         for number, (blob, sha256) in enumerate(zip(blobs, sums, strict=True)):
-            if hashlib.sha256(blob).hexdigest() != sha256:
-                raise InputError(f"damaged: frame {number} does not agree with its checksum", file=file, field="camera")
+            compare.content(f"frame {number}", blob, [sha256])
         folder = store_frames(blobs)
         check_frames(folder)
         return Video(folder)
@@ -230,9 +220,9 @@ def _what_is_missing(entities: dict[str, Columns], recording: Recording, bytes_l
             if found < int(count):
                 seconds = f", {stop - (t[-1] if len(t) else start):.2f} of {stop - start:.2f} s are missing"
                 words.append(f"{name} {found} of {int(count)}" + (seconds if stop > start else ""))
-    elif bytes_lost:
+    elif bytes_lost or entities["/declaration"].has_static("format"):
         ends = [float(s.t[-1]) for s in (recording.motor, recording.load_cell) if s is not None and len(s.t)]
-        words += [f"all up to {max(ends, default=0.0):.2f} s; length unknown"]
+        words += [f"what was measured up to {max(ends):.2f} s; length unknown"] if ends else []
     if not words and not bytes_lost:
         return None
     head = "the file is cut off" + (f", its last {bytes_lost} bytes are no whole message" if bytes_lost else "")

@@ -3,14 +3,14 @@
 | entity | what is there (columns by name; rows on the timelines `time` [s] and `row`) |
 |---|---|
 | /declaration | static TextDocument: recording.toml, markers' (s, d), name and notes included; format |
-| /rows | static: signal names, how many rows each has (camera: frames, 1 for a video file), start and stop [s]: to know a cut |
+| /rows | static: signal, count of rows (camera: frames, 1 for a video file), start_s, stop_s: to know a cut |
 | /sums | a checksum of each block of each signal (tentacle.io.checksums) |
 | /motor | t_s; /motor/command and /motor/angle: Scalars [rad] |
 | /load_cell | t_s; /load_cell/thrust: Scalars [N] |
 | /midline | t_s, x_m, y_m, sigma_m (P each); static s (P) |
 | /markers | t_s, x_m, y_m (M each) |
 | /shape | t_s, coefficients (K), covariance (K K), accepted, reason; static scale, scale_sigma, base_shift (2) |
-| /camera/video | a video file: static AssetVideo with its own bytes, suffix; VideoFrameReference rows on `time` |
+| /camera/video | a video file: static AssetVideo with its own bytes, suffix, sha256; VideoFrameReference rows |
 | /camera/film | a video file over LARGE_VIDEO: its bytes in pieces, one a row; static suffix |
 | /camera/frames | numbered PNG frames: EncodedImage rows with their own bytes |
 
@@ -31,7 +31,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
-from tentacle.io.checksums import FORMAT, Sum, digest, log_sums
+from tentacle.io.checksums import Sum, digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file
 from tentacle.io.film_pieces import LARGE_VIDEO, log_film
 from tentacle.io.recording_from_rrd import read_rrd
@@ -83,8 +83,7 @@ def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
     signals = signal_rows(recording)
     declaration = format_recording_file(describe(recording))
     stream.send_recording_name(recording.name)
-    stream.log("declaration", rr.TextDocument(declaration, media_type="text/plain"), static=True)
-    stream.log("declaration", rr.AnyValues(format=FORMAT), static=True)
+    log_text(stream, "declaration", declaration, "text/plain")
     counts = {name: len(next(iter(columns.values()))) for name, columns in signals.items()}
     if recording.video is not None:
         counts["camera"] = len(frame_files(recording.video.path)) if recording.video.path.is_dir() else 1
@@ -96,11 +95,9 @@ def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
         starts, stops = [start for start, _ in ends], [stop for _, stop in ends]
         rows = rr.AnyValues(signal=list(counts), count=list(counts.values()), start_s=starts, stop_s=stops)
         stream.log("rows", rows, static=True)
-    sums = [Sum("declaration", 0, 0, digest({"text": [declaration]}))]
-    sums += [Sum(name, 0, 0, digest(columns)) for name, columns in once(recording).items()]
-    if recording.video is not None and not recording.video.path.is_dir():
-        sums.append(Sum("camera", 0, 0, hashlib.sha256(recording.video.path.read_bytes()).hexdigest()))
-    log_sums(stream, sums)
+    sums = [Sum(name, 0, 0, digest(columns)) for name, columns in once(recording).items()]
+    if sums:
+        log_sums(stream, sums)
     _log_statics(recording, stream)
     stream.flush()  # single logs travel in a batch of their own: the declaration is to come first in the file
     for number, blocks in _blocks(signals):
@@ -210,12 +207,15 @@ def _log_video(recording: Recording, stream: rr.RecordingStream) -> None:
             sums = rr.AnyValues.columns(sha256=[hashlib.sha256(content).hexdigest()])
             stream.send_columns("camera/frames", index, [*columns, *sums])
         return
-    if path.stat().st_size > LARGE_VIDEO:
-        log_film(stream, path)
-        return
+    (log_film if path.stat().st_size > LARGE_VIDEO else log_video_file)(stream, path)
+
+
+def log_video_file(stream: rr.RecordingStream, path: Path) -> None:
+    """A video file's bytes with their checksum, as one message that the viewer plays."""
     content = path.read_bytes()
     asset = rr.AssetVideo(contents=content, media_type=MEDIA_TYPES[path.suffix])
-    stream.log("camera/video", asset, rr.AnyValues(suffix=path.suffix), static=True)
+    more = rr.AnyValues(suffix=path.suffix, sha256=hashlib.sha256(content).hexdigest())
+    stream.log("camera/video", asset, more, static=True)
     try:
         stamps = asset.read_frame_timestamps_nanos()
     except RuntimeError:  # a container that Rerun does not play: the bytes are kept, the viewer shows no picture

@@ -20,7 +20,7 @@ ROW = "row"  # the timeline by which rows are put in order, where an entity has 
 class Columns:
     """One entity: static values by component, and rows by component, in the order of the `row` timeline.
 
-    Timelines are components of whole numbers named @TIMELINE; without a `row` the first of them gives the order.
+    Timelines are components of whole numbers named @TIMELINE. Without a `row` the rows are in the file's order.
     """
 
     statics: dict[str, pa.ListArray] = field(default_factory=dict)
@@ -103,7 +103,8 @@ def add(columns: Columns, batch: pa.RecordBatch, *, static: bool) -> None:
     if not timelines:
         return
     numbers = {name: whole_numbers(batch.column(name)) for name in timelines}
-    order = numbers[ROW if ROW in numbers else timelines[0]]
+    before = sum(len(rows) for rows, _ in columns.chunks.get(f"@{timelines[0]}", []))
+    order = numbers[ROW] if ROW in numbers else before + np.arange(len(batch))
     for name in names:
         values = batch.column(name)
         filled = values.is_valid()
