@@ -98,7 +98,7 @@ def _run(case: Case, place: Path) -> None:
     try:
         os.setsid()
         os.chdir(place)
-        os.environ.update(case.environment)
+        os.environ.update({"TENTACLE_TRACE": "1", **case.environment})
         out = os.open(place.with_suffix(".out"), os.O_WRONLY | os.O_CREAT)
         err = os.open(place.with_suffix(".err"), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rig.run_file import read_run, to_recording
 from tentacle.io.declaration_file import RecordingFile
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.write_folder import write_folder
@@ -138,6 +139,7 @@ def make_material(root: Path) -> Path:
     _log(root / "log.csv")
     (root / "speeds.csv").write_text("arm,motion,speed_m_s\n1,1,0.01\n1,2,0.02\n2,1,0.015\n2,2,0.03\n")
     _run(root / "run.rrd")
+    write_folder(to_recording(read_run(root / "run.rrd")), root / "run_as_folder")
     return root
 
 
