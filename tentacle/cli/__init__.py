@@ -18,7 +18,7 @@ from typing import NoReturn
 
 from tentacle.cli._bounds import require_sane
 from tentacle.cli._endings import signals_as_interrupts, told
-from tentacle.errors import printable
+from tentacle.errors import InputError, printable
 
 DESCRIPTION = """\
 Two models of a soft arm in a tank, side by side with measured data, and the loop that finds what a model lacks.
@@ -72,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a terminal may know no Greek
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and not words[0].startswith("-") and words[0] not in verb_names():
-        print(f"tentacle: {printable(_unknown_verb(words[0]))}", file=sys.stderr)
+        print(f"tentacle: {_unknown_verb(words[0])}", file=sys.stderr)
         return 2
     parsed = build_parser().parse_args(words)
     with signals_as_interrupts(), told() as outcome:

@@ -147,21 +147,12 @@ class Table:
         bounds += [f">= {least:g}"] * (least > -math.inf) + [f"<= {most:g}"] * (most < math.inf)
         expected = " ".join(["a number", " and ".join(bounds)]).strip()
         value = self.raw(key, expected, default)
-<<<<<<< HEAD
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(f"{value!r} is no number", key, expected)
-        if not (math.isfinite(value) and value > above and least <= value <= most):
-            remedy = "; degrees? then multiply by 0.0174533" if key.endswith("_rad") else ""
-            raise self.error(f"{value!r} is out of range", key, expected + remedy)
-        return float(value)
-=======
         number = _float(value)
         if number is None:
             raise self.error(f"{_shown(value)} is no number", key, expected)
         if not (math.isfinite(number) and number > above and least <= number <= most):
-            raise self.error(f"{_shown(value)} is out of range", key, expected)
+            raise self.error(f"{_shown(value)} is out of range", key, expected + remedy)
         return number
->>>>>>> 2ff6315 (Checksums per block of every signal, one validation for folders and .rrd, Rerun's reader in a child, plain files only)
 
     def measured(
         self,
