@@ -151,6 +151,7 @@ class Table:
         if number is None:
             raise self.error(f"{_shown(value)} is no number", key, expected)
         if not (math.isfinite(number) and number > above and least <= number <= most):
+            remedy = "; degrees? then multiply by 0.0174533" if key.endswith("_rad") else ""
             raise self.error(f"{_shown(value)} is out of range", key, expected + remedy)
         return number
 

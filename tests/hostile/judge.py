@@ -37,7 +37,7 @@ class Case:
     inputs: tuple[str, ...] = ()
     prepare: Callable[[Path], None] = lambda _folder: None
     verify: Callable[[Path, str], str] | None = None
-    stop: float = 6.0
+    stop: float = 40.0
     signal: signal.Signals = signal.SIGINT
     file_size: int | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
