@@ -204,10 +204,10 @@ def _read_columns(path: Path) -> tuple[dict[str, Columns], Array, int]:
     if not path.is_file():
         raise InputError("no such file", file=path, expected="an .rrd")
     columns: dict[str, Columns] = {}
-    frames = [np.empty(0)]
+    frames: list[Array] = [np.empty(0)]
     for chunk in read_chunks(path):
         if chunk.entity == recorder.CAMERA:
-            frames.append(1e-9 * whole_numbers(chunk.batch.column(recorder.HOST_TIME)))
+            frames.append(np.asarray(1e-9 * whole_numbers(chunk.batch.column(recorder.HOST_TIME)), dtype=float))
         elif chunk.entity.startswith("/rig/") or chunk.entity == SUMS:
             add(columns.setdefault(chunk.entity, Columns()), chunk.batch, static=chunk.static)
     return columns, np.sort(np.concatenate(frames)), bytes_lost(path)
