@@ -235,7 +235,9 @@ class Board:
     @property
     def state(self) -> State:
         """The board's state at the last pong."""
-        return State(self.pong.state) if self.pong is not None else State.UNARMED
+        if self.pong is None:
+            return State.UNARMED
+        return State(self.pong.state) if self.pong.state in set(State) else State.UNKNOWN
 
     @property
     def counters(self) -> LineCounters:

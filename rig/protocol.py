@@ -54,16 +54,23 @@ class Reason(IntEnum):
     TOO_FEW_POINTS = 8
     BAD_START = 9
     BUSY = 10
+    LATCHED = 11
+    NOT_CLEARED = 12
 
 
 class State(IntEnum):
-    """What the board is doing; it is RETURNING to neutral after every run, whatever ended it."""
+    """What the board is doing; it is RETURNING to neutral after every run, whatever ended it.
+
+    LATCHED: the servo is off after a fault, until CLEAR and LIMITS. UNKNOWN: a newer board's state.
+    """
 
     UNARMED = 0
     READY = 1
     WAITING = 2
     PLAYING = 3
     RETURNING = 4
+    LATCHED = 5
+    UNKNOWN = 255
 
 
 class EventCode(IntEnum):
