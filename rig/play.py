@@ -63,7 +63,7 @@ def arm(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
 
 
 def require_unlatched(board: Board) -> None:
-    """Fault("overcurrent") where the board has switched the servo off: only a new start of the program arms it again."""
+    """Fault("overcurrent") where the board has switched the servo off: a new start of the program arms it again."""
     if board.state == State.LATCHED:
         raise Fault("overcurrent", "the board has switched the servo off: look at the arm, then start again")
 

@@ -25,7 +25,7 @@ from types import FrameType
 from tentacle.errors import InputError, printable
 
 # What not everyone needs: module -> the extra that brings it.
-EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "nicegui": "app"}
+EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "warp": "gpu", "nicegui": "app"}
 BAD_INPUT, DEFECT = 2, 70
 
 
