@@ -80,9 +80,9 @@ def once(when: float, deed: Callable[[], None]) -> Callable[[float], None]:
 
 
 def to_neutral(emulator: Emulator, give_up: float = 3.0) -> float:
-    """Seconds until the pin is at neutral; about give_up where it does not go there."""
+    """Seconds until the pin is at neutral, or gives no pulse; about give_up where it does neither."""
     begun = time.monotonic()
-    while emulator.truth().pulse_us != NEUTRAL_US and time.monotonic() - begun < give_up:
+    while emulator.truth().pulse_us not in (NEUTRAL_US, 0.0) and time.monotonic() - begun < give_up:
         time.sleep(0.002)
     return time.monotonic() - begun
 

@@ -35,7 +35,7 @@ LEAST_RATE = 0.01  # rad/s
 TURNING, OPPOSITE = 0.35, -0.6
 
 
-class CannotTellError(Exception):
+class CannotTellError(InputError):
     """A recording is readable, but shows too little to judge a model by; the message says why, in a sentence."""
 
 

@@ -16,7 +16,21 @@ from rig.clock import ClockEstimator, ClockFit
 from rig.fault import Fault
 from rig.host_time import HostTime
 from rig.link import BAUD, Link
-from rig.protocol import Answer, Boot, Event, Frame, Gone, LoadSample, Pong, Reason, Sample, ServoSample, State, Type
+from rig.protocol import (
+    Answer,
+    Boot,
+    Event,
+    Frame,
+    Gone,
+    LoadSample,
+    Pong,
+    Reason,
+    Sample,
+    ServoSample,
+    State,
+    Type,
+    reason_words,
+)
 from rig.sequence import SampleSequence
 
 SLOWEST_BOARD = 0.01  # s to answer a command, beside the line's own time
@@ -154,7 +168,7 @@ class Board:
         if answer is None or answer.type != kind:
             return False
         if answer.reason:
-            raise Fault("refused", f"the board refused {kind.name}: {Reason(answer.reason).name}")
+            raise Fault("refused", f"the board refused {kind.name}: {reason_words(answer.reason)}")
         return True
 
     def answer_time(self, size: int) -> float:
@@ -221,7 +235,9 @@ class Board:
     @property
     def state(self) -> State:
         """The board's state at the last pong."""
-        return State(self.pong.state) if self.pong is not None else State.UNARMED
+        if self.pong is None:
+            return State.UNARMED
+        return State(self.pong.state) if self.pong.state in set(State) else State.UNKNOWN
 
     @property
     def counters(self) -> LineCounters:

@@ -19,9 +19,10 @@ from rig.board import Board
 from rig.camera import Camera
 from rig.fault import Fault
 from rig.interrupts import Interrupts
+from rig.journal import set_aside
 from rig.motion import Motion, described, motion_of
 from rig.record import RunResult, record
-from rig.run_file import read_run
+from rig.run_file import iterate_frames, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
 from tentacle.io.toml_table import Table, read_toml
@@ -115,9 +116,8 @@ def run_campaign(
 def _set_aside(path: Path) -> Path | None:
     """Where an unfinished recording was moved to; None where it is complete."""
     with suppress(InputError):
-        if read_run(path).outcome == "complete":
+        run = read_run(path)
+        frames = sum(1 for _ in iterate_frames(path))  # each is compared with its checksum
+        if run.outcome == "complete" and not run.missing and frames == len(run.frame_host_t):
             return None
-    number = 1
-    while (aside := path.with_name(f"{path.stem}.unfinished-{number}{path.suffix}")).exists():
-        number += 1
-    return path.rename(aside)
+    return set_aside(path)

@@ -11,7 +11,7 @@ from rig.camera import Camera, FileSource, FrameSource, WebcamSource
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.host_time import HostTime
 from rig.link import Link
-from rig.play import arm
+from rig.play import arm, require_unlatched
 from rig.setup_file import EMULATED, RigSetup
 
 
@@ -32,6 +32,7 @@ def connect_again(setup: RigSetup, board: Board) -> None:
     if not board.link.is_open or board.neglected:
         board.connect()
         arm(board, setup.limits, setup.servo)
+    require_unlatched(board)
 
 
 @contextmanager

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable
+from contextlib import suppress
 from types import FrameType
 
 
 class Interrupts:
-    """Counts SIGINT (SIGTERM counts as two) while used as a context manager; say is told what each one does."""
+    """Counts SIGINT while used as a context manager; say is told what each one does.
+
+    SIGTERM, and SIGHUP of a terminal that was closed, count as two.
+    """
 
     def __init__(self, say: Callable[[str], None]) -> None:
         self._say = say
@@ -26,7 +30,7 @@ class Interrupts:
         return self._count >= 2
 
     def __enter__(self) -> Interrupts:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             self._before[number] = signal.signal(number, self._heard)
         return self
 
@@ -35,8 +39,9 @@ class Interrupts:
             signal.signal(number, handler)  # type: ignore[arg-type]
 
     def _heard(self, number: int, _frame: FrameType | None) -> None:
-        self._count += 2 if number == signal.SIGTERM else 1
-        if self._count == 1:
-            self._say("pausing after this run; Ctrl-C again stops the motor now")
-        else:
-            self._say("stopping the motor")
+        self._count += 1 if number == signal.SIGINT else 2
+        with suppress(OSError, RuntimeError):  # the terminal may be what has gone
+            if self._count == 1:
+                self._say("pausing after this run; Ctrl-C again stops the motor now")
+            else:
+                self._say("stopping the motor")

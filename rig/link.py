@@ -12,8 +12,10 @@ from serial.tools import list_ports
 
 from rig.fault import Fault
 from rig.protocol import Frame, Parser, encode
+from tentacle.errors import InputError
 
 BAUD = 115200
+SCHEMES = ("socket", "rfc2217", "loop")
 PATIENCE = 0.002  # s a read waits; set once, for a port over rfc2217:// negotiates every change with its server
 
 
@@ -35,6 +37,15 @@ def ports() -> list[PortFound]:
     return found
 
 
+def require_scheme(url: str) -> None:
+    """InputError where a port's scheme is not one of SCHEMES: pyserial knows others, one of which writes a file."""
+    scheme, separator, _ = url.partition("://")
+    if separator and scheme.lower() not in SCHEMES:
+        raise InputError(f"{scheme}:// is not opened", field="port", expected=f"a device, or one of {SCHEMES}")
+    if separator and ("?" in url or "&" in url):
+        raise InputError(f"{url} has options", field="port", expected="a port without a question mark")
+
+
 class Link:
     """Frames over a port. Opened exclusively; reading and writing raise Fault("link_lost") when the port is gone."""
 
@@ -48,6 +59,7 @@ class Link:
     def open(self) -> None:
         """Opens the port; Fault("link_lost") where it cannot be opened."""
         self.close()
+        require_scheme(self.url)
         target = self.url if "://" in self.url else os.path.realpath(self.url)  # a link's pty may change under its name
         try:
             port = serial.serial_for_url(target, baudrate=BAUD, timeout=PATIENCE)

@@ -3,18 +3,17 @@ moment.
 
 A study is a folder: study.journal (every step, fsynced), trial-0000.rrd and so on (each trial's recording, and the
 source of its value). Killed at any point, the next start cuts a torn last line, fails what was running and tries it
-again.
+again. A damaged journal is set aside and made again from the recordings; no recording is ever overwritten.
 """
 
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import optuna
@@ -25,15 +24,16 @@ from optuna.trial import TrialState
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.interrupts import Interrupts
+from rig.journal import JOURNAL, recording_path, recover, set_aside, whole_journal
 from rig.run_file import Run, read_run
 from tentacle.errors import InputError
+from tentacle.io.folder_lock import owned
 from tentacle.waveform import Waveform
 
 NAME = "gaits"
 STARTUP = 8  # trials before the Gaussian process proposes
 NEAR = 0.04  # of the space's width, standard deviation of a step from the best
 FAULTS_IN_A_ROW = 3  # then someone has to look at the rig
-JOURNAL = "study.journal"
 
 
 # Tries a gait for so many seconds and records it at the path, with the description in the start record. It raises
@@ -76,15 +76,17 @@ def optimise(
     *,
     propose: Proposer | None = None,
     interrupts: Interrupts | None = None,
+    told: Callable[[str], None] = lambda _words: None,
 ) -> Iterator[Trial]:
     """Runs trials until `study.trials` are finished, yielding each; those of an earlier start are yielded first.
 
     first: points to try first (a model's best). propose: given the recordings so far, points of a model identified
-    anew, every study.reidentify_every trials. Fault after FAULTS_IN_A_ROW trials that did not complete; InputError
+    anew, every study.reidentify_every trials. told hears of a journal that had to be made again. Fault after
+    FAULTS_IN_A_ROW trials that did not complete; InputError
     where the folder is in use or holds another study.
     """
     with _owned(folder):
-        opened = _open(folder, study)
+        opened = _open(folder, study, told)
         for number, point in _unfinished(opened):
             _settle_unfinished(opened, folder, study, number, point)
         finished = _finished(opened, folder)
@@ -136,61 +138,19 @@ def propulsion(run: Run, begin: float, end: float) -> float:
     return -float(np.trapezoid(np.interp(grid, t, thrust), grid) / (grid[-1] - grid[0]))
 
 
-def cut_torn_line(journal: Path) -> int:
-    """Cuts what follows the last newline: a line torn by a crash would make every later start fail. Bytes cut."""
-    if not journal.exists():
-        return 0
-    data = journal.read_bytes()
-    whole = data.rfind(b"\n") + 1
-    while whole and not _is_json(
-        data[data.rfind(b"\n", 0, whole - 1) + 1 : whole]
-    ):  # blocks of zeros after a power cut
-        whole = data.rfind(b"\n", 0, whole - 1) + 1
-    if whole < len(data):
-        with journal.open("rb+") as file:
-            file.truncate(whole)
-    return len(data) - whole
-
-
-def _is_json(line: bytes) -> bool:
-    try:
-        json.loads(line)
-    except ValueError:
-        return False
-    return True
-
-
-def _lock(file: IO[str]) -> None:
-    """Take the file for this process alone; OSError where another process has it."""
-    if sys.platform == "win32":
-        import msvcrt
-
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-    else:
-        import fcntl
-
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
 @contextmanager
 def _owned(folder: Path) -> Iterator[None]:
-    """One process a study; the lock goes with the process, however it ends."""
+    """One process a study."""
     folder.mkdir(parents=True, exist_ok=True)
-    with (folder / ".lock").open("w") as lock:
-        try:
-            _lock(lock)
-        except OSError:
-            raise InputError(
-                "is in use by another process", file=folder, expected="one optimisation a folder"
-            ) from None
+    with owned(folder / ".lock", folder, "one optimisation a folder"):
         for left in folder.glob(f"{JOURNAL}*.lock*"):  # Optuna's own lock outlives a killed process
             left.unlink()
         yield
 
 
-def _open(folder: Path, study: StudyPlan) -> optuna.Study:
-    journal = folder / JOURNAL
-    cut_torn_line(journal)
+def _open(folder: Path, study: StudyPlan, told: Callable[[str], None]) -> optuna.Study:
+    journal = whole_journal(folder, told)
+    lost = not journal.exists() and any(folder.glob("trial-*.rrd"))
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     storage = JournalStorage(JournalFileBackend(str(journal)))
     sampler = optuna.samplers.GPSampler(
@@ -207,6 +167,11 @@ def _open(folder: Path, study: StudyPlan) -> optuna.Study:
         opened.set_user_attr("bounds", bounds)
     elif known != json.loads(json.dumps(bounds)):
         raise InputError("holds a study of other bounds", file=folder, expected="a folder of its own for each study")
+    if lost:
+        count = recover(
+            opened, folder, study.space.bounds, lambda run, frequency: propulsion(run, *study.plan.window(frequency))
+        )
+        told(f"{journal}: was lost; {count} trials are recovered from their recordings")
     return opened
 
 
@@ -218,7 +183,7 @@ def _settle_unfinished(
     opened: optuna.Study, folder: Path, study: StudyPlan, number: int, point: dict[str, float]
 ) -> None:
     """A trial that was running when the process died: its recording counts if it is whole, else it is tried again."""
-    path = _recording(folder, number)
+    path = recording_path(folder, number, {})
     if path.exists() and set(point) == set(study.space.bounds):
         try:
             begin, end = study.plan.window(point["frequency_hz"])
@@ -235,8 +200,9 @@ def _one_trial(opened: optuna.Study, folder: Path, study: StudyPlan, run_trial: 
     asked = opened.ask()
     point = {name: asked.suggest_float(name, low, high) for name, (low, high) in study.space.bounds.items()}
     source = str(asked.user_attrs.get("source", "search"))
-    path = _recording(folder, asked.number)
-    path.unlink(missing_ok=True)
+    path = recording_path(folder, asked.number, {})
+    if path.exists():
+        set_aside(path)
     description = {"kind": "gait", "trial": asked.number, "source": source, **point}
     run_trial(study.space.gait(point), study.plan.duration(point["frequency_hz"]), path, description)
     try:
@@ -279,11 +245,7 @@ def _finished(opened: optuna.Study, folder: Path) -> list[Trial]:
             dict(t.params),
             float(t.values[0]),
             str(t.user_attrs.get("source", "search")),
-            _recording(folder, t.number),
+            recording_path(folder, t.number, t.user_attrs),
         )
         for t in found
     ]
-
-
-def _recording(folder: Path, number: int) -> Path:
-    return folder / f"trial-{number:04d}.rrd"

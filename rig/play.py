@@ -45,10 +45,14 @@ class PlayEnd:
 
 
 def arm(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
-    """Hands the limits to the board and waits until it is ready at neutral."""
+    """Hands the limits to the board and waits until it is ready at neutral.
+
+    A latch of an earlier fault is cleared: to start a program again is deliberate.
+    """
     assert board.boot is not None
     check_limits(limits, servo, board.boot)
     board.limits = limits_message(limits, servo)
+    board.command(Type.CLEAR)
     board.command(Type.LIMITS, board.limits)
     until = time.monotonic() + 3.0
     while board.state != State.READY:
@@ -56,6 +60,12 @@ def arm(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
         if time.monotonic() > until:
             raise Fault("no_answer", f"the board did not reach neutral after it was armed (it is {board.state.name})")
     board.command(Type.STREAM, protocol.stream(True))
+
+
+def require_unlatched(board: Board) -> None:
+    """Fault("overcurrent") where the board has switched the servo off: a new start of the program arms it again."""
+    if board.state == State.LATCHED:
+        raise Fault("overcurrent", "the board has switched the servo off: look at the arm, then start again")
 
 
 def play(
@@ -104,6 +114,7 @@ def play(
 
 def _begin(board: Board, urad: list[int], period: float) -> tuple[Upload, int, int]:
     """The upload, and board times [us]: that before which all belongs to an earlier run, and that of set point 0."""
+    require_unlatched(board)
     board.command(Type.CLEAR)
     upload = Upload(board, urad)
     while upload.arrived < min(AHEAD, len(urad)):

@@ -54,16 +54,23 @@ class Reason(IntEnum):
     TOO_FEW_POINTS = 8
     BAD_START = 9
     BUSY = 10
+    LATCHED = 11
+    NOT_CLEARED = 12
 
 
 class State(IntEnum):
-    """What the board is doing; it is RETURNING to neutral after every run, whatever ended it."""
+    """What the board is doing; it is RETURNING to neutral after every run, whatever ended it.
+
+    LATCHED: the servo is off after a fault, until CLEAR and LIMITS. UNKNOWN: a newer board's state.
+    """
 
     UNARMED = 0
     READY = 1
     WAITING = 2
     PLAYING = 3
     RETURNING = 4
+    LATCHED = 5
+    UNKNOWN = 255
 
 
 class EventCode(IntEnum):
@@ -80,6 +87,18 @@ class EventCode(IntEnum):
     CELL_ERROR = 9
     CELL_GOOD = 10
     STOPPED = 11
+
+
+def event_name(code: int) -> str:
+    """An event's name; a newer board may know events that this program does not."""
+    return EventCode(code).name if code in set(EventCode) else f"EVENT_{code}"
+
+
+def reason_words(code: int) -> str:
+    """Why the board refused, in words; a newer board may know reasons that this program does not."""
+    if code not in set(Reason):
+        return f"for a reason that this program does not know (number {code}: is the firmware newer?)"
+    return Reason(code).name.lower().replace("_", " ")
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,11 @@ from rig.live_run import LiveRun, Progress
 from rig.motion import Motion, motion_of
 from rig.play import PlayEnd
 from rig.recorder import Recorder
-from rig.run_file import read_run, write_video
+from rig.run_file import write_film
 from rig.safety import check_set_points
 from rig.setup_file import RigSetup, setup_tables
 from tentacle.errors import InputError
+from tentacle.io.rrd_chunks import just_written
 from tentacle.waveform import Waveform
 
 
@@ -68,7 +69,12 @@ def record(
             end = PlayEnd(fault.kind, str(fault), 0)
             run.to_neutral()
         stop = run.stop_record(end)
-        add_film(recorder, path, {"outcome": end.outcome, **stop})
+        if end.outcome != "disk":
+            try:
+                add_film(recorder, path, stop)
+            except (Fault, OSError) as error:
+                end = PlayEnd("disk", f"the film could not be written: {error}", end.start_us)
+                stop["words"] = end.words
         recorder.stop(end.outcome, stop)
     return RunResult(path, end.outcome, end.words, run.mean_thrust(end), run.count, board.counters.samples_lost)
 
@@ -108,15 +114,19 @@ def _start_record(setup: RigSetup, board: Board, motion: Motion, name: str) -> d
 
 
 def add_film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
-    """The frames of the run as one video with true times, so that tracking can read it; the frames themselves stay."""
-    if not stop["start_us"] or stop["camera"] is None:
+    """The frames of the run as one video with true times, so that tracking can read it; the frames themselves stay.
+
+    They pass one at a time from the file into the encoder: an hour's film takes no more memory than a minute's.
+    """
+    if not stop["start_us"] or stop["camera"] is None or recorder.last_clock is None:
         return
     recorder.flush()
-    run = replace(read_run(path), stop=stop)
-    with tempfile.TemporaryDirectory() as folder:
+    just_written(path)
+    zero = 1e-6 * float(stop["start_us"]) + recorder.lead
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:  # /tmp may be memory
         video = Path(folder) / "video.mp4"
         try:
-            write_video(run, video)
+            write_film(path, video, recorder.last_clock, float(stop["camera"].get("offset_s", 0.0)), zero)
         except InputError:
             return  # a camera that gave nothing: its gap is in the stop record
         recorder.video(video)

@@ -3,17 +3,18 @@
 Start without stop means that the host died: what was flushed up to then (every FLUSH_EVERY) is in the file.
 Under /rig stands what the board said (rig/run_file.py reads it). Beside it the same file holds the recording as
 tentacle.io.recording_rrd lays it out (/declaration, /motor, /load_cell), from the first sample on, so that every other
-command takes the file as it is, crashed or not.
+command takes the file as it is, crashed or not. Every block has its checksum (tentacle.io.checksums).
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import shutil
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,16 @@ import rerun as rr
 
 from rig.camera import CameraFrame
 from rig.clock import ClockFit
+from rig.disk_writer import DiskWriter
 from rig.fault import Fault
 from rig.live_feed import APPLICATION, BOARD_TIME, LiveFeed
-from rig.protocol import NO_ANGLE, Event, EventCode, LoadSample, Sample, ServoSample
+from rig.protocol import NO_ANGLE, Event, LoadSample, Sample, ServoSample, event_name
+from rig.stop_file import release, reserve, write_stop
+from tentacle.io.checksums import Sum, digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file, parse_recording_file
+from tentacle.io.film_pieces import log_film
+from tentacle.io.recording_rrd import LARGE_VIDEO, log_video_file
+from tentacle.io.rrd_chunks import just_written
 
 FORMAT = "tentacle-rig-run"
 VERSION = 1
@@ -35,7 +42,7 @@ COMMAND, ANGLE, CURRENT = "/rig/servo/command", "/rig/servo/angle", "/rig/servo/
 EVENTS, CLOCK, CAMERA = "/rig/events", "/rig/clock", "/rig/camera"
 HOST_TIME, SAMPLE = "host_time", "sample"
 FLUSH_EVERY = 0.15  # s; so much and what is on its way is lost when the host is killed
-FLUSH_WITHIN = 5.0  # s; a disk that takes longer is lost
+WRITE_WITHIN = 3.0  # s, of Rerun's own flush: less than the writer's patience, so that its words are heard
 LEAST_FREE = 64 * 2**20  # bytes; under this a run is ended while there is still room to end it properly
 
 
@@ -55,26 +62,33 @@ class Recorder:
         too.
         """
         self.path = path
+        self.lead = float(start.get("lead_s", 0.0))  # s from the first set point to the waveform's time 0
+        self.last_clock: ClockFit | None = None
         self._to_newtons = to_newtons
         self._free = free_bytes or (lambda where: shutil.disk_usage(where).free)
         self._flushed_at = time.monotonic()
-        self._writer = ThreadPoolExecutor(1, "recorder")  # a slow disk must not keep the board waiting
-        self._writing: Future[None] | None = None
         self._size = -1
-        self._written_since = False
         self._stopped = False
         self._pending: list[Sample] = []
+        self._queue: list[Callable[[], None]] = []
+        self._sums: list[Sum] = []
+        self._blocks = 0
+        self._ends: dict[str, int] = {}  # rows of each signal so far
         path.parent.mkdir(parents=True, exist_ok=True)
         self._require_space()
+        try:
+            reserve(path)
+        except OSError as error:
+            raise Fault("disk", f"{path} cannot be written: {error.strerror}") from None
         self._stream = rr.RecordingStream(APPLICATION, send_properties=True)
         self._stream.set_sinks(rr.FileSink(str(path)))
         self._live = None if viewer is None else LiveFeed(viewer)
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)
+        self._writer = DiskWriter(path)
         self._declaration = parse_recording_file(start["recording"])
         self._name = str(start["name"])
         self._zero_us: int | None = None
-        self._rows = {"motor": 0, "load_cell": 0}
         self._text(START, {"format": FORMAT, "version": VERSION, **start})
         self._declare("crashed")
         self.flush()
@@ -89,9 +103,120 @@ class Recorder:
     def samples(self, batch: Sequence[Sample]) -> None:
         """Appends samples, in order."""
         self._pending += batch
-        self._written_since |= bool(batch)
 
-    def _send(self, batch: Sequence[Sample]) -> None:
+    def begin(self, zero_us: int) -> None:
+        """The waveform's time 0 is at board time zero_us [us]: samples from now on also go into the recording."""
+        self._hand_over()
+        self._zero_us = zero_us
+
+    def frames(self, frames: Sequence[CameraFrame]) -> None:
+        """Appends camera frames at their host time."""
+        for frame in frames:
+            columns = [
+                *rr.EncodedImage.columns(blob=[frame.jpeg], media_type=["image/jpeg"]),
+                *rr.AnyValues.columns(sha256=[hashlib.sha256(frame.jpeg).hexdigest()]),
+            ]
+            index = [rr.TimeColumn(HOST_TIME, duration=[np.timedelta64(round(1e9 * frame.host_s), "ns")])]
+            self._queue.append(partial(self._stream.send_columns, CAMERA, index, columns))
+        if self._live is not None:
+            self._live.frames(frames)
+
+    def video(self, file: Path) -> None:
+        """Puts a video of the run beside its signals, as tentacle.io.recording_rrd lays it out."""
+        if file.stat().st_size > LARGE_VIDEO:
+            log_film(self._stream, file)
+        else:
+            log_video_file(self._stream, file)
+
+    def clock(self, fit: ClockFit) -> None:
+        """Appends the clock's present fit: without it a crashed run could not place its frames."""
+        self.last_clock = fit
+        values = np.array([[fit.host_zero, fit.board_zero, fit.skew, fit.sigma, fit.round_trip]])
+        index = [rr.TimeColumn(BOARD_TIME, duration=[np.timedelta64(round(1e9 * fit.board_zero), "ns")])]
+        columns = [
+            *rr.Scalars.columns(scalars=values),
+            *rr.AnyValues.columns(sha256=[digest({"fit": values})]),
+        ]
+        self._queue.append(partial(self._stream.send_columns, CLOCK, index, columns))
+        if self._live is not None:
+            self._live.clock(fit)
+
+    def flush_if_due(self) -> None:
+        """Call often; every FLUSH_EVERY it begins to write what was appended, and does not wait for it.
+
+        Fault("disk") when the file does not take what was begun before.
+        """
+        now = time.monotonic()
+        if now - self._flushed_at >= FLUSH_EVERY and self._begin_to_write():
+            self._flushed_at = now
+
+    def flush(self) -> None:
+        """Writes everything appended so far, and waits for it. Fault("disk") when the file does not take it."""
+        self._writer.wait()
+        self._begin_to_write()
+        self._writer.wait()
+
+    def stop(self, outcome: str, record: dict[str, Any]) -> None:
+        """The stop record, and the end of the file.
+
+        A disk that takes nothing more cannot make this fail: the record then goes into a file beside the run's.
+        """
+        self._stopped = True
+        if self._live is not None:
+            self._live.close()
+        self._hand_over()
+        self._text(STOP, {"outcome": outcome, **record})
+        self._declare(outcome)
+        counts = {name: self._ends[name] for name in ("motor", "load_cell") if name in self._ends}
+        if counts:
+            rows = rr.AnyValues(signal=list(counts), count=list(counts.values()))
+            self._queue.append(partial(self._stream.log, "/rows", rows, static=True))
+        try:
+            if outcome == "disk":
+                raise Fault("disk", "")
+            self.flush()
+            self._writer.begin(self._stream.disconnect)
+            self._writer.wait()
+            release(self.path)
+            just_written(self.path)
+        except Fault:
+            write_stop(self.path, {"outcome": outcome if outcome != "complete" else "disk", **record})
+            if outcome == "disk":
+                self._last_try()
+        self._writer.close()
+
+    def _last_try(self) -> None:
+        """After a disk fault: what may still go into the file, if it does at once."""
+        try:
+            self.flush()
+            self._writer.begin(self._stream.disconnect)
+            self._writer.wait()
+        except Fault:
+            return  # the stop document lies beside the file
+
+    def _begin_to_write(self) -> bool:
+        """Hands what is queued to the writer, unless that is still busy."""
+        self._hand_over()
+        jobs = self._queue
+        if not self._writer.begin(partial(self._write, jobs, bool(jobs))):
+            return False
+        self._queue = []
+        return True
+
+    def _write(self, jobs: Sequence[Callable[[], None]], grows: bool) -> None:
+        """In the writer's thread. grows: whether the file must be longer afterwards."""
+        for job in jobs:
+            job()
+        self._stream.flush(timeout_sec=WRITE_WITHIN)
+        size = self.path.stat().st_size if self.path.exists() else 0
+        if grows and size <= self._size:
+            raise Fault("disk", f"{self.path} does not grow: is the disk full?")
+        self._size = size
+        self._require_space()
+
+    def _hand_over(self) -> None:
+        """What was appended, in one block: many small ones would make a large file."""
+        batch, self._pending = self._pending, []
         loads = [s for s in batch if isinstance(s, LoadSample)]
         servos = [s for s in batch if isinstance(s, ServoSample)]
         if loads:
@@ -110,116 +235,25 @@ class Recorder:
             )
             self._scalars(CURRENT, servos, 1e-3 * np.array([s.current_ma for s in servos], dtype=float))
         for event in (s for s in batch if isinstance(s, Event)):
-            self._stream.set_time(BOARD_TIME, duration=np.timedelta64(1000 * event.board_us, "ns"))
-            self._stream.set_time(SAMPLE, sequence=event.number)
-            words = f"{EventCode(event.code).name} {event.value}"
-            self._stream.log(EVENTS, rr.TextLog(words, level="INFO"))
-            self._stream.reset_time()
-            if self._live is not None:
-                self._live.event(EVENTS, event.board_us, words)
+            self._event(event)
+        if self._sums:
+            self._queue.append(partial(log_sums, self._stream, self._sums, self._blocks))
+            self._sums = []
+            self._blocks += 1
 
-    def begin(self, zero_us: int) -> None:
-        """The waveform's time 0 is at board time zero_us [us]: samples from now on also go into the recording."""
-        self._hand_over()
-        self._zero_us = zero_us
-
-    def frames(self, frames: Sequence[CameraFrame]) -> None:
-        """Appends camera frames at their host time."""
-        for frame in frames:
-            self._stream.set_time(HOST_TIME, duration=np.timedelta64(round(1e9 * frame.host_s), "ns"))
-            self._stream.log(CAMERA, rr.EncodedImage(contents=frame.jpeg, media_type="image/jpeg"))
-            self._stream.reset_time()
-        self._written_since |= bool(frames)
+    def _event(self, event: Event) -> None:
+        words = f"{event_name(event.code)} {event.value}"
+        index = [
+            rr.TimeColumn(BOARD_TIME, duration=[np.timedelta64(1000 * event.board_us, "ns")]),
+            rr.TimeColumn(SAMPLE, sequence=[event.number]),
+        ]
+        columns = [
+            *rr.TextLog.columns(text=[words], level=["INFO"]),
+            *rr.AnyValues.columns(sha256=[digest({"event": [words], "board_us": np.array([event.board_us])})]),
+        ]
+        self._queue.append(partial(self._stream.send_columns, EVENTS, index, columns))
         if self._live is not None:
-            self._live.frames(frames)
-
-    def video(self, file: Path) -> None:
-        """Puts a video of the run beside its signals, as tentacle.io.recording_rrd lays it out."""
-        asset = rr.AssetVideo(path=file)
-        self._stream.log("/camera/video", asset, rr.AnyValues(suffix=file.suffix), static=True)
-        stamps = asset.read_frame_timestamps_nanos()
-        references = rr.VideoFrameReference.columns_nanos(stamps)
-        self._stream.send_columns("/camera/video", [rr.TimeColumn("time", duration=1e-9 * stamps)], references)
-
-    def clock(self, fit: ClockFit) -> None:
-        """Appends the clock's present fit: without it a crashed run could not place its frames."""
-        self._stream.set_time(BOARD_TIME, duration=np.timedelta64(round(1e9 * fit.board_zero), "ns"))
-        values = [fit.host_zero, fit.board_zero, fit.skew, fit.sigma, fit.round_trip]
-        self._stream.log(CLOCK, rr.Scalars(values))
-        self._stream.reset_time()
-        if self._live is not None:
-            self._live.clock(fit)
-
-    def flush_if_due(self) -> None:
-        """Call often; every FLUSH_EVERY it begins to write what was appended, and does not wait for it.
-
-        Fault("disk") when the file does not take what was begun before.
-        """
-        now = time.monotonic()
-        if now - self._flushed_at < FLUSH_EVERY:
-            return
-        if self._writing is not None:
-            if self._writing.done():
-                self._written()
-            elif now - self._flushed_at < FLUSH_WITHIN:
-                return
-            else:
-                raise Fault("disk", f"{self.path} was not written within {FLUSH_WITHIN:g} s")
-        self._begin_to_write()
-
-    def flush(self) -> None:
-        """Writes everything appended so far, and waits for it. Fault("disk") when the file does not take it."""
-        self._written()
-        self._begin_to_write()
-        self._written()
-
-    def _hand_over(self) -> None:
-        """What was appended, in one block: many small ones would make a large file."""
-        batch, self._pending = self._pending, []
-        self._send(batch)
-
-    def _begin_to_write(self) -> None:
-        self._hand_over()
-        self._flushed_at = time.monotonic()
-        grows, self._written_since = self._written_since, False
-        self._writing = self._writer.submit(self._write, grows)
-
-    def _written(self) -> None:
-        """Waits for what is being written."""
-        writing, self._writing = self._writing, None
-        if writing is not None:
-            writing.result()
-
-    def _write(self, grows: bool) -> None:
-        """In the writer's thread. grows: whether the file must be longer afterwards."""
-        try:
-            self._stream.flush(timeout_sec=FLUSH_WITHIN)
-        except Exception as error:  # rerun raises its own, undocumented, kinds here
-            raise Fault("disk", f"{self.path} cannot be written: {error}") from None
-        size = self.path.stat().st_size if self.path.exists() else 0
-        if grows and size <= self._size:
-            raise Fault("disk", f"{self.path} does not grow: is the disk full?")
-        self._size = size
-        self._require_space()
-
-    def stop(self, outcome: str, record: dict[str, Any]) -> None:
-        """The stop record, and the end of the file. A full disk cannot make this fail: the run then reads as
-        crashed.
-        """
-        self._stopped = True
-        self._writer.shutdown()
-        self._hand_over()
-        if self._live is not None:
-            self._live.close()
-        self._text(STOP, {"outcome": outcome, **record})
-        self._declare(outcome)
-        counts = {name: count for name, count in self._rows.items() if count}
-        if counts:
-            self._stream.log("/rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)
-        try:
-            self._stream.flush(timeout_sec=5.0)
-        finally:
-            self._stream.disconnect()
+            self._live.event(EVENTS, event.board_us, words)
 
     def _require_space(self) -> None:
         free = self._free(self.path.parent)
@@ -230,14 +264,23 @@ class Recorder:
 
     def _scalars(self, entity: str, samples: Sequence[Sample], values: Any) -> None:
         board = np.array([s.board_us for s in samples], dtype=np.int64) * 1000
+        number = np.array([s.number for s in samples])
         indexes = [
             rr.TimeColumn(BOARD_TIME, duration=board.astype("timedelta64[ns]")),
-            rr.TimeColumn(SAMPLE, sequence=[s.number for s in samples]),
+            rr.TimeColumn(SAMPLE, sequence=number),
         ]
         columns = rr.Scalars.columns(scalars=values)
-        self._stream.send_columns(entity, indexes=indexes, columns=columns)
+        self._queue.append(partial(self._stream.send_columns, entity, indexes, columns))
+        self._sum(entity, {"board_ns": board, "sample": number, "value": values})
         if self._live is not None:
             self._live.columns(entity, indexes, columns)
+
+    def _sum(self, signal: str, columns: dict[str, Any]) -> int:
+        """Adds the checksum of the next rows of a signal; the number of their first."""
+        count, first = len(next(iter(columns.values()))), self._ends.get(signal, 0)
+        self._ends[signal] = first + count
+        self._sums.append(Sum(signal, first, count, digest(columns)))
+        return first
 
     def _recording_rows(self, name: str, samples: Sequence[Sample], columns: dict[str, Any]) -> None:
         """Rows of a signal in the layout of tentacle.io.recording_rrd; only from the waveform's time 0 on."""
@@ -248,20 +291,20 @@ class Recorder:
         count = int(kept.sum())
         if not count:
             return
-        first = self._rows[name]
-        self._rows[name] = first + count
+        first = self._sum(name, {"t_s": t[kept], **{column: values[kept] for column, values in columns.items()}})
         index = [
             rr.TimeColumn("time", duration=t[kept]),
             rr.TimeColumn("row", sequence=np.arange(first, first + count)),
         ]
-        self._stream.send_columns(f"/{name}", index, rr.AnyValues.columns(t_s=t[kept]))
+        self._queue.append(partial(self._stream.send_columns, f"/{name}", index, rr.AnyValues.columns(t_s=t[kept])))
         for column, values in columns.items():
-            self._stream.send_columns(f"/{name}/{column}", index, rr.Scalars.columns(scalars=values[kept]))
+            scalars = rr.Scalars.columns(scalars=values[kept])
+            self._queue.append(partial(self._stream.send_columns, f"/{name}/{column}", index, scalars))
 
     def _declare(self, outcome: str) -> None:
         notes = {**self._declaration.notes, "outcome": outcome}
         text = format_recording_file(replace(self._declaration, name=self._name, notes=notes))
-        self._stream.log("/declaration", rr.TextDocument(text, media_type="text/plain"), static=True)
+        self._queue.append(partial(log_text, self._stream, "/declaration", text, "text/plain"))
 
     def _text(self, entity: str, content: dict[str, Any]) -> None:
-        self._stream.log(entity, rr.TextDocument(json.dumps(content), media_type="application/json"), static=True)
+        self._queue.append(partial(log_text, self._stream, entity, json.dumps(content), "application/json"))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
-import warnings
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,8 +15,14 @@ from rig import recorder
 from rig.clock import ClockFit
 from rig.protocol import EventCode
 from rig.stills import encode_video
+from rig.stop_file import read_stop
 from tentacle.errors import InputError
+from tentacle.io.checksums import ENTITY as SUMS
+from tentacle.io.checksums import Sum, covered, digest, first_unsound, read_sums, sound_text
 from tentacle.io.declaration_file import parse_recording_file
+from tentacle.io.recording_from_rrd import DAMAGE
+from tentacle.io.rrd_chunks import bytes_lost, read_chunks
+from tentacle.io.rrd_columns import Columns, add, whole_numbers
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, MotorSignal, Video
 
@@ -36,8 +41,8 @@ class Run:
     """A run as recorded. Times are the board's [s]; numbers are the board's sample numbers.
 
     load (N,) counts at load_t, load_number; command, angle, current (M,) [rad, rad, A] at servo_t, servo_number;
-    frame_host_t (F,) [s] of arrival with frames as JPEG; clocks in the order in which they were fitted. stop is None
-    where the host died.
+    frame_host_t (F,) [s] of arrival (iterate_frames gives the pictures); clocks in the order in which they were fitted.
+    stop is None where the host died; missing: one line on what was cut off, "" where nothing was.
     """
 
     path: Path
@@ -53,8 +58,8 @@ class Run:
     current: Array
     events: tuple[RunEvent, ...]
     frame_host_t: Array
-    frames: tuple[bytes, ...]
     clocks: tuple[ClockFit, ...]
+    missing: str = ""
 
     @property
     def outcome(self) -> str:
@@ -74,35 +79,62 @@ class Run:
 
 
 def read_run(path: Path) -> Run:
-    """The run in an .rrd. InputError where the file is missing, no .rrd, or none of a rig; a cut end is no error."""
-    columns = _read_columns(path)
+    """The run in an .rrd, whole or up to where it was cut off (Run.missing).
+
+    InputError where the file is missing, no .rrd, none of a rig, or where something disagrees with its checksum.
+    """
+    columns, frame_t, bytes_gone = _read_columns(path)
+    try:
+        return _run_of(columns, frame_t, bytes_gone, path)
+    except InputError:
+        raise
+    except DAMAGE as error:
+        raise InputError(f"damaged: {error}", file=path, expected="a run that `tentacle rig record` wrote") from None
+
+
+def _run_of(columns: dict[str, Columns], frame_t: Array, bytes_gone: int, path: Path) -> Run:
     start = _document(columns, recorder.START, path)
     if start is None or start.get("format") != recorder.FORMAT:
         raise InputError("holds no start record", file=path, expected="a run that `tentacle rig record` wrote")
     if start.get("version") != recorder.VERSION:
         raise InputError(f"is of version {start.get('version')}", file=path, expected=f"version {recorder.VERSION}")
-    load_t, load_number, load = _series(columns, recorder.LOAD)
-    servo_t, servo_number, command = _series(columns, recorder.COMMAND)
-    frames = sorted(columns.get(recorder.CAMERA, []), key=lambda row: row[recorder.HOST_TIME])
-    events = sorted(columns.get(recorder.EVENTS, []), key=lambda row: row[recorder.SAMPLE])
-    clocks = [ClockFit(*row["Scalars:scalars"]) for row in columns.get(recorder.CLOCK, [])]
-    return Run(
+    sums = read_sums(columns.get(SUMS))
+    load_t, load_number, load = _series(columns, recorder.LOAD, sums, path)
+    servo_t, servo_number, command = _series(columns, recorder.COMMAND, sums, path)
+    angle, current = (_series(columns, entity, sums, path)[2] for entity in (recorder.ANGLE, recorder.CURRENT))
+    count = min(map(len, (command, angle, current)))  # a cut can fall between the entities of one block
+    in_file = _document(columns, recorder.STOP, path)
+    stop = in_file if in_file is not None else read_stop(path)
+    run = Run(
         path=path,
         start=start,
-        stop=_document(columns, recorder.STOP, path),
+        stop=stop,
         load_t=load_t,
         load_number=load_number,
         load=load,
-        servo_t=servo_t,
-        servo_number=servo_number,
-        command=command,
-        angle=_series(columns, recorder.ANGLE)[2],
-        current=_series(columns, recorder.CURRENT)[2],
-        events=tuple(_event(row) for row in events),
-        frame_host_t=np.array([1e-9 * row[recorder.HOST_TIME] for row in frames]),
-        frames=tuple(bytes(np.asarray(row["EncodedImage:blob"][0], dtype=np.uint8)) for row in frames),
-        clocks=tuple(clocks),
+        servo_t=servo_t[:count],
+        servo_number=servo_number[:count],
+        command=command[:count],
+        angle=angle[:count],
+        current=current[:count],
+        events=_events(columns.get(recorder.EVENTS), path),
+        frame_host_t=frame_t,
+        clocks=_clocks(columns.get(recorder.CLOCK), path),
     )
+    whole = in_file is not None and not bytes_gone
+    return run if whole else replace(run, missing=_missing(run, bytes_gone))
+
+
+def _missing(run: Run, bytes_gone: int) -> str:
+    """One line on what a cut took, in seconds."""
+    ends = [float(t[-1]) for t in (run.load_t, run.servo_t) if len(t)]
+    planned = run.start.get("duration_s")
+    reached = max(ends, default=run.zero) - run.zero
+    torn = f", its last {bytes_gone} bytes are no whole message" if bytes_gone else ""
+    if not isinstance(planned, int | float):
+        return f"the file is cut off{torn}; it reaches to {reached:.2f} s, its length is unknown"
+    left = max(float(planned) - reached, 0.0)
+    return f"the file is cut off{torn}; it reaches to {reached:.2f} s, {left:.2f} of {float(planned):.2f} s are missing"
 
 
 def to_recording(run: Run, *, video: Path | None = None) -> Recording:
@@ -119,10 +151,12 @@ def to_recording(run: Run, *, video: Path | None = None) -> Recording:
     motor = MotorSignal(run.servo_t - run.zero, run.command, np.where(measured, run.angle, run.command))
     thrust = (run.load - calibration["offset_counts"]) / calibration["counts_per_newton"]
     filmed = None
-    if video is not None and run.frames:
+    if video is not None and len(run.frame_host_t) and run.clocks:
         write_video(run, video)
         filmed = Video(video)
     notes = {"outcome": run.outcome, "source": run.path.name, "angle": "measured" if measured.any() else "commanded"}
+    if run.missing:
+        notes["cut_off"] = run.missing
     return Recording(
         name=str(run.start.get("name", run.path.stem)),
         declaration=replace(declared.declaration, motor_mode="prescribed"),
@@ -133,82 +167,106 @@ def to_recording(run: Run, *, video: Path | None = None) -> Recording:
     )
 
 
-def frame_times(run: Run) -> Array:
-    """Time (F,) [s] of the middle of each frame's exposure, zero where the waveform began.
+def write_video(run: Run, path: Path) -> None:
+    """The frames as H.264, each with its own time stamp; frames from before the waveform's time 0 are left out.
 
-    InputError where the run holds no clock.
+    InputError where the run holds no clock, or no frame.
     """
     if not run.clocks:
         raise InputError("holds no clock fit", file=run.path, expected="a run that lasted a second")
     camera = (run.stop or {}).get("camera") or run.start.get("camera") or {}
-    fit = run.clocks[-1]
-    host = run.frame_host_t - float(camera.get("offset_s", 0.0))
-    return np.array([fit.to_board(t) for t in host]) - run.zero
+    write_film(run.path, path, run.clocks[-1], float(camera.get("offset_s", 0.0)), run.zero)
 
 
-def write_video(run: Run, path: Path) -> None:
-    """The frames as H.264, each with its own time stamp; frames from before the waveform's time 0 are left out."""
-    times = frame_times(run)
-    kept = times >= 0
-    if not kept.any():
-        raise InputError("no frame was taken during the run", file=run.path)
-    encode_video(times[kept], [data for data, keep in zip(run.frames, kept, strict=True) if keep], path)
+def write_film(run: Path, path: Path, clock: ClockFit, offset: float, zero: float) -> None:
+    """A run's frames as H.264, one at a time; offset [s] by which they came late, zero: board time [s] of time 0."""
+    stills = ((clock.to_board(host_s - offset) - zero, jpeg) for host_s, jpeg in iterate_frames(run))
+    if not encode_video(((t, jpeg) for t, jpeg in stills if t >= 0.0), path):
+        raise InputError("no frame was taken during the run", file=run)
 
 
-def _read_columns(path: Path) -> dict[str, list[dict[str, Any]]]:
-    """Every entity's rows: times as whole nanoseconds or numbers, components as lists."""
+def iterate_frames(run: Path) -> Iterator[tuple[float, bytes]]:
+    """Host time [s] of arrival and JPEG of each frame, in the file's order. InputError where one is damaged."""
+    for chunk in read_chunks(run):
+        if chunk.entity != recorder.CAMERA or chunk.static:
+            continue
+        rows = Columns()
+        add(rows, chunk.batch, static=False)
+        blobs, sums = rows.row_bytes("EncodedImage:blob"), rows.texts("sha256")
+        for k, (time, jpeg) in enumerate(zip(rows.times(recorder.HOST_TIME).tolist(), blobs, strict=True)):
+            if sums and hashlib.sha256(jpeg).hexdigest() != sums[k]:
+                raise InputError(f"damaged: the frame at {1e-9 * time:.3f} s", file=run, field="camera")
+            yield 1e-9 * time, jpeg
+
+
+def _read_columns(path: Path) -> tuple[dict[str, Columns], Array, int]:
+    """Every entity of the rig but its pictures; the frames' host times (F,) [s]; bytes at the end that are torn."""
     if not path.is_file():
         raise InputError("no such file", file=path, expected="an .rrd")
-    rows: dict[str, list[dict[str, Any]]] = defaultdict(list)
-    for chunk in _chunks(path):
-        if chunk.entity_path.startswith("/rig/"):
-            rows[chunk.entity_path] += _rows(chunk.to_record_batch())
-    return rows
+    columns: dict[str, Columns] = {}
+    frames: list[Array] = [np.empty(0)]
+    for chunk in read_chunks(path):
+        if chunk.entity == recorder.CAMERA:
+            frames.append(np.asarray(1e-9 * whole_numbers(chunk.batch.column(recorder.HOST_TIME)), dtype=float))
+        elif chunk.entity.startswith("/rig/") or chunk.entity == SUMS:
+            add(columns.setdefault(chunk.entity, Columns()), chunk.batch, static=chunk.static)
+    return columns, np.sort(np.concatenate(frames)), bytes_lost(path)
 
 
-def _chunks(path: Path) -> Iterator[Any]:
-    """The file's chunks up to its end, or up to where it was cut."""
-    from rerun.chunk import RrdReader
-
-    count = 0
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it warns of a file that was not closed; run.outcome says so too
-            for count, chunk in enumerate(RrdReader(str(path)).stream(), start=1):  # noqa: B007 (counted for the except)
-                yield chunk
-    except Exception as error:  # the reader's own kinds: a message that was cut in the middle
-        if count == 0:
-            raise InputError(f"cannot be read: {error}", file=path, expected="an .rrd") from None
-
-
-def _rows(batch: Any) -> list[dict[str, Any]]:
-    columns = {name: batch.column(k) for k, name in enumerate(batch.schema.names) if name != "rerun.controls.RowId"}
-    values = {}
-    for name, column in columns.items():
-        if str(column.type).startswith(("duration", "timestamp")):
-            values[name] = column.cast("int64").to_pylist()
-        else:
-            values[name] = column.to_pylist()
-    return [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-
-
-def _document(columns: dict[str, list[dict[str, Any]]], entity: str, path: Path) -> dict[str, Any] | None:
-    rows = columns.get(entity)
-    if not rows:
+def _document(columns: dict[str, Columns], entity: str, path: Path) -> dict[str, Any] | None:
+    found = columns.get(entity)
+    if found is None or not found.has_static("TextDocument:text"):
         return None
+    text = sound_text(found)
     try:
-        return json.loads(rows[-1]["TextDocument:text"][0])
-    except (ValueError, KeyError, TypeError, IndexError):
-        raise InputError("is not JSON", file=path, field=entity) from None
+        document = None if text is None else json.loads(text)
+    except (ValueError, RecursionError):
+        document = None
+    if not isinstance(document, dict):
+        raise InputError("damaged: does not agree with its checksum, or is no JSON", file=path, field=entity)
+    return document
 
 
-def _series(columns: dict[str, list[dict[str, Any]]], entity: str) -> tuple[Array, Array, Array]:
-    rows = sorted(columns.get(entity, []), key=lambda row: row[recorder.SAMPLE])
-    time = np.array([1e-9 * row[recorder.BOARD_TIME] for row in rows], dtype=float)
-    number = np.array([row[recorder.SAMPLE] for row in rows], dtype=float)
-    return time, number, np.array([row["Scalars:scalars"][0] for row in rows], dtype=float)
+def _series(columns: dict[str, Columns], entity: str, sums: list[Sum], path: Path) -> tuple[Array, Array, Array]:
+    """Times [s], sample numbers and values (N,), as far as they are covered by checksums; in order of numbers."""
+    found = columns.get(entity)
+    if found is None:
+        return np.empty(0), np.empty(0), np.empty(0)
+    table = {
+        "board_ns": found.times(recorder.BOARD_TIME),
+        "sample": found.times(recorder.SAMPLE),
+        "value": found.flat("Scalars:scalars"),
+    }
+    if sums:
+        count = covered(sums, entity)
+        table = {name: values[:count] for name, values in table.items()}
+        unsound = first_unsound(sums, entity, table)
+        if unsound is not None:
+            seconds = 1e-9 * table["board_ns"][unsound.first]
+            raise InputError(f"damaged: from {seconds:.3f} s on the board's clock", file=path, field=entity)
+    order = np.argsort(table["sample"], kind="stable")
+    return 1e-9 * table["board_ns"][order], table["sample"][order].astype(float), table["value"][order]
 
 
-def _event(row: dict[str, Any]) -> RunEvent:
-    name, value = row["TextLog:text"][0].split()
-    return RunEvent(1e-9 * row[recorder.BOARD_TIME], EventCode[name], int(value))
+def _events(columns: Columns | None, path: Path) -> tuple[RunEvent, ...]:
+    if columns is None:
+        return ()
+    times, sums = columns.times(recorder.BOARD_TIME), columns.texts("sha256")
+    events = []
+    for k, words in enumerate(columns.texts("TextLog:text")):
+        if sums and digest({"event": [words], "board_us": times[k : k + 1] // 1000}) != sums[k]:
+            raise InputError(f"damaged: event {k + 1}", file=path, field=recorder.EVENTS)
+        name, value = words.split()
+        if name in EventCode.__members__:  # a newer board's own events mean nothing to this program
+            events.append(RunEvent(1e-9 * float(times[k]), EventCode[name], int(value)))
+    return tuple(events)
+
+
+def _clocks(columns: Columns | None, path: Path) -> tuple[ClockFit, ...]:
+    if columns is None:
+        return ()
+    values, sums = columns.rows("Scalars:scalars"), columns.texts("sha256")
+    for k, sha256 in enumerate(sums):
+        if digest({"fit": values[k : k + 1]}) != sha256:
+            raise InputError(f"damaged: clock fit {k + 1}", file=path, field=recorder.CLOCK)
+    return tuple(ClockFit(*row) for row in values.tolist())

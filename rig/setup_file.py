@@ -10,6 +10,7 @@ from typing import Any
 
 import tomli_w
 
+from rig.link import require_scheme
 from rig.safety import SafetyLimits, ServoCalibration
 from rig.settle import SettleRule
 from tentacle.errors import InputError
@@ -121,6 +122,7 @@ def with_load_cell(setup: RigSetup, cell: LoadCellCalibration) -> RigSetup:
 
 def _port_in(port: str, folder: Path) -> str:
     """A device, a url, or a path from rig.toml's folder: an emulator's port lies beside it."""
+    require_scheme(port)
     if "://" in port or re.fullmatch(r"COM\d+", port):
         return port
     return str(folder / port)  # an absolute path stays what it is

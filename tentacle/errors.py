@@ -31,4 +31,9 @@ class InputError(ValueError):
         text = ": ".join(parts)
         if self.expected:
             text += f"; expected {self.expected}"
-        return " ".join(text.split())
+        return printable(" ".join(text.split()))
+
+
+def printable(text: str) -> str:
+    """Text without what a terminal would obey: control characters are written out (a name can hold an escape)."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)

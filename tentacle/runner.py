@@ -13,6 +13,8 @@ import os
 import signal
 import sys
 import threading
+import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -34,6 +36,7 @@ from rich.progress import (
 )
 
 from tentacle.errors import InputError
+from tentacle.io.written_file import written_file
 
 Task = Mapping[str, Any]
 Result = Mapping[str, Any]
@@ -196,34 +199,58 @@ def _work_and_store(work: Work, task: Task, file: Path) -> None:
 
 
 def is_stored(file: Path) -> bool:
-    """Whether a result lies beside `file`."""
-    return any(file.with_name(file.name + suffix).exists() for suffix in (".json", ".npz"))
+    """Whether a sound result lies beside `file`; one that was torn is removed, and so computed again."""
+    for suffix in (".json", ".npz"):
+        stored = file.with_name(file.name + suffix)
+        if not stored.exists():
+            continue
+        try:
+            check_result(stored)
+        except InputError as error:
+            print(f"tentacle: {error.line()}: computed again", file=sys.stderr)
+            stored.unlink()
+            continue
+        return True
+    return False
+
+
+def check_result(stored: Path) -> None:
+    """InputError where a stored result does not agree with its checksum, or cannot be read."""
+    try:
+        load_result(stored.with_suffix(""))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, zlib.error, EOFError) as error:
+        raise InputError(f"damaged: {error}", file=stored, expected="a stored result as it was written") from None
 
 
 def store_result(result: Result, file: Path) -> Path:
-    """Write a result beside `file`, .json, or .npz where it holds arrays; the file appears whole or not at all."""
+    """Write a result beside `file`, .json, or .npz where it holds arrays; the file appears whole or not at all.
+
+    A .json ends with a line that holds the SHA-256 of what is before it; a .npz has its own CRC-32s.
+    """
     arrays = {name: value for name, value in result.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in result.items() if name not in arrays}
-    suffix = ".npz" if arrays else ".json"
-    partial = file.with_name(f".{file.name}.{os.getpid()}.partial{suffix}")
+    final = file.with_name(file.name + (".npz" if arrays else ".json"))
     text = json.dumps(plain)
-    if arrays:
-        if "plain" in arrays or any(value.dtype.hasobject for value in arrays.values()):
-            raise ValueError("an array of a result is named `plain` or holds objects")
-        contents: dict[str, Any] = {"plain": np.array(text), **arrays}
-        np.savez_compressed(partial, **contents)
-    else:
-        partial.write_text(text, encoding="utf-8")
-    final = file.with_name(file.name + suffix)
-    partial.replace(final)
+    with written_file(final) as partial:
+        if arrays:
+            if "plain" in arrays or any(value.dtype.hasobject for value in arrays.values()):
+                raise ValueError("an array of a result is named `plain` or holds objects")
+            contents: dict[str, Any] = {"plain": np.array(text), **arrays}
+            with partial.open("wb") as opened:
+                np.savez_compressed(opened, **contents)
+        else:
+            partial.write_text(f"{text}\n{hashlib.sha256(text.encode()).hexdigest()}\n", encoding="utf-8")
     return final
 
 
 def load_result(file: Path) -> Result:
-    """The result stored beside `file`; FileNotFoundError where there is none."""
+    """The result stored beside `file`; FileNotFoundError where there is none, ValueError where it was torn."""
     plain, arrays = file.with_name(file.name + ".json"), file.with_name(file.name + ".npz")
     if plain.exists():
-        return json.loads(plain.read_text(encoding="utf-8"))
+        text, _, sha256 = plain.read_text(encoding="utf-8").partition("\n")
+        if sha256.strip() not in ("", hashlib.sha256(text.encode()).hexdigest()):  # "": before there were checksums
+            raise ValueError("it does not agree with its checksum")
+        return json.loads(text)
     with np.load(arrays, allow_pickle=False) as stored:
         values = {name: stored[name] for name in stored.files if name != "plain"}
         return {**json.loads(str(stored["plain"])), **values}

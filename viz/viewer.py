@@ -34,6 +34,16 @@ def viewer_program() -> str:
     return program
 
 
+def viewer_environment() -> dict[str, str]:
+    """The environment of a viewer that we start: it sends no usage statistics, unless TENTACLE_VIEWER_TELEMETRY=1.
+
+    Rerun sends none where CI is set; it has no other setting than one for all of the user's programs.
+    """
+    if os.environ.get("TENTACLE_VIEWER_TELEMETRY") == "1":
+        return dict(os.environ)
+    return {**os.environ, "CI": "1"}
+
+
 def require_recordings(files: Sequence[Path]) -> list[Path]:
     """The files as absolute paths. Raises InputError for one that is missing or no .rrd."""
     for file in files:
@@ -53,7 +63,7 @@ def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator
     would leave the second behind, so both get a group of their own.
     """
     command = [viewer_program(), "--bind", LOOPBACK, *arguments]
-    process = subprocess.Popen(command, stdout=said, stderr=said, start_new_session=True)
+    process = subprocess.Popen(command, stdout=said, stderr=said, start_new_session=True, env=viewer_environment())
     try:
         yield process
     finally:

@@ -1,7 +1,7 @@
 """The command line: one verb a file in this folder, each a thin call into one room.
 
 A verb's file has HELP (one line), configure(parser) and run(arguments) -> exit code; it imports heavy libraries inside
-run only, so that --help is quick. Bad input ends with one line on stderr and exit code 2; Ctrl-C with 130.
+run only, so that --help is quick. How a command ends is in _endings, what its numbers may be in _bounds.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib import import_module, metadata
 from pathlib import Path
+from typing import NoReturn
 
-from tentacle.errors import InputError
+from tentacle.cli._bounds import require_sane
+from tentacle.cli._endings import signals_as_interrupts, told
+from tentacle.errors import InputError, printable
 
 DESCRIPTION = """\
 Two models of a soft arm in a tank, side by side with measured data, and the loop that finds what a model lacks.
 A RECORDING is an import folder (recording.toml with a video, a midline or markers) or an .rrd file."""
 EPILOG = "`tentacle VERB --help` says more. Exit codes: 0 done, 2 bad input (one line says what), 130 stopped (Ctrl-C)."
-
-# What not everyone needs: module -> the extra that brings it.
-EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "warp": "gpu", "nicegui": "app"}
 
 
 class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
@@ -34,6 +34,14 @@ class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
         self._action_max_length = 14  # argparse of Python 3.11 forgets that verbs are indented
 
 
+class _Parser(argparse.ArgumentParser):
+    """A parser, and those of its verbs, that says in one line what is wrong."""
+
+    def error(self, message: str) -> NoReturn:
+        """The line, and exit code 2."""
+        self.exit(2, f"{self.prog}: {printable(message)}; see {self.prog} --help\n")
+
+
 def verb_names() -> list[str]:
     """The verbs, found by listing this folder."""
     return sorted(file.stem for file in Path(__file__).parent.glob("*.py") if not file.stem.startswith("_"))
@@ -41,7 +49,7 @@ def verb_names() -> list[str]:
 
 def build_parser() -> argparse.ArgumentParser:
     """The parser of all verbs."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="tentacle",
         description=DESCRIPTION,
         epilog=EPILOG,
@@ -60,35 +68,18 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; the exit code."""
+    os.environ.setdefault("RUST_LOG", "off")  # what Rerun has to say of a full disk, we say in one line
+    sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a terminal may know no Greek
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and not words[0].startswith("-") and words[0] not in verb_names():
         print(f"tentacle: {_unknown_verb(words[0])}", file=sys.stderr)
         return 2
     parsed = build_parser().parse_args(words)
-    try:
-        return parsed.run(parsed)
-    except InputError as error:
-        print(f"tentacle: {error.line()}", file=sys.stderr)
-        return 2
-    except ModuleNotFoundError as error:
-        name = (error.name or "").partition(".")[0]
-        if name not in EXTRAS:
-            raise
-        print(
-            f"tentacle: {name} is not installed; expected pip install 'tentacle-twin[{EXTRAS[name]}]'", file=sys.stderr
-        )
-        return 2
-    except OSError as error:
-        if isinstance(error, BrokenPipeError):  # the reader of a pipe has gone: nothing more to say or to complain of
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return 0
-        if error.filename is None:
-            raise
-        print(f"tentacle: {error.filename}: {error.strerror}", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("tentacle: stopped", file=sys.stderr)
-        return 130
+    with signals_as_interrupts(), told() as outcome:
+        require_sane(parsed)
+        outcome.code = parsed.run(parsed)
+        sys.stdout.flush()
+    return outcome.code
 
 
 def _unknown_verb(word: str) -> str:

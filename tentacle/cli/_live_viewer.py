@@ -14,7 +14,7 @@ PAGE_PORT = 9090
 
 def start_viewer(port: int, page_port: int = PAGE_PORT) -> subprocess.Popen[bytes] | None:
     """Starts a viewer that listens on this machine alone; None where one is there. InputError where it fails."""
-    from viz.viewer import has_screen, viewer_program, wait_until_listening
+    from viz.viewer import has_screen, viewer_environment, viewer_program, wait_until_listening
 
     with socket.socket() as probe:
         if probe.connect_ex((LOOPBACK, port)) == 0:
@@ -23,8 +23,9 @@ def start_viewer(port: int, page_port: int = PAGE_PORT) -> subprocess.Popen[byte
     if not has_screen():
         command += ["--serve-web", "--web-viewer-port", str(page_port)]
     process = subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
-    )
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+        env=viewer_environment(),
+    )  # fmt: skip
     try:
         address = wait_until_listening(process, port)
     except ConnectionError as error:

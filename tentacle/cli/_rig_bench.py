@@ -253,6 +253,8 @@ def convert(arguments: argparse.Namespace) -> int:
             run = read_run(arguments.log)
             write_folder(to_recording(run, video=Path(folder) / "video.mp4"), arguments.out)
         print(f"wrote {arguments.out}; the run was {run.outcome}")
+        if run.missing:
+            print(run.missing)
         return 0
     recording, words = _bench_recording(arguments)
     write_folder(recording, arguments.out)

@@ -116,7 +116,7 @@ def optimise(arguments: argparse.Namespace) -> int:
                 space, plan.plan, believed=model, seed=arguments.seed, progress=diagnosing,
                 told=lambda words: print(words, flush=True),
             )  # fmt: skip
-        for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts):
+        for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts, told=_say):
             trials.append(trial)
             top = best(trials)
             print(

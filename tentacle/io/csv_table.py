@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
+from tentacle.io.plain_file import read_plain
 from tentacle.signals import Array
 
 
@@ -93,12 +94,7 @@ def read_csv(
 
 
 def _read_bytes(file: Path) -> bytes:
-    try:
-        data = file.read_bytes()
-    except FileNotFoundError:
-        raise InputError("no such file", file=file) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file) from None
+    data = read_plain(file, "a CSV file")
     return data.removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 

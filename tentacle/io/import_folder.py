@@ -15,7 +15,6 @@ One of video, midline and markers must be there.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -23,13 +22,11 @@ import numpy as np
 from tentacle.errors import InputError
 from tentacle.io.csv_table import CsvTable, read_csv
 from tentacle.io.declaration_file import RecordingFile, read_recording_file
+from tentacle.io.plain_file import is_there
+from tentacle.io.sound_recording import LARGEST_ANGLE, LARGEST_DISTANCE, LARGEST_THRUST, check_recording
 from tentacle.io.video_file import find_video, misnamed_video
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal
-
-LARGEST_ANGLE = 4 * math.pi  # rad; a servo turns less, so more is degrees by mistake
-LARGEST_DISTANCE = 3.0  # arm lengths; farther from the clamp is millimetres by mistake
-LARGEST_THRUST = 1000.0  # N; more is counts or grams by mistake
 
 
 def read_folder(folder: Path) -> Recording:
@@ -57,7 +54,6 @@ def read_folder(folder: Path) -> Recording:
         video=video,
         notes=declared.notes,
     )
-    _check_clocks(recording, folder)
     if recording.video is None and recording.midline is None and recording.markers is None:
         film = misnamed_video(folder)
         if film is not None:
@@ -66,35 +62,11 @@ def read_folder(folder: Path) -> Recording:
         raise InputError(
             "nothing shows the arm", file=folder, expected="video.mp4, frames/00000.png, midline.csv or markers.csv"
         )
-    return recording
-
-
-def _check_clocks(recording: Recording, folder: Path) -> None:
-    """InputError where signals have no time in common (one counts from 1970, say), or the release is after them all."""
-    pictures = recording.midline or recording.markers
-    if pictures is None:
-        return
-    start, stop = float(pictures.t[0]), float(pictures.t[-1])
-    for name, signal in (("motor.csv", recording.motor), ("load_cell.csv", recording.load_cell)):
-        if signal is not None and (signal.t[-1] < start or signal.t[0] > stop):
-            raise InputError(
-                f"from {signal.t[0]:.9g} to {signal.t[-1]:.9g} s, and the arm is seen from {start:.9g} to {stop:.9g} s",
-                file=folder / name,
-                field="t_s",
-                expected="times of one clock",
-            )
-    release = recording.declaration.release_t
-    if release is not None and release >= stop:
-        raise InputError(
-            f"{release:g} s is after the last frame ({stop:g} s)",
-            file=folder / "recording.toml",
-            field="release.t_s",
-            expected="a time in the recording",
-        )
+    return check_recording(recording, folder)
 
 
 def _read_motor(file: Path) -> MotorSignal | None:
-    if not file.exists():
+    if not is_there(file):
         return None
     table = read_csv(file, ("t_s", "command_rad", "angle_rad"), extra_allowed=True)
     table.require_rising("t_s")
@@ -104,7 +76,7 @@ def _read_motor(file: Path) -> MotorSignal | None:
 
 
 def _read_load_cell(file: Path) -> LoadCellSignal | None:
-    if not file.exists():
+    if not is_there(file):
         return None
     table = read_csv(file, ("t_s", "thrust_n"), extra_allowed=True)
     table.require_rising("t_s")
@@ -113,7 +85,7 @@ def _read_load_cell(file: Path) -> LoadCellSignal | None:
 
 
 def _read_midline(file: Path, reach: float) -> Midline | None:
-    if not file.exists():
+    if not is_there(file):
         return None
     table = read_csv(file, ("t_s", "s", "x_m", "y_m"), optional=("sigma_m",), blank_allowed=True)
     table.require_values("t_s", "s")
@@ -160,7 +132,7 @@ def _group_frames(table: CsvTable, sigma: Array) -> Midline:
 
 def _read_markers(file: Path, declared: RecordingFile, reach: float) -> Markers | None:
     declaration_file = file.parent / "recording.toml"
-    if not file.exists():
+    if not is_there(file):
         if declared.markers:
             raise InputError("no such file, and [markers] declares some", file=file)
         return None

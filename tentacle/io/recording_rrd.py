@@ -2,14 +2,16 @@
 
 | entity | what is there (columns by name; rows on the timelines `time` [s] and `row`) |
 |---|---|
-| /declaration | static TextDocument: recording.toml, markers' (s, d), name and notes included |
-| /rows | static: signal names, and how many rows each has (camera: frames, 1 for a video file): to know a cut |
+| /declaration | static TextDocument: recording.toml, markers' (s, d), name and notes included; format |
+| /rows | static: signal, count of rows (camera: frames, 1 for a video file), start_s, stop_s: to know a cut |
+| /sums | a checksum of each block of each signal (tentacle.io.checksums) |
 | /motor | t_s; /motor/command and /motor/angle: Scalars [rad] |
 | /load_cell | t_s; /load_cell/thrust: Scalars [N] |
 | /midline | t_s, x_m, y_m, sigma_m (P each); static s (P) |
 | /markers | t_s, x_m, y_m (M each) |
 | /shape | t_s, coefficients (K), covariance (K K), accepted, reason; static scale, scale_sigma, base_shift (2) |
-| /camera/video | a video file: static AssetVideo with its own bytes, suffix; VideoFrameReference rows on `time` |
+| /camera/video | a video file: static AssetVideo with its own bytes, suffix, sha256; VideoFrameReference rows |
+| /camera/film | a video file over LARGE_VIDEO: its bytes in pieces, one a row; static suffix |
 | /camera/frames | numbered PNG frames: EncodedImage rows with their own bytes |
 
 `time` is rounded to whole nanoseconds by Rerun, so the exact times are in t_s. Signals are written in the order of time
@@ -20,7 +22,6 @@ in notes["cut_off"]. Reading: tentacle.io.recording_from_rrd.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -30,11 +31,15 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
+from tentacle.io.checksums import Sum, digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file
+from tentacle.io.film_pieces import LARGE_VIDEO, log_film
 from tentacle.io.recording_from_rrd import read_rrd
-from tentacle.io.rrd_stream import new_stream
+from tentacle.io.rrd_chunks import just_written
+from tentacle.io.rrd_stream import new_stream, require_whole
 from tentacle.io.video_file import frame_files
 from tentacle.io.write_folder import describe
+from tentacle.io.written_file import written_file
 from tentacle.recording import Recording
 
 __all__ = ["log_recording", "read_rrd", "write_rrd"]
@@ -54,23 +59,20 @@ def write_rrd(recording: Recording, file: Path) -> None:
     file = Path(file)
     if not file.parent.is_dir():
         raise InputError("no such folder", file=file.parent)
-    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    stream = new_stream(_identity(recording))
-    try:
+    with written_file(file) as partial:
+        stream = new_stream(_identity(recording))
         stream.save(partial)
         log_recording(recording, stream)
         stream.flush()
         stream.disconnect()
-        partial.replace(file)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+        require_whole(partial)
+    just_written(file)
 
 
 def _identity(recording: Recording) -> str:
     """The same for the same declaration and signals: the viewer takes two files of one identity as one recording."""
     digest = hashlib.sha256(format_recording_file(describe(recording)).encode())
-    for columns in _signal_rows(recording).values():
+    for columns in signal_rows(recording).values():
         for values in columns.values():
             digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()[:32]
@@ -78,24 +80,50 @@ def _identity(recording: Recording) -> str:
 
 def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
     """Log a recording to an open stream, so that other things can stand beside it in the same file."""
-    signals = _signal_rows(recording)
+    signals = signal_rows(recording)
     declaration = format_recording_file(describe(recording))
     stream.send_recording_name(recording.name)
-    stream.log("declaration", rr.TextDocument(declaration, media_type="text/plain"), static=True)
+    log_text(stream, "declaration", declaration, "text/plain")
     counts = {name: len(next(iter(columns.values()))) for name, columns in signals.items()}
     if recording.video is not None:
         counts["camera"] = len(frame_files(recording.video.path)) if recording.video.path.is_dir() else 1
     if counts:
-        stream.log("rows", rr.AnyValues(signal=list(counts), count=list(counts.values())), static=True)
+        ends = [
+            signals[name]["t_s"][[0, -1]].tolist() if counts[name] and name in signals else [0.0, 0.0]
+            for name in counts
+        ]
+        starts, stops = [start for start, _ in ends], [stop for _, stop in ends]
+        rows = rr.AnyValues(signal=list(counts), count=list(counts.values()), start_s=starts, stop_s=stops)
+        stream.log("rows", rows, static=True)
+    sums = [Sum(name, 0, 0, digest(columns)) for name, columns in once(recording).items()]
+    if sums:
+        log_sums(stream, sums)
     _log_statics(recording, stream)
     stream.flush()  # single logs travel in a batch of their own: the declaration is to come first in the file
-    for name, columns, rows in _blocks(signals):
-        _send(stream, name, columns, rows)
+    for number, blocks in _blocks(signals):
+        block_sums = []
+        for name, rows in blocks:
+            _send(stream, name, signals[name], rows)
+            part = {column: values[rows] for column, values in signals[name].items()}
+            block_sums.append(Sum(name, rows.start, rows.stop - rows.start, digest(part)))
+        log_sums(stream, block_sums, number)
     if recording.video is not None:
         _log_video(recording, stream)
 
 
-def _signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
+def once(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
+    """What a recording holds beside its rows, as columns: the midline's points, the shape's scale."""
+    found = {}
+    if recording.midline is not None:
+        found["midline"] = {"s": recording.midline.s}
+    if recording.shape is not None:
+        shape = recording.shape
+        sizes = np.array([shape.scale, shape.scale_sigma])
+        found["shape"] = {"sizes": sizes, "base_shift": shape.base_shift}
+    return found
+
+
+def signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
     """Signal -> column -> (rows, ...), the first column the times."""
     signals: dict[str, dict[str, NDArray[Any]]] = {}
     motor, load_cell, midline = recording.motor, recording.load_cell, recording.midline
@@ -121,19 +149,16 @@ def _signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
     return signals
 
 
-def _blocks(
-    signals: dict[str, dict[str, NDArray[Any]]],
-) -> Iterator[tuple[str, dict[str, NDArray[Any]], slice]]:
+def _blocks(signals: dict[str, dict[str, NDArray[Any]]]) -> Iterator[tuple[int, list[tuple[str, slice]]]]:
     """The signals' rows in blocks of time, so that all of them end together where a file is cut."""
     times = {name: columns["t_s"] for name, columns in signals.items() if len(columns["t_s"])}
     if not times:
         return
-    start, stop = min(float(t[0]) for t in times.values()), max(float(t[-1]) for t in times.values())
-    for edge in np.arange(start, stop + SECONDS_PER_BLOCK, SECONDS_PER_BLOCK):
-        for name, t in times.items():
-            rows = slice(*np.searchsorted(t, [edge, edge + SECONDS_PER_BLOCK]).tolist())
-            if rows.stop > rows.start:
-                yield name, signals[name], rows
+    start = min(float(t[0]) for t in times.values())
+    block = {name: np.floor((t - start) / SECONDS_PER_BLOCK).astype(int) for name, t in times.items()}
+    for number in np.unique(np.concatenate(list(block.values()))).tolist():
+        rows = {name: slice(*np.searchsorted(found, [number, number + 1]).tolist()) for name, found in block.items()}
+        yield number, [(name, part) for name, part in rows.items() if part.stop > part.start]
 
 
 def _send(stream: rr.RecordingStream, name: str, columns: dict[str, NDArray[Any]], rows: slice) -> None:
@@ -177,12 +202,20 @@ def _log_video(recording: Recording, stream: rr.RecordingStream) -> None:
                 rr.TimeColumn("time", duration=[number / fps]),
                 rr.TimeColumn("row", sequence=[number]),
             ]
-            columns = rr.EncodedImage.columns(blob=[file.read_bytes()], media_type=["image/png"])
-            stream.send_columns("camera/frames", index, columns)
+            content = file.read_bytes()
+            columns = rr.EncodedImage.columns(blob=[content], media_type=["image/png"])
+            sums = rr.AnyValues.columns(sha256=[hashlib.sha256(content).hexdigest()])
+            stream.send_columns("camera/frames", index, [*columns, *sums])
         return
+    (log_film if path.stat().st_size > LARGE_VIDEO else log_video_file)(stream, path)
+
+
+def log_video_file(stream: rr.RecordingStream, path: Path) -> None:
+    """A video file's bytes with their checksum, as one message that the viewer plays."""
     content = path.read_bytes()
     asset = rr.AssetVideo(contents=content, media_type=MEDIA_TYPES[path.suffix])
-    stream.log("camera/video", asset, rr.AnyValues(suffix=path.suffix), static=True)
+    more = rr.AnyValues(suffix=path.suffix, sha256=hashlib.sha256(content).hexdigest())
+    stream.log("camera/video", asset, more, static=True)
     try:
         stamps = asset.read_frame_timestamps_nanos()
     except RuntimeError:  # a container that Rerun does not play: the bytes are kept, the viewer shows no picture

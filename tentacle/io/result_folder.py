@@ -1,7 +1,8 @@
-"""A folder of results, whole or not at all: written beside its place, then moved there."""
+"""A folder of results, whole or not at all: written beside its place, then moved there, by one process at a time."""
 
 from __future__ import annotations
 
+import glob
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -9,6 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tentacle.errors import InputError
+from tentacle.io.folder_lock import owned
+
+MARK = "partial"
 
 
 def replaced(folder: Path) -> str:
@@ -24,15 +28,19 @@ def written(folder: Path) -> Iterator[Path]:
     """
     if folder.exists() and not folder.is_dir():
         raise InputError("is a file", file=folder, expected="a folder for the results")
+    folder = folder.absolute()
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-        partial = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
     except OSError as error:
         raise InputError(error.strerror or str(error), file=folder, expected="a folder that can be written") from None
-    try:
-        yield partial
-        folder.mkdir(exist_ok=True)
-        for file in partial.iterdir():
-            file.replace(folder / file.name)
-    finally:
-        shutil.rmtree(partial, ignore_errors=True)
+    with owned(folder.with_name(f".{folder.name}.lock"), folder, "one command a folder of results"):
+        for left in folder.parent.glob(f".{glob.escape(folder.name)}.{MARK}-*"):  # of one that was killed
+            shutil.rmtree(left, ignore_errors=True)
+        partial = Path(tempfile.mkdtemp(prefix=f".{folder.name}.{MARK}-", dir=folder.parent))
+        try:
+            yield partial
+            folder.mkdir(exist_ok=True)
+            for file in partial.iterdir():
+                file.replace(folder / file.name)
+        finally:
+            shutil.rmtree(partial, ignore_errors=True)

@@ -1,10 +1,8 @@
-"""An .rrd file's chunks as columns of numpy arrays, whole or up to where the file is cut off."""
+"""An .rrd file's entities as columns of numpy arrays."""
 
 from __future__ import annotations
 
-import struct
-import tempfile
-import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,23 +10,21 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
-from rerun.chunk import RrdReader
 
-from tentacle.errors import InputError
+from tentacle.io.rrd_chunks import bytes_lost, read_chunks
 
-MAGIC = b"RRF2"
-FOOTER_MAGIC = b"RRF2FOOT"  # begins the last 12 bytes of a file that was closed
-FOOTER_END = 12
-STREAM_HEADER = 12  # bytes: magic, version, encoding options
-MESSAGE_HEADER = struct.Struct("<QQ")  # kind, length of what follows
+ROW = "row"  # the timeline by which rows are put in order, where an entity has it
 
 
 @dataclass
 class Columns:
-    """One entity: static values by component, and rows by component, in the order of the `row` timeline."""
+    """One entity: static values by component, and rows by component, in the order of the `row` timeline.
+
+    Timelines are components of whole numbers named @TIMELINE. Without a `row` the rows are in the file's order.
+    """
 
     statics: dict[str, pa.ListArray] = field(default_factory=dict)
-    chunks: dict[str, list[tuple[NDArray[np.int64], pa.ListArray]]] = field(default_factory=dict)
+    chunks: dict[str, list[tuple[NDArray[np.int64], pa.Array]]] = field(default_factory=dict)
 
     @property
     def row_count(self) -> int:
@@ -50,7 +46,7 @@ class Columns:
 
     def static_bytes(self, name: str) -> bytes:
         """A static blob."""
-        return _bytes_of(self.statics[name])
+        return bytes_of(self.statics[name])
 
     def rows(self, name: str) -> NDArray[Any]:
         """A component (rows, values per row)."""
@@ -62,6 +58,20 @@ class Columns:
         """A component with one value a row, as (rows,)."""
         return np.ascontiguousarray(self.rows(name)[:, 0], dtype=float)
 
+    def times(self, timeline: str) -> NDArray[np.int64]:
+        """A timeline's whole numbers (rows,): nanoseconds, or a count."""
+        return self.rows(f"@{timeline}")[:, 0].astype(np.int64)
+
+    def texts(self, name: str) -> list[str]:
+        """A component with one text a row."""
+        return [str(text) for text in self.rows(name)[:, 0]] if name in self.chunks else []
+
+    def lists(self, name: str) -> list[list[Any]]:
+        """A component with any number of values a row."""
+        cells = [(row, cell) for rows, values in self.chunks[name] for row, cell in
+                 zip(rows.tolist(), values.to_pylist(), strict=True)]  # fmt: skip
+        return [cell for _, cell in sorted(cells, key=lambda pair: pair[0])]
+
     def aligned(self, *names: str) -> list[NDArray[Any]]:
         """Several components, each (rows, values per row), up to the last row that all of them have."""
         tables = [self.rows(name) for name in names]
@@ -71,78 +81,55 @@ class Columns:
     def row_bytes(self, name: str) -> list[bytes]:
         """A blob a row."""
         cells = [(row, values[i : i + 1]) for rows, values in self.chunks[name] for i, row in enumerate(rows)]
-        return [_bytes_of(cell) for _, cell in sorted(cells, key=lambda cell: cell[0])]
+        return [bytes_of(cell) for _, cell in sorted(cells, key=lambda cell: cell[0])]
 
 
-def read_entities(file: Path) -> tuple[dict[str, Columns], int]:
-    """Entity path -> its columns, and how many bytes at the end are no whole message (0 where the file is whole)."""
-    length, whole = file.stat().st_size, _whole_length(file)
-    if whole == length:
-        return _collect(file), 0
-    with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "recovered.rrd"
-        with file.open("rb") as source:
-            copy.write_bytes(source.read(whole))
-        return _collect(copy), length - whole
-
-
-def _whole_length(file: Path) -> int:
-    """Bytes up to the end of the last whole message: messages follow one another, each led by its length."""
-    length = file.stat().st_size
-    with file.open("rb") as opened:
-        head = opened.read(STREAM_HEADER)
-        if head[: len(MAGIC)] != MAGIC[: len(head)] or not head:
-            raise InputError("not an .rrd file", file=file, expected="a file that begins with RRF2")
-        opened.seek(max(0, length - FOOTER_END))
-        if opened.read(len(FOOTER_MAGIC)) == FOOTER_MAGIC:
-            return length
-        position = STREAM_HEADER
-        while position + MESSAGE_HEADER.size <= length:
-            opened.seek(position)
-            _, size = MESSAGE_HEADER.unpack(opened.read(MESSAGE_HEADER.size))
-            if position + MESSAGE_HEADER.size + size > length:
-                break
-            position += MESSAGE_HEADER.size + size
-    return position
-
-
-def _collect(file: Path) -> dict[str, Columns]:
+def read_entities(file: Path, wanted: Callable[[str], bool] = lambda _entity: True) -> tuple[dict[str, Columns], int]:
+    """Entity path -> its columns, of those wanted; and how many bytes at the end are no whole message (0: whole)."""
     entities: dict[str, Columns] = {}
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a file without a footer was cut off: that is told by the caller
-            for chunk in RrdReader(str(file)).stream():
-                columns = entities.setdefault(str(chunk.entity_path), Columns())
-                _add(columns, chunk.to_record_batch(), static=chunk.is_static)
-    except (RuntimeError, ValueError) as error:
-        if "No recording store" in str(error):
-            return {}
-        raise InputError(f"unreadable: {error}", file=file, expected="an .rrd file of Rerun 0.41") from None
-    return entities
+    for chunk in read_chunks(file):
+        if wanted(chunk.entity):
+            add(entities.setdefault(chunk.entity, Columns()), chunk.batch, static=chunk.static)
+    return entities, bytes_lost(file)
 
 
-def _add(columns: Columns, batch: pa.RecordBatch, *, static: bool) -> None:
+def add(columns: Columns, batch: pa.RecordBatch, *, static: bool) -> None:
+    """Adds a chunk's rows to its entity's columns."""
     names = [name for name in batch.schema.names if pa.types.is_list(batch.schema.field(name).type)]
+    timelines = [name for name in batch.schema.names if name not in names and not name.startswith("rerun.")]
+    if static:
+        columns.statics.update({name: batch.column(name) for name in names})
+        return
+    if not timelines:
+        return
+    numbers = {name: whole_numbers(batch.column(name)) for name in timelines}
+    before = sum(len(rows) for rows, _ in columns.chunks.get(f"@{timelines[0]}", []))
+    order = numbers[ROW] if ROW in numbers else before + np.arange(len(batch))
     for name in names:
         values = batch.column(name)
-        if static:
-            columns.statics[name] = values
-        elif "row" in batch.schema.names:
-            filled = values.is_valid()
-            rows = batch.column("row").filter(filled).to_numpy(zero_copy_only=False)
-            if len(rows):
-                columns.chunks.setdefault(name, []).append((rows, values.filter(filled)))
+        filled = values.is_valid()
+        rows = order[filled.to_numpy(zero_copy_only=False)]
+        if len(rows):
+            columns.chunks.setdefault(name, []).append((rows, values.filter(filled)))
+    for name, found in numbers.items():
+        columns.chunks.setdefault(f"@{name}", []).append((order, pa.array(found)))
 
 
-def _table(values: pa.ListArray) -> NDArray[Any]:
-    flat = values.flatten()
-    if pa.types.is_list(flat.type):
+def whole_numbers(values: pa.Array) -> NDArray[np.int64]:
+    """A timeline's column as whole numbers: nanoseconds, or a count."""
+    return values.cast(pa.int64()).to_numpy(zero_copy_only=False).astype(np.int64)
+
+
+def _table(values: pa.Array) -> NDArray[Any]:
+    flat = values
+    while pa.types.is_list(flat.type):
         flat = flat.flatten()
     table = np.asarray(flat.to_pylist()) if pa.types.is_string(flat.type) else flat.to_numpy(zero_copy_only=False)
     return table.reshape(len(values), -1)
 
 
-def _bytes_of(values: pa.ListArray) -> bytes:
+def bytes_of(values: pa.Array) -> bytes:
+    """A cell's blob."""
     flat = values.flatten()
     if pa.types.is_list(flat.type):
         flat = flat.flatten()

@@ -12,8 +12,10 @@ from typing import Any
 
 from tentacle.declared import Uncertain
 from tentacle.errors import InputError
+from tentacle.io.plain_file import read_plain
 
 _MISSING = object()
+LARGEST_WHOLE = 2**31 - 1
 
 
 def parse_toml(text: str, file: Path | None) -> dict[str, Any]:
@@ -24,6 +26,10 @@ def parse_toml(text: str, file: Path | None) -> dict[str, Any]:
         found = re.search(r"\(at line (\d+)", str(error))
         row = int(found.group(1)) if found else None
         raise InputError(f"not valid TOML: {error}", file=file, row=row) from None
+    except ValueError as error:  # a number of thousands of digits
+        raise InputError(f"not usable: {error}", file=file) from None
+    except RecursionError:
+        raise InputError("nested too deeply", file=file, expected="tables a few levels deep") from None
 
 
 def read_toml(file: Path, expected: str | None = None) -> tuple[str, dict[str, Any]]:
@@ -31,14 +37,29 @@ def read_toml(file: Path, expected: str | None = None) -> tuple[str, dict[str, A
     TOML.
     """
     try:
-        text = file.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError("no such file", file=file, expected=expected) from None
+        text = read_plain(file, expected).decode("utf-8").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
         raise InputError(f"not UTF-8 text (byte {error.start})", file=file) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file) from None
     return text, parse_toml(text, file)
+
+
+def _float(value: Any) -> float | None:
+    """A number as a float, infinite where it is beyond all floats; None where it is no number."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _shown(value: Any) -> str:
+    """A value as a message shows it: short."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # Python prints no number of thousands of digits
+        return "a huge value"
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _line_of(text: str, section: str, key: str | None) -> int | None:
@@ -51,7 +72,9 @@ def _line_of(text: str, section: str, key: str | None) -> int | None:
             opened = number if current == section and opened is None else opened
         elif key is not None and current == section and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*[=.]", line):
             return number
-    if opened is None and section:  # an inline table: it stands as a key in the table around it
+    if (
+        opened is None and section and section.count(".") < 50
+    ):  # an inline table: it stands as a key in the table around it
         parent, _, name = section.rpartition(".")
         return _line_of(text, parent, name)
     return opened
@@ -68,7 +91,7 @@ class Table:
         self.uncertain: list[Uncertain] = []  # what `measured` met, here and in the tables inside
         self._asked: set[str] = set()
         if not isinstance(values, Mapping):
-            raise InputError(f"{values!r} is not a table", file=file, field=name, expected=f"a table [{name}]")
+            raise InputError(f"{_shown(values)} is not a table", file=file, field=name, expected=f"a table [{name}]")
         self._values = values
 
     def __contains__(self, key: str) -> bool:
@@ -124,12 +147,13 @@ class Table:
         bounds += [f">= {least:g}"] * (least > -math.inf) + [f"<= {most:g}"] * (most < math.inf)
         expected = " ".join(["a number", " and ".join(bounds)]).strip()
         value = self.raw(key, expected, default)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(f"{value!r} is no number", key, expected)
-        if not (math.isfinite(value) and value > above and least <= value <= most):
+        number = _float(value)
+        if number is None:
+            raise self.error(f"{_shown(value)} is no number", key, expected)
+        if not (math.isfinite(number) and number > above and least <= number <= most):
             remedy = "; degrees? then multiply by 0.0174533" if key.endswith("_rad") else ""
-            raise self.error(f"{value!r} is out of range", key, expected + remedy)
-        return float(value)
+            raise self.error(f"{_shown(value)} is out of range", key, expected + remedy)
+        return number
 
     def measured(
         self,
@@ -173,19 +197,18 @@ class Table:
         """A list of finite numbers, of the given length where one is given."""
         expected = "a list of numbers" if count is None else f"a list of {count} numbers"
         value = self.raw(key, expected)
-        whole = isinstance(value, list) and all(
-            isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x) for x in value
-        )
-        if not whole or (count is not None and len(value) != count):
-            raise self.error(f"{value!r} is not usable", key, expected)
-        return tuple(float(x) for x in value)
+        numbers = [_float(x) for x in value] if isinstance(value, list) else [None]
+        found = [x for x in numbers if x is not None and math.isfinite(x)]
+        if len(found) < len(numbers) or (count is not None and len(found) != count):
+            raise self.error(f"{_shown(value)} is not usable", key, expected)
+        return tuple(found)
 
     def whole_number(self, key: str, default: Any = _MISSING, *, least: int = 0) -> int:
-        """A whole number >= least."""
+        """A whole number >= least, of at most ten digits."""
         expected = f"a whole number >= {least}"
         value = self.raw(key, expected, default)
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:
-            raise self.error(f"{value!r} is not usable", key, expected)
+        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= LARGEST_WHOLE:
+            raise self.error(f"{_shown(value)} is not usable", key, expected)
         return value
 
     def choice(self, key: str, choices: Iterable[str], default: Any = _MISSING) -> str:
@@ -196,21 +219,21 @@ class Table:
         if value not in choices:
             close = get_close_matches(str(value), choices, n=1)
             hint = f" (did you mean {close[0]}?)" if close else ""
-            raise self.error(f"{value!r} is not known{hint}", key, expected)
+            raise self.error(f"{_shown(value)} is not known{hint}", key, expected)
         return value
 
     def boolean(self, key: str, default: Any = _MISSING) -> bool:
         """True or false."""
         value = self.raw(key, "true or false", default)
         if not isinstance(value, bool):
-            raise self.error(f"{value!r} is not usable", key, "true or false")
+            raise self.error(f"{_shown(value)} is not usable", key, "true or false")
         return value
 
     def string(self, key: str, default: Any = _MISSING) -> str:
         """A text."""
         value = self.raw(key, "a text", default)
         if not isinstance(value, str):
-            raise self.error(f"{value!r} is no text", key, "a text in quotes")
+            raise self.error(f"{_shown(value)} is no text", key, "a text in quotes")
         return value
 
     def finish(self) -> None:

@@ -23,7 +23,7 @@ DAY = 86400.0  # s
 def store_video(content: bytes, suffix: str) -> Path:
     """A file in the cache with this content; it is written once."""
     digest = hashlib.sha256(content).hexdigest()[:32]
-    file = _videos() / f"{digest}{suffix}"
+    file = video_folder() / f"{digest}{suffix}"
     if file.is_file() and hashlib.sha256(file.read_bytes()).hexdigest()[:32] == digest:
         os.utime(file)
         return file
@@ -38,7 +38,7 @@ def store_video(content: bytes, suffix: str) -> Path:
 
 def store_frames(frames: Sequence[bytes]) -> Path:
     """A folder of numbered PNG frames in the cache; it is written once."""
-    folder = _videos() / _digest_of(frames)
+    folder = video_folder() / _digest_of(frames)
     if folder.is_dir():
         if _digest_of([file.read_bytes() for file in sorted(folder.glob("*.png"))]) == folder.name:
             os.utime(folder)
@@ -63,7 +63,7 @@ def _digest_of(frames: Sequence[bytes]) -> str:
     return digest.hexdigest()[:32]
 
 
-def _videos() -> Path:
+def video_folder() -> Path:
     """The cache's folder, the oldest taken out where it is over its bound."""
     folder = cache_folder("videos")
     entries = [(entry.stat().st_mtime, _size(entry), entry) for entry in folder.iterdir()]

@@ -12,7 +12,8 @@ import pytest
 
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
-from rig.optimise import JOURNAL, NEAR, StudyPlan, Trial, best, cut_torn_line, optimise, propulsion
+from rig.journal import JOURNAL, cut_torn_line
+from rig.optimise import NEAR, StudyPlan, Trial, best, optimise, propulsion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
 from rig.run_file import read_run
@@ -104,6 +105,30 @@ def test_every_other_trial_steps_from_the_best(space: GaitSpace, tmp_path: Path)
         before = best(trials[:k]).point
         steps = [(trials[k].point[name] - before[name]) for name in space.bounds]
         assert np.abs(steps / width).max() < 4 * NEAR
+
+
+@pytest.mark.parametrize("damage", ["zeroed", "gone", "a line"])
+def test_a_damaged_journal_is_made_again_from_the_recordings(space: GaitSpace, tmp_path: Path, damage: str) -> None:
+    study = StudyPlan(space, trials=3, plan=TrialPlan(3, 1))
+    before = list(optimise(tmp_path, study, Bench()))
+    contents = {path.name: path.read_bytes() for path in tmp_path.glob("*.rrd")}
+    journal = tmp_path / JOURNAL
+    if damage == "gone":
+        journal.unlink()
+    elif damage == "zeroed":
+        journal.write_bytes(bytes(journal.stat().st_size))
+    else:
+        lines = journal.read_bytes().splitlines(keepends=True)
+        journal.write_bytes(b"".join([*lines[:4], b"\x00\x01torn\n", *lines[5:]]))
+    said: list[str] = []
+    bench = Bench()
+    again = list(optimise(tmp_path, StudyPlan(space, trials=4, plan=TrialPlan(3, 1)), bench, told=said.append))
+    assert [t.propulsion for t in again[:3]] == [t.propulsion for t in before]
+    assert [t.recording for t in again[:3]] == [t.recording for t in before]
+    assert bench.runs == 1
+    assert "3 trials are recovered" in said[-1]
+    for name, content in contents.items():
+        assert (tmp_path / name).read_bytes() == content
 
 
 def test_a_killed_study_goes_on_where_it_was(space: GaitSpace, tmp_path: Path) -> None:

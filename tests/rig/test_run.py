@@ -94,6 +94,13 @@ def test_jammed_servo_ends_the_run(
     _, _, end = played(board, 2.0, once(0.5, lambda: emulator.say("jam", 1)))
     assert end.outcome == "overcurrent"
     assert to_neutral(emulator) < 0.5
+    emulator.say("jam", 0)
+    _, _, again = played(board, 1.0)
+    assert again.outcome == "overcurrent"  # latched: nothing moves before a deliberate new start
+    assert emulator.truth().pulse_us == 0
+    arm(board, limits, servo)
+    _, _, after = played(board, 1.0)
+    assert after.outcome == "complete"
 
 
 def test_cell_faults_are_events_and_never_readings(
@@ -123,7 +130,7 @@ def test_points_beyond_the_limits_are_refused_by_the_board_too(
 ) -> None:
     arm(board, limits, servo)
     board.command(Type.CLEAR)
-    with pytest.raises(Fault, match="OUTSIDE_LIMITS"):
+    with pytest.raises(Fault, match="outside limits"):
         board.command(Type.POINTS, protocol.points(0, [0, 900_000]))
     with pytest.raises(Fault, match="BAD_LIMITS"):
         board.command(Type.LIMITS, protocol.limits(-800_000, 800_000, 8_000_000, 900, 2000, 637))

@@ -45,6 +45,7 @@ class Bench final : public rig::Hardware {
     pulse = microseconds;
     ++pulses;
   }
+  void servo_off() override { pulse = 0; }
   bool servo_angle(std::int32_t&) override { return false; }
   std::uint16_t servo_current_ma() override { return current; }
   bool cell_data() override {

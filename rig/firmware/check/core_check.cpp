@@ -102,8 +102,54 @@ void check_overcurrent_and_underrun() {
       bench.run(board, 0.1);
     }
     CHECK(bench.saw(jam ? rig::EventCode::kOvercurrent : rig::EventCode::kUnderrun));
-    CHECK(bench.pulse == 1500);
+    CHECK(bench.pulse == (jam ? 0 : 1500));
   }
+}
+
+// A servo that stalls is off in every state, and stays off until CLEAR and LIMITS; a queue that was played is not
+// played again before CLEAR.
+void check_latch() {
+  Bench bench;
+  rig::Board board(bench);
+  bench.run(board, 0.001);
+  bench.send(Type::kLimits, 1, limits());
+  bench.run(board, 0.05);
+  CHECK(board.state() == rig::State::kReady && bench.pulse == 1500);
+  bench.current = 5000;  // nothing runs
+  bench.run(board, 0.2);
+  CHECK(bench.saw(rig::EventCode::kOvercurrent) && board.state() == rig::State::kLatched && bench.pulse == 0);
+  bench.current = 0;
+  bench.send(Type::kLimits, 2, limits());
+  bench.send(Type::kPoints, 3, points(0, 24, 100000));
+  bench.send(Type::kStart, 4, body<std::uint64_t, std::uint32_t, std::uint32_t>(bench.now_us + 50000, 20000, 24));
+  bench.send(Type::kNeutral, 5, {});
+  bench.send(Type::kHello, 6, body<std::uint8_t>(rig::kProtocolVersion));
+  bench.run(board, 0.1);
+  CHECK(bench.count(Type::kNak) == 2 && board.state() == rig::State::kLatched && bench.pulse == 0);
+  bench.send(Type::kClear, 7, {});
+  bench.run(board, 0.05);
+  CHECK(board.state() == rig::State::kUnarmed && bench.pulse == 0);
+
+  const auto start = [&](std::uint8_t sequence) {
+    bench.send(Type::kStart, sequence, body<std::uint64_t, std::uint32_t, std::uint32_t>(bench.now_us + 50000, 20000, 48));
+    bench.run(board, 0.1);
+  };
+  bench.send(Type::kLimits, 8, limits());
+  bench.run(board, 0.05);
+  bench.send(Type::kPoints, 9, points(0, 24, 100000));
+  bench.send(Type::kPoints, 10, points(24, 24, 100000));
+  start(11);
+  CHECK(board.state() == rig::State::kPlaying);
+  bench.send(Type::kNeutral, 12, {});
+  bench.run(board, 0.2);
+  const int refused = bench.count(Type::kNak);
+  start(13);
+  CHECK(bench.count(Type::kNak) == refused + 1 && board.state() == rig::State::kReady);
+  bench.send(Type::kClear, 14, {});
+  bench.send(Type::kPoints, 15, points(0, 24, 100000));
+  bench.send(Type::kPoints, 16, points(24, 24, 100000));
+  start(17);
+  CHECK(bench.count(Type::kNak) == refused + 1 && board.state() == rig::State::kPlaying);
 }
 
 void check_repeated_command() {
@@ -234,6 +280,7 @@ int main(int count, char** words) {
   check_run_and_clock_wrap();
   check_watchdog();
   check_overcurrent_and_underrun();
+  check_latch();
   check_repeated_command();
   check_points_in_any_order();
   check_cell();

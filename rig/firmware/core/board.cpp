@@ -81,10 +81,21 @@ void Board::servo_frame(std::uint64_t now_us) {
   const std::uint16_t current = hardware_.servo_current_ma();
   if (streaming_) add({Type::kServo, now_us, servo_.angle_urad(), measured, servo_.pulse_us(), current});
 
-  if (current <= servo_.limits().current_ma) current_high_since_us_ = 0;
-  else if (current_high_since_us_ == 0) current_high_since_us_ = now_us;
-  else if (now_us - current_high_since_us_ > kOvercurrentUs && player_.running())
+  watch_current(current, now_us);
+}
+
+// In every state: a servo that stalls at neutral burns as well as one in a run. It stays off until it is told otherwise.
+void Board::watch_current(std::uint16_t current, std::uint64_t now_us) {
+  if (current <= servo_.limits().current_ma) {
+    current_high_since_us_ = 0;
+  } else if (current_high_since_us_ == 0) {
+    current_high_since_us_ = now_us;
+  } else if (now_us - current_high_since_us_ > kOvercurrentUs) {
+    current_high_since_us_ = 0;
+    servo_.release(hardware_);
     to_neutral(EventCode::kOvercurrent, current, now_us);
+    state_ = State::kLatched;
+  }
 }
 
 void Board::watch(std::uint64_t now_us) {
@@ -94,7 +105,8 @@ void Board::watch(std::uint64_t now_us) {
 
 void Board::to_neutral(EventCode why, std::int32_t value, std::uint64_t now_us) {
   player_.stop();
-  state_ = servo_.armed() ? State::kReturning : State::kUnarmed;
+  stale_ = true;
+  if (state_ != State::kLatched) state_ = servo_.armed() ? State::kReturning : State::kUnarmed;
   event(why, value, now_us);
 }
 

@@ -38,6 +38,7 @@ class Board {
   void sample_cell(std::uint64_t now_us);
   void servo_frame(std::uint64_t now_us);
   void watch(std::uint64_t now_us);
+  void watch_current(std::uint16_t current, std::uint64_t now_us);
   void to_neutral(EventCode why, std::int32_t value, std::uint64_t now_us);
   void event(EventCode code, std::int32_t value, std::uint64_t now_us);
   void add(const Sample& sample);
@@ -58,6 +59,7 @@ class Board {
   bool booted_ = false;
   bool streaming_ = false;
   bool clipped_ = false;
+  bool stale_ = false;  // what is queued is of a run that has ended
   std::uint64_t heard_us_ = 0;
   std::uint64_t next_servo_us_ = 0;
   std::uint64_t current_high_since_us_ = 0;

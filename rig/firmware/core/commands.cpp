@@ -43,8 +43,9 @@ void Board::handle(const Frame& command, std::uint64_t now_us) {
     case Type::kHello: {
       const auto version = in.get<std::uint8_t>();
       if (!in.complete() || version != kProtocolVersion) break;  // answered below, with the reason
-      if (state_ != State::kUnarmed) to_neutral(EventCode::kStopped, 0, now_us);
+      if (servo_.armed()) to_neutral(EventCode::kStopped, 0, now_us);
       player_.clear();
+      stale_ = false;
       streaming_ = false;
       answered_ = false;
       return send_boot(command.sequence, now_us);
@@ -91,6 +92,8 @@ Reason Board::execute(const Frame& command, std::uint64_t now_us) {
       if (!in.complete()) return Reason::kBadLength;
       if (player_.running()) return Reason::kBusy;
       player_.clear();
+      stale_ = false;
+      if (state_ == State::kLatched) state_ = State::kUnarmed;
       return Reason{};
     default: return Reason::kUnknownType;
   }
@@ -106,9 +109,11 @@ Reason Board::take_limits(Reader& in) {
   limits.us_per_rad = in.get<std::int16_t>();
   if (!in.complete()) return Reason::kBadLength;
   if (!limits.usable()) return Reason::kBadLimits;
+  if (state_ == State::kLatched) return Reason::kLatched;
   if (player_.running() || !servo_.at_neutral()) return Reason::kBusy;  // new limits never move a deflected arm
   servo_.arm(limits);
   player_.clear();  // what was queued was checked against the old limits
+  stale_ = false;
   state_ = State::kReturning;
   return Reason{};
 }
@@ -117,7 +122,7 @@ Reason Board::take_points(Reader& in, std::size_t size) {
   const auto index = in.get<std::uint32_t>();
   const auto count = in.get<std::uint8_t>();
   if (count == 0 || size != 5u + 4u * count) return Reason::kBadLength;
-  if (!servo_.armed()) return Reason::kNoLimits;
+  if (!servo_.armed() && state_ != State::kLatched) return Reason::kNoLimits;  // those under way at a fault do no harm
   if (!player_.has_room_for(index, count)) return Reason::kQueueFull;
   std::int32_t points[kMaxBody / 4];
   for (unsigned i = 0; i < count; ++i) {
@@ -133,7 +138,9 @@ Reason Board::take_start(Reader& in, std::uint64_t now_us) {
   const auto period_us = in.get<std::uint32_t>();
   const auto total = in.get<std::uint32_t>();
   if (!in.complete()) return Reason::kBadLength;
+  if (state_ == State::kLatched) return Reason::kLatched;
   if (!servo_.armed()) return Reason::kNoLimits;
+  if (stale_) return Reason::kNotCleared;
   if (state_ != State::kReady) return Reason::kBusy;
   if (at_us < now_us || at_us > now_us + 60000000u || period_us < 1000u || total < 2) return Reason::kBadStart;
   const std::uint32_t ahead = total < 10 ? total : 10;

@@ -15,6 +15,7 @@ class Hardware {
   virtual std::size_t write_bytes(const std::uint8_t* data, std::size_t size) = 0;
 
   virtual void servo_pulse(std::uint16_t microseconds) = 0;
+  virtual void servo_off() = 0;  // no pulse any more: the servo is limp
   virtual bool servo_angle(std::int32_t& microradians) = 0;  // false where the servo has no position feedback
   virtual std::uint16_t servo_current_ma() = 0;              // 0 where not measured
 

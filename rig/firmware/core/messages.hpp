@@ -40,9 +40,11 @@ enum class Reason : std::uint8_t {
   kTooFewPoints = 8,
   kBadStart = 9,
   kBusy = 10,
+  kLatched = 11,     // the servo is off after a fault: CLEAR, then LIMITS
+  kNotCleared = 12,  // the queue is of a run that has ended: CLEAR first
 };
 
-enum class State : std::uint8_t { kUnarmed = 0, kReady = 1, kWaiting = 2, kPlaying = 3, kReturning = 4 };
+enum class State : std::uint8_t { kUnarmed = 0, kReady = 1, kWaiting = 2, kPlaying = 3, kReturning = 4, kLatched = 5 };
 
 enum class EventCode : std::uint8_t {
   kStarted = 1,

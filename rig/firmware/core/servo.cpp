@@ -21,6 +21,13 @@ void Servo::arm(const Limits& limits) {
   armed_ = true;
 }
 
+void Servo::release(Hardware& hardware) {
+  armed_ = false;
+  angle_urad_ = 0;
+  pulse_us_ = 0;
+  hardware.servo_off();
+}
+
 std::int32_t Servo::frame_step_us(std::int64_t step_urad) const {
   const std::int64_t slope = limits_.us_per_rad < 0 ? -limits_.us_per_rad : limits_.us_per_rad;
   return static_cast<std::int32_t>(step_urad * slope / 1000000 + 1);  // the pin counts whole microseconds

@@ -28,6 +28,8 @@ class Servo {
  public:
   // Takes limits that are usable(). From then on every frame puts out a pulse; before it the servo is limp.
   void arm(const Limits& limits);
+  // Ends the pulses until it is armed again.
+  void release(Hardware& hardware);
   bool armed() const { return armed_; }
   const Limits& limits() const { return limits_; }
 

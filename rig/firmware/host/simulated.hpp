@@ -36,6 +36,7 @@ class Simulated : public rig::Hardware {
     if (microseconds != pulse_us) pulse_since_us = now_us;
     pulse_us = microseconds;
   }
+  void servo_off() override { servo_pulse(0); }
   bool servo_angle(std::int32_t& microradians) override {
     microradians = static_cast<std::int32_t>(plant_.state().angle_rad * 1e6);
     return true;

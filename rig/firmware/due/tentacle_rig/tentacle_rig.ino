@@ -56,6 +56,10 @@ class Due final : public rig::Hardware {
     }
     servo_.writeMicroseconds(microseconds);
   }
+  void servo_off() override {
+    if (attached_) servo_.detach();
+    attached_ = false;
+  }
   bool servo_angle(int32_t& microradians) override {
     if (!kFeedback) return false;
     microradians = static_cast<int32_t>((analogRead(kAnglePin) - kCentreCount) * kUradPerCount);

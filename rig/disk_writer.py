@@ -1,0 +1,76 @@
+"""What touches a run's file does so in a thread of its own: a disk that stands still must not keep the board waiting.
+
+The thread is a daemon: a disk that never answers does not keep the program from ending.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from contextlib import suppress
+from pathlib import Path
+
+from rig.fault import Fault
+
+WITHIN = 4.0  # s; a disk that takes longer is lost
+
+
+class DiskWriter:
+    """Runs jobs one after the other. A job that fails, or takes longer than WITHIN, is a Fault("disk")."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._jobs: queue.SimpleQueue[tuple[Callable[[], None], Future[None]] | None] = queue.SimpleQueue()
+        self._under_way: Future[None] | None = None
+        self._begun_at = 0.0
+        threading.Thread(target=self._run, name="recorder", daemon=True).start()
+
+    def begin(self, job: Callable[[], None]) -> bool:
+        """Begins a job and does not wait for it; False where the one before is still under way.
+
+        Fault("disk") where that one has failed, or takes too long.
+        """
+        if self._under_way is not None:
+            if not self._under_way.done():
+                if time.monotonic() - self._begun_at > WITHIN:
+                    raise self._late()
+                return False
+            self.wait()
+        self._begun_at = time.monotonic()
+        self._under_way = Future()
+        self._jobs.put((job, self._under_way))
+        return True
+
+    def wait(self) -> None:
+        """Until what is under way is done. Fault("disk") where it fails, or takes too long."""
+        under_way, self._under_way = self._under_way, None
+        if under_way is None:
+            return
+        try:
+            under_way.result(max(WITHIN - (time.monotonic() - self._begun_at), 0.0))
+        except TimeoutError:
+            raise self._late() from None
+
+    def close(self) -> None:
+        """Ends the thread once what is under way is done."""
+        self._jobs.put(None)
+
+    def _late(self) -> Fault:
+        return Fault("disk", f"{self._path} was not written within {WITHIN:g} s")
+
+    def _run(self) -> None:
+        while (entry := self._jobs.get()) is not None:
+            job, future = entry
+            try:
+                job()
+            except Fault as fault:
+                future.set_exception(fault)
+            except Exception as error:  # rerun raises its own, undocumented, kinds here
+                words = getattr(error, "strerror", None) or str(error)
+                with suppress(Exception):
+                    future.set_exception(Fault("disk", f"{self._path} cannot be written: {words}"))
+            else:
+                future.set_result(None)

@@ -1,0 +1,93 @@
+"""Whether a file or a folder of files is what was written: recordings, a rig's runs, stored results, declarations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rig.recorder import START
+from rig.run_file import iterate_frames, read_run
+from tentacle.errors import InputError
+from tentacle.io.plain_file import require_plain
+from tentacle.io.reading import read_recording
+from tentacle.io.recording_summary import summarise
+from tentacle.io.rrd_columns import read_entities
+from tentacle.io.toml_table import read_toml
+from tentacle.runner import check_result
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A file, whether it is sound, and in a line what it holds or what is wrong."""
+
+    file: Path
+    sound: bool
+    words: str
+
+
+def check(path: Path) -> list[Finding]:
+    """What is to be said of a file, or of every file in a folder. InputError where nothing lies there."""
+    if (path / "recording.toml").is_file() or not path.is_dir():
+        if not path.is_dir():
+            require_plain(path, "a recording, a run, or a folder of them")
+        return [_finding(path)]
+    return [_finding(file) for file in _files(path)]
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    for entry in sorted(folder.iterdir()):
+        if entry.is_dir() and not entry.is_symlink():
+            if (entry / "recording.toml").is_file():
+                yield entry
+            else:
+                yield from _files(entry)
+        elif entry.suffix in (".rrd", ".toml", ".npz") or _is_result(entry):
+            yield entry
+
+
+def _is_result(file: Path) -> bool:
+    return file.suffix == ".json" and len(file.stem) == 32  # the runner names a result by a hash
+
+
+def _finding(file: Path) -> Finding:
+    try:
+        words = _words(file)
+    except InputError as error:
+        return Finding(file, False, error.line())
+    return Finding(file, True, words)
+
+
+def _words(file: Path) -> str:
+    """What a sound file holds; InputError where it is not sound, or not whole."""
+    if file.is_dir():
+        return summarise(read_recording(file))["recording"]
+    require_plain(file)
+    if file.suffix == ".rrd":
+        return _rrd(file)
+    if file.suffix in (".npz", ".json"):
+        check_result(file)
+        return "a stored result"
+    if file.suffix == ".toml":
+        read_toml(file)
+        return "TOML"
+    raise InputError("no kind of file that can be checked", file=file, expected=".rrd, .toml or a stored result")
+
+
+def _rrd(file: Path) -> str:
+    entities, bytes_gone = read_entities(file, lambda entity: not entity.startswith(("/rig/camera", "/camera")))
+    if START in entities:
+        run = read_run(file)
+        frames = sum(1 for _ in iterate_frames(file))
+        if run.missing:
+            raise InputError(run.missing, file=file, expected="a run with its stop record")
+        read_recording(file)
+        return f"a run, {run.outcome}: {len(run.load_t)} readings, {len(run.servo_t)} set points, {frames} frames"
+    if "/declaration" in entities:
+        recording = read_recording(file)
+        if "cut_off" in recording.notes:
+            raise InputError(recording.notes["cut_off"], file=file, expected="a whole recording")
+        return summarise(recording)["recording"]
+    if bytes_gone:
+        raise InputError(f"its last {bytes_gone} bytes are no whole message", file=file, expected="a whole .rrd")
+    return "readable; it holds no checksums"

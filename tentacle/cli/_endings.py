@@ -1,0 +1,144 @@
+"""How a command ends: done, one line on what is wrong, or stopped by a signal; whatever it is, nothing is left behind.
+
+| exit code | |
+|---|---|
+| 0 | done |
+| 2 | bad input, a full disk, a missing package: one line says what |
+| 70 | a defect of this program: one line says where its trace lies |
+| 128 + number | a signal: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP |
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import tempfile
+import threading
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+from tentacle.errors import InputError, printable
+
+# What not everyone needs: module -> the extra that brings it.
+EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "warp": "gpu", "nicegui": "app"}
+BAD_INPUT, DEFECT = 2, 70
+
+
+class Ended(KeyboardInterrupt):
+    """A signal asked the program to end: it does so as after Ctrl-C, which every verb knows to leave nothing behind."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__()
+
+
+@dataclass
+class Outcome:
+    """The exit code of a command."""
+
+    code: int = 0
+
+
+@contextmanager
+def signals_as_interrupts() -> Iterator[None]:
+    """SIGTERM and SIGHUP (a closed terminal) end a command as Ctrl-C does, unless whoever started us ignores them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {}
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:
+            before[number] = signal.signal(number, _end)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _end(number: int, _frame: FrameType | None) -> None:
+    signal.signal(number, signal.SIG_IGN)  # once is enough: what cleans up is not to be interrupted
+    raise Ended(number)
+
+
+@contextmanager
+def told() -> Iterator[Outcome]:
+    """The outcome of what is done inside; whatever goes wrong there is told in one line."""
+    outcome = Outcome()
+    try:
+        yield outcome
+    except SystemExit:
+        raise
+    except BaseException as error:
+        line, outcome.code = _told(error)
+        if line:
+            with suppress(OSError, ValueError):  # a terminal that has gone
+                print(f"tentacle: {line}", file=sys.stderr, flush=True)
+        if outcome.code != BAD_INPUT or isinstance(error, OSError):
+            _close_output()
+
+
+def _told(error: BaseException) -> tuple[str, int]:
+    """One line on an error, "" where there is nobody to read it, and the exit code."""
+    match _root(error):
+        case InputError() as bad:
+            return bad.line(), BAD_INPUT
+        case Ended() as ended:
+            return "stopped", 128 + ended.number
+        case KeyboardInterrupt():
+            return "stopped", 130
+        case ModuleNotFoundError() as missing if (missing.name or "").partition(".")[0] in EXTRAS:
+            name = (missing.name or "").partition(".")[0]
+            return f"{name} is not installed; expected pip install 'tentacle-twin[{EXTRAS[name]}]'", BAD_INPUT
+        case BrokenPipeError():  # the reader of a pipe has gone: nothing more to say or to complain of
+            return "", 0
+        case MemoryError():
+            return "not enough memory for this; expected a smaller input", BAD_INPUT
+        case OSError() as failed:
+            return _os_words(failed), BAD_INPUT
+    return f"a defect of tentacle: {_first_line(error)}; its trace is in {_trace(error)}", DEFECT
+
+
+def _root(error: BaseException) -> BaseException:
+    """What a wrapper was raised for: numba and others turn an interrupt within them into an error of their own."""
+    found: BaseException | None = error
+    while found is not None:
+        if isinstance(found, InputError | KeyboardInterrupt | OSError | MemoryError | ModuleNotFoundError):
+            return found
+        found = found.__cause__ or found.__context__
+    return error
+
+
+def _os_words(error: OSError) -> str:
+    where = "" if error.filename is None else f"{error.filename}: "
+    return printable(f"{where}{error.strerror or _first_line(error)}")
+
+
+def _first_line(error: BaseException) -> str:
+    text = str(error).strip().splitlines()
+    return printable(f"{type(error).__name__}: {text[0][:200]}" if text else type(error).__name__)
+
+
+def _trace(error: BaseException) -> Path | str:
+    """Where the trace of a defect was put."""
+    if os.environ.get("TENTACLE_TRACE"):
+        traceback.print_exception(error)
+        return "the lines above"
+    try:
+        handle, name = tempfile.mkstemp(prefix="tentacle-defect-", suffix=".txt")
+        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as file:
+            traceback.print_exception(error, file=file)
+    except OSError:
+        return "nowhere: no file can be written"
+    return Path(name)
+
+
+def _close_output() -> None:
+    """Nothing more goes to a standard output that has failed, and Python does not complain of it at the end."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

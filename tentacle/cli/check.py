@@ -1,0 +1,38 @@
+"""tentacle check: whether files are what was written, every checksum compared."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "tell which recordings, runs and results are sound: every checksum compared (exit code 0 sound, 2 not)"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """The verb's arguments."""
+    parser.add_argument("path", type=Path, metavar="FILE|FOLDER", help="an .rrd, an import folder, or a folder of any")
+    parser.add_argument("--json", action="store_true", help="print the findings as JSON")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Check, say; a file that is not sound is told on standard error."""
+    import json
+    import sys
+    from dataclasses import asdict
+
+    from rig.soundness import check
+    from tentacle.errors import InputError, printable
+
+    findings = check(arguments.path)
+    unsound = [finding for finding in findings if not finding.sound]
+    if not findings:
+        raise InputError("holds nothing that can be checked", file=arguments.path, expected="recordings or results")
+    if arguments.json:
+        print(json.dumps([{**asdict(finding), "file": str(finding.file)} for finding in findings], indent=1))
+    else:
+        for finding in findings:
+            if finding.sound:
+                print(printable(f"sound  {finding.file}: {finding.words}"))
+    for finding in unsound[:1] if arguments.json else unsound:
+        print(f"tentacle: not sound: {printable(finding.words)}", file=sys.stderr)
+    return 2 if unsound else 0

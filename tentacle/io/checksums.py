@@ -1,0 +1,123 @@
+"""A checksum for every block of every signal in an .rrd, written beside it and compared on every read.
+
+The entity /sums has a row per block of time, with lists of equal length: signal, first (row), count, sha256. A static
+row holds those of what is written once, with first = count = 0. A text, a frame, an event has its own beside it.
+A file whose declaration states no format is of before they were written.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+    from tentacle.io.rrd_columns import Columns
+
+ENTITY = "/sums"
+FORMAT = 2  # stands beside the declaration; from it on there are checksums
+
+
+@dataclass(frozen=True)
+class Sum:
+    """The checksum of rows [first, first + count) of a signal; of all of it where count is 0."""
+
+    signal: str
+    first: int
+    count: int
+    sha256: str
+
+
+def digest(columns: Mapping[str, NDArray[Any] | Sequence[str]]) -> str:
+    """SHA-256 over named columns: numbers as 64-bit floats (every NaN alike), texts as UTF-8."""
+    total = hashlib.sha256()
+    for name in sorted(columns):
+        values = np.asarray(columns[name])
+        total.update(f"{name} {values.shape}\0".encode())
+        if values.dtype.kind in "US":
+            total.update("\0".join(values.ravel().tolist()).encode())
+        elif values.size:
+            numbers = np.array(values, dtype="<f8", order="C")
+            numbers[np.isnan(numbers)] = np.nan
+            total.update(numbers.tobytes())
+    return total.hexdigest()
+
+
+def log_sums(stream: rr.RecordingStream, sums: Sequence[Sum], block: int | None = None) -> None:
+    """Writes a row of checksums, of the block with that number; without one, of what is written once."""
+    import rerun as rr
+
+    lists = {
+        "signal": [one.signal for one in sums],
+        "first": [one.first for one in sums],
+        "count": [one.count for one in sums],
+        "sha256": [one.sha256 for one in sums],
+    }
+    if block is None:
+        stream.log(ENTITY, rr.AnyValues(**lists), static=True)
+        return
+    # A block of its own and no `log`: that travels in a batch, and would lie behind what it is of.
+    columns = [column.partition([len(sums)]) for column in rr.AnyValues.columns(**lists)]
+    stream.send_columns(ENTITY, [rr.TimeColumn("row", sequence=[block])], columns)
+
+
+def log_text(stream: rr.RecordingStream, entity: str, text: str, media_type: str) -> None:
+    """Writes a static text with its checksum and the format that says that there is one."""
+    import rerun as rr
+
+    document = rr.TextDocument(text, media_type=media_type)
+    stream.log(entity, document, rr.AnyValues(format=FORMAT, sha256=text_digest(text)), static=True)
+
+
+def sound_text(columns: Columns) -> str | None:
+    """A static text; None where it does not agree with its checksum. An older file has none."""
+    text = str(columns.static("TextDocument:text")[0])
+    if columns.has_static("sha256") != columns.has_static("format"):
+        return None
+    return text if not columns.has_static("sha256") or columns.static("sha256")[0] == text_digest(text) else None
+
+
+def text_digest(text: str) -> str:
+    """SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def read_sums(columns: Columns | None) -> list[Sum]:
+    """The checksums of a file, in the order in which they were written."""
+    if columns is None:
+        return []
+    names = ("signal", "first", "count", "sha256")
+    found = []
+    if columns.has_static(*names):
+        found.append([columns.static(name) for name in names])
+    if columns.has_rows(*names):
+        found += [list(row) for row in zip(*(columns.lists(name) for name in names), strict=True)]
+    return [Sum(*values) for lists in found for values in zip(*lists, strict=True)]
+
+
+def first_unsound(sums: Sequence[Sum], signal: str, columns: Mapping[str, NDArray[Any]]) -> Sum | None:
+    """The first checksum of a signal that does not agree with its rows; rows that were cut off are not compared."""
+    rows = min((len(values) for values in columns.values()), default=0)
+    for one in sums:
+        if one.signal != signal or one.first + one.count > rows:
+            continue
+        part = {name: values[one.first : one.first + one.count] for name, values in columns.items()}
+        if digest(part) != one.sha256:
+            return one
+    return None
+
+
+def covered(sums: Sequence[Sum], signal: str) -> int:
+    """Up to which row a signal is covered by checksums without a gap."""
+    end = 0
+    for one in sorted((one for one in sums if one.signal == signal), key=lambda one: one.first):
+        if one.first > end:
+            break
+        end = max(end, one.first + one.count)
+    return end

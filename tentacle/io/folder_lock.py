@@ -1,0 +1,49 @@
+"""One process a folder: the second is refused in one line. The lock goes with its process, however that ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+from tentacle.errors import InputError
+
+
+@contextmanager
+def owned(lock: Path, folder: Path, expected: str) -> Iterator[None]:
+    """Holds the lock file, which is there while something is done in the folder.
+
+    InputError where another process holds it, or where it cannot be made.
+    """
+    try:
+        file = lock.open("a")
+    except OSError as error:
+        raise InputError(error.strerror or str(error), file=folder, expected="a folder that can be written") from None
+    with file:
+        try:
+            _lock(file)
+        except OSError:
+            raise InputError("is in use by another process", file=folder, expected=expected) from None
+        try:
+            yield
+        finally:
+            if os.name == "posix":  # elsewhere a file that is open cannot be removed
+                with suppress(OSError):
+                    lock.unlink()
+
+
+def _lock(file: IO[str]) -> None:
+    """Take the file for this process alone; OSError where another process has it."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if not Path(file.name).exists():  # it was removed by its owner between our opening and locking it
+            raise OSError

@@ -1,0 +1,42 @@
+"""A file that appears whole or not at all, and is on the disk before it has its name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+
+@contextmanager
+def written_file(file: Path) -> Iterator[Path]:
+    """A path to write to; on success it becomes `file`, on failure nothing is left of it."""
+    partial = file.with_name(f".{file.name[:100]}.{os.getpid()}.partial")
+    try:
+        yield partial
+        sync(partial)
+        partial.replace(file)
+        sync(file.parent)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write_text(file: Path, text: str) -> None:
+    """A text file, whole or not at all."""
+    with written_file(file) as partial:
+        partial.write_text(text, encoding="utf-8", newline="\n")
+
+
+def sync(path: Path) -> None:
+    """Waits until a file's content, or a folder's names, are on the disk; some folders cannot be asked."""
+    opened = os.open(path, os.O_RDONLY)
+    try:
+        with suppress(OSError) if path.is_dir() else _nothing():
+            os.fsync(opened)
+    finally:
+        os.close(opened)
+
+
+@contextmanager
+def _nothing() -> Iterator[None]:
+    yield
