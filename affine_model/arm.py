@@ -14,7 +14,7 @@ from affine_model.effect import Effect, Parameter
 from affine_model.effects import catalogue
 from tentacle.errors import InputError
 from tentacle.model import Model
-from tentacle.specimen import Fluid, Gravity, Specimen
+from tentacle.specimen import Fluid, Gravity, Specimen, declared_effects
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,18 @@ def neutral_parameters() -> Array:
     return np.array([row.parameter.neutral for row in parameter_rows()])
 
 
+def declared_parameters(specimen: Specimen, fluid: Fluid) -> Array:
+    """The vector (R,) of an arm as declared: neutral, but for what [fluid] added_mass brings."""
+    values = neutral_parameters()
+    for effect, parameters in declared_effects(specimen, fluid).items():
+        for name, value in parameters.items():
+            values[parameter_index(effect, name)] = value
+    return values
+
+
 def parameter_vector(model: Model) -> Array:
     """The vector (R,) of a model; InputError where it names an effect or parameter that the catalogue lacks."""
-    values = neutral_parameters()
+    values = declared_parameters(model.specimen, model.fluid)
     for effect, parameters in model.parameters.items():
         for name, estimate in parameters.items():
             try:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import Arm, arm_of, neutral_parameters, parameter_index
+from affine_model.arm import Arm, arm_of, declared_parameters, parameter_index
 from affine_model.curvature import Array
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
@@ -57,6 +57,8 @@ class Setting:
             free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1")]
         if self.declaration.fluid.density > 0.0:
             free.append(("drag", "C_perp"))
+            if self.declaration.fluid.added_mass == "fit":
+                free.append(("added_mass", "C_a"))
         return (*free, *names_of(self.declared))
 
     def problem(self, order: int, parameters: Array) -> Problem:
@@ -65,8 +67,9 @@ class Setting:
         return Problem(self.arm(order), self.experiments, self.base_free(), parameters, self.step, declared=declared)
 
     def start(self) -> Array:
-        """The parameter vector (R + D,) at which every effect is absent, and the declaration is its means."""
-        return np.concatenate([neutral_parameters(), [number.value for number in self.declared]])
+        """The parameter vector (R + D,) with no effect but the declared ones, and the declaration at its means."""
+        neutral = declared_parameters(self.declaration.specimen, self.declaration.fluid)
+        return np.concatenate([neutral, [number.value for number in self.declared]])
 
 
 def needed_order(setting: Setting, *, complete: bool = False) -> int:

@@ -16,6 +16,7 @@ from affine_model.curvature import Array
 from affine_model.effect import Effect
 from affine_model.effects import absent_effects
 from inference.trajectory import Fit, ParameterName, Problem
+from tentacle.specimen import declared_effects
 
 STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
 SURVEYED = (0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
@@ -158,7 +159,7 @@ def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = No
     chosen = tuple(e for e in (effects or absent_effects()) if e.strengths)
     basis = absorbed_basis(fitted)
     residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
-    names = {name for name, _ in problem.free}
+    names = {name for name, _ in problem.free} | set(declared_effects(problem.arm.specimen, problem.arm.fluid))
     chosen = tuple(effect for effect in chosen if effect.name not in names)
     table = sensitivities(problem, fitted, chosen)
     candidates = []

@@ -23,7 +23,7 @@ from mujoco_ref.step import State, Stepper
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.signals import Array, Midline
-from tentacle.specimen import Gravity
+from tentacle.specimen import Gravity, declared_effects
 from tentacle.waveform import Waveform
 
 DEFAULT_LINKS = 20
@@ -79,8 +79,9 @@ class Simulation:
 
 
 def plain_parameters(model: Model) -> dict[str, dict[str, float]]:
-    """A model's parameters as plain numbers."""
-    return {effect: {name: e.value for name, e in values.items()} for effect, values in model.parameters.items()}
+    """A model's parameters as plain numbers, above those that its declaration brings."""
+    own = {effect: {name: e.value for name, e in values.items()} for effect, values in model.parameters.items()}
+    return merged(declared_effects(model.specimen, model.fluid), own)
 
 
 def merged(parameters: Parameters, extra: Parameters) -> dict[str, dict[str, float]]:

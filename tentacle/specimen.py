@@ -14,6 +14,11 @@ STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 STEEL = 7850.0  # kg/m^3
 
 StiffnessLaw = Literal["section", "affine"]
+AddedMass = Literal["none", "section", "fit"]
+# Added mass of a rectangle over pi rho a^2, a half its width across the flow, by its height along the flow over its
+# width (DNV-RP-C205, table D-1; a circle: 1).
+_FLATNESS = (0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+_RECTANGLE = (1.0, 1.14, 1.21, 1.36, 1.51, 1.70, 1.98, 2.23)
 Array = NDArray[np.float64]
 
 
@@ -55,6 +60,11 @@ class Cone:
         """Wetted perimeter 2 pi r(s) [m]."""
         return 2.0 * np.pi * self.half_thickness(s)
 
+    @property
+    def added_mass(self) -> float:
+        """C_a: water carried along the normal, over that in a circle of the width."""
+        return 1.0
+
 
 @dataclass(frozen=True)
 class Rectangle:
@@ -85,6 +95,11 @@ class Rectangle:
     def perimeter(self, s: ArrayLike) -> Array:
         """Wetted perimeter 2 (w + h) [m]."""
         return np.full_like(np.asarray(s, dtype=float), 2.0 * (self.section_width + self.height))
+
+    @property
+    def added_mass(self) -> float:
+        """C_a: water carried along the normal, over that in a circle of the width."""
+        return float(np.interp(self.height / self.section_width, _FLATNESS, _RECTANGLE))
 
 
 Section = Cone | Rectangle
@@ -130,11 +145,20 @@ class Specimen:
 
 @dataclass(frozen=True)
 class Fluid:
-    """The fluid around the arm; density [kg/m^3], 0 means air (no fluid force)."""
+    """The fluid around the arm; density [kg/m^3], 0 means air (no fluid force).
+
+    added_mass: what the declared model holds of the water that the arm carries. "none": nothing (the paper's model);
+    "section": C_a of the section, known; "fit": C_a is fitted with the base parameters.
+    """
 
     density: float = 0.0
+    added_mass: AddedMass = "none"
 
     def __post_init__(self) -> None:
+        if self.added_mass not in ("none", "section", "fit"):
+            raise InputError(
+                f"{self.added_mass!r} is not known", field="added_mass", expected='"none", "section", "fit"'
+            )
         if not (np.isfinite(self.density) and self.density >= 0):
             raise InputError(f"{self.density!r} is not usable", field="density_kg_m3", expected="a number >= 0")
 
@@ -155,3 +179,13 @@ class Gravity:
 
 
 HANGING_DOWN = Gravity()
+
+
+def declared_effects(specimen: Specimen, fluid: Fluid) -> dict[str, dict[str, float]]:
+    """Effects that the declaration itself brings into the model: name -> parameter -> value (to begin from, if fitted).
+
+    Kirchhoff's water is carried along the normal alone.
+    """
+    if fluid.density <= 0.0 or fluid.added_mass == "none":
+        return {}
+    return {"added_mass": {"C_a": specimen.section.added_mass, "tangential": 0.0}}

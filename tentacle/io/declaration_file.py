@@ -18,6 +18,7 @@ from tentacle.specimen import (
     HANGING_DOWN,
     STANDARD_GRAVITY,
     STEEL,
+    AddedMass,
     Cone,
     Fluid,
     Gravity,
@@ -102,8 +103,9 @@ def parse_specimen(table: Table) -> Specimen:
 
 
 def parse_fluid(table: Table) -> Fluid:
-    """[fluid]: density, 0 or absent for air."""
-    fluid = Fluid(table.measured("density_kg_m3", 0.0, least=0))
+    """[fluid]: density, 0 or absent for air; what is declared of the added mass."""
+    density = table.measured("density_kg_m3", 0.0, least=0)
+    fluid = Fluid(density, cast(AddedMass, table.choice("added_mass", ("none", "section", "fit"), "none")))
     table.finish()
     return fluid
 
@@ -168,7 +170,7 @@ def declaration_tables(declaration: Declaration) -> dict[str, Any]:
     specimen, camera = declaration.specimen, declaration.camera
     tables: dict[str, Any] = {
         "specimen": specimen_table(specimen),
-        "fluid": {"density_kg_m3": declaration.fluid.density},
+        "fluid": fluid_table(declaration.fluid),
         "gravity": gravity_table(declaration.gravity),
     }
     if camera is not None:
@@ -217,6 +219,14 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         "tip_mass_kg": specimen.tip_mass,
         "stiffness": specimen.stiffness,
     } | {key: value for key, value, usual in placed if value != usual}
+
+
+def fluid_table(fluid: Fluid) -> dict[str, Any]:
+    """[fluid] of recording.toml and model.toml."""
+    table: dict[str, Any] = {"density_kg_m3": fluid.density}
+    if fluid.added_mass != "none":
+        table["added_mass"] = fluid.added_mass
+    return table
 
 
 def gravity_table(gravity: Gravity) -> dict[str, Any]:

@@ -12,7 +12,14 @@ from typing import Any
 
 import tomli_w
 
-from tentacle.io.declaration_file import gravity_table, parse_fluid, parse_gravity, parse_specimen, specimen_table
+from tentacle.io.declaration_file import (
+    fluid_table,
+    gravity_table,
+    parse_fluid,
+    parse_gravity,
+    parse_specimen,
+    specimen_table,
+)
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.model import Estimate, Model
 from tentacle.specimen import AIR, HANGING_DOWN
@@ -72,7 +79,7 @@ def model_tables(model: Model) -> dict[str, Any]:
     return {
         "order": model.order,
         "specimen": specimen_table(model.specimen),
-        "fluid": {"density_kg_m3": model.fluid.density},
+        "fluid": fluid_table(model.fluid),
         "gravity": gravity_table(model.gravity),
         "effects": effects,
     }

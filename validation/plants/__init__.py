@@ -1,0 +1,43 @@
+"""Plants for trials: simulators of an arm in a tank that the loop is tried on. Each hides effects by laws of its own.
+
+make(plant, seed) gives a recording as a lab would have it, and the truth about it. The same plant and seed give the
+same recording. Plants: "stranger" (validation.plants.stranger), which shares no line with the project's two models.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from tentacle.errors import InputError
+from tentacle.recording import Recording
+from validation.plants.draw import Trial, drawn
+from validation.plants.stranger import run as run_stranger
+
+PLANTS = {"stranger": run_stranger}
+
+
+def make(
+    plant: str,
+    seed: int,
+    *,
+    effects: Sequence[str] | None = None,
+    laws: dict[str, str] | None = None,
+    seconds: float = 20.0,
+    fps: float = 50.0,
+    sigma: float = 1.5e-4,
+    size: tuple[float, float] = (6.0, 15.0),
+) -> tuple[Recording, dict[str, Any]]:
+    """A recording of that plant, and its truth (plain data for a JSON file).
+
+    effects: what is hidden (names of validation.plants.laws.LAWS and OUTSIDE, none: ()); drawn where None. laws: of an
+    effect the law that acts, drawn where not given. seconds, fps: of film. sigma [m]: noise of each midline coordinate.
+    size: how far the hidden effects move the midline, rms, in standard deviations of its noise (drawn between).
+    The truth holds: plant, seed, verdict ("nothing_missing", "effect" or "unknown"), effects (name -> numbers), laws
+    (name -> law), arm, motion, moved_mm, noise_mm. InputError for a plant, effect or law that is not known.
+    """
+    if plant not in PLANTS:
+        raise InputError(f"{plant!r} is not known", field="plant", expected=f"one of {', '.join(PLANTS)}")
+    trial: Trial = drawn(seed, effects, laws or {}, seconds, fps, sigma, size)
+    recording, truth = PLANTS[plant](trial)
+    return recording, {"plant": plant, **truth}

@@ -1,0 +1,56 @@
+"""What a servo makes of its command: a lag of first or second order, a play that is stiff or sprung."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tentacle.compiled import njit
+from tentacle.signals import Array
+
+DAMPED = 0.7  # of critical, a servo's loop of second order
+SPRING, RATIO = 60.0, 0.35  # rad/s and damping of the clamp on its sprung coupling
+
+
+def turned(command: Array, step: float, numbers: dict[str, float], laws: dict[str, str]) -> Array:
+    """Angle of the clamp [rad] for a command sampled every step [s], under servo_lag and backlash."""
+    angle = command
+    if "backlash" in laws:
+        angle = _play(angle, step, numbers["play"], laws["backlash"] == "sprung")
+    if "servo_lag" in laws:
+        angle = _late(angle, step, numbers["lag"], laws["servo_lag"] == "second_order")
+    return angle
+
+
+@njit(cache=True)
+def _late(command: Array, step: float, lag: float, second: bool) -> Array:
+    """First order of time constant `lag`, or second order of the same delay 2 zeta / omega; by the midpoint rule."""
+    out = np.empty_like(command)
+    angle, rate = command[0], 0.0
+    omega = 2.0 * DAMPED / lag
+    for k in range(command.size):
+        if second:
+            rate += step * (omega * omega * (command[k] - angle) - 2.0 * DAMPED * omega * rate)
+            angle += step * rate
+        else:
+            angle += (command[k] - angle) * (1.0 - np.exp(-step / lag))
+        out[k] = angle
+    return out
+
+
+@njit(cache=True)
+def _play(command: Array, step: float, play: float, sprung: bool) -> Array:
+    """The clamp is free within the play; beyond, the horn carries it, rigidly or by a spring."""
+    out = np.empty_like(command)
+    angle, rate = command[0], 0.0
+    for k in range(command.size):
+        beyond = command[k] - angle
+        beyond -= min(max(beyond, -0.5 * play), 0.5 * play)
+        if not sprung:
+            angle += beyond
+        else:
+            # Friction of the seal brakes it within the play; the coupling gives, and rings, beyond it.
+            brake = 2.0 * RATIO * SPRING * rate if beyond != 0.0 else 0.5 * SPRING * rate
+            rate += step * (SPRING * SPRING * beyond - brake)
+            angle += step * rate
+        out[k] = angle
+    return out
