@@ -27,7 +27,7 @@ def made_up(runner: Runner, work, tasks: Sequence[Mapping], **__) -> list[dict]:
              "E_pa", "reduction_mm", "accepted", "paper_k0", "paper_k1")  # fmt: skip
     found = []
     for task in tasks:
-        if work.__module__.endswith("_table1_arm"):
+        if work.__module__.endswith("table1_arm"):
             found.append({name: float(chance.uniform(0.1, 1.0)) for name in names})
         elif work.__module__.endswith("paper_fig9"):
             thrust = task["amplitude"] * task["frequency"] ** 2 * 1e-2
