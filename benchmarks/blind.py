@@ -14,9 +14,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from discovery.diagnose import diagnose
-from tentacle.cli._blind_report import figures
 from tentacle.runner import Runner
 from validation.trials.design import KINDS
+from validation.trials.figures import figures
 from validation.trials.recording import trial_recording
 from validation.trials.series import run_series, series
 

@@ -38,7 +38,10 @@ def figures() -> dict[str, float]:
         answer = found.augmented_model
         made = export_mjcf(answer)
         error = export_error(made.xml, answer, recording)
-        print(f"{found.verdict} {'+'.join(found.effects)}; {error.sentence()}; left: {sorted(made.carried.left)}", flush=True)
+        print(
+            f"{found.verdict} {'+'.join(found.effects)}; {error.sentence()}; left: {sorted(made.carried.left)}",
+            flush=True,
+        )
         ratios.append(error.with_forces_mm / error.ours_mm)
         alone.append(error.alone_mm / error.ours_mm)
     return {"export_ratio_worst": max(ratios), "export_alone_ratio_worst": max(alone)}

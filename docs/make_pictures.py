@@ -119,7 +119,7 @@ def live(folder: Path) -> None:
     from rig.motion import motion_of
     from rig.record import record
     from rig.setup_file import read_setup
-    from tentacle.cli._rig_run import live_paths
+    from tentacle.cli._rig_terminal import live_paths
     from tentacle.io.waveform_file import read_waveform
     from viz.blueprints.rig import send_live_layout
     from viz.viewer import headless_viewer

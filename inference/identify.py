@@ -23,6 +23,7 @@ from inference.trajectory import Fit, Problem, fit
 from tentacle.diagnosis import ErrorMeasure, RunComparison
 from tentacle.errors import InputError
 from tentacle.model import Model
+from tentacle.notebook import html_paragraph
 from tentacle.recording import Recording
 
 CLOCK_DOUBT = 4.0  # standard errors from which on an offset of the clock is worth a word
@@ -52,6 +53,16 @@ class Identification:
     runs: tuple[RunComparison, ...]
     words: tuple[str, ...]
     adequate: bool
+
+    @property
+    def headline(self) -> str:
+        """Order and error in one sentence."""
+        where = "recordings that were not fitted" if self.held_out else "the recordings that were fitted"
+        return f"{self.model.order} curvature coordinates; error {self.errors.midline_mm:.2f} mm on {where}."
+
+    def _repr_html_(self) -> str:
+        """The headline, the parameters with their intervals, and the remarks, for notebooks."""
+        return html_paragraph(self.headline) + self.model._repr_html_() + "".join(map(html_paragraph, self.words))
 
 
 def identify(

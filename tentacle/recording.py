@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from tentacle.declared import Uncertain
+from tentacle.notebook import html_paragraph, html_table
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
 from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
@@ -72,3 +73,17 @@ class Recording:
     video: Video | None = None
     shape: ShapeTrack | None = None
     notes: dict[str, str] = field(default_factory=dict)
+
+    def _repr_html_(self) -> str:
+        """What was measured, for notebooks: each signal with its samples and the time that it spans."""
+        rows = []
+        for signal in ("motor", "load_cell", "midline", "markers", "shape"):
+            measured = getattr(self, signal)
+            if measured is not None:
+                t = measured.t
+                rows.append((signal.replace("_", " "), str(len(t)), f"{t[0]:.2f} to {t[-1]:.2f} s"))
+        if self.video is not None:
+            rows.append(("video", "-", self.video.path.name))
+        length = 1e3 * self.declaration.specimen.length
+        title = html_paragraph(f"Recording {self.name} of an arm of {length:.0f} mm")
+        return title + html_table(("signal", "samples", "time"), rows)

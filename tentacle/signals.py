@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tentacle.notebook import html_paragraph, html_table
+
 Array = NDArray[np.float64]
 
 
@@ -85,3 +87,19 @@ class ShapeTrack:
     scale: float
     scale_sigma: float
     base_shift: Array
+
+    def _repr_html_(self) -> str:
+        """How many frames were accepted, and each coordinate's range and standard deviation, for notebooks."""
+        kept = np.flatnonzero(self.accepted)
+        names = ("base angle offset", *(f"q{k}" for k in range(1, self.coefficients.shape[1])))
+        rows = [
+            (
+                name,
+                f"{self.coefficients[kept, k].min():.3f} to {self.coefficients[kept, k].max():.3f}",
+                f"{np.sqrt(np.median(self.covariance[kept, k, k])):.2g}",
+            )
+            for k, name in enumerate(names)
+            if kept.size
+        ]
+        title = f"{kept.size} of {len(self.t)} frames accepted; scale {self.scale:.4f} of the declared"
+        return html_paragraph(title) + html_table(("coordinate [rad]", "range", "standard deviation"), rows)

@@ -25,6 +25,7 @@ from affine_model.swim.trial import PAPER_RAIL, Trial, run, within_limits
 from affine_model.swim.waves import best_wave
 from tentacle.errors import InputError
 from tentacle.gait import Gait
+from tentacle.notebook import html_paragraph, html_table
 
 _SURE_SECONDS, _SURE_STEP = 300.0, 2e-3  # a gait of three frequencies beats: its largest angle may come late
 _RISE = 0.01  # share by which the search's best must have risen before it is climbed from again
@@ -74,6 +75,16 @@ class Swimming:
     def gain(self) -> float:
         """The objective's value over that of the best sine."""
         return self.value / self.sine_value
+
+    def _repr_html_(self) -> str:
+        """The gait beside the best sine, for notebooks."""
+        title = f"{self.gain:.2f} times the {self.objective} of the best sine within the servo's limits"
+        rows = [
+            (name, f"{1e3 * p.thrust:.2f}", f"{100.0 * p.speed:.2f}", f"{1e3 * p.power:.1f}", f"{1e3 * p.torque:.1f}")
+            for name, p in (("optimised gait", self.promise), ("best sine", self.sine_promise))
+        ]
+        header = ("motion", "thrust [mN]", "speed [cm/s]", "power [mW]", "peak torque [mN m]")
+        return html_paragraph(title) + html_table(header, rows)
 
 
 def promises(trial: Trial, alpha: Array, rail: Rail = PAPER_RAIL) -> list[Promise]:

@@ -43,12 +43,14 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from discovery.calibration import stored
-    from tentacle.cli._blind_report import figures, page, results
     from tentacle.errors import InputError
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.result_folder import written
+    from tentacle.pages.blind_trials import page
     from tentacle.runner import Runner
+    from validation.trials.figures import figures, results
     from validation.trials.reliability import AS_STATED, LIKE_OTHERS, Prior, fit_calibration
+    from validation.trials.remake import remake
     from validation.trials.series import run_series, series
     from viz.report import Origin, write_report
 
@@ -69,7 +71,9 @@ def run(arguments: argparse.Namespace) -> int:
         prior, inputs = Prior(stored(), LIKE_OTHERS), [arguments.like]
         options = f"--like {arguments.like}"
     if arguments.only:
-        return remake(found, arguments.only, arguments.out)
+        for path in remake(found, arguments.only, arguments.out):
+            print(path)
+        return 0
     runner = Runner(arguments.out / "trials", workers=arguments.workers, scheduler=arguments.cluster)
     outcomes, refused = run_series(found, runner)
     command = f"tentacle blind-trial {arguments.count} --seed {arguments.seed} --kinds {','.join(kinds)} {options}"
@@ -87,8 +91,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple[list, list]:
     """Designs of trials like a recording, and the report's section on what they share with it."""
-    from tentacle.cli._blind_like import like_section
     from tentacle.cli._progress import stages
+    from tentacle.pages.blind_like import like_section
     from validation.trials.likeness import likeness
     from validation.trials.series import CATALOGUED, UNCATALOGUED, series
     from validation.trials.sizing import shown_effects
@@ -103,23 +107,3 @@ def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple
     silent = sorted({*CATALOGUED, *UNCATALOGUED}.difference(*effects))
     designs = series(count, seed, kinds, VIDEO_SHARE, effects, like)
     return designs, [like_section(recording.name, like, effects, silent)]
-
-
-def remake(found: list, chosen: list[int], out: Path) -> int:
-    """Make the chosen trials' recordings again, for `tentacle diagnose`, with the truth beside each."""
-    import json
-
-    from tentacle.errors import InputError
-    from tentacle.io.recording_rrd import write_rrd
-    from tentacle.io.result_folder import written
-    from validation.trials.recording import trial_recording
-
-    for index in chosen:
-        if not 0 <= index < len(found):
-            raise InputError(f"{index} is no trial of this series", field="--only", expected=f"0 to {len(found) - 1}")
-        recording, truth = trial_recording(found[index])
-        with written(out) as folder:
-            write_rrd(recording, folder / f"{recording.name}.rrd")
-            (folder / f"{recording.name}.truth.json").write_text(json.dumps(truth, indent=1) + "\n")
-        print(f"{out / recording.name}.rrd")
-    return 0

@@ -37,10 +37,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Climb the ladder for every model, draw the map, write what was found."""
     from rich.console import Console
 
-    from tentacle.cli._compare_report import write_grid, write_ladder, write_page, write_session
     from tentacle.io.model_file import read_model
+    from tentacle.pages.compare import write_page, write_session
+    from tentacle.pages.compare_grid import write_grid
     from tentacle.runner import Runner
     from validation.ladder import climb
+    from validation.ladder_table import write_ladder
     from validation.validity_map import validity_maps, variants, write_cells
 
     _check(arguments)
@@ -93,7 +95,7 @@ def _print(name: str, ladder: Ladder, maps: list[Validity]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from tentacle.cli._compare_report import ladder_rows
+    from validation.ladder_table import ladder_rows
     from validation.validity_advice import sentence
 
     for part in ladder_rows(ladder):

@@ -4,11 +4,6 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from tentacle.diagnosis import Diagnosis
-    from tentacle.recording import Recording
 
 HELP = "trace the residual of recordings to an effect that the model lacks; report the error before and after"
 
@@ -45,6 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli._kernels import kernels_ahead
     from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
     from tentacle.io.result_folder import replaced, written
+    from tentacle.pages.diagnosis import write_answer
     from vision.tracked_recording import read_tracked
 
     calibration = None
@@ -78,29 +74,3 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"  {sentence}")
         print(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
     return 0
-
-
-def write_answer(
-    diagnosis: Diagnosis, recordings: list[Recording], folder: Path, command: str, inputs: list[Path]
-) -> None:
-    """verdict.json, model.toml, report.html, session.rrd and next_experiment.toml of a diagnosis, into the folder."""
-    import json
-    from dataclasses import replace
-
-    from affine_model.run_forces import with_forces
-    from tentacle.io.model_file import write_model
-    from tentacle.io.provenance import input_hashes, versions
-    from tentacle.io.waveform_file import waveform_from_table, write_waveform
-    from viz.diagnosis_report import diagnosis_report
-    from viz.report import write_report
-    from viz.session import write_session
-
-    (folder / "verdict.json").write_text(json.dumps(diagnosis.verdict_json(), indent=1) + "\n")
-    write_model(diagnosis.augmented_model, folder / "model.toml")
-    if diagnosis.next_experiment is not None:
-        write_waveform(waveform_from_table(diagnosis.next_experiment), folder / "next_experiment.toml")
-    runs = with_forces(diagnosis.runs, diagnosis.base_model, diagnosis.augmented_model)
-    shown = replace(diagnosis, runs=runs)
-    page = diagnosis_report(shown, recordings, command, versions(), input_hashes(inputs))
-    write_report(page, folder / "report.html")
-    write_session(shown, recordings, folder / "session.rrd")

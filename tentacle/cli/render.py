@@ -40,82 +40,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Render, write the import folder, its truth and, where the look has one, its lens."""
     import os
-    import tempfile
-    from dataclasses import replace
-
-    import numpy as np
 
     if arguments.look == "mujoco":
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
     from tentacle.errors import InputError
-    from tentacle.io.csv_table import write_csv
     from tentacle.io.reading import read_recording
-    from tentacle.io.write_folder import write_folder
-    from tentacle.recording import Declaration, Recording
-    from tentacle.signals import MotorSignal, Video
-    from validation.film import MUJOCO
-    from vision.encode import write_video
-    from vision.lens import Lens
-    from vision.lens_file import format_lens
-    from vision.looks import look_named
-    from vision.render import frame_times, render
-    from vision.scene import swaying
+    from validation.test_video import RenderOptions, Sway, recorded_subject, swaying_subject, write_test_video
 
-    mujoco = arguments.look == MUJOCO
-    look = look_named("clean" if mujoco else arguments.look)
-    size, out = tuple(arguments.size), arguments.out
+    size, out = arguments.size, arguments.out
     if min(size) < 16 or not 0 <= arguments.compress <= 51:
         raise InputError("cannot be rendered", field="--size, --compress", expected="16 px or more, and 0 to 51")
     for name in ("seconds", "fps", "frequency"):
         if not getattr(arguments, name) > 0:
             raise InputError(f"{getattr(arguments, name)} is not usable", field=f"--{name}", expected="above zero")
-    truth: dict[str, np.ndarray] = {}
+    options = RenderOptions(arguments.look, tuple(arguments.size), arguments.seed, arguments.compress)
     if arguments.recording is None:
-        frames = max(round(arguments.seconds * arguments.fps), 1)
-        scene = swaying(
-            arguments.seed, frames, arguments.fps, size, arguments.order, arguments.amplitude, arguments.frequency,
+        sway = Sway(
+            arguments.seconds, arguments.fps, arguments.order, arguments.amplitude, arguments.frequency,
             arguments.exposure,
         )  # fmt: skip
-        midline, theta = scene.midline, scene.theta
-        recording = Recording(
-            out.name,
-            Declaration(scene.specimen, camera=scene.camera),
-            motor=MotorSignal(scene.t, scene.theta, scene.theta),
-        )
-        truth = {"theta_rad": theta, "offset_rad": np.full(frames, scene.offset)}
-        truth |= {f"q{j + 1}_rad": scene.q[:, j] for j in range(scene.q.shape[1])}
+        subject = swaying_subject(out.name, sway, options)
     else:
-        recording = read_recording(arguments.recording)
-        midline, camera = recording.midline, recording.declaration.camera
-        if midline is None or camera is None:
-            raise InputError(
-                "needs a midline and a [camera]", file=arguments.recording, expected="both, to be rendered"
-            )
-        motor = recording.motor
-        theta = None if motor is None else np.interp(midline.t, motor.t, motor.angle)
-    camera = recording.declaration.camera
-    assert camera is not None
-    times = frame_times(midline.t, look, arguments.seed)
-    for place, k in ((axis, k) for k in range(len(midline.s)) for axis in (0, 1)):
-        truth[f"{'xy'[place]}{k}_m"] = midline.xy[:, k, place]
-    out.absolute().parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder:
-        video = Path(folder) / "video.mp4"
-        specimen = recording.declaration.specimen
-        if mujoco:
-            from mujoco_ref.camera import film
-
-            pictures = film(midline, specimen, camera, size)
-        else:
-            pictures = render(midline, specimen, camera, size, look, arguments.seed, theta)
-        count = write_video(video, pictures, times, arguments.compress)
-        filmed = replace(recording, name=out.name, midline=None, markers=None, shape=None, video=Video(video))
-        write_folder(filmed, out)
-    write_csv(out.with_name(out.name + ".truth.csv"), {"t_s": midline.t, **truth})
-    if look.lens or look.refraction:
-        centre = 0.5 * (np.array(size, dtype=float) - 1.0)
-        reference = float(np.linalg.norm(0.5 * np.array(size, dtype=float)))
-        lens = Lens((float(centre[0]), float(centre[1])), reference, look.lens + look.refraction)
-        out.with_name(out.name + ".lens.toml").write_text(format_lens(lens), encoding="utf-8")
+        subject = recorded_subject(read_recording(arguments.recording))
+    count = write_test_video(subject, options, out)
     print(f"wrote {count} frames to {out}, the truth to {out.name}.truth.csv")
     return 0

@@ -6,6 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from tentacle.cli._rig_arguments import configure_calibrate, configure_emulate
+
 HELP = "the bench: find, check, calibrate, emulate, record, import, optimise, run a campaign"
 
 
@@ -22,10 +24,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("ports", "list the serial ports, and which one looks like an Arduino Due", rig=False)
     check = add("check", "round trip, clock, limits, load cell, servo and camera; the arm does not move")
     check.add_argument("--json", action="store_true", help="print the findings as JSON")
-    _configure_calibrate(
-        verbs.add_parser("calibrate", help=(words := "calibrate a part of the rig"), description=words)
-    )
-    _configure_emulate(add("emulate", "run the board's core behind a pty, with a plant; Ctrl-C ends it", rig=False))
+    configure_calibrate(verbs.add_parser("calibrate", help=(words := "calibrate a part of the rig"), description=words))
+    configure_emulate(add("emulate", "run the board's core behind a pty, with a plant; Ctrl-C ends it", rig=False))
 
     record = add("record", "settle, play a waveform, record it all as it happens")
     record.add_argument("waveform", type=Path, metavar="WAVEFORM.toml", help="a [waveform] table")
@@ -59,60 +59,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
     campaign.add_argument("--out", type=Path, required=True, metavar="FOLDER")
 
 
-def _configure_calibrate(parser: argparse.ArgumentParser) -> None:
-    parts = parser.add_subparsers(dest="part", metavar="PART", required=True)
-    for name, words in (
-        ("load-cell", "offset and counts per newton, from known masses"),
-        ("servo", "pulses to angles, from angles measured at set points"),
-        ("camera-scale", "m/px, from two points a known distance apart"),
-        ("camera-offset", "the camera's delay, from flashes of the LED, or from servo taps"),
-    ):
-        part = parts.add_parser(name, help=words, description=words)
-        part.add_argument("rig", type=Path, metavar="RIG.toml")
-        if name == "load-cell":
-            part.add_argument("--masses", nargs="+", type=float, required=True, metavar="KG", help="0 among them")
-            part.add_argument(
-                "--pulls-back", action="store_true", help="the masses pull along -y (against +y of the base)"
-            )
-            part.add_argument("--seconds", type=float, default=3.0, help="of reading a mass")
-        elif name == "servo":
-            part.add_argument(
-                "--angles", nargs="+", type=float, required=True, metavar="RAD", help="set points to go to"
-            )
-            part.add_argument("--seconds", type=float, default=6.0, help="at each, to measure it (default: 6)")
-        elif name == "camera-scale":
-            part.add_argument("--points", nargs=4, type=float, required=True, metavar=("U1", "V1", "U2", "V2"))
-            part.add_argument("--metres", type=float, required=True)
-        else:
-            part.add_argument("--flashes", type=int, default=24)
-            part.add_argument("--tap", action="store_true", help="move the servo instead, where no LED is in sight")
-
-
-def _configure_emulate(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="its port, and a rig.toml that fits it")
-    parser.add_argument("--model", type=Path, metavar="model.toml", help="a MuJoCo arm; without it two stiff links")
-    parser.add_argument(
-        "--hidden", type=Path, metavar="HIDDEN.json", help="effects of the arm that no declaration mentions"
-    )
-    parser.add_argument("--rate", type=float, default=1.0, help="emulated seconds per second")
-    parser.add_argument("--line", nargs=3, type=float, metavar=("CORRUPT", "DROP", "DOUBLE"), help="shares of bytes")
-    parser.add_argument("--no-camera", action="store_true")
-    parser.add_argument("--seed", type=int, default=1)
-
-
 def run(arguments: argparse.Namespace) -> int:
     """Runs the subcommand; a fault of the rig is one line and exit code 3."""
     from rig.fault import Fault
-    from tentacle.cli import _rig_bench, _rig_run
+    from tentacle.cli import _rig_bench, _rig_calibrate, _rig_optimise, _rig_run
 
     commands = {
         "ports": _rig_bench.ports,
         "check": _rig_bench.check,
-        "calibrate": _rig_bench.calibrate,
+        "calibrate": _rig_calibrate.calibrate,
         "emulate": _rig_bench.emulate,
         "import": _rig_bench.convert,
         "record": _rig_run.record,
-        "optimise": _rig_run.optimise,
+        "optimise": _rig_optimise.optimise,
         "campaign": _rig_run.campaign,
     }
     try:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
-from tentacle.cli._blind_report import page
+from tentacle.pages.blind_trials import page
 from tentacle.runner import Runner
 from tests.page import problems
 from tests.validation.test_trials_report import outcomes
@@ -27,9 +27,9 @@ def made_up(runner: Runner, work, tasks: Sequence[Mapping], **__) -> list[dict]:
              "E_pa", "reduction_mm", "accepted", "paper_k0", "paper_k1")  # fmt: skip
     found = []
     for task in tasks:
-        if work.__module__.endswith("_table1_arm"):
+        if work.__module__.endswith("table1_arm"):
             found.append({name: float(chance.uniform(0.1, 1.0)) for name in names})
-        elif work.__module__.endswith("_reproduce_fig9"):
+        elif work.__module__.endswith("paper_fig9"):
             thrust = task["amplitude"] * task["frequency"] ** 2 * 1e-2
             found.append({"reference": thrust, "affine": thrust * chance.uniform(0.97, 1.03)})
         else:

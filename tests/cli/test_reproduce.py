@@ -1,9 +1,9 @@
 import pytest
 
 from tentacle.cli import main
-from tentacle.cli._reproduce_fig9 import cell
-from tentacle.cli._reproduce_table1 import LENGTHS, PAPER
 from tentacle.cli.reproduce import results
+from validation.paper_fig9 import cell
+from validation.paper_table1 import LENGTHS, PAPER
 from validation.table1_arm import arm_result
 
 

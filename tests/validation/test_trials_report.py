@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
-from tentacle.cli._blind_report import figures, page, results
+from tentacle.pages.blind_trials import page
+from validation.trials.figures import figures, results
 from validation.trials.outcome import Outcome
 from viz.report import Origin
 

@@ -48,7 +48,7 @@ def small_video(file: Path) -> Path:
 def test_every_signal_comes_back_bit_for_bit(tmp_path: Path) -> None:
     recording = full_recording()
     write_rrd(recording, tmp_path / "run.rrd")
-    assert_equal_recordings(tentacle.read_recording(tmp_path / "run.rrd"), recording)
+    assert_equal_recordings(tentacle.read(tmp_path / "run.rrd"), recording)
 
 
 def test_a_video_comes_back_with_its_own_bytes(tmp_path: Path) -> None:
@@ -56,7 +56,7 @@ def test_a_video_comes_back_with_its_own_bytes(tmp_path: Path) -> None:
     content = video.read_bytes()
     write_rrd(replace(full_recording(), video=Video(video)), tmp_path / "run.rrd")
     video.unlink()
-    again = tentacle.read_recording(tmp_path / "run.rrd")
+    again = tentacle.read(tmp_path / "run.rrd")
     assert again.video is not None
     assert again.video.path.suffix == ".mp4"
     assert again.video.path.read_bytes() == content
@@ -71,14 +71,14 @@ def test_a_cut_that_takes_the_video_says_so(tmp_path: Path) -> None:
     content = (tmp_path / "whole.rrd").read_bytes()
     start = content.index(b"ftypisom")
     (tmp_path / "cut.rrd").write_bytes(content[: start + 100])
-    again = tentacle.read_recording(tmp_path / "cut.rrd")
+    again = tentacle.read(tmp_path / "cut.rrd")
     assert again.video is None
     assert "camera 0 of 1" in again.notes["cut_off"]
 
 
 def test_frames_come_back_with_their_own_bytes(tmp_path: Path, png_frames: Path) -> None:
     write_rrd(replace(full_recording(), video=Video(png_frames)), tmp_path / "run.rrd")
-    again = tentacle.read_recording(tmp_path / "run.rrd")
+    again = tentacle.read(tmp_path / "run.rrd")
     assert again.video is not None
     for file in png_frames.iterdir():
         assert (again.video.path / file.name).read_bytes() == file.read_bytes()
@@ -94,7 +94,7 @@ def test_a_cut_off_file_is_recovered_up_to_the_cut(tmp_path: Path) -> None:
     kept = []
     for share in (0.3, 0.6, 0.9):
         (tmp_path / "cut.rrd").write_bytes(content[: int(share * len(content))])
-        again = tentacle.read_recording(tmp_path / "cut.rrd")
+        again = tentacle.read(tmp_path / "cut.rrd")
         assert again.motor is not None
         rows = len(again.motor.t)
         np.testing.assert_array_equal(again.motor.t, motor.t[:rows])
@@ -113,9 +113,9 @@ def test_a_file_cut_in_its_first_message_or_no_rrd_at_all_is_refused(tmp_path: P
     for bad, said in ((content[:100], "holds no recording"), (b"garbage" * 99, "not an .rrd"), (b"", "not an .rrd")):
         (tmp_path / "bad.rrd").write_bytes(bad)
         with pytest.raises(InputError, match=said):
-            tentacle.read_recording(tmp_path / "bad.rrd")
+            tentacle.read(tmp_path / "bad.rrd")
     with pytest.raises(InputError, match="no such file"):
-        tentacle.read_recording(tmp_path / "none.rrd")
+        tentacle.read(tmp_path / "none.rrd")
 
 
 def test_bytes_that_were_changed_are_refused_in_one_line(tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ def test_bytes_that_were_changed_are_refused_in_one_line(tmp_path: Path) -> None
     content[40:60] = bytes(20)
     (tmp_path / "bad.rrd").write_bytes(content)
     with pytest.raises(InputError) as caught:
-        tentacle.read_recording(tmp_path / "bad.rrd")
+        tentacle.read(tmp_path / "bad.rrd")
     assert "\n" not in str(caught.value)
 
 

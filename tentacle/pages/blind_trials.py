@@ -1,4 +1,4 @@
-"""The report of a series of blind trials, and its results as plain data."""
+"""The report of a series of blind trials."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from validation.trials.figures import METHODS, hits
 from validation.trials.outcome import Outcome
 from validation.trials.reliability import (
     AS_STATED,
@@ -17,71 +18,12 @@ from validation.trials.reliability import (
     gap_by_chance,
     reliability,
 )
-from validation.trials.scores import VISIBLE, Scores, Share, baseline_hit, confusion, scores, share
+from validation.trials.scores import VISIBLE, Scores, Share, confusion, scores, share
 from viz.figures.confusion import confusion_figure
 from viz.figures.error_drop import error_drop_figure
 from viz.figures.reliability import reliability_figure
 from viz.report import Origin, Picture, Report, Section, Table, render
 from viz.words import effect_name, number
-
-METHODS = (
-    ("regression", "the paper's regression (eq. 18-19), best column"),
-    ("weak_form", "weak form of the same columns, best column"),
-    ("pysindy", "PySINDy (STLSQ) over all columns of the weak form"),
-    ("score_test", "trajectory score test alone, its first"),
-)
-
-
-def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, float | None]:
-    """The benchmark's figures; None where no trial tells. prior: what a map of the confidence starts from."""
-    found, bins = scores(outcomes), reliability(outcomes)
-    values = {
-        "top1": found.top1.value,
-        "exact": found.exact.value,
-        "false_alarm": found.false_alarm.value,
-        "unknown_recall": found.unknown_recall.value,
-        "pairs": found.pairs.value,
-        "needless_groups": found.needless_groups.value,
-        "calibration_gap": calibration_gap(bins),
-        "calibration_gap_beyond_chance": max((b.gap_beyond_chance for b in bins), default=float("nan")),
-        "calibration_gap_by_chance": gap_by_chance(outcomes),
-        "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes, prior))),
-        "after_over_floor": found.after_over_floor,
-        "trials": float(len(outcomes)),
-        **{f"{method}_top1": _top1(outcomes, method) for method, _ in METHODS},
-    }
-    return {name: value if value == value else None for name, value in values.items()}
-
-
-def _top1(outcomes: Sequence[Outcome], method: str) -> float:
-    """A baseline's; NaN where it was not tried."""
-    return share([o for o in outcomes if method in o.baselines], "single", _hits(method), VISIBLE).value
-
-
-def _hits(method: str) -> Any:
-    return lambda o: baseline_hit(o, method)
-
-
-def results(
-    outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], prior: Prior = AS_STATED
-) -> dict[str, Any]:
-    """results.json: the figures, every trial's truth beside its answer, and the trials that could not be run."""
-    trials = [
-        {
-            "trial": o.index, "kind": o.kind, "hidden": list(o.hidden), "r": [_plain(value) for value in o.r],
-            "seen": o.seen, "verdict": o.verdict, "named": list(o.named), "confidence": o.confidence,
-            "uncalibrated": o.uncalibrated,
-            "right": o.hit, "before_mm": _plain(o.before), "after_mm": _plain(o.after), "floor_mm": _plain(o.floor),
-            "baselines": {method: list(names) for method, names in o.baselines.items()},
-        }
-        for o in outcomes
-    ]  # fmt: skip
-    not_run = [{"trial": k, "why": why} for k, why in refused]
-    return {"figures": figures(outcomes, prior), "trials": trials, "refused": not_run}
-
-
-def _plain(value: float) -> float | None:
-    return value if value == value else None
 
 
 def page(
@@ -202,7 +144,7 @@ def _error_section(outcomes: Sequence[Outcome]) -> Section:
 def _baseline_section(outcomes: Sequence[Outcome]) -> Section:
     rows = [("this loop", *_shares(outcomes, lambda o: o.hit and (o.kind != "unknown")))]
     tried = {method for o in outcomes for method in o.baselines}  # a regression on shapes has nothing in markers
-    rows += [(words, *_shares(outcomes, _hits(method))) for method, words in METHODS if method in tried]
+    rows += [(words, *_shares(outcomes, hits(method))) for method, words in METHODS if method in tried]
     header = ("method", f"single, R >= {VISIBLE:g}: right", "null: nothing named", "unknown: nothing named")
     words = (
         "The baselines name one effect or none, and cannot call an effect unknown; servo and camera effects are no "

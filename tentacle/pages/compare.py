@@ -1,11 +1,11 @@
-"""What `tentacle compare` writes: the ladder as table, page and session, and a page for a grid of arms."""
+"""What `tentacle compare` writes for one arm: the ladder and the validity map as a page and as a session."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from validation.ladder_table import ladder_rows
 
 if TYPE_CHECKING:
     from tentacle.model import Model
@@ -13,52 +13,7 @@ if TYPE_CHECKING:
     from validation.validity_map import Validity
     from viz.report import Section
 
-Answer = tuple[Path, "Ladder", "list[Validity]"]
 WITHOUT_MAP = "The reduced model beside the reference; the table says by how much they differ."
-
-
-@dataclass(frozen=True)
-class Rows:
-    """A table of texts, its first two columns words."""
-
-    title: str
-    header: tuple[str, ...]
-    rows: list[tuple[str, ...]]
-
-
-def ladder_rows(ladder: Ladder) -> tuple[Rows, Rows]:
-    """The ladder as two tables: the reference over its links, and the reduced model's orders beside it."""
-    from validation.ladder import LINKS, ORDERS
-
-    reference, reduced = [], []
-    for rung in ladder.rungs:
-        spread, *errors = (
-            f"{error:.2g} {rung.unit}" if rung.absolute else f"{100 * error:.2g} %"
-            for error in (rung.spread, *(rung.error(o) for o in ORDERS))
-        )
-        theory = "" if rung.theory is None else f"{rung.theory:.5g}"
-        reference.append((rung.name, rung.unit, theory, *(f"{rung.reference[n]:.5g}" for n in LINKS), spread))
-        reduced.append((rung.name, rung.unit, *(f"{rung.affine[o]:.5g}" for o in ORDERS), *errors))
-    first = ("rung", "unit", "theory", *(f"{n} links" for n in LINKS), "still open")
-    second = ("rung", "unit", *(f"order {o}" for o in ORDERS), *(f"error {o}" for o in ORDERS))
-    return Rows("the reference, by number of links", first, reference), Rows("reduced model", second, reduced)
-
-
-def write_ladder(ladder: Ladder, file: Path) -> None:
-    """The ladder as CSV."""
-    import csv
-
-    from validation.ladder import LINKS, ORDERS
-
-    header = ["rung", "unit", "theory", *(f"reference_{n}_links" for n in LINKS), *(f"affine_{o}" for o in ORDERS)]
-    with file.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(header)
-        for rung in ladder.rungs:
-            numbers = [rung.reference[n] for n in LINKS] + [rung.affine[o] for o in ORDERS]
-            writer.writerow(
-                [rung.name, rung.unit, "" if rung.theory is None else repr(rung.theory), *map(repr, numbers)]
-            )
 
 
 def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], page: Path) -> None:
@@ -167,37 +122,3 @@ def write_session(name: str, model: Model, ladder: Ladder, maps: list[Validity],
     answer = sentence(maps[0]) if maps else WITHOUT_MAP
     text = f"# Reference and reduced model\n\n{answer}\n" + "\n".join(lines) + "\n"
     write_comparison(_scene(name, model, ladder), recording, text, file)
-
-
-def write_grid(answers: Sequence[Answer], out: Path) -> None:
-    """One page and one table over all arms of a grid."""
-    import csv
-    import sys
-
-    from tentacle.io.provenance import input_hashes, versions
-    from validation.validity_advice import GOOD_SHAPE, reach_of, sentence, serves
-    from viz.report import Origin, Report, Section, Table, render, write_report
-
-    header = ("arm", "first mode [Hz]", "serves", "shape within 5 % up to [Hz]", "driven motion, order 2 [mm]")
-    rows, words = [], []
-    for file, ladder, maps in answers:
-        rungs = {rung.name: rung for rung in ladder.rungs}
-        found = maps[0] if maps else None
-        answer = ("", "") if found is None else (
-            "yes" if serves(found) else "no", f"{reach_of(found, 2, GOOD_SHAPE) * found.first:.3g}"
-        )  # fmt: skip
-        first = rungs["first frequency, declared fluid"].best
-        rows.append((file.stem, f"{first:.3g}", *answer, f"{rungs['driven motion: midline'].error(2):.2g}"))
-        if found is not None:
-            words.append(f"{file.stem}: {sentence(found)}")
-    with (out / "grid.csv").open("w", encoding="utf-8", newline="") as stream:
-        csv.writer(stream, lineterminator="\n").writerows([header, *rows])
-    serving = sum(row[2] == "yes" for row in rows)
-    headline = f"The affine model serves for {serving} of {len(rows)} arms." if words else WITHOUT_MAP
-    table = Table("arms of the grid", header, rows, numeric=(1, 3, 4))
-    files = [file for file, _, _ in answers]
-    origin = Origin("tentacle " + " ".join(sys.argv[1:]), versions=versions(), inputs=input_hashes(files))
-    report = Report(
-        "compare", "Reduced model and reference: a grid", headline, (Section("Arms", words, (table,)),), origin
-    )
-    write_report(render(report), out / "report.html")

@@ -1,0 +1,49 @@
+"""Arguments of `tentacle rig calibrate` and `tentacle rig emulate`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+
+def configure_calibrate(parser: argparse.ArgumentParser) -> None:
+    """A part of the rig each, with its arguments."""
+    parts = parser.add_subparsers(dest="part", metavar="PART", required=True)
+    for name, words in (
+        ("load-cell", "offset and counts per newton, from known masses"),
+        ("servo", "pulses to angles, from angles measured at set points"),
+        ("camera-scale", "m/px, from two points a known distance apart"),
+        ("camera-offset", "the camera's delay, from flashes of the LED, or from servo taps"),
+    ):
+        part = parts.add_parser(name, help=words, description=words)
+        part.add_argument("rig", type=Path, metavar="RIG.toml")
+        if name == "load-cell":
+            part.add_argument("--masses", nargs="+", type=float, required=True, metavar="KG", help="0 among them")
+            part.add_argument(
+                "--pulls-back", action="store_true", help="the masses pull along -y (against +y of the base)"
+            )
+            part.add_argument("--seconds", type=float, default=3.0, help="of reading a mass")
+        elif name == "servo":
+            part.add_argument(
+                "--angles", nargs="+", type=float, required=True, metavar="RAD", help="set points to go to"
+            )
+            part.add_argument("--seconds", type=float, default=6.0, help="at each, to measure it (default: 6)")
+        elif name == "camera-scale":
+            part.add_argument("--points", nargs=4, type=float, required=True, metavar=("U1", "V1", "U2", "V2"))
+            part.add_argument("--metres", type=float, required=True)
+        else:
+            part.add_argument("--flashes", type=int, default=24)
+            part.add_argument("--tap", action="store_true", help="move the servo instead, where no LED is in sight")
+
+
+def configure_emulate(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the emulated rig."""
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="its port, and a rig.toml that fits it")
+    parser.add_argument("--model", type=Path, metavar="model.toml", help="a MuJoCo arm; without it two stiff links")
+    parser.add_argument(
+        "--hidden", type=Path, metavar="HIDDEN.json", help="effects of the arm that no declaration mentions"
+    )
+    parser.add_argument("--rate", type=float, default=1.0, help="emulated seconds per second")
+    parser.add_argument("--line", nargs=3, type=float, metavar=("CORRUPT", "DROP", "DOUBLE"), help="shares of bytes")
+    parser.add_argument("--no-camera", action="store_true")
+    parser.add_argument("--seed", type=int, default=1)

@@ -1,0 +1,63 @@
+"""What a running rig shows: a line, a bar on standard error, and on request a Rerun viewer."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from viz.blueprints.rig import LivePaths
+
+VIEWER_PORT = 9876
+
+
+def say(words: str) -> None:
+    """A line on standard error."""
+    print(f"\n{words}", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def progress_bar() -> Iterator[Callable[[str, float], None]]:
+    """A bar that is told the phase and the share done."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("connecting", total=1.0)
+        yield lambda phase, share: bar.update(task, description=phase, completed=share)
+
+
+@contextmanager
+def viewer(wanted: bool, *, camera: bool) -> Iterator[str | None]:
+    """A Rerun viewer on this machine alone, fed while the run lasts."""
+    if not wanted:
+        yield None
+        return
+    from rig import live_feed
+    from tentacle.cli._live_viewer import start_viewer
+    from viz.blueprints.rig import send_live_layout
+
+    start_viewer(VIEWER_PORT)
+    address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
+    send_live_layout(address, live_feed.APPLICATION, live_paths(camera=camera))
+    with contextlib.suppress(KeyboardInterrupt):
+        yield address
+
+
+def live_paths(*, camera: bool) -> LivePaths:
+    """Where the live feed keeps what a live view shows."""
+    from rig import live_feed, recorder
+    from viz.blueprints.rig import LivePaths
+
+    return LivePaths(
+        recorder.COMMAND,
+        recorder.ANGLE,
+        recorder.CURRENT,
+        recorder.THRUST,
+        recorder.EVENTS,
+        live_feed.BOARD_TIME,
+        live_feed.PREVIEW if camera else None,
+    )

@@ -1,0 +1,34 @@
+"""What `tentacle diagnose` writes: the verdict, the augmented model, the report, the session, the next experiment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tentacle.diagnosis import Diagnosis
+from tentacle.recording import Recording
+
+
+def write_answer(
+    diagnosis: Diagnosis, recordings: list[Recording], folder: Path, command: str, inputs: list[Path]
+) -> None:
+    """verdict.json, model.toml, report.html, session.rrd and next_experiment.toml of a diagnosis, into the folder."""
+    import json
+    from dataclasses import replace
+
+    from affine_model.run_forces import with_forces
+    from tentacle.io.model_file import write_model
+    from tentacle.io.provenance import input_hashes, versions
+    from tentacle.io.waveform_file import waveform_from_table, write_waveform
+    from viz.diagnosis_report import diagnosis_report
+    from viz.report import write_report
+    from viz.session import write_session
+
+    (folder / "verdict.json").write_text(json.dumps(diagnosis.verdict_json(), indent=1) + "\n")
+    write_model(diagnosis.augmented_model, folder / "model.toml")
+    if diagnosis.next_experiment is not None:
+        write_waveform(waveform_from_table(diagnosis.next_experiment), folder / "next_experiment.toml")
+    runs = with_forces(diagnosis.runs, diagnosis.base_model, diagnosis.augmented_model)
+    shown = replace(diagnosis, runs=runs)
+    page = diagnosis_report(shown, recordings, command, versions(), input_hashes(inputs))
+    write_report(page, folder / "report.html")
+    write_session(shown, recordings, folder / "session.rrd")

@@ -1,0 +1,55 @@
+"""What `tentacle reproduce table2` writes: its rows as plain data, and its page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from affine_model.swim.table2 import HEADER, MOTIONS, PRINTED, REMARKS, Row, cells, ratios
+from tentacle.io.provenance import versions
+from viz.figures.motion import motion_figure
+from viz.figures.speeds import Swim, speeds_figure
+from viz.report import Origin, Picture, Report, Section, Table, render, write_report
+
+
+def row_table(row: Row) -> dict[str, Any]:
+    """A row as plain data."""
+    return {
+        "length_m": row.length,
+        "printed_m_s": PRINTED[row.length].means,
+        "affine_m_s": dict(zip(MOTIONS, row.affine, strict=True)),
+        "reference_m_s": dict(zip(MOTIONS, row.reference or (), strict=True)),
+        "alpha": {motion: gait.alpha for motion, gait in zip(MOTIONS, row.gaits, strict=True)},
+        "bandwidth_hz": row.gaits[0].bandwidth,
+    }
+
+
+def write_page(rows: list[Row], evaluations: int, seed: int, path: Path) -> None:
+    """report.html: the table beside the paper's, speeds and base motions."""
+    names = [f"{100 * row.length:.0f} cm" for row in rows]
+    measured = [row.reference or row.affine for row in rows]
+    swims = [
+        Swim(name, motion, np.array([speed]))
+        for name, speeds in zip(names, measured, strict=True)
+        for motion, speed in zip(MOTIONS[:3], speeds[:3], strict=True)
+    ]
+    pictures = [Picture(speeds_figure(swims, {}), "Speeds of the MuJoCo reference within the map.")]
+    for name, row in zip(names, rows, strict=True):
+        t = np.linspace(0.0, 4.0, 800)
+        motions = {motion: (t, gait(t)[0]) for motion, gait in zip(MOTIONS[:3], row.gaits[:3], strict=True)}
+        pictures.append(Picture(motion_figure(motions), f"Base motions of the {name} arm."))
+    numeric = tuple(range(2, len(HEADER)))
+    unbroken = [(line[0].replace(" ", "\N{NO-BREAK SPACE}"), *line[1:]) for line in cells(rows)]
+    section = Section("Table II", REMARKS, (Table("Swimming speeds [cm/s].", HEADER, unbroken, numeric),), pictures)
+    printed = ", ".join(f"{PRINTED[row.length].ratio:.1f}" for row in rows)
+    of_map, of_servo = (", ".join(f"{ratios(speeds)[which]:.2f}" for speeds in measured) for which in (0, 1))
+    headline = (
+        f"Gait over the better sine, 14, 21, 25 cm, on the reference: {of_map} within the paper's map, {of_servo} with "
+        f"all that the servo can do; {printed} in the paper's tank."
+    )
+    command = f"tentacle reproduce table2 --seed {seed} --evaluations {evaluations}"
+    origin = Origin(command, seed, versions())
+    report = Report("reproduce", "Table II", headline, [section], origin)
+    write_report(render(report), path)

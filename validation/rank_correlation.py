@@ -1,0 +1,12 @@
+"""Spearman's rank correlation of two series."""
+
+from __future__ import annotations
+
+from scipy.stats import spearmanr
+
+from tentacle.signals import Array
+
+
+def rank_correlation(a: Array, b: Array) -> float:
+    """-1 to 1, of a (N,) and b (N,): 1 where both rank alike."""
+    return float(spearmanr(a, b).statistic)  # type: ignore[attr-defined]

@@ -1,0 +1,62 @@
+"""A folder of blind recordings with the answers apart: for a person, or a program of one's own, to diagnose."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from mujoco_ref.undeclared import Plan, make, trial_name
+from tentacle.io.recording_rrd import write_rrd
+from tentacle.io.write_folder import write_folder
+from tentacle.recording import Recording
+from validation.film import filmed
+
+
+@dataclass(frozen=True)
+class Film:
+    """How recordings are filmed: look (None: no video, the midline instead), size [px]."""
+
+    look: str | None = None
+    size: tuple[int, int] = (960, 720)
+
+
+def write_simulated(recording: Recording, film: Film, out: Path, seed: int) -> None:
+    """An import folder, or an .rrd file where out says so; with a look the midline becomes a rendered video."""
+    with tempfile.TemporaryDirectory() as folder:
+        if film.look is not None:
+            recording = filmed(recording, Path(folder) / "video.mp4", film.look, film.size, seed)
+        if out.suffix == ".rrd":
+            write_rrd(recording, out)
+        else:
+            write_folder(recording, out)
+
+
+def write_trials(plan: Plan, count: int, film: Film, out: Path, sealed: Path) -> Iterator[int]:
+    """Write count recordings to out, with a baseline that hides nothing, and their answers to sealed (JSON lines).
+
+    Yields each trial's number when it is done. A trial whose recording and answer exist is not made again.
+    """
+    clean = film.look is not None
+    lines = sealed.read_text(encoding="utf-8").splitlines() if sealed.exists() else []
+    answered = {json.loads(line)["trial"] for line in lines}
+    out.mkdir(parents=True, exist_ok=True)
+    sealed.parent.mkdir(parents=True, exist_ok=True)
+    if not (out / "baseline").exists():
+        base, _ = make(
+            {}, plan.model, plan.waveform, plan.seed, plan.duration, plan.fps, plan.noise,
+            name="baseline", clean_midline=clean,
+        )  # fmt: skip
+        write_simulated(base, film, out / "baseline", plan.seed)
+    for k in range(count):
+        folder = out / trial_name(k)
+        if not folder.exists() or k not in answered:
+            trial = plan.trial(k, clean_midline=clean)
+            if not folder.exists():
+                write_simulated(trial.recording, film, folder, trial.truth["seed"])
+            if k not in answered:
+                with sealed.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(trial.truth) + "\n")
+        yield k

@@ -1,0 +1,77 @@
+"""The figures of a series of blind trials, and its results as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from validation.trials.outcome import Outcome
+from validation.trials.reliability import (
+    AS_STATED,
+    Prior,
+    calibration_gap,
+    cross_calibrated,
+    gap_by_chance,
+    reliability,
+)
+from validation.trials.scores import VISIBLE, baseline_hit, scores, share
+
+METHODS = (
+    ("regression", "the paper's regression (eq. 18-19), best column"),
+    ("weak_form", "weak form of the same columns, best column"),
+    ("pysindy", "PySINDy (STLSQ) over all columns of the weak form"),
+    ("score_test", "trajectory score test alone, its first"),
+)
+
+
+def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, float | None]:
+    """The benchmark's figures; None where no trial tells. prior: what a map of the confidence starts from."""
+    found, bins = scores(outcomes), reliability(outcomes)
+    values = {
+        "top1": found.top1.value,
+        "exact": found.exact.value,
+        "false_alarm": found.false_alarm.value,
+        "unknown_recall": found.unknown_recall.value,
+        "pairs": found.pairs.value,
+        "needless_groups": found.needless_groups.value,
+        "calibration_gap": calibration_gap(bins),
+        "calibration_gap_beyond_chance": max((b.gap_beyond_chance for b in bins), default=float("nan")),
+        "calibration_gap_by_chance": gap_by_chance(outcomes),
+        "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes, prior))),
+        "after_over_floor": found.after_over_floor,
+        "trials": float(len(outcomes)),
+        **{f"{method}_top1": _top1(outcomes, method) for method, _ in METHODS},
+    }
+    return {name: value if value == value else None for name, value in values.items()}
+
+
+def _top1(outcomes: Sequence[Outcome], method: str) -> float:
+    """A baseline's; NaN where it was not tried."""
+    return share([o for o in outcomes if method in o.baselines], "single", hits(method), VISIBLE).value
+
+
+def hits(method: str) -> Callable[[Outcome], bool]:
+    """Whether a baseline was right, as a function of the trial."""
+    return lambda o: baseline_hit(o, method)
+
+
+def results(
+    outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], prior: Prior = AS_STATED
+) -> dict[str, Any]:
+    """results.json: the figures, every trial's truth beside its answer, and the trials that could not be run."""
+    trials = [
+        {
+            "trial": o.index, "kind": o.kind, "hidden": list(o.hidden), "r": [_plain(value) for value in o.r],
+            "seen": o.seen, "verdict": o.verdict, "named": list(o.named), "confidence": o.confidence,
+            "uncalibrated": o.uncalibrated,
+            "right": o.hit, "before_mm": _plain(o.before), "after_mm": _plain(o.after), "floor_mm": _plain(o.floor),
+            "baselines": {method: list(names) for method, names in o.baselines.items()},
+        }
+        for o in outcomes
+    ]  # fmt: skip
+    not_run = [{"trial": k, "why": why} for k, why in refused]
+    return {"figures": figures(outcomes, prior), "trials": trials, "refused": not_run}
+
+
+def _plain(value: float) -> float | None:
+    return value if value == value else None

@@ -1,0 +1,33 @@
+"""Hidden effects as options of the command line: EFFECT, EFFECT=SIZE, EFFECT=VALUE or EFFECT=NAME:VALUE,..."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from mujoco_ref.undeclared.strength import SCALED, SIZES, typical
+from tentacle.errors import InputError
+from tentacle.model import Model
+
+
+def hidden_effects(options: Sequence[str], seed: int, model: Model) -> dict[str, str | float | Mapping[str, float]]:
+    """--hide options as effects for undeclared.make; InputError where one cannot be read."""
+    effects: dict[str, str | float | Mapping[str, float]] = {}
+    for option in options:
+        effect, _, text = option.partition("=")
+        drawn = typical(effect, model, np.random.default_rng(seed))
+        if text in ("", *SIZES):
+            effects[effect] = text or "visible"
+            continue
+        pairs = [pair.partition(":") for pair in text.split(",")]
+        if not any(separator for _, separator, _ in pairs):
+            if len(SCALED[effect]) != 1:
+                expected = ",".join(f"{name}:VALUE" for name in drawn) or "no value"
+                raise InputError(f"{text!r} does not say of what", field=f"--hide {effect}", expected=expected)
+            pairs = [(SCALED[effect][0], ":", text)]
+        try:
+            effects[effect] = drawn | {name: float(number) for name, _, number in pairs}
+        except ValueError:
+            raise InputError(f"{text!r} is not a number", field=f"--hide {effect}", expected="VALUE") from None
+    return effects
