@@ -84,7 +84,7 @@ def test_trials_are_sealed_and_go_on_where_they_stopped(model_file, tmp_path):
         (("--hide", "current=0.5"), "does not say of what"),
         (("--hide", "tip_mass=heavy"), "is not a number"),
         (("--fps", "0"), "above 0"),
-        (("--links", "0"), "2 or more|>= 2"),
+        (("--links", "0"), "2 to 1000"),
         (("--sine", "3", "5", "--servo-limits", "1", "20", "500"), "the motion reaches 3 rad"),
         (("--trials", "3"), "a place for their answers"),
         (("--video", "sepia"), "is not a look"),
