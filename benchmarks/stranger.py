@@ -1,7 +1,8 @@
 """The loop on recordings of a simulator that shares nothing with it (validation.plants.stranger), one effect at a time.
 
-python benchmarks/stranger.py --json FILE [--short] [--only EFFECT ...] [--seed N] [--every-law]: each effect's verdict,
-its errors before and after, and how many are right: the truth named first, or in the named group.
+python benchmarks/stranger.py --json FILE [--plant NAME] [--short] [--only EFFECT ...] [--seed N] [--every-law]
+
+Each effect's verdict, its errors before and after, and how many are right: the truth named first, or in the named group.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from discovery.diagnose import diagnose
 from tentacle.diagnosis import Diagnosis
-from validation.plants import make
+from validation.plants import PLANTS, make
 from validation.plants.laws import LAWS, OUTSIDE
 
 SHORT = ("nothing", "current", "servo_lag")
@@ -40,6 +41,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path, required=True, metavar="FILE")
     parser.add_argument("--short", action="store_true", help=f"{', '.join(SHORT)}, of 12 s each")
     parser.add_argument("--only", nargs="+", choices=CASES, metavar="EFFECT", help="these alone")
+    parser.add_argument("--plant", choices=tuple(PLANTS), default="stranger")
     parser.add_argument("--seed", type=int, default=0, help="of arm, motion, laws and noise (default 0)")
     parser.add_argument("--every-law", action="store_true", help="each effect by each of its laws, not by a drawn one")
     arguments = parser.parse_args()
@@ -48,7 +50,7 @@ def main() -> None:
     answers: dict[str, Any] = {}
     for name, law in cases:
         recording, truth = make(
-            "stranger", arguments.seed, effects=() if name == "nothing" else (name,),
+            arguments.plant, arguments.seed, effects=() if name == "nothing" else (name,),
             laws={} if law is None else {name: law}, seconds=12.0 if arguments.short else 20.0,
         )  # fmt: skip
         case = " ".join((name, *truth["laws"].values()))

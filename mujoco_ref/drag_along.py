@@ -6,7 +6,7 @@ import numpy as np
 
 from mujoco_ref.influence import Fields, water_record
 from mujoco_ref.simulate import plain_parameters
-from mujoco_ref.water import wall_factor, water_motion
+from mujoco_ref.water import beside_wall, water_motion
 from tentacle.compiled import njit
 from tentacle.midline_motion import midline_motion
 from tentacle.model import Model
@@ -36,10 +36,11 @@ def _drag(t: Array, xy: Array, velocity: Array, normal: Array, width: Array, per
             ux, uy = velocity[k, i, 0] - wx, velocity[k, i, 1] - wy
             u_n, u_t = ux * c + uy * s, -ux * s + uy * c
             speed = np.sqrt(u_n * u_n + u_t * u_t)
-            C_perp = water.C_perp
+            C_perp, wall_n, wall_t = water.C_perp, 0.0, 0.0
             if water.wall_B != 0.0:
-                C_perp += wall_factor(x, 0.5 * width[i], water)
-            f_n = -(0.5 * water.density * C_perp * width[i] * speed + water.c_n) * u_n
-            f_t = -(0.5 * water.density * water.C_t * perimeter[i] * speed + 0.5 * water.c_n) * u_t
+                more, _, wall_n, wall_t = beside_wall(x, 0.5 * width[i], c, s, u_n, u_t, water)
+                C_perp += more
+            f_n = wall_n - (0.5 * water.density * C_perp * width[i] * speed + water.c_n) * u_n
+            f_t = wall_t - (0.5 * water.density * water.C_t * perimeter[i] * speed + 0.5 * water.c_n) * u_t
             force[k, i, 0], force[k, i, 1] = f_n * c - f_t * s, f_n * s + f_t * c
     return force

@@ -32,7 +32,7 @@ WATER = np.dtype(
         ("U_cos", _F),  # swaying water along x [m/s] at slosh_f [Hz]
         ("U_sin", _F),
         ("slosh_f", _F),
-        ("wall_B", _F),  # growth of the drag coefficient at a gap of one half width
+        ("wall_B", _F),  # what the wall does, over what is published of a smooth cylinder
         ("wall_x", _F),  # where the wall stands [m]
         ("suction_U", _F),  # a port at the clamp draws water along x: velocity [m/s], frequency [Hz], reach [m]
         ("suction_f", _F),

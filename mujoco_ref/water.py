@@ -80,10 +80,23 @@ def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, fl
 
 
 @njit(cache=True)
-def wall_factor(x: float, half_width: float, water: Fields) -> float:
-    """Growth of the resistance beside a wall, (r/gap)^2 to leading order, bounded where the arm touches."""
-    gap = water.wall_x - x
-    return water.wall_B * half_width**2 / (gap**2 + half_width**2)
+def beside_wall(
+    x: float, half_width: float, cosine: float, sine: float, u_n: float, u_t: float, water: Fields
+) -> tuple[float, float, float, float]:
+    """What a wall at wall_x adds: drag coefficient, inertia along the normal [kg/m], force along n and t [N/m].
+
+    The forces are those by which a body whose added mass grows towards the wall is drawn to it, and slowed.
+    """
+    squared = half_width * half_width
+    distance = water.wall_x - x
+    diameters = (np.sqrt(distance * distance + squared) - half_width) / (2.0 * half_width)
+    coefficient = water.wall_B * water.C_perp / (2.0 + 10.0 * diameters)
+    near = distance * distance + 0.25 * squared
+    inertia = water.wall_B * 0.5 * np.pi * water.density * squared * squared / near
+    growth = 2.0 * distance * inertia / near
+    approach = u_n * cosine - u_t * sine
+    push_n = growth * u_n * (0.5 * u_n * cosine - approach)
+    return coefficient, inertia, push_n, -0.5 * growth * u_n * u_n * sine
 
 
 @njit(cache=True)
@@ -193,13 +206,14 @@ def water_forces(
                 ux, uy = vx0 - reach * rate * c - wx, vy0 - reach * rate * s - wy
                 u_n, u_t = ux * c + uy * s, -ux * s + uy * c
                 speed = np.sqrt(u_n * u_n + u_t * u_t)
-                C_perp = water.C_perp
+                C_perp, squeezed, wall_n, wall_t = water.C_perp, 0.0, 0.0, 0.0
                 if water.wall_B != 0.0:
-                    C_perp += wall_factor(px, 0.5 * width, water)
+                    more, squeezed, wall_n, wall_t = beside_wall(px, 0.5 * width, c, s, u_n, u_t, water)
+                    C_perp += more
                 across = 0.5 * water.density * C_perp * width
                 skin = 0.5 * water.density * water.C_t * nodes[k, g, PERIMETER]
-                f_n = -(across * speed + water.c_n) * u_n
-                f_t = -(skin * speed + 0.5 * water.c_n) * u_t
+                f_n = wall_n - (across * speed + water.c_n) * u_n
+                f_t = wall_t - (skin * speed + 0.5 * water.c_n) * u_t
                 if water.vortex_C_L != 0.0:
                     beat = np.sin(2.0 * np.pi * water.vortex_f * t)
                     f_n += 0.5 * water.density * width * water.vortex_C_L * speed**2 * beat
@@ -209,6 +223,15 @@ def water_forces(
                 sums[0] += gx
                 sums[1] += gy
                 fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
+                if squeezed != 0.0:
+                    ax = ax0 + reach * (rate**2 * s - acceleration * c) - wax
+                    ay = ay0 - reach * (rate**2 * c + acceleration * s) - way
+                    f_n = -weight * squeezed * (ax * c + ay * s + rate * u_t)
+                    f_t = -weight * squeezed * rate * u_n
+                    gx, gy = f_n * c - f_t * s, f_n * s + f_t * c
+                    fx, fy = fx + gx, fy + gy
+                    moment += px * gy - py * gx + weight * squeezed * u_n * u_t
+                    _add_tensor(composite, px, py, weight * squeezed, 0.0, 0.0, c, s)
                 slope = weight * (2.0 * across * speed + water.c_n)
                 resist_n += slope
                 resist_t += weight * (2.0 * skin * speed + 0.5 * water.c_n)

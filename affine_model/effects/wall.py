@@ -1,12 +1,38 @@
-"""Wall: near a plane beside the arm, at x = distance L, the normal flow is squeezed, and drag grows as (r/gap)^2."""
+"""Wall: a plane beside the arm, at x = distance L. Near it the flow is squeezed: more added mass, and more drag.
+
+With h the axis' distance from the wall, r half the width: added mass per length, along the normal,
+pi rho r^2 (r/h)^2 / 2 beyond that of free water (potential flow, leading order), and 0.5 C_perp / (1 + 5 e/D) more drag,
+e/D = (h - r) / 2r the gap in diameters. Both are kept finite where the axis would meet the wall. As the added mass m
+depends on the place, momentum and energy ask for the forces -m' x' u_n n + m' u_n^2 / 2 along x.
+"""
+
+from typing import Any
 
 from affine_model.effect import Effect, Parameter
+from affine_model.laws import cos, sin, sqrt
+
+
+def _inertia(x: Any, p: Any) -> Any:
+    """kg/m along the normal."""
+    radius_squared, away = 0.25 * x.width**2, p.distance * x.length - x.x
+    return p.B * 0.5 * 3.141592653589793 * x.fluid_density * radius_squared**2 / (away**2 + 0.25 * radius_squared)
+
+
+def _force(x: Any, p: Any) -> tuple[Any, Any]:
+    radius, away = 0.5 * x.width, p.distance * x.length - x.x
+    gap = 0.5 * (sqrt(away**2 + radius**2) / radius - 1.0)
+    drag = -0.5 * x.fluid_density * x.drag_coefficient * p.B * 0.5 / (1.0 + 5.0 * gap) * x.width * x.speed * x.u_n
+    slope = _inertia(x, p) * 2.0 * away / (away**2 + 0.25 * radius**2)  # of the added mass, along x
+    along_x = x.u_n * cos(x.phi) - x.u_t * sin(x.phi)
+    lift = 0.5 * slope * x.u_n**2
+    return drag - slope * along_x * x.u_n + lift * cos(x.phi), -lift * sin(x.phi)
+
 
 WALL = Effect(
     name="wall",
     title="Nearness of a wall",
     parameters=(
-        Parameter("B", "1", 20.0, (0.0, 2000.0), "growth of the drag coefficient where the axis meets the wall"),
+        Parameter("B", "1", 5.0, (0.0, 200.0), "its strength, over what is published of a smooth cylinder (1)"),
         Parameter(
             "distance",
             "arm lengths",
@@ -16,17 +42,8 @@ WALL = Effect(
             scan=(0.6, -0.6, 0.4, -0.4, 0.9, -0.9),
         ),
     ),
-    source="Brennen 1982, sec. 4, leading order in (r/gap)^2, here on the drag",
+    source="added mass: Brennen 1982, sec. 4; drag: DNV-RP-F105, proximity to a wall",
     family="fluid",
-    dissipative=True,
-    force=lambda x, p: (
-        -0.125
-        * x.fluid_density
-        * p.B
-        * x.width**3
-        * x.speed
-        * x.u_n
-        / ((p.distance * x.length - x.x) ** 2 + 0.25 * x.width**2),
-        0.0,
-    ),
+    normal_inertia=_inertia,
+    force=_force,
 )

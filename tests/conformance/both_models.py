@@ -15,7 +15,7 @@ from mujoco_ref.step import State, Stepper
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Fluid, Gravity, Specimen
 
-ORDER, NODES = 4, 24  # enough nodes for a soft spot
+ORDER, NODES = 4, 64  # enough nodes for a soft spot, and for an arm that a wall cuts
 ARM = Specimen(Cone(0.0125, 0.004), 0.14, 1070.0, tip_mass=1e-3, tip_mass_reach=0.004, tip_mass_drop=0.002)
 BASE = {"elasticity": {"E": 2e5}, "damping": {"eta": 1.5e3}, "drag": {"C_perp": 1.1}}
 BEND = np.array([0.8, 0.5, 0.3, 0.2])  # rad, typical sizes of the random states

@@ -1,7 +1,8 @@
 """Plants for trials: simulators of an arm in a tank that the loop is tried on. Each hides effects by laws of its own.
 
 make(plant, seed) gives a recording as a lab would have it, and the truth about it. The same plant and seed give the
-same recording. Plants: "stranger" (validation.plants.stranger), which shares no line with the project's two models.
+same recording. Plants: "stranger", a rod of point masses that shares no line with the project's two models; "chain",
+rigid links in MuJoCo, with other links, hinges and steps than the chain whose error the loop takes off.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from typing import Any
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
+from validation.plants.chain import run as run_chain
 from validation.plants.draw import Trial, drawn
 from validation.plants.stranger import run as run_stranger
 
-PLANTS = {"stranger": run_stranger}
+PLANTS = {"stranger": run_stranger, "chain": run_chain}
 
 
 def make(

@@ -2,113 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
-import numpy as np
-from scipy.interpolate import CubicSpline
-
-from tentacle.recording import Declaration, Recording
-from tentacle.signals import Array, LoadCellSignal, Midline, MotorSignal
-from tentacle.specimen import Cone, Fluid, Gravity, Specimen
-from validation.plants.camera import looks_at, seen
-from validation.plants.draw import MOVED, SEEN, SETTLED, Hidden, Trial
-from validation.plants.laws import LAWS, law_number, record
-from validation.plants.rod import PIECES, move
-from validation.plants.servo import turned
-
-STEP, COARSE = 1e-3, 2e-3  # s, at most: the tip is right to 1 micrometre; to 5, which is enough to size an effect
-POINTS = 31
-LONGER = 0.5  # s beyond the last frame, for a camera that is early
-LOAD_NOISE = 5e-4  # N
-SIZING = 8.0  # s of film by which a hidden effect is sized
+from tentacle.recording import Recording
+from validation.plants import filmed
+from validation.plants.draw import Trial
+from validation.plants.rod import move
 
 
 def run(trial: Trial) -> tuple[Recording, dict[str, Any]]:
     """The trial's recording and its truth."""
-    hidden = _sized(trial)
-    xy, load, command, frames = film(trial, hidden)
-    bare = film(trial, ())[0]
-    random = np.random.default_rng([trial.seed, 21])
-    noisy = xy + trial.sigma * random.standard_normal(xy.shape)
-    arm = trial.arm
-    specimen = Specimen(Cone(arm["base_radius"], arm["tip_radius"]), arm["length"], arm["density"])
-    recording = Recording(
-        f"trial_{trial.seed}",
-        Declaration(
-            specimen, Fluid(arm["water"], "section" if trial.carries else "none"), Gravity(0.0, arm["gravity"])
-        ),
-        MotorSignal(frames, command, command),
-        LoadCellSignal(frames, load + LOAD_NOISE * random.standard_normal(load.size)),
-        Midline(frames, np.linspace(0.0, 1.0, POINTS), noisy, np.full(xy.shape[:2], trial.sigma)),
-    )
-    catalogued = all(one.effect in LAWS for one in hidden)
-    moved = 1e3 * float(np.sqrt(np.mean(np.sum((xy - bare) ** 2, axis=2))))
-    truth = {
-        "seed": trial.seed,
-        "verdict": ("effect" if catalogued else "unknown") if hidden else "nothing_missing",
-        "effects": {one.effect: one.numbers for one in hidden},
-        "laws": {one.effect: one.law for one in hidden},
-        "arm": arm,
-        "declared_added_mass": trial.carries,
-        "motion": {"chirp": trial.chirps, "parts": [part.tolist() for part in trial.motion]},
-        "moved_mm": moved,
-        "noise_mm": 1e3 * trial.sigma,
-    }
-    return recording, truth
-
-
-def _sized(trial: Trial) -> tuple[Hidden, ...]:
-    """Each hidden effect at its wanted size, by two corrections of a shorter run; added mass is what the water is."""
-    short = replace(trial, seconds=min(trial.seconds, SIZING))
-    if trial.chirps and short.seconds < trial.seconds:  # the same part of the sweep
-        amplitude, (first, last), phase = trial.motion
-        last = first + (last - first) * (short.seconds + SETTLED) / (trial.seconds + SETTLED)
-        short = replace(short, motion=(amplitude, np.array([first, last]), phase))
-    bare = film(short, (), COARSE)[0]
-    sized = []
-    for one, size in zip(trial.hidden, trial.size, strict=True):
-        wanted = size * trial.sigma
-        if one.effect != "added_mass":
-            for _ in range(3):
-                shown = float(np.sqrt(np.mean(np.sum((film(short, (one,), COARSE)[0] - bare) ** 2, axis=2))))
-                ratio = wanted / max(shown, 1e-12)
-                one = one.times(float(np.clip(ratio, 0.05, 20.0)))
-                if 0.9 < ratio < 1.1:
-                    break
-        sized.append(one)
-    return tuple(sized)
-
-
-def film(trial: Trial, hidden: tuple[Hidden, ...], longest: float = STEP) -> tuple[Array, Array, Array, Array]:
-    """Midline (T, P, 2) [m], load cell [N], logged command [rad] and frames' times [s] with these effects in it."""
-    numbers, laws = _numbers(trial, hidden), {one.effect: one.law for one in hidden}
-    outside = {name: value for one in hidden if one.effect in (*SEEN, *MOVED) for name, value in one.numbers.items()}
-    every = int(np.ceil(1.0 / (trial.fps * longest) - 1e-9))
-    step = 1.0 / (trial.fps * every)
-    duration = SETTLED + trial.seconds + LONGER
-    half_steps: Array = 0.5 * step * np.arange(2 * round(duration / step) + 1, dtype=np.float64)
-    theta = turned(trial.theta(half_steps), 0.5 * step, outside, laws)
-    places, pulls = move(record(**numbers), theta, step, every)
-    run_t = step * every * np.arange(len(places))
-    frames: Array = SETTLED + np.arange(round(trial.seconds * trial.fps) + 1, dtype=np.float64) / trial.fps
-    points = CubicSpline(np.linspace(0.0, 1.0, PIECES + 1), places, axis=1)(np.linspace(0.0, 1.0, POINTS))
-    xy = CubicSpline(run_t, points)(np.clip(looks_at(frames, outside, laws), 0.0, run_t[-1]))
-    load = CubicSpline(run_t[:-1], pulls[:-1] - pulls[0])(frames)
-    return seen(xy, trial.arm["length"], outside, laws), load, trial.theta(frames), frames
-
-
-def _numbers(trial: Trial, hidden: tuple[Hidden, ...]) -> dict[str, float]:
-    """The tank's numbers with these effects acting."""
-    numbers = dict(trial.arm)
-    if trial.carries:
-        numbers |= {"C_a": 1.0}
-    for one in hidden:
-        if one.effect in (*SEEN, *MOVED):
-            continue
-        own = dict(one.numbers)
-        if one.effect in LAWS:
-            own[f"{one.effect}_law"] = float(law_number(one.effect, one.law))
-        numbers["gravity"] *= np.cos(own.pop("weakened", 0.0))
-        numbers |= own
-    return numbers
+    return filmed.run(trial, move)

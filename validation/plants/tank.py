@@ -34,7 +34,7 @@ def water_at(laws, y: float, t: float):
 
 @njit(cache=True)
 def wall_growth(laws, x: float, radius: float) -> float:
-    """What a wall adds to the drag coefficient: DNV-RP-F105's curve of the gap in diameters, or (radius/distance)^2."""
+    """What a wall adds to the drag, in parts: DNV-RP-F105's curve of the gap in diameters, or (radius/distance)^2."""
     distance = abs(laws.wall_x - x)
     gap = max(distance - radius, TOUCH * radius) / (2.0 * radius)
     if laws.wall_law == 0.0:
@@ -55,7 +55,7 @@ def on_piece(laws, s, radius, x, y, nx, ny, vx, vy, ax, ay, spin, t):
     speed = np.sqrt(u_n * u_n + u_t * u_t)
     coefficient = laws.C_perp
     if laws.wall_B != 0.0:
-        coefficient += wall_growth(laws, x, radius)
+        coefficient *= 1.0 + wall_growth(laws, x, radius)
     across = laws.water * coefficient * radius  # half the density on the diameter
     slow = laws.c_n if laws.linear_drag_law == 0.0 else laws.c_n * radius / (0.5 * (laws.base_radius + laws.tip_radius))
     push_n = -(across * speed + slow) * u_n

@@ -8,8 +8,9 @@ import pytest
 from tentacle.errors import InputError
 from validation.plants import make
 from validation.plants.draw import drawn
+from validation.plants.filmed import COARSE, film
 from validation.plants.laws import LAWS, OUTSIDE
-from validation.plants.stranger import COARSE, film
+from validation.plants.rod import move
 
 QUICK = {"seconds": 0.8, "fps": 25.0}
 
@@ -30,7 +31,7 @@ def test_every_effect_shows_by_each_of_its_laws(effect):
     seen = {}
     for law in LAWS.get(effect, (None,)):
         trial = drawn(3, (effect,), {effect: law} if law else {}, 0.6, 25.0, 1e-4, (6.0, 15.0))
-        bare, seen[law] = (film(trial, hidden, COARSE)[0] for hidden in ((), trial.hidden))
+        bare, seen[law] = (film(trial, move, hidden, COARSE)[0] for hidden in ((), trial.hidden))
         assert np.abs(seen[law] - bare).max() > 2e-5  # m, at a typical strength
     first, *rest = seen.values()
     assert all(np.abs(first - other).max() > 0.0 for other in rest)
@@ -74,3 +75,10 @@ def test_drawn_trials_hold_every_kind():
 def test_what_is_not_known_is_refused(arguments, words):
     with pytest.raises(InputError, match=words):
         make(**arguments)
+
+
+def test_the_chain_s_links_are_drawn_and_both_plants_draw_the_same_arm():
+    of_rod, of_chain = (make(plant, 6, effects=("current",), **QUICK)[1] for plant in ("stranger", "chain"))
+    assert of_rod["arm"] == of_chain["arm"]
+    assert of_rod["laws"] == of_chain["laws"]
+    assert 24 <= of_chain["links"] <= 60
