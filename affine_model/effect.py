@@ -100,14 +100,15 @@ class Effect:
     all: gravity_tilt [rad]. relaxation_time [s] or yield_curvature [rad], one of them: gives the law x.memory, the
     curvature of a spring in series with a dashpot, or with a slip at that size. Outside the equations of motion: base
     ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature
-    coordinates added). law_error: what the law may leave of what it explains, for no law is known exactly.
+    coordinates added). family "option": another form of a base law, which a model may choose and the loop does not
+    search. law_error: what the law may leave of what it explains, for no law is known exactly.
     """
 
     name: str
     title: str
     parameters: tuple[Parameter, ...]
     source: str
-    family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement", "rest"]
+    family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement", "option", "rest"]
     dissipative: bool = False
     stiffness: Law | None = None
     stiffness_share: Law | None = None

@@ -2,7 +2,7 @@
 
 python benchmarks/stranger.py --json FILE [--plant NAME] [--short] [--only EFFECT ...] [--seed N] [--every-law]
 
-Each effect's verdict, its errors before and after, and how many are right: the truth named first, or in the named group.
+Each effect's verdict, errors before and after, and how many are right: the truth named first, or in the named group.
 """
 
 from __future__ import annotations

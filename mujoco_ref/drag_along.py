@@ -6,7 +6,7 @@ import numpy as np
 
 from mujoco_ref.influence import Fields, water_record
 from mujoco_ref.simulate import plain_parameters
-from mujoco_ref.water import beside_wall, water_motion
+from mujoco_ref.water import beside_wall, felt_speed, shed_lift, water_motion
 from tentacle.compiled import njit
 from tentacle.midline_motion import midline_motion
 from tentacle.model import Model
@@ -40,7 +40,10 @@ def _drag(t: Array, xy: Array, velocity: Array, normal: Array, width: Array, per
             if water.wall_B != 0.0:
                 more, _, wall_n, wall_t = beside_wall(x, 0.5 * width[i], c, s, u_n, u_t, water)
                 C_perp += more
-            f_n = wall_n - (0.5 * water.density * C_perp * width[i] * speed + water.c_n) * u_n
+            felt = felt_speed(speed, u_n, width[i], C_perp, water)
+            f_n = wall_n - (0.5 * water.density * C_perp * width[i] * felt + water.c_n) * u_n
+            if water.lift_cos != 0.0 or water.lift_sin != 0.0:
+                f_n += shed_lift(width[i], t[k], water)
             f_t = wall_t - (0.5 * water.density * water.C_t * perimeter[i] * speed + 0.5 * water.c_n) * u_t
             force[k, i, 0], force[k, i, 1] = f_n * c - f_t * s, f_n * s + f_t * c
     return force

@@ -37,6 +37,11 @@ WATER = np.dtype(
         ("suction_U", _F),  # a port at the clamp draws water along x: velocity [m/s], frequency [Hz], reach [m]
         ("suction_f", _F),
         ("suction_reach", _F),
+        ("cross_flow", _F),  # 1: the drag follows |u_n| u_n, 0: |u| u_n
+        ("reynolds", _F),  # share of 10 Re^(-2/3) by which C_perp grows
+        ("lift_cos", _F),  # lift of vortices shed by a stream across the plane [m/s]
+        ("lift_sin", _F),
+        ("stream", _F),
         ("vortex_C_L", _F),  # side force of vortices shed at vortex_f [Hz], on 1/2 rho w speed^2
         ("vortex_f", _F),
         ("gravity_x", _F),  # [m/s^2], for the buoyancy
@@ -127,6 +132,9 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "current": ("U_x", "U_y"),
     "sloshing": ("U_cos", "U_sin", "f"),
     "wall": ("B", "distance"),
+    "cross_flow": ("share",),
+    "reynolds_drag": ("share",),
+    "vortex_lift": ("C_cos", "C_sin", "U"),
     "buoyancy": ("density_error",),
     "gravity_tilt": ("tilt",),
     "tip_mass": ("mass", "reach", "drop"),
@@ -206,6 +214,11 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         suction_U=take("suction", "U"),
         suction_f=take("suction", "f", 0.5),
         suction_reach=take("suction", "reach", 0.3 * length),
+        cross_flow=take("cross_flow", "share"),
+        reynolds=take("reynolds_drag", "share"),
+        lift_cos=take("vortex_lift", "C_cos"),
+        lift_sin=take("vortex_lift", "C_sin"),
+        stream=take("vortex_lift", "U", 0.1),
         vortex_C_L=take("vortex", "C_L"),
         vortex_f=take("vortex", "f", 1.5),
         gravity_x=gravity[0],

@@ -14,6 +14,7 @@ from mujoco_ref.influence import Fields
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
+WATERS_VISCOSITY = 1e-6  # m^2/s, at 20 degrees C
 SPHERE = 0.5  # water that a compact body carries, over that which it displaces
 # Columns of the link table.
 LENGTH, VOLUME, VOLUME_CENTRE, CARRIED, CARRIED_CENTRE, CARRIED_TURNING, MASS = range(7)
@@ -97,6 +98,30 @@ def beside_wall(
     approach = u_n * cosine - u_t * sine
     push_n = growth * u_n * (0.5 * u_n * cosine - approach)
     return coefficient, inertia, push_n, -0.5 * growth * u_n * u_n * sine
+
+
+@njit(cache=True)
+def felt_speed(speed: float, u_n: float, width: float, coefficient: float, water: Fields) -> float:
+    """The speed that the normal drag follows, beside u_n: eq. 15's, |u_n| (cross-flow), or more at small Reynolds
+    numbers, as a smooth cylinder's; what a wall adds to the coefficient follows eq. 15."""
+    if coefficient == 0.0 or (water.cross_flow == 0.0 and water.reynolds == 0.0):
+        return speed
+    own = water.C_perp / coefficient
+    slow = 10.0 / (speed * width / WATERS_VISCOSITY + 1e-3) ** (2.0 / 3.0)
+    return speed + own * (water.reynolds * slow * speed - water.cross_flow * (speed - abs(u_n)))
+
+
+@njit(cache=True)
+def shed_lift(width: float, t: float, water: Fields) -> float:
+    """Lift per length [N/m] of vortices that a stream across the plane sheds, Strouhal number 0.2."""
+    phase = 2.0 * np.pi * 0.2 * water.stream / width * t
+    return (
+        0.5
+        * water.density
+        * width
+        * water.stream**2
+        * (water.lift_cos * np.cos(phase) + water.lift_sin * np.sin(phase))
+    )
 
 
 @njit(cache=True)
@@ -210,9 +235,12 @@ def water_forces(
                 if water.wall_B != 0.0:
                     more, squeezed, wall_n, wall_t = beside_wall(px, 0.5 * width, c, s, u_n, u_t, water)
                     C_perp += more
+                felt = felt_speed(speed, u_n, width, C_perp, water)
                 across = 0.5 * water.density * C_perp * width
                 skin = 0.5 * water.density * water.C_t * nodes[k, g, PERIMETER]
-                f_n = wall_n - (across * speed + water.c_n) * u_n
+                f_n = wall_n - (across * felt + water.c_n) * u_n
+                if water.lift_cos != 0.0 or water.lift_sin != 0.0:
+                    f_n += shed_lift(width, t, water)
                 f_t = wall_t - (skin * speed + 0.5 * water.c_n) * u_t
                 if water.vortex_C_L != 0.0:
                     beat = np.sin(2.0 * np.pi * water.vortex_f * t)

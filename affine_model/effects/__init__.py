@@ -34,5 +34,5 @@ def base_effects() -> tuple[Effect, ...]:
 
 
 def absent_effects() -> tuple[Effect, ...]:
-    """The effects that the paper's model lacks, and that have a name."""
-    return tuple(effect for effect in catalogue().values() if effect.family not in ("base", "rest"))
+    """The effects that the paper's model may lack, and that the loop seeks."""
+    return tuple(effect for effect in catalogue().values() if effect.family not in ("base", "option", "rest"))

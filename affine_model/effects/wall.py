@@ -1,7 +1,7 @@
 """Wall: a plane beside the arm, at x = distance L. Near it the flow is squeezed: more added mass, and more drag.
 
 With h the axis' distance from the wall, r half the width: added mass per length, along the normal,
-pi rho r^2 (r/h)^2 / 2 beyond that of free water (potential flow, leading order), and 0.5 C_perp / (1 + 5 e/D) more drag,
+pi rho r^2 (r/h)^2 / 2 beyond that of free water (potential flow, leading order), and C_perp / (2 + 10 e/D) more drag,
 e/D = (h - r) / 2r the gap in diameters. Both are kept finite where the axis would meet the wall. As the added mass m
 depends on the place, momentum and energy ask for the forces -m' x' u_n n + m' u_n^2 / 2 along x.
 """

@@ -13,9 +13,10 @@ from affine_model.arm import active_effects
 from affine_model.dynamics import balance
 from affine_model.effects import absent_effects, catalogue
 from affine_model.statics import equilibrium
-from mujoco_ref.simulate import make_stepper
+from mujoco_ref.simulate import make_stepper, simulate
 from mujoco_ref.statics import equilibrium as rest_of_chain
 from tentacle.specimen import AIR, Gravity
+from tentacle.waveform import Sine
 from tests.conformance.both_models import ORDER, Motion, answers, bent, model_with, nominal, reduced
 
 NAMES = tuple(effect.name for effect in absent_effects())
@@ -106,3 +107,11 @@ def test_effects_beside_the_loop_s_agree_too():
         acceleration, _ = answers(*reduced(model, motion)[:2])
         coarse, fine = (answers(*bent(model, motion, n)[:2])[0] for n in (20, 40))
         assert np.abs((4.0 * fine - coarse) / 3.0 - acceleration).max() < 2e-3 * np.abs(acceleration).max(), name
+
+
+@pytest.mark.parametrize("name", sorted(catalogue()))
+def test_a_model_of_every_effect_runs_in_the_reference(name):
+    base = name in ("inertia", "elasticity", "damping", "drag", "weight")
+    model = model_with({} if base else nominal((name,)))
+    run = simulate(model, Sine(0.3, 1.0), 0.2, 50.0, links=8)
+    assert np.all(np.isfinite(run.midline.xy))

@@ -45,7 +45,9 @@ def mover(links: int) -> Mover:
         state[1, 0] = bent
         memory, bias = np.zeros((n, BRANCHES + 1)), np.zeros(n + 1)
         full, lower = np.zeros((n + 1, n + 1)), np.tril_indices(n + 1)
-        places, pulls = [], []
+        places: list[Array] = []
+        pulls: list[float] = []
+        points, pull = np.zeros((n + 1, 2)), 0.0
         for k in range(theta.size - 1):
             before = theta[max(k - 1, 0)]
             turn = (theta[k + 1] - 2.0 * theta[k] + before) / h**2 if k else 0.0
