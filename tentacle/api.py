@@ -107,17 +107,21 @@ def optimise(
     method: str = "cmaes",
     evaluations: int = 5000,
     seed: int = 0,
+    device: str = "auto",
 ) -> Swimming:
     """The base motion (eq. 20) that swims best within a hobby servo's limits.
 
-    objective: "thrust", "speed" or "transport" (energy per way). method: "cmaes", "ga" (the paper's) or "random".
+    objective: "thrust", "speed" or "transport" (energy per way). method: "cmaes", "ga" (the paper's),
+    "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
     from affine_model.swim import OBJECTIVES, trial_of
     from affine_model.swim import optimise as search
+    from affine_model.swim.device import chosen_device
 
     if objective not in OBJECTIVES:
         raise InputError(f"{objective!r} is not known", field="objective", expected=", ".join(OBJECTIVES))
-    return search(trial_of(_model(model)), OBJECTIVES[objective], method=method, evaluations=evaluations, seed=seed)
+    trial = replace(trial_of(_model(model)), device=chosen_device(device))
+    return search(trial, OBJECTIVES[objective], method=method, evaluations=evaluations, seed=seed)
 
 
 def seen(recording: Recording) -> Recording:

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
-from affine_model.swim.limits import Box
+from affine_model.swim.limits import Box, search_box
 from affine_model.swim.objectives import scores, weighted
 from affine_model.swim.polish import polish
 from affine_model.swim.search import search
-from affine_model.swim.trial import Trial, run
+from affine_model.swim.trial import PAPER_RAIL, Trial, run
+from tentacle.gait import Gait
 
 EXPONENTS = (
     0.0,
@@ -66,3 +67,10 @@ def pareto_front(trial: Trial, box: Box, *, known: Array, evaluations: int, seed
     speed, power = outcome.speed[usable, 0], outcome.power[usable, 0]
     kept = not_dominated(speed, power)
     return Front(outcome.alpha[:, usable][:, kept], speed[kept], power[kept])
+
+
+def front_around(trial: Trial, gait: Gait, sine: Gait, seed: int) -> Front:
+    """The front of speed against power of the clamped trial's arm on the rail; gait and sine are tried too."""
+    known = np.array([gait.alpha, sine.alpha]).T
+    level = trial.on_rail(PAPER_RAIL)
+    return pareto_front(level, search_box(trial.limits), known=known, evaluations=8000, seed=seed)

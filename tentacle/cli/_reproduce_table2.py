@@ -13,6 +13,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder for table2.csv, table2.json and report.html")
     parser.add_argument("--evaluations", type=int, default=5000, help="gaits tried per search; default: 5000")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--curves", action="store_true", help="also the ratio over map edge and rail friction")
     parser.add_argument("--device", default="auto", help="cpu, cuda, cuda:1; auto (default): CUDA where there is one")
 
 
@@ -23,10 +24,11 @@ def run(arguments: argparse.Namespace) -> int:
 
     from affine_model.swim import table2 as table
     from affine_model.swim.device import chosen_device
+    from affine_model.swim.table2_curves import ratio_curves
     from tentacle.cli._progress import stages
     from tentacle.cli._swimming import reference_speed
     from tentacle.io.result_folder import written
-    from tentacle.pages.table2 import row_table, write_page
+    from tentacle.pages.table2 import curves_table, row_table, write_page
 
     rows, device = [], chosen_device(arguments.device)
     with stages() as stage:
@@ -36,12 +38,15 @@ def run(arguments: argparse.Namespace) -> int:
                 evaluations=arguments.evaluations, seed=arguments.seed, reference=reference_speed, lengths=(length,),
                 device=device,
             )  # fmt: skip
+        curves = ratio_curves(seed=arguments.seed, device=device, watch=stage) if arguments.curves else None
     lines = table.cells(rows)
     with written(arguments.out) as folder:
         with (folder / "table2.csv").open("w", encoding="utf-8", newline="") as file:
             csv.writer(file).writerows([table.HEADER, *lines])
         (folder / "table2.json").write_text(json.dumps([row_table(row) for row in rows], indent=1) + "\n")
-        write_page(rows, arguments.evaluations, arguments.seed, folder / "report.html")
+        if curves is not None:
+            (folder / "ratios.json").write_text(json.dumps(curves_table(curves), indent=1) + "\n")
+        write_page(rows, curves, arguments.evaluations, arguments.seed, folder / "report.html")
     _print_table(table.HEADER, lines)
     for remark in table.REMARKS:
         print(remark)

@@ -7,9 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from affine_model.swim.table2 import HEADER, MOTIONS, PRINTED, REMARKS, Row, cells, ratios
+from affine_model.swim.table2 import HEADER, MAP_LIMITS, MOTIONS, PRINTED, REMARKS, Row, cells, ratios
+from affine_model.swim.table2_curves import RatioCurves
+from affine_model.swim.trial import PAPER_RAIL
 from tentacle.io.provenance import versions
 from viz.figures.motion import motion_figure
+from viz.figures.ratios import ratio_figure
 from viz.figures.speeds import Swim, speeds_figure
 from viz.report import Origin, Picture, Report, Section, Table, render, write_report
 
@@ -26,8 +29,22 @@ def row_table(row: Row) -> dict[str, Any]:
     }
 
 
-def write_page(rows: list[Row], evaluations: int, seed: int, path: Path) -> None:
-    """report.html: the table beside the paper's, speeds and base motions."""
+def curves_table(curves: RatioCurves) -> dict[str, Any]:
+    """The curves as plain data."""
+    return {name: values.tolist() for name, values in vars(curves).items()}
+
+
+def _curves_section(curves: RatioCurves) -> Section:
+    names = tuple(f"{100 * length:.0f} cm" for length in curves.lengths)
+    edge = ("edge of the map [Hz]", curves.edges, curves.by_edge, MAP_LIMITS.highest_frequency)
+    friction = ("friction of the rail [N s/m]", curves.frictions, curves.by_friction, PAPER_RAIL.viscous)
+    words = "The paper states neither the map's edge nor the rail's friction; the grey lines are what the table takes."
+    picture = Picture(ratio_figure(names, (edge, friction)), "Speed of the best gait over that of the best sine.")
+    return Section("What the ratio depends on", (words,), (), (picture,))
+
+
+def write_page(rows: list[Row], curves: RatioCurves | None, evaluations: int, seed: int, path: Path) -> None:
+    """report.html: the table beside the paper's, speeds and base motions; the ratio's curves where there are any."""
     names = [f"{100 * row.length:.0f} cm" for row in rows]
     measured = [row.reference or row.affine for row in rows]
     swims = [
@@ -51,5 +68,6 @@ def write_page(rows: list[Row], evaluations: int, seed: int, path: Path) -> None
     )
     command = f"tentacle reproduce table2 --seed {seed} --evaluations {evaluations}"
     origin = Origin(command, seed, versions())
-    report = Report("reproduce", "Table II", headline, [section], origin)
+    sections = [section] if curves is None else [section, _curves_section(curves)]
+    report = Report("reproduce", "Table II", headline, sections, origin)
     write_report(render(report), path)

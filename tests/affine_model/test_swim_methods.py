@@ -39,6 +39,20 @@ def test_cmaes_finds_a_maximum_to_the_last_digits_and_others_come_near():
     assert np.max(best_of("random", 1)) > -0.4
 
 
+def test_a_mutation_rate_a_gene_and_an_individual_differ_as_said():
+    """With crossover between twins switched off by a uniform population, only mutants differ from their parents."""
+    for name, expected in (("ga", 0.02 * 9), ("ga-individual", 0.02)):
+        searcher, redrawn, mutants = METHODS[name](4), 0, 0
+        for _ in range(2000):
+            unit = searcher.ask()
+            same = np.full_like(unit, 0.5)
+            searcher.tell(same, np.zeros(unit.shape[1]))
+            redrawn += int(np.sum(searcher.ask() != 0.5))
+            mutants += 9  # 50 less an elite of 3, less 38 crossed
+        # Poisson: 3240 and 360 genes are expected, three standard deviations are allowed.
+        assert redrawn / mutants == pytest.approx(expected, rel=3.0 / np.sqrt(expected * mutants))
+
+
 def test_the_genetic_algorithm_keeps_its_elite():
     course = best_of("ga", 2)
     assert np.all(np.diff(course) >= 0.0)

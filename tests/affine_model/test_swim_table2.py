@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from affine_model.swim.table2 import FAST_BAND, HEADER, MAP_LIMITS, PRINTED, cells, ratios, table2
+from affine_model.swim.table2_curves import gain
 
 
 def test_printed_ratios_are_those_of_the_text():
@@ -33,3 +34,10 @@ def test_one_row_keeps_to_the_map_and_gains():
     assert {len(line) for line in lines} == {len(HEADER)}
     assert row.reference is not None
     assert ratios(row.reference) == (1.0, 1.0)
+
+
+def test_the_maps_edge_decides_the_ratio_of_the_short_arm():
+    """Below its resonance the sines of the 14 cm arm hardly move; a map that reaches it leaves little to gain."""
+    narrow, wide = (gain(0.14, edge, 0.35, evaluations=48, seed=1, device=None) for edge in (0.6, 1.5))
+    assert narrow > 3.0 * wide
+    assert 0.999 < wide < 1.5

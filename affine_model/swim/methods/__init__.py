@@ -5,6 +5,7 @@ is better.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 from affine_model.curvature import Array
@@ -28,6 +29,7 @@ class Method(Protocol):
 METHODS: dict[str, Callable[[int], Method]] = {
     "cmaes": CovarianceEvolution,
     "ga": GeneticAlgorithm,
+    "ga-individual": partial(GeneticAlgorithm, by_individual=True),
     "random": RandomSearch,
 }
 

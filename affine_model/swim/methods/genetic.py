@@ -2,8 +2,9 @@
 
 The paper names Matlab's Global Optimization Toolbox and these numbers only. What it leaves open is taken as that
 toolbox's `ga` does by default for bounded problems: rank scaling 1/sqrt(rank), stochastic universal selection, 5 %
-elite, 80 % of the others by scattered crossover, the rest by mutation; mutation rate then means uniform mutation (each
-gene redrawn with that probability).
+elite, 80 % of the others by scattered crossover, the rest by mutation. The mutation rate can be read in two ways, and
+both are here: each gene of a mutant redrawn with that probability (the toolbox's uniform mutation; `ga`), or each
+individual with that probability, in one gene (`ga-individual`).
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ from tentacle.gait import GAIT_PARAMETERS
 
 
 class GeneticAlgorithm:
-    """Batches are generations of `population` individuals; genes lie in [0, 1]."""
+    """Batches are generations of `population` individuals; genes lie in [0, 1]. by_individual: see above."""
 
-    def __init__(self, seed: int, population: int = 50, mutation: float = 0.02) -> None:
+    def __init__(self, seed: int, population: int = 50, mutation: float = 0.02, *, by_individual: bool = False) -> None:
         self._random = np.random.default_rng(seed)
-        self._mutation = mutation
+        self._mutation, self._by_individual = mutation, by_individual
         self._elite = int(np.ceil(0.05 * population))
         self._crossed = round(0.8 * (population - self._elite))
         self._generation = self._random.random((GAIT_PARAMETERS, population))
@@ -39,9 +40,16 @@ class GeneticAlgorithm:
         first, second = ranked[:, chosen[: self._crossed]], ranked[:, chosen[self._crossed : 2 * self._crossed]]
         crossed = np.where(self._random.random(first.shape) < 0.5, first, second)
         mutants = ranked[:, chosen[2 * self._crossed :]]
-        redrawn = self._random.random(mutants.shape) < self._mutation
-        mutants = np.where(redrawn, self._random.random(mutants.shape), mutants)
+        mutants = np.where(self._redrawn(mutants.shape), self._random.random(mutants.shape), mutants)
         self._generation = np.concatenate([ranked[:, : self._elite], crossed, mutants], axis=1)
+
+    def _redrawn(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+        """Which genes (9, M) of the mutants are drawn anew."""
+        if not self._by_individual:
+            return self._random.random(shape) < self._mutation
+        chosen = self._random.random(shape[1]) < self._mutation
+        gene = self._random.integers(shape[0], size=shape[1])
+        return (np.arange(shape[0])[:, None] == gene) & chosen
 
     def _select(self, fitness: Array, count: int) -> NDArray[np.intp]:
         """Stochastic universal selection: one throw, evenly spaced pointers on the wheel, then shuffled into pairs."""

@@ -1,0 +1,89 @@
+"""What `optimise` says and writes: files, the check on the reference, a few lines on the screen."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from affine_model.swim import Front, Swimming, Trial
+    from tentacle.model import Model
+
+
+def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
+    """What MuJoCo gives for the gait and the best sine: speeds on the rail, mean thrust clamped, and the gains."""
+    from tentacle.cli._swimming import reference_speed, reference_thrust
+
+    speed, sine_speed = reference_speed(model, found.gait), reference_speed(model, found.sine)
+    thrust, sine_thrust = reference_thrust(model, found.gait), reference_thrust(model, found.sine)
+    return {
+        "speed_m_s": speed,
+        "sine_speed_m_s": sine_speed,
+        "speed_gain": speed / sine_speed,
+        "thrust_n": thrust,
+        "sine_thrust_n": sine_thrust,
+        "thrust_gain": thrust / sine_thrust,
+    }
+
+
+def write_answer(
+    arguments: argparse.Namespace,
+    trial: Trial,
+    found: Swimming,
+    tables: dict[str, Any],
+    front: Front | None,
+    folder: Path,
+) -> None:
+    """gait.toml (for simulate and the rig), result.toml, result.json with the course, session.rrd and report.html."""
+    import json
+    import shlex
+    import sys
+
+    import tomli_w
+
+    from tentacle.io.provenance import input_hashes, versions
+    from tentacle.io.waveform_file import write_waveform
+    from tentacle.pages.swimming import write_film, write_page
+    from viz.report import Origin
+
+    course = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}
+    everything = {**tables, "course": course} | ({} if front is None else {"front": front_table(front)})
+    write_waveform(found.gait, folder / "gait.toml")
+    (folder / "result.toml").write_text(tomli_w.dumps(tables), encoding="utf-8", newline="\n")
+    (folder / "result.json").write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
+    write_film(trial, found, folder / "session.rrd")
+    files = [path for path in (arguments.arm, arguments.limits) if path is not None]
+    command = shlex.join(["tentacle", *sys.argv[1:]])
+    origin = Origin(command, arguments.seed, versions(), input_hashes(files))
+    write_page(trial, found, tables, front, origin, folder / "report.html")
+
+
+def front_table(front: Front) -> dict[str, list[Any]]:
+    """A front as plain data."""
+    return {
+        "alpha": front.alpha.T.tolist(),
+        "speed_m_s": front.speed.tolist(),
+        "power_w": front.power.tolist(),
+    }
+
+
+def summary(tables: dict[str, Any]) -> list[str]:
+    """The result in a few lines."""
+    search, promise, sine = tables["search"], tables["promise"], tables["sine"]["promise"]
+    lines = [
+        f"{search['objective']}: {search['gain']:.2f} times the best sine that this servo can follow "
+        f"({search['evaluations']} gaits, {search['method']}, seed {search['seed']}; climbed from: {search['origin']})",
+        f"thrust {1e3 * promise['thrust_n']:.1f} mN (sine {1e3 * sine['thrust_n']:.1f}), "
+        f"speed {100 * promise['speed_m_s']:.2f} cm/s (sine {100 * sine['speed_m_s']:.2f}), "
+        f"power {1e3 * promise['power_w']:.1f} mW (sine {1e3 * sine['power_w']:.1f})",
+    ]
+    if "reference" in tables:
+        reference = tables["reference"]
+        lines.append(
+            f"MuJoCo: thrust {1e3 * reference['thrust_n']:.1f} mN, speed {100 * reference['speed_m_s']:.2f} cm/s; "
+            f"{reference['thrust_gain']:.2f} and {reference['speed_gain']:.2f} times the sine's"
+        )
+    if "left_out" in tables:
+        lines.append(f"MuJoCo: not checked; {tables['left_out']['reference']}")
+    return lines

@@ -1,0 +1,57 @@
+"""The search of `optimise`: one with a bar, or one a seed side by side."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from affine_model.swim import Generation, Swimming, Trial
+    from tentacle.model import Model
+
+
+def searched(arguments: argparse.Namespace, trial: Trial, model: Model) -> Swimming:
+    """The best of the searches that were asked for."""
+    from tentacle.cli._swim_work import best_of_restarts
+
+    if arguments.restarts == 1 and not arguments.cluster:
+        return search_with_progress(arguments, trial, model)
+    settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "robust")}
+    settings["device"] = trial.device
+    seeds = range(arguments.seed, arguments.seed + arguments.restarts)
+    return best_of_restarts(model, trial.limits, settings, seeds, arguments.out / "searches", arguments.cluster)
+
+
+def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Model) -> Swimming:
+    """The search with a bar on standard error, noted generation by generation in OUT/search.jsonl."""
+    from dataclasses import asdict
+
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
+    from affine_model.swim import optimise
+    from tentacle.cli._swim_work import VERSION
+    from tentacle.cli._swimming import SearchNotes
+    from tentacle.io.model_file import model_tables
+
+    settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
+    inputs = {"version": VERSION, "model": model_tables(model), "limits": asdict(trial.limits), **settings}
+    notes = SearchNotes(arguments.out / "search.jsonl", inputs)
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"))
+    with Progress(*columns, TimeRemainingColumn(), transient=True, console=Console(stderr=True)) as progress:
+        task = progress.add_task(f"{arguments.method}, {arguments.objective}", total=arguments.evaluations)
+
+        def watch(generation: Generation) -> None:
+            notes.note(generation)
+            progress.update(task, completed=generation.evaluations)
+
+        return optimise(
+            trial,
+            OBJECTIVE_TABLE[arguments.objective],
+            method=arguments.method,
+            evaluations=arguments.evaluations,
+            seed=arguments.seed,
+            noted=notes.scores(),
+            watch=watch,
+        )
