@@ -52,19 +52,8 @@ def made(material: Path) -> None:
         raise RuntimeError("the material could not be made")
 
 
-HEAVY = (
-    "simulate", "optimise", "compare", "identify", "diagnose", "blind-trial", "validate", "render", "track", "replay",
-)  # fmt: skip
-    "simulate",
-    "optimise",
-    "compare",
-    "identify",
-    "diagnose",
-    "blind-trial",
-    "validate",
-    "render",
-    "track",
-    "replay",
+HEAVY = frozenset(
+    ["simulate", "optimise", "compare", "identify", "diagnose", "blind-trial", "validate", "render", "track", "replay"]
 )
 
 
