@@ -113,7 +113,10 @@ def check_video(file: Path) -> None:
         with av.open(str(file)) as container:
             if not container.streams.video:
                 raise InputError("holds no video", file=file)
-            require_size(container.streams.video[0].width, container.streams.video[0].height, file)
+            stream = container.streams.video[0]
+            if stream.codec_context is None:
+                raise InputError("its codec is not known", file=file, expected="a video that FFmpeg reads")
+            require_size(stream.codec_context.width, stream.codec_context.height, file)
             if next(container.decode(video=0), None) is None:
                 raise InputError("not one frame can be decoded", file=file)
     except (FFmpegError, OSError) as error:
