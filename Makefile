@@ -28,6 +28,9 @@ test: setup
 	$(BIN)/python -m pytest -n 2 --dist loadfile $(BOARD:%=--ignore=%) --ignore=$(SHOWN)
 	$(BIN)/python -m pytest $(BOARD)
 
+hostile: setup  # every hostile trial: damaged inputs, full disks, signals, torn caches; a quarter of an hour
+	$(BIN)/python -m tests.hostile.run
+
 commands: setup
 	$(BIN)/python -m pytest $(SHOWN)
 

@@ -25,6 +25,7 @@ from rig.record import RunResult, record
 from rig.run_file import iterate_frames, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
+from tentacle.io.sound_recording import LONGEST
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.io.waveform_file import parse_waveform
 
@@ -70,7 +71,7 @@ def _parse_run(table: Table, setup: RigSetup) -> list[CampaignRun]:
     name = table.string("name")
     if not name or any(c in name for c in "/\\\0") or name.startswith("."):
         raise table.error(f"{name!r} is no file name", "name", "a plain name")
-    duration = table.number("duration_s", above=0)
+    duration = table.number("duration_s", above=0, most=LONGEST)
     repeat = table.whole_number("repeat", 1, least=1)
     waveform = parse_waveform(table.required_table("waveform"))
     table.finish()

@@ -15,11 +15,12 @@ from rig import protocol
 from rig.board import Board
 from rig.camera import Camera
 from rig.camera_watch import FLASH_EVERY, FLASH_MS, CameraWatch
+from rig.coverage import told_gaps
 from rig.fault import Fault
 from rig.interrupts import Interrupts
 from rig.motion import Motion
 from rig.play import PlayEnd, PlayStart, play
-from rig.protocol import Event, LoadSample, Sample, Type
+from rig.protocol import Event, LoadSample, Sample, ServoSample, Type
 from rig.recorder import Recorder
 from rig.settle import Settling
 from rig.setup_file import RigSetup
@@ -50,6 +51,7 @@ class LiveRun:
         if camera is not None and setup.camera is not None:
             self._watch = CameraWatch(camera, setup.camera, board.time)
         self._load: list[tuple[int, int]] = []
+        self._servo_us: list[int] = []
         self._clocked_at = -1e9
 
     def perform(self, recorder: Recorder) -> PlayEnd:
@@ -68,7 +70,7 @@ class LiveRun:
                 share = (self.board.time.now() - begun) / (self.motion.duration + 0.5)
                 self.progress("running", min(share, 1.0))
         assert end is not None
-        return end
+        return told_gaps(end, [us for us, _ in self._load], self._servo_us, self.motion.duration)
 
     def _settle(self, recorder: Recorder) -> None:
         """The paper's rule, with its time-out; the LED flashes meanwhile, for the camera's clock."""
@@ -123,6 +125,8 @@ class LiveRun:
         for sample in batch:
             if isinstance(sample, LoadSample):
                 self._load.append((sample.board_us, sample.counts))
+            elif isinstance(sample, ServoSample):
+                self._servo_us.append(sample.board_us)
             elif isinstance(sample, Event) and self._watch is not None:
                 self._watch.event(sample)
         if self._watch is not None:

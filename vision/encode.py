@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
+from tentacle.io.written_file import written_file
 
 TICKS = 1_000_000  # time stamps to the microsecond
 
@@ -86,5 +87,10 @@ def write_picture(path: Path, image: NDArray[np.uint8]) -> None:
     """Write a grey or RGB picture; the suffix says how. Raises InputError where it cannot be written."""
     packed = image if image.ndim == 2 else image[:, :, ::-1]
     suffix = Path(path).suffix.lower()
-    if suffix not in (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp") or not cv2.imwrite(str(path), packed):
+    if suffix not in (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"):
         raise InputError("the picture cannot be written", file=path, expected="a .png in a folder that exists")
+    encoded, content = cv2.imencode(suffix, packed)
+    if not encoded or not path.absolute().parent.is_dir():
+        raise InputError("the picture cannot be written", file=path, expected="a .png in a folder that exists")
+    with written_file(path) as partial:
+        partial.write_bytes(content.tobytes())

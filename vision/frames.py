@@ -18,6 +18,8 @@ from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
+from tentacle.io.plain_file import require_plain
+from tentacle.io.video_file import check_png
 
 Grey = NDArray[np.uint8]
 # a look at seconds of the stream before the first frame would run to a growing file's end, and take it for the last
@@ -160,8 +162,14 @@ def _read_folder(path: Path, fps: float | None) -> Iterator[Frame]:
 
 def read_picture(path: Path) -> Grey:
     """One picture as grey, 8 bit. Raises InputError where it cannot be read."""
-    data = np.fromfile(path, np.uint8) if path.is_file() else np.zeros(0, np.uint8)
-    picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
+    require_plain(path, "a PNG, JPEG, TIFF or BMP")
+    content = path.read_bytes()
+    if path.suffix.lower() == ".png":
+        check_png(content, path)
+    try:
+        picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED) if content else None
+    except cv2.error:  # too large, for one
+        picture = None
     if picture is None:
         raise InputError("the picture cannot be read", file=path, expected="a PNG, JPEG, TIFF or BMP")
     if picture.dtype == np.uint16:

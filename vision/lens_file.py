@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from tentacle.errors import InputError
+from tentacle.io.toml_table import read_toml
 from vision.lens import Lens
 
 
 def read_lens(path: Path) -> Lens:
     """The [lens] table of a file. Raises InputError that names file and field."""
     path = Path(path)
-    try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"it cannot be read ({error})", file=path, expected="a TOML file with [lens]") from error
+    _, tables = read_toml(path, "a TOML file with [lens]")
     table = tables.get("lens")
     if not isinstance(table, dict):
         raise InputError("there is no [lens]", file=path, expected="a file of tentacle calibrate")
@@ -35,7 +32,7 @@ def read_lens(path: Path) -> Lens:
 
 def _number(table: dict[str, Any], name: str, path: Path) -> float:
     value = table.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
         raise InputError(f"{value!r} is not usable", file=path, field=name, expected="a number")
     return float(value)
 

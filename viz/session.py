@@ -13,7 +13,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from tentacle.diagnosis import Diagnosis
-from tentacle.io.rrd_stream import new_stream
+from tentacle.io.rrd_stream import new_stream, saved
+from tentacle.io.written_file import written_file
 from tentacle.recording import Declaration, Recording
 from viz.blueprints.diagnose import diagnose_blueprint
 from viz.blueprints.run import Shown
@@ -37,17 +38,9 @@ def session_id(*words: str) -> UUID:
 @contextmanager
 def session_file(path: Path, identity: UUID) -> Iterator[rr.RecordingStream]:
     """A stream into path. The file appears under its name only when the block ends without an error."""
-    unfinished = path.with_name(path.name + ".unfinished")
     session = new_stream(identity, send_properties=False)
-    try:
-        session.save(unfinished)
+    with written_file(path) as unfinished, saved(session, unfinished):
         yield session
-        session.flush()
-        session.disconnect()
-        unfinished.replace(path)
-    finally:
-        session.disconnect()
-        unfinished.unlink(missing_ok=True)
 
 
 def set_layout(session: rr.RecordingStream, blueprint: rrb.Blueprint) -> None:

@@ -171,6 +171,6 @@ DECLARATION = "/declaration"  # only a plain recording holds one; a session has 
 
 def holds(file: Path, entity: str) -> bool:
     """Whether an .rrd has something under an entity's path."""
-    from rerun.chunk import RrdReader
+    from tentacle.io.rrd_chunks import read_chunks
 
-    return any(str(chunk.entity_path) == entity for chunk in RrdReader(str(file)).stream())
+    return any(chunk.entity == entity for chunk in read_chunks(file))

@@ -36,7 +36,7 @@ from tentacle.io.declaration_file import format_recording_file
 from tentacle.io.film_pieces import LARGE_VIDEO, log_film
 from tentacle.io.recording_from_rrd import read_rrd
 from tentacle.io.rrd_chunks import just_written
-from tentacle.io.rrd_stream import new_stream, require_whole
+from tentacle.io.rrd_stream import new_stream, saved
 from tentacle.io.video_file import frame_files
 from tentacle.io.write_folder import describe
 from tentacle.io.written_file import written_file
@@ -61,11 +61,8 @@ def write_rrd(recording: Recording, file: Path) -> None:
         raise InputError("no such folder", file=file.parent)
     with written_file(file) as partial:
         stream = new_stream(_identity(recording))
-        stream.save(partial)
-        log_recording(recording, stream)
-        stream.flush()
-        stream.disconnect()
-        require_whole(partial)
+        with saved(stream, partial):
+            log_recording(recording, stream)
     just_written(file)
 
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import errno
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from uuid import UUID
 
@@ -12,6 +15,7 @@ import rerun_bindings
 from tentacle.io.rrd_chunks import FOOTER_END, FOOTER_MAGIC
 
 APPLICATION = "tentacle-twin"
+ROOM = 256 * 1024  # bytes that a disk must still take before a file is begun
 
 
 def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.RecordingStream:
@@ -24,9 +28,27 @@ def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.Reco
     return rr.RecordingStream(APPLICATION, recording_id=identity, send_properties=send_properties)
 
 
-def require_whole(file: Path) -> None:
-    """OSError where a file that was closed has no footer: Rerun tells nobody that a disk was full."""
-    with file.open("rb") as opened:
+@contextmanager
+def saved(stream: rr.RecordingStream, file: Path, blueprint: rr.blueprint.Blueprint | None = None) -> Iterator[None]:
+    """What is logged inside goes into the file. OSError where the disk does not take it to its end."""
+    with file.open("wb") as probe:  # Rerun stands still for good where its very first bytes cannot be written
+        probe.write(bytes(ROOM))
+        probe.flush()
+        os.fsync(probe.fileno())
+    try:
+        stream.save(file, default_blueprint=blueprint)
+        yield
+        stream.flush()
+        stream.disconnect()
+    except RuntimeError as error:
+        stream.disconnect()
+        if "writer" in str(error) or "write" in str(error):
+            raise OSError(errno.ENOSPC, f"cannot be written: {error}", str(file)) from None
+        raise
+    except BaseException:
+        stream.disconnect()
+        raise
+    with file.open("rb") as opened:  # Rerun tells nobody that a disk was full
         opened.seek(max(0, file.stat().st_size - FOOTER_END))
         if opened.read(len(FOOTER_MAGIC)) != FOOTER_MAGIC:
             raise OSError(errno.ENOSPC, "could not be written to its end (is the disk full?)", str(file))

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import struct
+import zlib
 from pathlib import Path
 
 from tentacle.errors import InputError
+from tentacle.io.plain_file import is_there, require_plain
 from tentacle.signals import Video
 
+LARGEST_SIDE = 16384  # px
 VIDEO_SUFFIXES = (".mp4", ".mkv", ".avi", ".mov", ".webm")
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 _PNG_END = b"IEND\xaeB`\x82"
@@ -14,7 +19,7 @@ _PNG_END = b"IEND\xaeB`\x82"
 
 def find_video(folder: Path) -> Video | None:
     """The folder's video, tried; None where there is none. InputError where it is unreadable, or there are two."""
-    files = [folder / f"video{suffix}" for suffix in VIDEO_SUFFIXES if (folder / f"video{suffix}").exists()]
+    files = [folder / f"video{suffix}" for suffix in VIDEO_SUFFIXES if os.path.lexists(folder / f"video{suffix}")]
     frames = folder / "frames"
     if frames.is_dir():
         files.append(frames)
@@ -71,16 +76,31 @@ def frame_rate(file: Path) -> float:
 def check_frames(folder: Path) -> None:
     """InputError where a frame is no whole PNG file."""
     for file in frame_files(folder):
-        with file.open("rb") as opened:
-            start = opened.read(len(_PNG_START))
-            opened.seek(0, 2)
-            size = opened.tell()
-            opened.seek(max(0, size - len(_PNG_END)))
-            end = opened.read()
-        if start != _PNG_START:
-            raise InputError("not a PNG image", file=file)
-        if end != _PNG_END:
-            raise InputError("the image is cut off", file=file, expected="a whole PNG file")
+        check_png(file.read_bytes() if is_there(file) else b"", file)
+
+
+def check_png(data: bytes, file: Path) -> None:
+    """InputError where a PNG is cut off, damaged (its own checksums say so), or of a size that no camera has."""
+    if not data.startswith(_PNG_START):
+        raise InputError("not a PNG image", file=file)
+    if not data.endswith(_PNG_END):
+        raise InputError("the image is cut off", file=file, expected="a whole PNG file")
+    at = len(_PNG_START)
+    while at + 12 <= len(data):
+        (length,) = struct.unpack_from(">I", data, at)
+        body = data[at + 4 : at + 8 + length]
+        if len(data) < at + 12 + length or zlib.crc32(body) != struct.unpack_from(">I", data, at + 8 + length)[0]:
+            raise InputError("the image is damaged", file=file, expected="a PNG file as it was written")
+        if body[:4] == b"IHDR":
+            width, height = struct.unpack_from(">II", body, 4)
+            require_size(width, height, file)
+        at += 12 + length
+
+
+def require_size(width: int, height: int, file: Path) -> None:
+    """InputError for a picture that no camera takes: decoded it would fill the memory."""
+    if not (0 < width <= LARGEST_SIDE and 0 < height <= LARGEST_SIDE):
+        raise InputError(f"{width} x {height} pixels", file=file, expected=f"at most {LARGEST_SIDE} a side")
 
 
 def check_video(file: Path) -> None:
@@ -88,10 +108,15 @@ def check_video(file: Path) -> None:
     import av  # it takes 0.1 s to import, and most recordings come without a video
     from av.error import FFmpegError
 
+    require_plain(file, "a video")
     try:
         with av.open(str(file)) as container:
             if not container.streams.video:
                 raise InputError("holds no video", file=file)
+            stream = container.streams.video[0]
+            if stream.codec_context is None:
+                raise InputError("its codec is not known", file=file, expected="a video that FFmpeg reads")
+            require_size(stream.codec_context.width, stream.codec_context.height, file)
             if next(container.decode(video=0), None) is None:
                 raise InputError("not one frame can be decoded", file=file)
     except (FFmpegError, OSError) as error:

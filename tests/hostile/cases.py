@@ -237,9 +237,9 @@ def _places() -> Iterator[Case]:
     for material, file, arguments, others in PLACES:
         path = f"{material}/{file}" if file else material
         for kind, change in KINDS:
+            optional = kind == "missing" and file in ("motor.csv", "midline.csv")
             yield Case(f"{path} is {kind}: {' '.join(arguments[:2])}", arguments, (material, *others),
-                       partial(_change, path, change), must_refuse=file != "motor.csv" or kind != "missing",
-                       stop=5.0)  # fmt: skip
+                       partial(_change, path, change), must_refuse=not optional, stop=20.0)  # fmt: skip
 
 
 def _change(path: str, change: Damage, folder: Path) -> None:
@@ -261,12 +261,12 @@ def _disks(seed: int) -> Iterator[Case]:
     """Disks that are full after so many bytes, that take nothing, and places that cannot be written."""
     for arguments, inputs in WORK:
         name = f"full disk: {' '.join(arguments[:2])}"
-        for size in _random(seed, name).choice([0, 100, 4096, 20000, 60000], size=2, replace=False).tolist():
-            yield Case(f"{name} after {size}", arguments, inputs, file_size=size, stop=5.0)
+        for size in _random(seed, name).choice([1000, 4096, 20000, 60000], size=2, replace=False).tolist():
+            yield Case(f"{name} after {size}", arguments, inputs, file_size=size, stop=20.0)
         out = next(k for k, word in enumerate(arguments) if word.startswith("out"))
         for place in ("/dev/full", "/proc/out", "no/such/folder/" + arguments[out], "taken/" + arguments[out]):
             changed = (*arguments[:out], place, *arguments[out + 1 :])
-            yield Case(f"{' '.join(arguments[:2])} to {place}", changed, inputs, _take, stop=5.0)
+            yield Case(f"{' '.join(arguments[:2])} to {place}", changed, inputs, _take, stop=20.0)
 
 
 def _take(folder: Path) -> None:

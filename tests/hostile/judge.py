@@ -175,6 +175,8 @@ def _kind(case: Case, code: int, said: str) -> str:
         return "silent"
     if "Traceback" in said or code in (70, 71):
         return "traceback"
+    if code == -case.signal:
+        return "stopped"  # before it had begun
     if code < 0:
         return f"abort {code}"
     if code == 0:

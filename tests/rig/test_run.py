@@ -132,5 +132,5 @@ def test_points_beyond_the_limits_are_refused_by_the_board_too(
     board.command(Type.CLEAR)
     with pytest.raises(Fault, match="outside limits"):
         board.command(Type.POINTS, protocol.points(0, [0, 900_000]))
-    with pytest.raises(Fault, match="BAD_LIMITS"):
+    with pytest.raises(Fault, match="bad limits"):
         board.command(Type.LIMITS, protocol.limits(-800_000, 800_000, 8_000_000, 900, 2000, 637))

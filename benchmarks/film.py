@@ -1,0 +1,91 @@
+"""A long film of a run: memory and time of putting its frames into one video at the end (rig.record.add_film).
+
+python benchmarks/film.py --json FILE [--minutes 60]
+
+The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from benchmarks._rig_scene import DECLARED
+from rig.camera import CameraFrame
+from rig.clock import ClockFit
+from rig.record import add_film
+from rig.recorder import Recorder
+from rig.setup_file import LoadCellCalibration
+from tentacle.io.declaration_file import declaration_tables
+
+FPS = 30
+PICTURES = 60  # different ones
+
+
+def pictures() -> list[bytes]:
+    """A dark arm on a light ground at some angles, with a camera's noise, as JPEG."""
+    random = np.random.default_rng(1)
+    found = []
+    for k in range(PICTURES):
+        picture = np.full((720, 1280, 3), 190, np.uint8)
+        tip = (640 + round(200 * np.sin(2 * np.pi * k / PICTURES)), 600)
+        cv2.line(picture, (640, 60), tip, (40, 40, 40), 60)
+        noisy = np.clip(picture + random.normal(0.0, 2.0, picture.shape), 0, 255).astype(np.uint8)
+        found.append(cv2.imencode(".jpg", noisy, [cv2.IMWRITE_JPEG_QUALITY, 92])[1].tobytes())
+    return found
+
+
+def memory_mb(kind: str) -> float:
+    """VmRSS or VmHWM of this process [MB]."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(float(line.split()[1]) for line in lines if line.startswith(kind)) / 1000
+
+
+def main() -> None:
+    """Writes the frames, makes the film, and the figures as JSON."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", type=Path, required=True)
+    parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--folder", type=Path, help="where 8 GB an hour have room (default: the temporary folder)")
+    arguments = parser.parse_args()
+    count, stills = round(60 * FPS * arguments.minutes), pictures()
+    cell = LoadCellCalibration(0.0, 1.0)
+    start = {"name": "film", "recording": declaration_tables(DECLARED), "lead_s": 0.0, "load_cell": {}}
+    with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
+        path = Path(folder) / "run.rrd"
+        with Recorder(path, start, cell.to_newtons) as recorder:
+            recorder.clock(ClockFit(0.0, 0.0, 0.0, 1e-4, 1e-3))
+            recorder.begin(1)
+            for k in range(count):
+                recorder.frames([CameraFrame(1.0 + k / FPS, stills[k % PICTURES], np.zeros((12, 16)))])
+                if k % 5 == 0:
+                    recorder.flush()
+            before = memory_mb("VmRSS")
+            stop = {"start_us": 1, "camera": {"offset_s": 0.0}, "rest_n": 0.0}
+            size, begun = path.stat().st_size, time.monotonic()
+            add_film(recorder, path, stop)
+            recorder.stop("complete", stop)
+        took = time.monotonic() - begun
+        figures = {
+            "film_minutes": arguments.minutes,
+            "film_frames_gb": size / 1e9,
+            "film_peak_mb": memory_mb("VmHWM"),
+            "film_before_mb": before,
+            "film_fps": count / took,
+            "film_file_gb": path.stat().st_size / 1e9,
+        }
+    print(figures)
+    arguments.json.write_text(json.dumps({"figures": figures}, indent=1))
+
+
+if __name__ == "__main__":
+    main()
