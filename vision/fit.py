@@ -23,6 +23,8 @@ ENDS = 8.0  # px along the arm within which its ends are looked for, once the re
 TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
 SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
+MOST_TURN = 3.0 * np.pi  # rad from base to tip
+MOST_BEND = 2.5  # curvature times the half thickness
 SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
 
 
@@ -84,6 +86,8 @@ def refine(
         if np.count_nonzero(base) < 4 * order:
             return None
         x = x + robust_step(np.ascontiguousarray(expected.jacobian[:, :order]), edges.offset, base, 6, 0.4)[0]
+        if _wild(geometry, x):
+            return None
     sound, first = np.zeros(0, dtype=np.bool_), None
     total = x + theta * (np.arange(order) == 0)
     expected = outline(geometry, theta, x, shared)
@@ -105,7 +109,21 @@ def refine(
         if first is not None:
             return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends, swept)
         x, first, sound = x + step, edges, weight > 0
+        if _wild(geometry, x):
+            return None
     return None
+
+
+def _wild(geometry: Geometry, x: Array) -> bool:
+    """Whether a step has left all shapes that an arm can have: it turns too far, or bends into its own thickness.
+
+    An edge on the inside of such a bend stands for a stretch without end, and the work on it would have none either.
+    """
+    s = np.linspace(0.0, 1.0, 41)
+    bend = sum((x[k] * s ** (k - 1) for k in range(1, len(x))), np.zeros(len(s)))
+    turned = np.concatenate([[0.0], np.cumsum(0.5 * (bend[1:] + bend[:-1]))]) / (len(s) - 1)
+    thick = float(geometry.radius.max()) / geometry.length
+    return not (np.ptp(turned) < MOST_TURN and np.abs(bend).max() * thick < MOST_BEND)
 
 
 def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:

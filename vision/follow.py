@@ -19,6 +19,7 @@ from vision.kinematics import SHARED, Geometry
 from vision.light import Light
 from vision.locate import locate
 from vision.motion import Motion
+from vision.remedy import remedies
 
 FIRST_FRAMES = 16  # frames from which the recording's parameters are first estimated
 LEAST_SCORE = 0.45  # of a coarse find
@@ -72,6 +73,11 @@ class Follower:
         self._changes: list[float] = []
         self._lost = 0
         self._light: Light | None = None
+        self._latest: NDArray[np.uint8] | None = None
+
+    def remedies(self) -> list[str]:
+        """What may be wrong in the declaration, by the last picture that was looked at; [] before the first."""
+        return [] if self._latest is None else remedies(self._latest, self.geometry, self._theta is not None)
 
     def theta(self, t: float) -> float:
         """The motor's angle [rad] at a time [s]; 0 where it is not known."""
@@ -82,6 +88,7 @@ class Follower:
 
         Raises InputError where no frame shows an arm that the declaration fits.
         """
+        self._latest = frames[-1].image
         self._changes = [_change(a.image, b.image) for a, b in pairwise(frames)]
         found = None
         for index in np.unique(np.linspace(0, len(frames) - 1, 6).astype(int)):
@@ -197,6 +204,7 @@ class Follower:
     def see(self, frame: Frame) -> Seen:
         """Fit the next frame; start must have been called."""
         assert self.sight is not None
+        self._latest = frame.image
         if self._repeats(frame):
             return self._rejected(frame, "repeats the frame before")
         fit, reason = None, "arm not found"

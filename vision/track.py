@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,8 @@ from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
 from vision.pool import PENALTY, Pooled, pool
+from vision.remedy import Watch
+from vision.servo_sign import check_sign
 
 ORDERS = (1, 2, 3, 4, 5)
 NO_OUTLINE = np.zeros((0, 2))
@@ -81,20 +84,32 @@ def track_fully(
     progress: Callable[[Seen], None] | None = None,
     patience: float = 0.0,
     outlines: bool = False,
+    warn: Callable[[str], None] | None = None,
 ) -> Tracking:
     """As track, with every frame's own result, the pooled estimate and remarks.
 
     outlines: keep each frame's outline for an overlay; without them a frame's result is 2 kB, all that memory grows by.
+    warn is told at once where most of the first frames are lost, or where the work is slow, and what may help. Raises
+    InputError too where the servo's log turns against the arm's root.
     """
     follower, results = stream(video, declaration, motor, order, lens, patience)
     seen: list[Seen] = []
+    watch = Watch(time.monotonic())
     try:
+        angle = _angle(motor)
+        if angle is not None and not patience and not Path(video).is_char_device():
+            assert declaration.camera is not None
+            check_sign(read_frames(Path(video), declaration.camera.fps), follower.geometry, angle)
         for result in results:
             seen.append(result if outlines else replace(result, outline_px=NO_OUTLINE))
             if progress is not None:
                 progress(result)
+            said = watch.look(time.monotonic(), result.reason)
+            if said and warn is not None:
+                warn("; ".join([said, *follower.remedies()]))
     except InputError as error:
-        raise error if error.file else InputError(error.problem, file=video, expected=error.expected) from error
+        problem = error.problem if error.file else "; ".join([error.problem, *follower.remedies()])
+        raise InputError(problem, file=error.file or video, field=error.field, expected=error.expected) from error
     pooled = pool(seen, follower.shared, order)
     return Tracking(_shape(seen, pooled, follower.geometry, declaration), tuple(seen), pooled, _remarks(seen, pooled))
 
