@@ -13,7 +13,7 @@ from tentacle.errors import InputError
 from tentacle.recording import Declaration
 from tentacle.signals import MotorSignal, ShapeTrack
 from vision.ahead import read_ahead
-from vision.follow import Follower, Seen, follow
+from vision.follow import Follower, Seen, follow, prior_of
 from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
@@ -110,7 +110,7 @@ def track_fully(
     except InputError as error:
         problem = error.problem if error.file else "; ".join([error.problem, *follower.remedies()])
         raise InputError(problem, file=error.file or video, field=error.field, expected=error.expected) from error
-    pooled = pool(seen, follower.shared, order)
+    pooled = pool(seen, follower.shared, order, prior_of(follower.geometry))
     return Tracking(_shape(seen, pooled, follower.geometry, declaration), tuple(seen), pooled, _remarks(seen, pooled))
 
 
