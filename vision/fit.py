@@ -54,7 +54,7 @@ class Sight:
 def contrast_along(fits: list[FrameFit], polarity: float) -> tuple[float, ...]:
     """Sight.along as some fits show it: medians over stretches of the arm, where a stretch is fainter than the arm."""
     s = np.concatenate([fit.expected.s[fit.expected.kind < 2] for fit in fits])
-    contrast = np.concatenate([polarity * fit.edges.contrast[fit.expected.kind < 2] for fit in fits])
+    contrast = np.concatenate([polarity * fit.own_contrast[fit.expected.kind < 2] for fit in fits])
     there = contrast > 0.0
     s, contrast = s[there], contrast[there]
     usual = float(np.median(contrast)) if len(contrast) else 1.0
@@ -70,7 +70,7 @@ class FrameFit:
     x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
     noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. waves (W,): the residuals' slow waves
     along the arm; edges that err independently have a variance of 1 in each. edges, expected and weight (E,) stay for
-    the judge.
+    the judge, own_contrast (E,) [grey], of each edge by itself and 0 where none was found, for the sight.
     """
 
     x: Array
@@ -81,6 +81,7 @@ class FrameFit:
     edges: Edges
     expected: Outline
     weight: Array
+    own_contrast: Array
 
 
 def refine(
@@ -134,7 +135,8 @@ def refine(
         base = _trust(edges, expected.kind, usable)
         step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02, np.zeros(order))
         if first is not None:
-            return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends, swept)
+            fit = _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends, swept)
+            return replace(fit, own_contrast=np.where(first.found, first.contrast, 0.0))
         x, first, sound = x + step, edges, weight > 0
         if _wild(geometry, x):
             return None
@@ -155,7 +157,11 @@ def _wild(geometry: Geometry, x: Array) -> bool:
 
 def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:
     """Side edges (E,) that are there and stand out; the ends move with the recording's parameters, hardly with x."""
-    return edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast_at(expected.s)) & (expected.kind < 2)
+    return (
+        edges.found
+        & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast_at(expected.s))
+        & (expected.kind < 2)
+    )
 
 
 def _clear_of_ends(geometry: Geometry, shared: Array, expected: Outline, swept: Sweep) -> NDArray[np.bool_]:
@@ -212,6 +218,7 @@ def _summary(
         edges=edges,
         expected=expected,
         weight=weight,
+        own_contrast=edges.contrast,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -64,7 +64,16 @@ class Seen:
 class Follower:
     """An arm's state between frames: its last shapes, the recording's parameters g, and how its edges look."""
 
-    def __init__(self, geometry: Geometry, exposure: float, order: int, theta: Callable[[float], float] | None) -> None:
+    def __init__(
+        self,
+        geometry: Geometry,
+        exposure: float,
+        order: int,
+        theta: Callable[[float], float] | None,
+        verdicts: Mapping[int, bool] | None = None,
+    ) -> None:
+        self.verdicts = verdicts or {}  # frame number -> whether a person accepted or rejected it
+        self._count, self.shown_again = 0, 0
         self.geometry, self.exposure, self.size = geometry, exposure, order + 1
         self._theta = theta
         self.shared = np.zeros(SHARED)
@@ -210,14 +219,19 @@ class Follower:
         """Fit the next frame; start must have been called."""
         assert self.sight is not None
         self._latest = frame.image
-        if self._repeats(frame):
+        verdict, self._count = self.verdicts.get(self._count), self._count + 1
+        repeats = self._repeats(frame)
+        if verdict is False:
+            return self._rejected(frame, "rejected by hand")
+        if repeats and not verdict:
             return self._rejected(frame, "repeats the frame before")
         fit, reason = None, "arm not found"
         for x, motion, reaches in self._starts(frame):
             fit = self._fit(frame, x, motion, reaches)
             if fit is None:
                 continue
-            reason = why_rejected(frame.image, self.geometry, self.theta(frame.t), self.shared, fit, self.sight)
+            arm = (self.geometry, self.theta(frame.t), self.shared)
+            reason = "" if verdict else why_rejected(frame.image, *arm, fit, self.sight)
             if not reason:
                 break
         if fit is None or reason:
@@ -253,8 +267,11 @@ class Follower:
         before, self._previous = self._previous, frame.image
         if before is None:
             return False
-        change, usual = _change(before, frame.image), float(np.median(self._changes)) if self._changes else 0.0
+        known = np.array(self._changes or [0.0])
+        change, usual = _change(before, frame.image), float(np.median(known))
         self._changes = [*self._changes[1 - USUAL :], change]
+        # a film that was slowed shows most pictures again: each tells its shape, and the remark says what it is
+        self.shown_again += change < REPEAT * float(np.quantile(known, 0.9))
         return change < REPEAT * usual
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, Motion, tuple[float, ...]]]:
