@@ -209,8 +209,9 @@ def _delivered(film: Film, plain: list[Array], seed: int) -> list[Grey]:
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(p, format="gray")))
             container.mux(stream.encode(None))
         buffer.seek(0)
-        with av.open(buffer) as container:
-            return [f.to_ndarray(format="yuv420p")[: film.size[1]].copy() for f in container.decode(video=0)]
+        with av.open(buffer, "r") as container:
+            pictures = [frame.to_ndarray(format="gray") for frame in container.decode(video=0)]
+            return [np.asarray(picture, dtype=np.uint8) for picture in pictures]
     return noisy
 
 
@@ -240,7 +241,7 @@ class Painter:
     def paint(self, k: int, line: Array) -> tuple[Array, float]:
         """Grey (H, W) of frame k, and the share of its own midline that something in front hides."""
         film, (width, height) = self.film, self.film.size
-        scene = film.ground + self._dirt
+        scene = np.asarray(film.ground + self._dirt, dtype=float)
         if film.intruder == "second_arm":
             aside = np.array([0.2 * width, 0.0])
             bends = -0.7 * self.bends[(k + 7) % film.frames]
@@ -249,14 +250,14 @@ class Painter:
         arm = _share(film, [_body(line, self.widths)])
         if film.halo:
             rim = _share(film, [_body(line, self.widths + 5.0)])
-            scene = scene + film.halo * np.clip(rim - arm, 0.0, 1.0)
+            scene += film.halo * np.clip(rim - arm, 0.0, 1.0)
         seen = film.arm + 0.3 * self._dirt
         if film.fade:
             seen = seen + film.fade * (film.ground - film.arm) * _nearest_station(line, film.size) ** 2
         scene = _over(scene, arm, seen)
         if film.core:
             core = _share(film, [_body(line, 0.35 * self.widths)])
-            scene = scene + film.core * core * (film.ground - seen)
+            scene += film.core * core * (film.ground - seen)
         turned = self.rest + (self.theta[k] if film.servo else 0.0)
         held = _share(film, _holder(film, self.base, turned))
         scene = _over(scene, held, 0.4 * film.arm if film.at_base == "dark" else film.arm)
@@ -302,7 +303,7 @@ class Drawn:
 
 
 def _over(scene: Array, share: Array, grey: Array | float) -> Array:
-    return scene + share * (grey - scene)
+    return np.asarray(scene + share * (grey - scene), dtype=float)
 
 
 def draw_film(film: Film, seed: int = 1) -> Drawn:

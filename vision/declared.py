@@ -36,19 +36,20 @@ def is_recording(source: Path) -> bool:
     return source.suffix == ".rrd" or (source / "recording.toml").exists()
 
 
+def _arm(numbers: Numbers) -> Specimen:
+    length, base, tip = numbers.length, numbers.base_radius, numbers.tip_radius
+    if length is None or base is None or tip is None:
+        missing = "--length" if length is None else "--base-radius" if base is None else "--tip-radius"
+        expected = "metres, or --pick with --length alone"
+        raise InputError("a plain video says nothing of the arm", field=missing, expected=expected)
+    return Specimen(Cone(base, tip), length, density=WATER)
+
+
 def recording_of(source: Path, numbers: Numbers, lens: Lens | None) -> Recording:
     """The recording at a path, or one made of a plain video and the arm's numbers."""
     if is_recording(source):
         return read_recording(source)
-    for name in ("length", "base_radius", "tip_radius"):
-        if getattr(numbers, name) is None:
-            raise InputError(
-                "a plain video says nothing of the arm",
-                field=f"--{name.replace('_', '-')}",
-                expected="metres, or --pick with --length alone",
-            )
-    assert numbers.length is not None and numbers.base_radius is not None and numbers.tip_radius is not None
-    specimen = Specimen(Cone(numbers.base_radius, numbers.tip_radius), numbers.length, density=WATER)
+    specimen = _arm(numbers)
     fps = numbers.fps or 30.0
     metres_per_px = numbers.metres_per_px or (lens.metres_per_px if lens is not None else None)
     if numbers.base_px is not None and metres_per_px is not None:

@@ -127,7 +127,7 @@ def locate(
 ) -> Located:
     """The best coarse shape of an arm whose base is known; theta None: it may point anywhere.
 
-    coordinates: of x, where the course that is traced from the base explains the picture better than offset, q1 and q2 do.
+    coordinates: of x, where the course that is traced from the base explains the picture better than offset, q1 and q2.
 
     The score says how far to trust it: above about 0.5 both sides stand out against the ground along most of the arm.
     """

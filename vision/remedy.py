@@ -34,7 +34,8 @@ def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[
         )
     if abs(seen.length_px / geometry.length - 1.0) > SCALED:
         words.append(
-            f"it is {seen.length_px:.0f} px long, declared {geometry.length:.0f} px: m_per_px, length_m, or a part hidden"
+            f"it is {seen.length_px:.0f} px long, declared {geometry.length:.0f} px: look at m_per_px and length_m,"
+            " or a part of it is hidden"
         )
     if servo and np.arccos(np.clip(np.array(seen.arm_px) @ geometry.arm, -1.0, 1.0)) > TURNED:
         words.append(f"it points along arm_px = [{seen.arm_px[0]:.2f}, {seen.arm_px[1]:.2f}]")
@@ -44,11 +45,17 @@ def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[
 class Watch:
     """Says once, early, that a track is slow or loses most of its frames."""
 
-    def __init__(self, began: float) -> None:
-        self._began, self._frames, self._lost, self._said = began, 0, 0, False
+    def __init__(self) -> None:
+        self._began: float | None = None
+        self._frames, self._lost, self._said = 0, 0, False
 
     def look(self, now: float, reason: str) -> str:
-        """What is wrong, or "": now [s] on the clock of began, after a frame with that reason of rejection."""
+        """What is wrong, or "": at now [s] on any clock, after a frame with that reason of rejection.
+
+        Time counts from the first frame: what comes before is the compiler's work, once.
+        """
+        if self._began is None:
+            self._began = now
         if reason == "repeats the frame before":
             return ""
         self._frames += 1

@@ -43,7 +43,8 @@ def moving_frames(frames: Iterable[Frame], theta: Callable[[float], float]) -> l
 
 def check_sign(frames: Iterable[Frame], geometry: Geometry, theta: Callable[[float], float]) -> None:
     """Raises InputError where the root turns against the log; says nothing where the frames do not tell."""
-    logged, seen = [], []
+    logged: list[float] = []
+    seen: list[float] = []
     polarities: tuple[float, ...] = (1.0, -1.0)
     for frame in moving_frames(frames, theta):
         where = locate(frame.image, geometry, np.zeros(SHARED), None, polarities)
@@ -58,12 +59,15 @@ def check_sign(frames: Iterable[Frame], geometry: Geometry, theta: Callable[[flo
         )
         if fit is not None:
             logged.append(theta(frame.t))
-            seen.append(fit.x[0])
+            seen.append(float(fit.x[0]))
     if len(seen) < FEWEST - 1 or np.ptp(logged) < 2 * APART:
         return
-    seen = np.unwrap(np.array(seen))
-    slope = float(np.polyfit(logged, seen, 1)[0])
-    if slope < REVERSED and np.corrcoef(logged, seen)[0, 1] < -ALIKE:
+    angles = np.array(logged) - np.mean(logged)
+    root = np.unwrap(np.array(seen, dtype=float))
+    root -= root.mean()
+    slope = float(angles @ root / (angles @ angles))
+    alike = float(angles @ root / np.sqrt((angles @ angles) * max(float(root @ root), 1e-12)))
+    if slope < REVERSED and alike < -ALIKE:
         raise InputError(
             f"the arm's root turns {slope:+.1f} rad a rad of the servo's log",
             field="motor.csv angle_rad",

@@ -131,10 +131,9 @@ def trace(
     s = (np.arange(STEPS) + 0.5) / STEPS
     radius = np.interp(s + 0.5 / STEPS, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))
     first = np.linspace(-0.5, 0.5, 9) + theta if theta is not None else np.linspace(-np.pi, np.pi, 48, endpoint=False)
-    headings = _chains(
-        small, shrink, geometry.lens.packed, geometry.base + shared[:2], np.array([geometry.normal, geometry.arm]),
-        geometry.length * (1.0 + shared[2]) / STEPS, radius, first, TURNS, BENT, (CELL, HEADING), scale, polarity, WIDEST,
-    )  # fmt: skip
+    axes, step = np.array([geometry.normal, geometry.arm]), geometry.length * (1.0 + shared[2]) / STEPS
+    place = (small, shrink, geometry.lens.packed, geometry.base + shared[:2], axes, step, radius)
+    headings = _chains(*place, first, TURNS, BENT, (CELL, HEADING), scale, polarity, WIDEST)
     design = np.array([np.ones(STEPS), *(s**k / k for k in range(1, size))]).T
     right = design.T @ (headings - (theta or 0.0))
     return np.asarray(np.linalg.solve(design.T @ design + HELD * np.eye(size), right), dtype=float)

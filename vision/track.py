@@ -93,12 +93,13 @@ def track_fully(
     """As track, with every frame's own result, the pooled estimate and remarks.
 
     outlines: keep each frame's outline for an overlay; without them a frame's result is 2 kB, all that memory grows by.
-    verdicts: frames that a person accepted or rejected (proofread). warn is told at once where most of the first frames are lost, or where the work is slow, and what may help. Raises
-    InputError too where the servo's log turns against the arm's root.
+    verdicts: frames that a person accepted or rejected (proofread). warn is told at once where most of the first frames
+    are lost, or where the work is slow, and what may help. Raises InputError too where the servo's log turns against
+    the arm's root.
     """
     follower, results = stream(video, declaration, motor, order, lens, patience, verdicts)
     seen: list[Seen] = []
-    watch = Watch(time.monotonic())
+    watch = Watch()
     try:
         angle = _angle(motor)
         if angle is not None and not patience and not Path(video).is_char_device():
@@ -168,10 +169,10 @@ def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ..
     if not (abs(off) > SURE * shape.scale_sigma and abs(off) > WORTH_SAYING):
         return ()
     more, length = "longer" if off > 0 else "shorter", declaration.specimen.length
+    measured = f"the arm measures {abs(off):.2%} {more} than declared (+- {shape.scale_sigma:.2%})"
     return (
-        f"the arm measures {abs(off):.2%} {more} than declared (+- {shape.scale_sigma:.2%}), {1e3 * abs(off) * length:.1f}"
-        " mm: m_per_px is wrong, or length_m is not that from the clamp to the very tip of the silicone (a rounded tip"
-        " counts in full)",
+        f"{measured}, {1e3 * abs(off) * length:.1f} mm: look at m_per_px, and whether length_m reaches the very"
+        " tip of the silicone, its rounding included",
     )
 
 
