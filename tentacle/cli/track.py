@@ -78,15 +78,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, track, write, say what was found."""
-    try:
-        return _run(arguments)
-    except SystemError as error:  # Ctrl-C inside a compiled function comes wrapped in numba's own words
-        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
-            raise KeyboardInterrupt from None
-        raise
-
-
-def _run(arguments: argparse.Namespace) -> int:
     from tentacle.cli._track_sources import picked_recording, several
     from tentacle.errors import InputError
     from vision.batch import sources_of

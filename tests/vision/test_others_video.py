@@ -1,10 +1,7 @@
 """What other people's video brings: a reversed log, a wild start, dirt, files to go over by hand, many at once."""
 
 import re
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -129,16 +126,3 @@ def test_dirt_at_an_end_and_at_a_flank_is_doubted_by_length_and_width():
     axes[50] = None
     assert np.flatnonzero(np.abs(length_doubts(axes)) > 5.0).tolist() == [20]
     assert np.flatnonzero(width_doubts(axes) > 5.0).tolist() == [40]
-
-
-def test_ctrl_c_in_a_compiled_function_is_no_traceback():
-    code = (
-        "import sys\nfrom tentacle.cli import main, track\n"
-        "def wrapped(arguments):\n"
-        "    raise SystemError('returned a result with an exception set') from KeyboardInterrupt()\n"
-        "track._run = wrapped\nsys.exit(main(['track', 'film.mp4', '--out', 'x.csv']))\n"
-    )
-    root = Path(__file__).resolve().parents[2]
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=root, check=False)
-    assert done.returncode == 130
-    assert done.stderr.strip() == "tentacle: stopped"
