@@ -24,7 +24,7 @@ import numpy as np
 from affine_model.curvature import midline
 from affine_model.from_model import simulate_model
 from tentacle.io.library import conditions, open_library
-from tentacle.io.library.layers import LAYER, code_version
+from tentacle.io.library.layers import code_version, write_layer
 from tentacle.io.recording_rrd import read_rrd, write_rrd
 from tentacle.model import Estimate, Model
 from tentacle.recording import Declaration, Recording
@@ -64,8 +64,6 @@ def stand_in_verdicts(folder: Path) -> None:
     for k, row in enumerate(library.table().to_pylist()):
         if row["state"] != "new":
             continue
-        place = library.layer(row["sha256"])
-        place.mkdir(parents=True)
         E, sd = 2e5 * (1.0 - 2e-5 * k), 2e3
         verdict, effects = ("effect", "current") if k % 5 == 0 else ("nothing_missing", "")
         layer = {
@@ -79,7 +77,7 @@ def stand_in_verdicts(folder: Path) -> None:
                 _parameter("drag", "C_perp", 1.1 + 0.02 * random.standard_normal(), 0.02, "1"),
             ],
         }  # fmt: skip
-        (place / LAYER).write_text(json.dumps(layer))
+        write_layer(layer, library.layer(row["sha256"]))
 
 
 def _parameter(effect: str, name: str, value: float, sd: float, unit: str) -> dict[str, object]:

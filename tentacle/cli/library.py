@@ -165,14 +165,15 @@ def write_page(library: Library) -> Path:
 
     import numpy as np
 
-    from tentacle.io.library.layers import LAYER
+    from tentacle.io.library.layers import RESIDUAL
     from viz.library_page import library_page, worst
     from viz.report import write_report
 
     rows, maps = library.table().to_pylist(), {}
     for row in worst(rows):
-        layer = json.loads((library.home / "layers" / row["key"] / LAYER).read_text(encoding="utf-8"))
-        if layer.get("residual_mm"):
-            maps[row["key"]] = np.array(layer["residual_mm"], dtype=float)
+        file = library.home / "layers" / row["key"] / RESIDUAL
+        left = json.loads(file.read_text(encoding="utf-8")) if file.exists() else []
+        if left:
+            maps[row["key"]] = np.array(left, dtype=float)
     page = library_page(library.source.name, rows, library.parameters().to_pylist(), maps)
     return write_report(page, library.home / "library.html")
