@@ -93,7 +93,7 @@ def _parameter(effect: str, name: str, value: float, sd: float, unit: str) -> di
 
 def asked(folder: Path) -> dict[str, float]:
     """What a user does, in this process: refresh, query, page, and its memory."""
-    from tentacle.cli.library import write_page
+    from tentacle.pages.library import write_library_page
 
     library = open_library(folder)
     found: dict[str, float] = {}
@@ -106,7 +106,7 @@ def asked(folder: Path) -> dict[str, float]:
     found["library_query_s"], found["library_found"] = time.perf_counter() - start, float(chosen.num_rows)
     found["library_to_diagnose"] = float(sum(state == "new" for state in table.column("state").to_pylist()))
     start = time.perf_counter()
-    page = write_page(library)
+    page = write_library_page(library)
     found["library_page_s"], found["library_page_mb"] = time.perf_counter() - start, page.stat().st_size / 1e6
     found["library_memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     return found

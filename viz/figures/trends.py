@@ -75,6 +75,6 @@ def _panel(axes: Axes, name: tuple[str, str, str], points: Sequence[Point], arms
     axes.set_ylim(low - margin, high + margin)
     axes.set_title(f"{effect_name(effect)} {parameter}")
     axes.set_ylabel(f"{parameter} [{unit}]")
-    locator = AutoDateLocator(maxticks=6)
+    locator = AutoDateLocator(minticks=3, maxticks=6, interval_multiples=False)
     axes.xaxis.set_major_locator(locator)
     axes.xaxis.set_major_formatter(ConciseDateFormatter(locator))

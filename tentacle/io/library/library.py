@@ -38,6 +38,11 @@ class Library:
         """Recordings."""
         return self.home / "index.parquet"
 
+    @property
+    def runs(self) -> Path:
+        """What the runner keeps of diagnoses under way."""
+        return self.home / "runs"
+
     def layer(self, content: str) -> Path:
         """Where the diagnosis of that content (SHA-256) lies or will lie."""
         return self.home / "layers" / layer_key(content, self.settings)

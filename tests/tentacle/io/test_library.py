@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -128,3 +130,16 @@ def test_a_list_names_its_files(tmp_path):
         library.refresh()
     with pytest.raises(InputError, match="no such folder or list"):
         open_library(tmp_path / "nowhere")
+
+
+def test_many_files_share_a_child_that_one_of_them_may_end(tmp_path, monkeypatch):
+    monkeypatch.setattr("tentacle.io.library.index.FEW", 1)
+    for k in range(3):
+        write_rrd(recording(f"run {k}"), tmp_path / f"{k}.rrd")
+    whole = (tmp_path / "1.rrd").read_bytes()
+    (tmp_path / "1.rrd").write_bytes(whole[:60] + bytes(200) + whole[260:])
+    library = open_library(tmp_path)
+    assert library.refresh() == 3
+    states = {Path(row["path"]).stem: row["state"] for row in library.table().to_pylist()}
+    assert states["0"] == states["2"] == "new"
+    assert states["1"] == "unreadable"
