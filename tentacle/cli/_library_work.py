@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from tentacle.runner import Runner
 
 POLLED = 2.0  # s between two looks at a folder that is followed
+SETTLED = 5.0  # s since a file's last change: until then a rig is still writing it
 
 
 def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline: list[Path], seed: int) -> list[str]:
@@ -49,7 +50,7 @@ def follow(library: Library, runner: Runner, *, baseline: list[Path], seed: int)
     while True:
         try:
             time.sleep(POLLED)
-            if library.refresh() == 0:
+            if library.refresh(settled=SETTLED) == 0:
                 continue
             for line in diagnose_missing(library, runner, renew=False, baseline=baseline, seed=seed):
                 print(f"tentacle: {line}", file=sys.stderr)

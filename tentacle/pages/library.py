@@ -24,7 +24,7 @@ def print_rows(table: pa.Table) -> None:
 
     from viz.words import number
 
-    shown = Table(title=f"{table.num_rows} recordings", box=box.SIMPLE)
+    shown = Table(title=f"{table.num_rows} recording{'s' * (table.num_rows != 1)}", box=box.SIMPLE)
     for name in SHOWN:
         shown.add_column(name, no_wrap=True)
     for row in table.select(SHOWN).slice(0, PRINTED).to_pylist():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,9 +48,14 @@ class Library:
         """Where the diagnosis of that content (SHA-256) lies or will lie."""
         return self.home / "layers" / layer_key(content, self.settings)
 
-    def refresh(self, told: Callable[[int, int], None] = _untold) -> int:
-        """Read what is new or changed into the index; how many files that was. A layer of what is gone stays."""
-        index, read = refreshed(read_index(self.index_file), recordings_of(self.source), told)
+    def refresh(self, told: Callable[[int, int], None] = _untold, settled: float = 0.0) -> int:
+        """Read what is new or changed into the index; how many files that was. A layer of what is gone stays.
+
+        settled [s]: a file that changed more recently is left out: it is still being written.
+        """
+        latest = time.time() - settled
+        files = [file for file in recordings_of(self.source) if settled <= 0.0 or file.stat().st_mtime <= latest]
+        index, read = refreshed(read_index(self.index_file), files, told)
         self.home.mkdir(parents=True, exist_ok=True)
         if read or index.num_rows != read_index(self.index_file).num_rows:
             write_parquet(index, self.index_file)

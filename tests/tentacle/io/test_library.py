@@ -60,6 +60,9 @@ def test_only_what_changed_is_read_again_and_loses_its_verdict(folder):
     write_rrd(recording("first", date="2026-03-02"), folder / "a.rrd")
     assert library.refresh() == 1
     assert {row["name"]: row["state"] for row in library.table().to_pylist()} == {"first": "new", "second": "done"}
+    write_rrd(recording("first", date="2026-03-03"), folder / "a.rrd")
+    assert library.refresh(settled=3600.0) == 0  # a rig is still writing it
+    assert library.refresh() == 2  # both are back
     (folder / "a.rrd").unlink()
     library.refresh()
     assert library.table().num_rows == 1
