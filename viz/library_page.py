@@ -58,7 +58,7 @@ def library_page(
     states = Counter(row["state"] for row in rows)
     verdicts = Counter(row["verdict"].replace("_", " ") for row in rows if row["verdict"])
     arms = len({row["specimen"] for row in rows if row["specimen"]})
-    headline = f"{len(rows)} recordings of {arms} arm{'s' * (arms != 1)}; " + (
+    headline = f"{len(rows)} recording{'s' * (len(rows) != 1)} of {arms} arm{'s' * (arms != 1)}; " + (
         ", ".join(f"{count} {verdict}" for verdict, count in verdicts.most_common()) or "none is diagnosed yet"
     )
     page = LibraryPage(

@@ -92,6 +92,7 @@ SPECIAL = {
         How(until="study-2/*.rrd"),
     f"{EMULATE} --model model.toml --hidden hidden.json": How(until="in another terminal"),
     "python benchmarks/swim.py --json swim.json": How(add="--help", says="--short"),
+    "python benchmarks/library.py --json library.json": How(add="--help", says="--count"),
 }  # fmt: skip
 CLUSTER = (
     "dask scheduler --host 127.0.0.1",
