@@ -28,7 +28,8 @@ def several(sources: list[Path], arguments: argparse.Namespace) -> int:
     )
     table = Table(*COLUMNS)
     for row in rows:
-        table.add_row(*(str(row[name]) for name in COLUMNS))
+        shown = {**row, "source": Path(row["source"]).name}
+        table.add_row(*(str(shown[name]) for name in COLUMNS))
     Console(soft_wrap=True).print(table)
     print(f"wrote {arguments.out / 'summary.csv'}")
     return int(any(row["problem"] for row in rows))
