@@ -45,11 +45,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Refresh the index, diagnose where asked, show."""
+    from tentacle.cli.pages.library import print_rows, write_library_page
     from tentacle.errors import InputError
     from tentacle.io.library import open_library
     from tentacle.io.library.listing import all_done, chosen, write_csv
     from tentacle.io.provenance import input_hashes
-    from tentacle.cli.pages.library import print_rows, write_library_page
 
     diagnosing = len(arguments.source) == 2 and arguments.source[0] == "diagnose"
     if not diagnosing and len(arguments.source) != 1:
