@@ -27,14 +27,14 @@ FIVE = (
 # Why a row misses its limit: (benchmark, figure) -> sentences.
 WHY = {
     ("blind", "calibration_gap"): """\
-The gap of the worst of ten bins. With so few trials in a bin, luck alone makes a gap of the size that the next row says,
-were every confidence true. The limit can only be shown with several thousand trials.""",
+The gap of the worst of ten bins. With so few trials in a bin, luck alone makes a gap of the size that the next row
+says, were every confidence true. The limit can only be shown with several thousand trials.""",
     ("blind", "diagnose_s"): """\
 Measured on two cores that other work kept busy. Most of the time goes into refits of the candidates that score best;
 their number is what keeps a right answer from being missed.""",
     ("first_hour", "setup_mb"): """\
-The viewer (Rerun), OpenCV, the compiler of the kernels (LLVM), Arrow and the video codecs make up most of it, and each is
-needed from film to report. The viewer is the largest; it comes as one archive with its native program inside.""",
+The viewer (Rerun), OpenCV, the compiler of the kernels (LLVM), Arrow and the video codecs make up most of it, and each
+is needed from film to report. The viewer is the largest: one archive with its native program inside.""",
 }
 # benchmark, figure, words, unit, what was asked for; a row is shown once its figure is there
 ROWS = (

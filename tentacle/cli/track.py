@@ -57,14 +57,13 @@ def run(arguments: argparse.Namespace) -> int:
     """Read, track, write, say what was found."""
     import json
 
-    from rich.console import Console
-    from rich.progress import Progress
-
+    from tentacle.cli._progress import stages
     from tentacle.errors import InputError
     from vision.lens_file import read_lens
     from vision.paper_pipeline import paper_track
     from vision.shape_file import write_shape
     from vision.track import track_fully
+    from vision.tracked_recording import told_frames
 
     _check_outputs(arguments)
     if arguments.live < 0 or (arguments.live and (arguments.paper or arguments.json)):
@@ -77,17 +76,14 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.paper:
         shape = paper_track(video, recording.declaration, recording.motor)
     else:
-        with Progress(console=Console(stderr=True), disable=arguments.json, transient=True) as progress:
-            task = progress.add_task("tracking", total=None)
+        with stages([("tracking", 1.0)]) as stage:
             tracked = track_fully(
                 video,
                 recording.declaration,
                 recording.motor,
                 arguments.order,
                 lens,
-                _say
-                if arguments.live
-                else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
+                _say if arguments.live else told_frames(stage, arguments.source, recording.video),
                 arguments.live,
                 outlines=arguments.overlay is not None,
             )
