@@ -25,11 +25,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
     import secrets
+    import socket
     import webbrowser
 
+    from tentacle.errors import InputError
     from viz.app.desk import Desk
     from viz.app.page import serve
 
+    with socket.socket() as probe:
+        if probe.connect_ex(("127.0.0.1", arguments.port)) == 0:
+            raise InputError(f"{arguments.port} is taken", field="--port", expected="a port that is free")
     arguments.folder.mkdir(parents=True, exist_ok=True)
     token = secrets.token_urlsafe(24)
     address = f"http://127.0.0.1:{arguments.port}/?token={token}"

@@ -96,10 +96,9 @@ def drawing(marks: Marks, arm: Sequence[Point], size: float) -> str:
         parts.append(f'<line {line} stroke="{COLOURS["ruler start"]}" stroke-width="{0.35 * size:.1f}"/>')
     for place, (u, v) in marks.points.items():
         side, anchor = (-1.5, "end") if place in ("base", "ruler start") else (1.5, "start")
-        parts.append(
-            f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{size:.1f}" fill="{COLOURS[place]}" stroke="white" '
-            f'stroke-width="{0.3 * size:.1f}"/><text x="{u + side * size:.1f}" y="{v:.1f}" text-anchor="{anchor}" fill="{COLOURS[place]}" '
-            f'font-size="{2.6 * size:.1f}" stroke="white" stroke-width="{0.5 * size:.1f}" paint-order="stroke">'
-            f"{place}</text>"
-        )
+        edge = f'stroke="white" stroke-width="{0.3 * size:.1f}"'
+        parts.append(f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{size:.1f}" fill="{COLOURS[place]}" {edge}/>')
+        where = f'x="{u + side * size:.1f}" y="{v:.1f}" text-anchor="{anchor}" font-size="{2.6 * size:.1f}"'
+        ink = f'fill="{COLOURS[place]}" stroke="white" stroke-width="{0.5 * size:.1f}" paint-order="stroke"'
+        parts.append(f"<text {where} {ink}>{place}</text>")
     return "".join(parts)

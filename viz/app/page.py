@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import av
-from nicegui import app, events, run, ui
+from nicegui import app, events, ui
 
 from tentacle.errors import InputError
 from tentacle.io.recording_template import Answers, recording_text
@@ -87,7 +88,7 @@ class Page:
 
     async def _upload(self, event: events.UploadEventArguments) -> None:
         with self._told():
-            file = self.desk.keep(self.name.value, event.file.name, await event.file.read())
+            file = self.desk.keep(self.name.value or "", event.file.name, await event.file.read())
             self.kept.set_text(f"In {file.parent}: " + ", ".join(sorted(f.name for f in file.parent.iterdir())))
             if file.stem == "video":
                 await self._show_film(file)
@@ -95,12 +96,12 @@ class Page:
 
     async def _show_film(self, film: Path) -> None:
         """The first picture, and where the film itself says the arm is."""
-        picture = await run.io_bound(first_picture, film)
+        picture = await asyncio.to_thread(first_picture, film)
         self.picture_size = picture.size
         self.picture.set_source(picture)
         self.marks = Marks({})
         try:
-            found = await run.io_bound(self.desk.propose, film)
+            found = await asyncio.to_thread(self.desk.propose, film)
         except InputError as error:
             self.advice.set_text(f"The film proposes nothing ({error.problem}): click base and tip.")
         else:
@@ -138,8 +139,10 @@ class Page:
         marks = Marks(self.marks.points, values["length"], values["ruler"])
         arm = []
         try:
-            camera = marks.camera(30.0, self.mirrored.value)
-            arm = outline(camera, values["length"], (self._radius(marks), values["tip_radius"]), self.angle.value)
+            camera = marks.camera(30.0, bool(self.mirrored.value))
+            arm = outline(
+                camera, values["length"], (self._radius(marks), values["tip_radius"]), self.angle.value or 0.0
+            )
             scale, radius = 1e3 * camera.metres_per_px, 1e3 * self._radius(marks)
             self.declared.set_text(f"{scale:.4g} mm a pixel; radius at the base {radius:.3g} mm")
         except InputError as error:
@@ -148,7 +151,7 @@ class Page:
 
     def _declare(self) -> str:
         """Write recording.toml from what is clicked and typed; the recording's name."""
-        name = self.name.value
+        name = self.name.value or ""
         film = self.desk.film(name)
         if film is None:
             raise InputError("no film yet", field=name, expected="a film, chosen above")
@@ -158,14 +161,14 @@ class Page:
                 raise InputError(f"{values[key]:g} is out of range", field=key, expected="a number above 0")
         marks = Marks(self.marks.points, values["length"], values.pop("ruler"))
         values["base_radius"] = self._radius(marks)
-        camera = marks.camera(frame_rate(film), self.mirrored.value)
+        camera = marks.camera(frame_rate(film), bool(self.mirrored.value))
         (self.desk.folder / name / "recording.toml").write_text(recording_text(Answers(camera=camera, **values)))
         return name
 
     def _build_run(self) -> None:
         with ui.row():
             for verb in ("track", "identify", "diagnose"):
-                ui.button(verb, on_click=lambda verb=verb: self._start(verb)).props("no-caps")
+                ui.button(verb, on_click=partial(self._start, verb)).props("no-caps")
             self.stop = ui.button("stop", on_click=self._stop, color="negative").props("no-caps outline")
         self.bar = ui.linear_progress(value=0.0, show_value=False).props('aria-label="share done"')
         self.doing = ui.label("Nothing runs.").classes("doing")
