@@ -169,7 +169,7 @@ class Page:
         with ui.row():
             for verb in ("track", "identify", "diagnose"):
                 ui.button(verb, on_click=partial(self._start, verb)).props("no-caps")
-            self.stop = ui.button("stop", on_click=self._stop, color="negative").props("no-caps outline")
+            self.stop = ui.button("stop", on_click=self._stop).props("no-caps outline")
         self.bar = ui.linear_progress(value=0.0, show_value=False).props('aria-label="share done"')
         self.doing = ui.label("Nothing runs.").classes("doing")
         ui.label("The same from a command line:").classes("faint")

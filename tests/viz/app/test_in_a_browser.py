@@ -12,7 +12,7 @@ import pytest
 from docs.arm import shown_arm
 from tests.viz.app.conftest import Served
 
-PATIENCE = 240_000  # ms: the first diagnosis on a computer compiles its kernels
+PATIENCE = 600_000  # ms: the first diagnosis on a computer compiles its kernels
 SIZES = {"desktop": (1100, 900), "phone": (390, 844)}
 
 
