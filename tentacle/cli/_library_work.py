@@ -63,5 +63,5 @@ def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
     return {"path": task["path"], "failed": failed}
 
 
-def _quiet(words: str, done: float = 0.0) -> None:  # noqa: ARG001
+def _quiet(words: str, done: float = 0.0) -> None:
     """Progress of one recording among many is not shown."""
