@@ -39,7 +39,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         yield Served(process.stdout.readline().split()[0], folder)
     finally:
         process.terminate()
-        process.wait(20)
+        process.communicate(timeout=60)
 
 
 @pytest.fixture(scope="session")

@@ -68,6 +68,7 @@ def test_without_the_token_nothing_is_given(served):
         request = urllib.request.Request(address, headers={} if host is None else {"Host": host})
         with pytest.raises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(request)
+        refused.value.close()
         assert refused.value.code == 403
 
 
