@@ -40,10 +40,10 @@ def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
     """One recording's layer, written whole; what cannot be diagnosed leaves its reason there."""
     from discovery.diagnose import diagnose
     from discovery.library.layer import failed_layer, layer_of
-    from tentacle.cli.diagnose import write_answer
     from tentacle.errors import InputError
     from tentacle.io.library.layers import LAYER, write_layer
     from tentacle.io.result_folder import written
+    from tentacle.pages.diagnosis import write_answer
     from vision.tracked_recording import read_tracked
 
     path, baseline = Path(task["path"]), [Path(file) for file in task["baseline"]]
