@@ -13,7 +13,7 @@ PATIENCE = 600_000  # ms
 
 
 def photograph_app(folder: Path, recording: Path) -> dict[str, Path]:
-    """A picture a look: the first before anything runs, the last with the answer of a diagnosis."""
+    """A picture a look: the first before anything runs, the last while a diagnosis runs."""
     from playwright.sync_api import sync_playwright
 
     command = [sys.executable, "-m", "tentacle", "app", str(folder / "app"), "--no-browser", "--port", str(free_port())]
@@ -33,7 +33,7 @@ def photograph_app(folder: Path, recording: Path) -> dict[str, Path]:
                 page.get_by_text("Proposed from the film").wait_for(timeout=PATIENCE)
                 if name == "app_phone":
                     page.get_by_role("button", name="diagnose", exact=True).click()
-                    page.get_by_text("100 %").wait_for(timeout=PATIENCE)
+                    page.get_by_text("fitting the declared model").wait_for(timeout=PATIENCE)
                 page.wait_for_timeout(3000)
                 pictures[name] = folder / f"{name}.png"
                 page.screenshot(path=str(pictures[name]), full_page=True)
