@@ -28,6 +28,8 @@ from tentacle.io.video_file import find_video, misnamed_video
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal
 
+OPTIONAL = ("sigma_m", "curvature_1_m", "width_m")  # of midline.csv; the last two, which track writes, are not used
+
 
 def read_folder(folder: Path) -> Recording:
     """The recording in an import folder. InputError names file, line and field of the first thing that is wrong."""
