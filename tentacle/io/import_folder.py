@@ -28,7 +28,7 @@ from tentacle.io.video_file import find_video, misnamed_video
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal
 
-OPTIONAL = ("sigma_m", "curvature_1_m", "width_m")  # of midline.csv; the last two are for people, not for the fit
+OPTIONAL = ("sigma_m", "curvature_1_m", "width_m")  # of midline.csv; the last two, which track writes, are not used
 
 
 def read_folder(folder: Path) -> Recording:
