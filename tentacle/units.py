@@ -8,21 +8,6 @@ def from_mm(length: float) -> float:
     return 1e-3 * length
 
 
-def in_mm(length: float) -> float:
-    """[m] to [mm]."""
-    return 1e3 * length
-
-
-def in_ms(time: float) -> float:
-    """[s] to [ms]."""
-    return 1e3 * time
-
-
 def in_mn(force: float) -> float:
     """[N] to [mN]."""
     return 1e3 * force
-
-
-def in_grams(mass: float) -> float:
-    """[kg] to [g]."""
-    return 1e3 * mass
