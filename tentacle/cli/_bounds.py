@@ -40,6 +40,7 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "marker": (1e-5, 10),
     "rate": (1e-3, 1000),
 }
+PLACES = {"count": "N"}  # arguments without dashes, as --help calls them
 MOST_SAMPLES = 20_000_000  # frames, or evaluations of the base motion
 
 
@@ -57,9 +58,10 @@ def require_sane(arguments: argparse.Namespace) -> None:
 
 def _require(name: str, number: Any) -> None:
     least, most = BOUNDS.get(name, (-LARGEST, LARGEST))
+    field = PLACES.get(name, f"--{name.replace('_', '-')}")
     if isinstance(number, float) and not math.isfinite(number):
-        raise InputError(f"{number} is not usable", field=f"--{name.replace('_', '-')}", expected="a finite number")
+        raise InputError(f"{number} is not usable", field=field, expected="a finite number")
     if not least <= number <= most:
         shown = str(number) if isinstance(number, float) or abs(number) < 1e15 else "a huge number"
         expected = f"{least:g} to {most:g}"
-        raise InputError(f"{shown} is not usable", field=f"--{name.replace('_', '-')}", expected=expected)
+        raise InputError(f"{shown} is not usable", field=field, expected=expected)
