@@ -88,7 +88,14 @@ def rooms() -> str:
         ),
     ]
     height = 16 + len(FLOORS) * ROW + 24
-    parts.append(text(left, height - 14, "A floor imports from the floors below it, never from above. vision and mujoco_ref do not import affine_model.", size=12))
+    parts.append(
+        text(
+            left,
+            height - 14,
+            "A floor imports from floors below it. vision and mujoco_ref do not import affine_model.",
+            size=12,
+        )
+    )
     return page(height, "The rooms of the code, floor by floor", parts)
 
 

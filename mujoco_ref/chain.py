@@ -68,11 +68,6 @@ class Chain:
     stiffness: Array
     damping: Array
 
-    @property
-    def link_s(self) -> Array:
-        """Where each link's direction is the tangent of the arm, (n + 1,): s = k/n."""
-        return np.arange(self.links + 1) / self.links
-
     def nodes(self, points: int = 2) -> tuple[Array, Array]:
         """Gauss points of every link: distance from its start (n + 1, points) [m], weight [m]."""
         x, w = np.polynomial.legendre.leggauss(points)

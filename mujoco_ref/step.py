@@ -17,7 +17,7 @@ from mujoco_ref.engine import mujoco
 from mujoco_ref.hinges import hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember
-from mujoco_ref.water import LENGTH, MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
+from mujoco_ref.water import MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
@@ -310,7 +310,3 @@ class Stepper:
             state.q, state.q, state.v, self.hinges, state.hinge_memory, softening, 1e-9, force, implicit
         )  # fmt: skip
         return matrix, force
-
-    def midline_lengths(self) -> Array:
-        """Lengths of the links (n + 1,) [m]."""
-        return self.links[:, LENGTH]

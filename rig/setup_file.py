@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -113,11 +113,6 @@ def setup_tables(setup: RigSetup) -> dict[str, Any]:
         tables["camera"] = {"source": camera.source, "offset_s": camera.offset, "offset_sigma_s": camera.sigma}
     tables["recording"] = declaration_tables(setup.recording.declaration)
     return tables
-
-
-def with_load_cell(setup: RigSetup, cell: LoadCellCalibration) -> RigSetup:
-    """The setup with another load-cell calibration."""
-    return replace(setup, load_cell=cell)
 
 
 def _port_in(port: str, folder: Path) -> str:

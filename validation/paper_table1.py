@@ -96,17 +96,17 @@ def _words(columns: Mapping[str, Any]) -> tuple[str, ...]:
         f"Learnt from {CHIRP_S:g} s of chirp, {CHIRP_FROM:g} to {CHIRP_TO:g} Hz, judged on the sine, as in the paper."
         " Errors are the paper's measure, the mean square of q_model - q_CV, which is rad^2 though the print says rad.",
         f"In {beyond} of {both} arms the error printed for q1 exceeds the whole variance that q1 has"
-        " here, by up to five orders: those numbers are not rad^2 of arms like these, and the print gives no scale."
-        f" Ranks are compared, not sizes: rank correlation {q1:.2f} for q1, {q2:.2f} for q2. In both, longer and softer"
-        " arms are the worse known ones.",
-        f"As in the paper q2 is the worse known one: in {100 * higher:.0f} % of the arms its error is the larger.",
+        " here, by up to five orders: the printed numbers cannot be rad^2 of such arms, and the paper gives no scale."
+        f" So only the order is compared: rank correlation {q1:.2f} for q1, {q2:.2f} for q2. In both, longer and softer"
+        " arms have larger errors.",
+        f"As in the paper, q2 has the larger error: in {100 * higher:.0f} % of the arms.",
         f"E comes out near {share:.2f} of the truth, because the paper's model has no added mass: with too little"
         " inertia, stiffness, damping and drag must all be too small for the same motion.",
         "Contours, eq. 19: the paper's own route, largest contour, grid search, pseudo-inverse on differentiated q,"
         f" k(s) = k0 + k1 s. In {soft} of {both} arms that k(s) is negative at the tip: a cone's"
         f" falls with r^4, which no affine k follows. Integrated, {lost} of these models leave all bounds; numerical"
         " derivatives of q bias damping and drag, down to a damping that is negative.",
-        "What else differs: the reference has no slack servo and no standing waves, and its silicone is linear, so"
-        " Eco-Flex is not worse for being non-linear, as the paper suspects, but for being soft.",
+        "The reference also has no slack servo and no standing waves, and its silicone is linear. So the error of"
+        " Eco-Flex is larger because it is soft, not because it is non-linear, as the paper suspects.",
         CHOICES,
     )

@@ -30,7 +30,7 @@ def _upto(found: Validity, ratio: float) -> str:
     """A reach in words."""
     if ratio == 0.0:
         return f"not even at {RATIOS[0]:g} of its first mode"
-    beyond = " and maybe beyond, where the map ends" if ratio == RATIOS[-1] else ""
+    beyond = ", the end of the map" if ratio == RATIOS[-1] else ""
     return f"up to {ratio * found.first:.2g} Hz ({ratio:g} of its first mode{beyond})"
 
 
@@ -39,7 +39,7 @@ def sentence(found: Validity) -> str:
     verdict = "serves" if serves(found) else "does not serve"
     shape, strict = (_upto(found, reach_of(found, 2, level)) for level in (GOOD_SHAPE, STRICT))
     words = (
-        f"The affine model {verdict} for this arm: swung by {USUAL:g} rad or less, two coordinates keep its shape"
+        f"The affine model {verdict} for this arm: at amplitudes up to {USUAL:g} rad, two coordinates keep its shape"
         f" within {100 * GOOD_SHAPE:.0f} % {shape}, within {100 * STRICT:.0f} % {strict}"
     )
     told = found.thrust[0, [a <= USUAL for a in AMPLITUDES]]
@@ -57,5 +57,5 @@ def _more(found: Validity) -> str:
     for order in ORDERS[1:]:
         better = reach_of(found, order, GOOD_SHAPE)
         if better > two:
-            return f" With {order} coordinates the {100 * GOOD_SHAPE:.0f} % hold {_upto(found, better)}."
-    return " Up to four coordinates do no better."
+            return f" With {order} coordinates the shape stays within {100 * GOOD_SHAPE:.0f} % {_upto(found, better)}."
+    return " Three or four coordinates do not reach further."

@@ -35,4 +35,3 @@ WARNING = Role("rejected", (213, 94, 0), "-")
 NEUTRAL = Role("", (140, 140, 140), "-")
 
 SEQUENTIAL_MAP = "cividis"  # monotone in lightness, so it also reads in grey print
-DIVERGING_MAP = "PuOr"  # safe for all common colour deficiencies

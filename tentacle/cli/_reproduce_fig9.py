@@ -10,10 +10,10 @@ HELP = "Fig. 9: mean thrust over amplitude and frequency, 105, 120 and 140 mm, r
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The result's arguments."""
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="report.html, fig9.csv")
-    parser.add_argument("--coarse", action="store_true", help="every other amplitude and frequency")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes, default: one a core")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler instead, tcp://HOST:PORT")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for report.html and fig9.csv")
+    parser.add_argument("--coarse", action="store_true", help="take every second amplitude and frequency")
+    parser.add_argument("--workers", type=int, metavar="N", help="number of processes, default: one per core")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="run on this Dask scheduler instead, tcp://HOST:PORT")
 
 
 def run(arguments: argparse.Namespace) -> int:

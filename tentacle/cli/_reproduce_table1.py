@@ -15,12 +15,14 @@ WHOLE_S = 39.0  # as long as the paper's
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The result's arguments."""
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="report.html, table1.csv")
-    parser.add_argument("--seconds", type=float, default=WHOLE_S, metavar="S", help="of sine, default: the paper's 39")
-    parser.add_argument("--look", default="clean", help="of the rendered tank: clean, tank, ... default: clean")
-    parser.add_argument("--seed", type=int, default=0, help="of the pictures' noise, default: 0")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes, default: one a core")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler instead, tcp://HOST:PORT")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for report.html and table1.csv")
+    parser.add_argument(
+        "--seconds", type=float, default=WHOLE_S, metavar="S", help="duration of the sine, default: the paper's 39 s"
+    )
+    parser.add_argument("--look", default="clean", help="look of the rendered tank: clean, tank, ..., default: clean")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the pictures' noise, default: 0")
+    parser.add_argument("--workers", type=int, metavar="N", help="number of processes, default: one per core")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="run on this Dask scheduler instead, tcp://HOST:PORT")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -11,7 +11,9 @@ HELP = "Table II: swimming speeds of three arms under a slow sine, a fast sine a
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the result."""
     parser.add_argument("--out", type=Path, required=True, help="folder for table2.csv, table2.json and report.html")
-    parser.add_argument("--evaluations", type=int, default=5000, help="gaits tried per search; default: 5000")
+    parser.add_argument(
+        "--evaluations", type=int, default=5000, help="number of gaits that each search tries, default: 5000"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--curves", action="store_true", help="also the ratio over map edge and rail friction")
     parser.add_argument("--device", default="auto", help="cpu, cuda, cuda:1; auto (default): CUDA where there is one")

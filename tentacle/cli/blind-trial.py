@@ -13,28 +13,34 @@ VIDEO_SHARE = 0.25
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
     parser.add_argument(
-        "count", type=int, metavar="N", help="how many trials; a longer series begins with the shorter one's"
+        "count", type=int, metavar="N", help="number of trials; a longer series begins with the trials of a shorter one"
     )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for report.html, results.json, ..."
     )
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same trials (default 0)")
     place = parser.add_mutually_exclusive_group()
-    place.add_argument("--workers", type=int, metavar="W", help="processes (default: one a core)")
-    place.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler instead, as tcp://127.0.0.1:8786")
+    place.add_argument("--workers", type=int, metavar="W", help="number of processes (default: one per core)")
+    place.add_argument("--cluster", metavar="ADDRESS", help="run on this Dask scheduler instead, tcp://HOST:PORT")
     parser.add_argument(
-        "--like", type=Path, metavar="RECORDING", help="trials of that recording's arm, base motion, length and noise"
+        "--like",
+        type=Path,
+        metavar="RECORDING",
+        help="make trials with the arm, base motion, length and noise of this recording",
     )
     parser.add_argument(
-        "--video-share", type=float, metavar="SHARE", help=f"rendered and tracked (default {VIDEO_SHARE})"
+        "--video-share",
+        type=float,
+        metavar="SHARE",
+        help=f"share of trials that are rendered as video and tracked (default {VIDEO_SHARE})",
     )
-    parser.add_argument("--kinds", default=KINDS, metavar="LIST", help=f"of the trials (default {KINDS})")
+    parser.add_argument("--kinds", default=KINDS, metavar="LIST", help=f"kinds of trials (default {KINDS})")
     parser.add_argument(
         "--only",
         type=int,
         nargs="+",
         metavar="K",
-        help="make these trials' recordings again, as .rrd files, and nothing else",
+        help="only write the recordings of these trials again, as .rrd files",
     )
 
 

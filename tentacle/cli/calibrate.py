@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "scale and lens from a ChArUco board that stands in the arm's plane, in the water"
+HELP = "find scale and lens from pictures of a ChArUco board in the arm's plane, under water"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
     parser.add_argument("source", type=Path, nargs="?", metavar="VIDEO|FOLDER", help="pictures of the board")
     parser.add_argument("--out", type=Path, metavar="FILE.toml", help="where to write the lens, for track --lens")
-    parser.add_argument("--print-board", type=Path, metavar="FILE.png", help="write the board to print, and stop")
+    parser.add_argument("--print-board", type=Path, metavar="FILE.png", help="only write the board, to print it")
     parser.add_argument("--across", type=int, default=8, help="squares across (default: 8)")
     parser.add_argument("--down", type=int, default=6, help="squares down (default: 6)")
     parser.add_argument("--square", type=float, default=0.02, metavar="M", help="side of a square [m] (default: 0.02)")

@@ -11,26 +11,34 @@ if TYPE_CHECKING:
     from validation.ladder import Ladder
     from validation.validity_map import Validity
 
-HELP = "hold the affine model (orders 2, 3, 4) against the MuJoCo reference: a ladder of checks and a validity map"
+HELP = "compare the affine model (orders 2, 3, 4) with the MuJoCo reference: a series of checks and a validity map"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
-    parser.add_argument("models", type=Path, nargs="+", metavar="MODEL.toml", help="one arm, or a grid of them")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="report.html, session.rrd, tables")
+    parser.add_argument("models", type=Path, nargs="+", metavar="MODEL.toml", help="one or several arms")
     parser.add_argument(
-        "--amplitude", type=float, default=0.4, metavar="RAD", help="of the driven motion, default: 0.4"
-    )
-    parser.add_argument("--frequency", type=float, metavar="HZ", help="of it, default: 0.6 of the first mode")
-    parser.add_argument("--no-map", action="store_true", help="the ladder alone, without the validity map")
-    parser.add_argument(
-        "--tapers", type=float, nargs="*", default=(), metavar="R", help="further r_tip/r0 to map, besides its own"
+        "--out", type=Path, required=True, metavar="DIR", help="folder for report.html, session.rrd and tables"
     )
     parser.add_argument(
-        "--slenderness", type=float, nargs="*", default=(), metavar="R", help="further L/r0 to map, besides its own"
+        "--amplitude", type=float, default=0.4, metavar="RAD", help="amplitude of the driven motion, default: 0.4"
     )
-    parser.add_argument("--workers", type=int, metavar="N", help="processes of the map, default: one a core")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="a Dask scheduler instead, tcp://HOST:PORT")
+    parser.add_argument(
+        "--frequency", type=float, metavar="HZ", help="frequency of the driven motion, default: 0.6 of the first mode"
+    )
+    parser.add_argument(
+        "--no-map", action="store_true", help="make the series of checks only, without the validity map"
+    )
+    parser.add_argument(
+        "--tapers", type=float, nargs="*", default=(), metavar="R", help="map arms with these r_tip/r0 too"
+    )
+    parser.add_argument(
+        "--slenderness", type=float, nargs="*", default=(), metavar="R", help="map arms with these L/r0 too"
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="number of processes for the map, default: one per core"
+    )
+    parser.add_argument("--cluster", metavar="ADDRESS", help="run on this Dask scheduler instead, tcp://HOST:PORT")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -86,7 +94,9 @@ def _check(arguments: argparse.Namespace) -> None:
             raise InputError(f"{taper!r} is not usable", field="--tapers", expected="r_tip/r0 from 0 to 1")
     for slenderness in arguments.slenderness:
         if not slenderness > 2.0:
-            raise InputError(f"{slenderness!r} is no slender arm's", field="--slenderness", expected="L/r0 above 2")
+            raise InputError(
+                f"{slenderness!r} is not the ratio of a slender arm", field="--slenderness", expected="L/r0 above 2"
+            )
     if len({file.stem for file in arguments.models}) < len(arguments.models):
         raise InputError("two models share a file name", field="MODEL.toml", expected="names that differ")
 

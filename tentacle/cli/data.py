@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "list others' measured data sets: what, where from, licence, whether they are here; convert them"
+HELP = "list public measured data sets with source, licence and whether they are here; convert them"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -13,8 +13,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the list as JSON")
     actions = parser.add_subparsers(metavar="convert")
     convert = actions.add_parser("convert", help="write a set's runs as import folders", allow_abbrev=False)
-    convert.add_argument("set", choices=["silicone_beam", "trunk_payload", "pressure_arm"], help="the set")
-    convert.add_argument("out", type=Path, metavar="OUT", help="where the folders are to stand, one a run")
+    convert.add_argument("set", choices=["silicone_beam", "trunk_payload", "pressure_arm"], help="name of the data set")
+    convert.add_argument("out", type=Path, metavar="OUT", help="folder for the import folders, one per run")
     convert.set_defaults(convert=True)
     parser.set_defaults(convert=False)
 

@@ -15,15 +15,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING",
-        help="recordings whose declaration is complete: the base parameters come from there and stay",
+        help="recordings with a complete declaration: the base parameters are fitted to them and then held",
     )  # fmt: skip
     parser.add_argument(
         "--held-out", nargs="+", default=[], type=Path, metavar="RECORDING",
-        help="recordings that judge and are not fitted (without any: the last third of each RECORDING)",
+        help="held-out recordings: they judge and are not fitted (default: the last third of each RECORDING)",
     )  # fmt: skip
     parser.add_argument(
         "--calibration", type=Path, metavar="FILE.toml",
-        help="confidence by blind trials of your own: what tentacle blind-trial --like RECORDING wrote",
+        help="state the confidence by your own blind trials: the file that tentacle blind-trial --like RECORDING wrote",
     )  # fmt: skip
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(

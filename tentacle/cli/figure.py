@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 HELP = "draw one of the paper's figures (3, 4, 5, 6, 8, 9, 10) from your own recordings"
 
 FIGURES = {
-    3: "the image processing of one frame, step by step",
+    3: "the image processing of one frame",
     4: "the average period of q1, q2",
     5: "regression and simulation (needs --model)",
-    6: "stills with what was seen, and with --model what it says",
+    6: "stills with the measured arm, and with --model the simulated arm",
     8: "the worst and the best of several recordings (needs --model)",
-    9: "mean thrust over amplitude and frequency of a sine (needs --model; recordings give the measured side)",
+    9: "mean thrust over amplitude and frequency of a sine (needs --model; recordings give the measured thrust)",
     10: "swimming speeds: a CSV with the columns arm, motion, speed_m_s, one run a row",
 }
 SUFFIXES = (".svg", ".pdf", ".png")
@@ -28,8 +28,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     words = "; ".join(f"{number}: {text}" for number, text in FIGURES.items())
     parser.add_argument("number", type=int, choices=tuple(FIGURES), metavar="NUMBER", help=words)
     parser.add_argument("inputs", nargs="*", type=Path, metavar="RECORDING", help="recordings (a CSV for figure 10)")
-    parser.add_argument("--model", type=Path, metavar="model.toml", help="of identify or diagnose")
-    parser.add_argument("--at", type=float, metavar="SECONDS", help="of figure 3 (default: a frame with much bend)")
+    parser.add_argument("--model", type=Path, metavar="model.toml", help="the model that identify or diagnose wrote")
+    parser.add_argument(
+        "--at", type=float, metavar="SECONDS", help="time of the frame in figure 3 (default: a strongly bent one)"
+    )
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="FILE.svg, FILE.pdf or FILE.png")
 
 
@@ -45,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.model is None and arguments.number in (5, 8, 9):
         raise InputError(f"figure {arguments.number} needs a model", field="--model", expected="--model model.toml")
     if arguments.at is not None and arguments.number != 3:
-        raise InputError("only figure 3 is of one frame", field="--at", expected="figure 3")
+        raise InputError("only figure 3 shows one frame", field="--at", expected="figure 3")
     print(save(make_figure(arguments), arguments.out))
     return 0
 

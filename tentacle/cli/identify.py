@@ -7,7 +7,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "fit the declared model's parameters to recordings, with intervals; the paper's regression beside"
+HELP = (
+    "fit the declared model's parameters to recordings, with 95 % intervals and the paper's regression for comparison"
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--check", nargs="+", default=[], type=Path, metavar="RECORDING",
-        help="recordings that only judge (the paper fits a chirp and checks a sine)",
+        help="held-out recordings: they judge and are not fitted (the paper fits a chirp and checks a sine)",
     )  # fmt: skip
     parser.add_argument(
         "--order", type=int, choices=range(2, 7), help="curvature coordinates (default: what the data need)"
@@ -26,9 +28,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="DIR", help="folder for model.toml, report.html, ..."
     )
     parser.add_argument(
-        "--bootstrap", type=int, default=0, metavar="N", help="intervals from N refits to resampled residuals, too"
+        "--bootstrap", type=int, default=0, metavar="N", help="also give intervals by N refits to resampled residuals"
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the bootstrap's draws (default 0)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the bootstrap (default 0)")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 

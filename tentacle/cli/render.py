@@ -5,13 +5,17 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "render a test video of a swaying arm, or of a recording's midline; the truth is stored apart"
+HELP = "render a test video of a swaying arm, or of a recording's midline; the truth is written to a separate file"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
     parser.add_argument(
-        "recording", type=Path, nargs="?", metavar="RECORDING", help="whose midline to render (default: a swaying cone)"
+        "recording",
+        type=Path,
+        nargs="?",
+        metavar="RECORDING",
+        help="recording whose midline is rendered (default: a swaying cone)",
     )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="FOLDER", help="import folder to write; FOLDER.truth.csv beside it"
@@ -25,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--compress", type=int, default=0, metavar="CRF", help="H.264 quality, 0 lossless (default) to 51"
     )
     swaying = parser.add_argument_group("the swaying cone")
-    swaying.add_argument("--seconds", type=float, default=4.0, help="how long (default: 4)")
+    swaying.add_argument("--seconds", type=float, default=4.0, help="duration (default: 4)")
     swaying.add_argument("--fps", type=float, default=60.0, help="frames per second (default: 60)")
     swaying.add_argument(
         "--order", type=int, choices=(1, 2, 3, 4, 5), default=2, help="curvature coordinates (default: 2)"
@@ -33,7 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     swaying.add_argument(
         "--amplitude", type=float, default=0.9, metavar="RAD", help="size of the curvature (default: 0.9)"
     )
-    swaying.add_argument("--frequency", type=float, default=0.6, metavar="HZ", help="of the sway (default: 0.6)")
+    swaying.add_argument(
+        "--frequency", type=float, default=0.6, metavar="HZ", help="frequency of the sway (default: 0.6)"
+    )
     swaying.add_argument("--exposure", type=float, default=0.004, metavar="S", help="shutter time (default: 0.004)")
 
 

@@ -9,17 +9,19 @@ from pathlib import Path
 
 from tentacle.errors import InputError
 
-HELP = "from a recorded .rrd alone: track and diagnose it again, or drive an emulated rig with its commands"
+HELP = "track and diagnose a recorded run (.rrd) again, or play its commands on a rig"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
     parser.add_argument("recording", type=Path, metavar="FILE.rrd")
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="verdict.json, report.html, ... go there"
+        "--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ..."
     )
-    parser.add_argument("--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as for diagnose")
-    parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as for diagnose")
+    parser.add_argument(
+        "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as in tentacle diagnose"
+    )
+    parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as in tentacle diagnose")
     parser.add_argument("--seed", type=int, help="as for diagnose (default: 0)")
     parser.add_argument(
         "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"

@@ -7,7 +7,7 @@ import argparse
 from importlib import import_module
 from pathlib import Path
 
-HELP = "reproduce a table or figure of the paper, the MuJoCo reference in place of the tank"
+HELP = "reproduce a table or figure of the paper; the MuJoCo reference replaces the tank"
 PREFIX = "_reproduce_"
 
 

@@ -22,18 +22,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
         return command
 
     add("ports", "list the serial ports, and which one looks like an Arduino Due", rig=False)
-    check = add("check", "round trip, clock, limits, load cell, servo and camera; the arm does not move")
+    check = add("check", "check round trip, clock, limits, load cell, servo and camera; the arm does not move")
     check.add_argument("--json", action="store_true", help="print the findings as JSON")
     configure_calibrate(verbs.add_parser("calibrate", help=(words := "calibrate a part of the rig"), description=words))
-    configure_emulate(add("emulate", "run the board's core behind a pty, with a plant; Ctrl-C ends it", rig=False))
+    configure_emulate(
+        add("emulate", "emulate the board and an arm behind a pseudo terminal; Ctrl-C ends it", rig=False)
+    )
 
-    record = add("record", "settle, play a waveform, record it all as it happens")
+    record = add("record", "wait until the water is at rest, play a waveform, and record all signals")
     record.add_argument("waveform", type=Path, metavar="WAVEFORM.toml", help="a [waveform] table")
     record.add_argument("--seconds", type=float, required=True, help="how long the waveform is played")
     record.add_argument("--out", type=Path, required=True, metavar="FILE.rrd")
     record.add_argument("--view", action="store_true", help="show it in the Rerun viewer as it runs")
 
-    convert = add("import", "a log of another rig (CSV), or a rig's own .rrd, to an import folder", rig=False)
+    convert = add("import", "convert the log of another rig (CSV), or a run (.rrd), to an import folder", rig=False)
     convert.add_argument("log", type=Path, metavar="LOG.csv|RUN.rrd")
     convert.add_argument("--declare", type=Path, metavar="recording.toml", help="the specimen of a CSV log")
     convert.add_argument("--columns", nargs="+", metavar="NAME", help="time, counts, grams (default: as thrust_bench)")
@@ -42,19 +44,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     convert.add_argument("--out", type=Path, required=True, metavar="FOLDER")
 
-    optimise = add("optimise", "search the best gait on the rig, started from a model's best; resumable")
-    optimise.add_argument("--model", type=Path, metavar="model.toml", help="its best gaits are tried first")
+    optimise = add(
+        "optimise",
+        "search for the best gait on the rig, starting from a model's best gaits; can be interrupted and continued",
+    )
+    optimise.add_argument("--model", type=Path, metavar="model.toml", help="the model whose best gaits are tried first")
     optimise.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="journal and recordings")
     optimise.add_argument("--trials", type=int, default=30)
-    optimise.add_argument("--first", type=int, default=5, help="how many of the model's gaits (default: 5)")
+    optimise.add_argument(
+        "--first", type=int, default=5, help="how many of the model's gaits are tried first (default: 5)"
+    )
     optimise.add_argument("--frequency", nargs=2, type=float, default=(0.3, 3.0), metavar=("LOW", "HIGH"), help="[Hz]")
     optimise.add_argument("--harmonics", type=int, default=1, help="odd harmonics beyond the first (default: 1)")
     optimise.add_argument(
-        "--reidentify", type=int, default=0, metavar="K", help="diagnose and propose anew every K trials"
+        "--reidentify",
+        type=int,
+        default=0,
+        metavar="K",
+        help="after every K trials diagnose the recordings and propose new gaits from the result",
     )
     optimise.add_argument("--seed", type=int, default=0)
 
-    campaign = add("campaign", "a list of runs, resumed where it stopped")
+    campaign = add("campaign", "make a list of runs; the same command continues an interrupted list")
     campaign.add_argument("campaign", type=Path, metavar="CAMPAIGN.toml")
     campaign.add_argument("--out", type=Path, required=True, metavar="FOLDER")
 

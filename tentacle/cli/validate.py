@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "render, track and compare test videos of every look: errors against the Cramer-Rao limit, misses, false accepts"
+HELP = "render, track and judge test videos of every look: error over the Cramer-Rao limit, misses, false accepts"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -33,10 +33,10 @@ def like_section(
     ]
     if silent:
         names = ", ".join(map(effect_name, silent))
-        words.append(f"Not hidden, for at no strength could they show in such a recording: {names}.")
+        words.append(f"Not hidden, because at no strength would they be detected in such a recording: {names}.")
     words.append(
-        "Their noise is white. What else the recording's may hold (a tracker's bias, frames left out, "
-        "light that changes) is in none of them, and the confidence fitted to them does not count it."
+        "Their noise is white. The recording may also have a tracker's bias, missing frames or "
+        "changing light. The trials have none of these, so the confidence does not account for them."
     )
     header = ("what", "value")
     return Section(f"Trials like {name}", words, [Table("Shared by all trials", header, _rows(like))])

@@ -87,13 +87,13 @@ def _score_section(found: Scores) -> Section:
         f"{number(found.seconds)} s of a processor."
     )
     header = ("trials", "share", "95 % interval", "count", "target")
-    return Section("Scores", [words], [Table("What was asked, and what came", header, rows, numeric=(1, 2, 3))])
+    return Section("Scores", [words], [Table("Asked and measured", header, rows, numeric=(1, 2, 3))])
 
 
 def _confusion_section(outcomes: Sequence[Outcome]) -> Section:
     truths, answers, counts = confusion(outcomes)
     if not truths:
-        return Section("Confusion matrix", ["No trial with one effect, none, or an unknown one."])
+        return Section("Confusion matrix", ["No trial has one effect, no effect, or an unknown effect."])
     caption = "Rows: what was hidden; columns: what was answered (a group that holds the truth counts as the truth)."
     words = "Singles of every size, nulls (row: nothing) and effects outside the catalogue (row: unknown)."
     return Section("Confusion matrix", [words], (), [Picture(confusion_figure(truths, answers, counts), caption)])
@@ -116,8 +116,8 @@ def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance:
     return Section(
         "Is the stated confidence true?",
         [
-            f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points (by chance alone, were "
-            f"every confidence true, {100 * by_chance:.0f}); with the map of "
+            f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points (expected by chance if "
+            f"every confidence were true: {100 * by_chance:.0f}); with the map of "
             "calibration.toml fitted to one half of these trials and tried on the other, "
             f"{100 * calibration_gap(crossed):.0f} points."
         ],
@@ -147,8 +147,8 @@ def _baseline_section(outcomes: Sequence[Outcome]) -> Section:
     rows += [(words, *_shares(outcomes, hits(method))) for method, words in METHODS if method in tried]
     header = ("method", f"single, R >= {VISIBLE:g}: right", "null: nothing named", "unknown: nothing named")
     words = (
-        "The baselines name one effect or none, and cannot call an effect unknown; servo and camera effects are no "
-        "columns of the regression. A pair is left out: none of them names two."
+        "The baselines name one effect or no effect, and cannot call an effect unknown. Servo and camera effects are "
+        "not among the columns of the regression. Pairs are left out, because no baseline names two effects."
     )
     rows[0] = (*rows[0][:3], _percent(share(outcomes, "unknown", lambda o: o.hit)))
     return Section(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from validation.validity_map import Validity
     from viz.report import Section
 
-WITHOUT_MAP = "The reduced model beside the reference; the table says by how much they differ."
+WITHOUT_MAP = "The table gives the difference between the reduced model and the reference."
 
 
 def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], page: Path) -> None:
@@ -28,8 +28,8 @@ def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], p
     both = ladder_rows(ladder)
     words = (
         "The reference is a hinge chain in MuJoCo with its own section forces; it shares no equation with the reduced"
-        " model. Errors are against it at the most links. Still open: what those links leave, a third of the last"
-        " change; an error of that size is none.",
+        " model. Errors are differences from the reference with the most links. Still open: the reference's own error"
+        " with those links, estimated as a third of the last change. A smaller error has no meaning.",
         f"Driven motion: {ladder.amplitude:g} rad at {ladder.frequency:.3g} Hz, from rest; the last two of 8."
         " Its error is rms over the arm.",
     )

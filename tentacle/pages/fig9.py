@@ -37,12 +37,12 @@ def write_page(maps: ThrustMaps, page: Path) -> None:
         "agreement of the maps", ("arm", "rank correlation", "mean |error| / mean |thrust|"), rows, numeric=(1, 2)
     )
     words = (
-        "The upper row stands where the paper has its tank. Both models have the same parameters, so what differs is"
-        " the reduction to two coordinates alone; the paper's own model was identified from video.",
-        "Thrust rises with amplitude and with frequency for all three arms here, so the rank is an easy test and the"
-        " mean error the hard one. The paper shows Fig. 9 as pictures without numbers. It says that the 140 mm arm"
-        " thrusts most at large amplitude and low frequency, the 105 mm arm at low amplitude and low frequency. Neither"
-        " model does that: in the tank something else acted, such as a servo that falls short of fast, wide commands.",
+        "The upper row is the reference, in place of the paper's tank. Both models have the same parameters, so the"
+        " difference is the reduction to two coordinates alone. The paper's own model was identified from video.",
+        "Thrust rises with amplitude and with frequency for all three arms here, so the rank correlation is an"
+        " easy test, and the mean error a strict one. The paper shows Fig. 9 as pictures without numbers. It says that the"
+        " 140 mm arm thrusts most at large amplitude and low frequency, the 105 mm arm at low amplitude and low frequency."
+        " Neither model does that. In the tank something else acted, for example a servo that does not reach fast commands.",
         CHOICES,
     )
     section = Section("Mean thrust", words, (table,), (Picture(figure, "Mean forward thrust over 10 s."),))

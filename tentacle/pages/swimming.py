@@ -117,7 +117,7 @@ def _map_section(trial: Trial, found: Swimming) -> Section:
     mapped = sine_map(trial, OBJECTIVES["thrust"], amplitudes, frequencies)
     name = f"{100 * trial.arm.specimen.length:.0f} cm arm, sines"
     figure = thrust_map_figure([ThrustMap(name, amplitudes, frequencies, mapped.values)])
-    words = f"The gait gives {1e3 * found.promise.thrust:.1f} mN. Where the map is empty the servo cannot follow."
+    words = f"The gait gives {1e3 * found.promise.thrust:.1f} mN. The map is empty where the servo cannot follow."
     return Section("Thrust of sines", (words,), (), (Picture(figure, "Mean forward thrust of plain sines."),))
 
 
@@ -131,7 +131,10 @@ def _convergence_picture(found: Swimming, unit: str) -> Picture:
     gait = (found.evaluations[[0, -1]], np.full(2, found.value))
     courses = {NAMES[0]: gait, NAMES[1]: sine, found.method: (found.evaluations, found.best)}
     figure = search_figure(courses, f"{found.objective} [{unit}]")
-    return Picture(figure, "Best that the search has met so far, over the gaits tried; the other two as judged finely.")
+    return Picture(
+        figure,
+        "Best value of the search over the number of gaits tried; the two horizontal lines use the finer time step.",
+    )
 
 
 def _front_section(found: Swimming, front: Front) -> Section:
@@ -140,5 +143,7 @@ def _front_section(found: Swimming, front: Front) -> Section:
 
     promises = zip(NAMES, (found.promise, found.sine_promise), strict=True)
     marks = {name: (promise.speed, promise.power) for name, promise in promises}
-    picture = Picture(front_figure(front.speed, front.power, marks), "No gait tried is both faster and cheaper.")
+    picture = Picture(
+        front_figure(front.speed, front.power, marks), "Each point: no tried gait is faster at less power."
+    )
     return Section("Speed against power", (), (), (picture,))

@@ -25,7 +25,6 @@ from affine_model.swim import (
     sine_map,
     trial_of,
 )
-from affine_model.swim.gradient import thrust_gradient
 from affine_model.swim.objectives import scores, worst_quarter_mean
 from affine_model.swim.optimise import ORIGINS
 from affine_model.swim.polish import polish, value_and_gradient
@@ -187,18 +186,6 @@ def test_what_cannot_swim_is_one_line():
         parameter_samples(replace(MODEL, parameters={"elasticity": {"E": Estimate.exact(2e5)}}), 4, 0)
     with pytest.raises(InputError, match="not known"):
         assumed_model(paper_cone(0.14), "rubber")
-
-
-def test_gradient_through_torch_equals_the_batch_differences():
-    brief = replace(TRIAL, limits=GaitLimits(ServoLimits(9.0, 900.0, 9e4)), settle=0.2, window=0.3, step=1 / 200)
-    alpha = np.array([0.2, 0.1, 0.1, 6.0, 4.0, 5.0, 0.3, 1.0, 2.0])
-    value, gradient = thrust_gradient(brief, alpha)
-    around = alpha[:, None] + 1e-4 * np.concatenate([np.zeros((9, 1)), *(k * np.eye(9) for k in (2, 1, -1, -2))], 1)
-    thrust = run(brief, around).thrust[:, 0]
-    far, near, behind, farthest = thrust[1:].reshape(4, 9)
-    differences = (8.0 * (near - behind) - (far - farthest)) / 12e-4
-    assert value == pytest.approx(thrust[0], rel=1e-12)
-    np.testing.assert_allclose(gradient, differences, atol=1e-6 * np.max(np.abs(differences)))
 
 
 def test_torch_and_numpy_pick_the_same_gait():

@@ -1,4 +1,4 @@
-"""The command line parses, calls a room and prints: no long file, and no arithmetic but the unit of a printed number."""
+"""The command line parses, calls a room and prints: no long file, no arithmetic except a printed number's unit."""
 
 from __future__ import annotations
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from inference.base_fit import Setting, needed_order, parameter_of
+from affine_model.arm import parameter_index
+from inference.base_fit import Setting, needed_order
 from inference.prepare import prepare
 from tests.made_recordings import as_markers
 
@@ -14,7 +15,7 @@ def test_base_parameters_are_recovered_within_their_intervals(plain):
     # Four standard deviations of each; and the fit is sharp: 0.1 mm of noise leaves E to better than 1 %.
     assert np.all(np.abs(plain.fitted.values - truth) < 4.0 * spread)
     assert spread[0] < 0.01 * truth[0]
-    assert parameter_of(plain.fitted, ("elasticity", "E")) == plain.fitted.values[0]
+    assert plain.fitted.parameters[parameter_index("elasticity", "E")] == plain.fitted.values[0]
 
 
 @pytest.mark.parametrize("order", [2, 3])

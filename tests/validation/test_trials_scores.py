@@ -14,7 +14,6 @@ from validation.trials.reliability import (
     cross_calibrated,
     fit_calibration,
     gap_by_chance,
-    pooled,
     reliability,
 )
 from validation.trials.scores import Share, baseline_hit, confusion, scores
@@ -111,20 +110,6 @@ def test_baselines_are_scored_by_what_they_can_say():
     assert baseline_hit(made(hidden=("wall",), baselines=named), "regression")
     assert not baseline_hit(made(hidden=("wall",), baselines=named), "weak_form")
     assert baseline_hit(made(kind="null", hidden=(), baselines=named), "weak_form")
-
-
-def test_pooled_is_the_isotonic_least_squares_solution():
-    random = np.random.default_rng(3)
-    values, weights = random.normal(size=40) + np.linspace(0, 1, 40), random.uniform(0.5, 2.0, 40)
-    found = pooled(values, weights)
-    assert np.all(np.diff(found) >= 0)
-    # Karush-Kuhn-Tucker: within a block of equal values the weighted residuals sum to zero, and their partial sums
-    # are never positive (exact but for rounding).
-    rest = np.cumsum(weights * (found - values))
-    assert rest.max() < 1e-12
-    ends = np.append(np.flatnonzero(np.diff(found) > 0), 39)
-    np.testing.assert_allclose(rest[ends], 0.0, atol=1e-12)
-    np.testing.assert_array_equal(pooled(np.zeros(0), np.zeros(0)), np.zeros(0))
 
 
 def test_a_true_confidence_is_off_by_luck_alone():

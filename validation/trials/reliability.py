@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
 
 from discovery.calibration import Calibration
 from tentacle.signals import Array
@@ -93,18 +94,6 @@ def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
     return float(np.median(np.abs(hits - means).max(axis=1)))
 
 
-def pooled(values: Array, weights: Array) -> Array:
-    """The rising sequence nearest to values (N,) in weighted squares: pool adjacent violators (Ayer et al. 1955)."""
-    blocks: list[list[float]] = []  # value, weight, count
-    for value, weight in zip(values, weights, strict=True):
-        blocks.append([float(value), float(weight), 1.0])
-        while len(blocks) > 1 and blocks[-2][0] >= blocks[-1][0]:
-            upper, lower = blocks.pop(), blocks.pop()
-            total = lower[1] + upper[1]
-            blocks.append([(lower[0] * lower[1] + upper[0] * upper[1]) / total, total, lower[2] + upper[2]])
-    return np.concatenate([np.full(int(count), value) for value, _, count in blocks]) if blocks else np.zeros(0)
-
-
 def fit_calibration(outcomes: Sequence[Outcome], prior: Prior = AS_STATED, made: str = "") -> Calibration:
     """A map a verdict, from the uncalibrated confidence to the hit rate; made: one line on the trials.
 
@@ -125,7 +114,8 @@ def fit_calibration(outcomes: Sequence[Outcome], prior: Prior = AS_STATED, made:
         # Ties pooled first, so that the map is a function of the stated value.
         total: Array = np.bincount(place, weights[order]).astype(float)
         means = np.bincount(place, weights[order] * right[order]) / total
-        tables[verdict] = (tuple(knots.tolist()), tuple(np.round(pooled(means, total), 4).tolist()), len(chosen))
+        rising = isotonic_regression(means, weights=total).x
+        tables[verdict] = (tuple(knots.tolist()), tuple(np.round(rising, 4).tolist()), len(chosen))
     return Calibration(tables, made)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.stats import beta
+from scipy.stats import binomtest
 
 from tentacle.signals import Array
 from validation.trials.outcome import Outcome
@@ -31,9 +31,10 @@ class Share:
     @property
     def interval(self) -> tuple[float, float]:
         """Low and high end; 0 to 1 of nothing."""
-        low = float(beta.ppf(0.025, self.hits, self.count - self.hits + 1)) if self.hits else 0.0
-        high = float(beta.ppf(0.975, self.hits + 1, self.count - self.hits)) if self.hits < self.count else 1.0
-        return low, high
+        if not self.count:
+            return 0.0, 1.0
+        found = binomtest(self.hits, self.count).proportion_ci(0.95, method="exact")
+        return float(found.low), float(found.high)
 
 
 def share(outcomes: Sequence[Outcome], kind: str, right: Callable[[Outcome], bool], least_r: float = 0.0) -> Share:
