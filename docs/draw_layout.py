@@ -13,8 +13,11 @@ FONT = 'font-family="system-ui, sans-serif"'
 
 # From the top; a floor's rooms do not import one another, except that pages and cli hand over to viz.
 FLOORS = (
-    (("tentacle/cli", "parses, calls one function, prints"),),
-    (("tentacle/pages", "a result as report, session, figure"), ("tentacle/api", "import tentacle: read, track, ...")),
+    (
+        ("tentacle/cli", "parses, calls one function, prints"),
+        ("tentacle/cli/pages", "a result as report, session, figure"),
+    ),
+    (("tentacle/api", "import tentacle: read, track, identify, diagnose, simulate, compare, optimise"),),
     (("validation", "blind trials, ladder, validity map, paper"), ("rig", "the bench, emulator, firmware")),
     (("discovery", "which absent effect explains the residual"),),
     (("inference", "observation, noise, least squares, intervals"),),
@@ -35,7 +38,7 @@ WAY = (
     ("discovery", "verdict: effect, group, unknown, nothing missing"),
     ("discovery", "calibration: confidence by blind trials"),
     ("discovery", "assemble: Diagnosis, with the next experiment"),
-    ("tentacle/pages", "diagnosis: verdict.json, model.toml"),
+    ("tentacle/cli/pages", "diagnosis: verdict.json, model.toml"),
     ("viz", "diagnosis_report: report.html"),
     ("viz", "session: session.rrd"),
 )
@@ -108,13 +111,13 @@ def way() -> str:
         "discovery",
         "inference",
         "affine_model",
-        "tentacle/pages",
+        "tentacle/cli/pages",
         "viz",
     ]
     step, parts, row = 98, [], 34
     for k, name in enumerate(columns):
         x = 20 + k * step
-        parts.append(text(x, 24, name.removeprefix("tentacle/"), size=12, weight="bold"))
+        parts.append(text(x, 24, name.rpartition("/")[2], size=12, weight="bold"))
         line = f'<line x1="{x + 8}" y1="34" x2="{x + 8}" y2="{50 + len(WAY) * row}" stroke="#c5d5d4" stroke-width="1"/>'
         parts.append(line)
     points = [(28 + columns.index(room) * step, 56 + k * row) for k, (room, _) in enumerate(WAY)]

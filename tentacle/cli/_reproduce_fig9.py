@@ -18,7 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """All cells of all arms; table, figure, rank correlation."""
-    from tentacle.pages.fig9 import write_page
+    from tentacle.cli.pages.fig9 import write_page
     from tentacle.runner import Runner
     from validation.paper_fig9 import thrust_maps, write_thrust_maps
 

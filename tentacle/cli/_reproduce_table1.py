@@ -27,9 +27,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """All arms; the table beside the paper's."""
+    from tentacle.cli.pages.table1 import write_page
     from tentacle.errors import InputError
     from tentacle.io.csv_table import write_csv
-    from tentacle.pages.table1 import write_page
     from tentacle.runner import Runner
     from validation.paper_table1 import table1
     from vision.looks import look_named

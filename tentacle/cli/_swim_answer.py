@@ -42,9 +42,9 @@ def write_answer(
 
     import tomli_w
 
+    from tentacle.cli.pages.swimming import write_film, write_page
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.waveform_file import write_waveform
-    from tentacle.pages.swimming import write_film, write_page
     from viz.report import Origin
 
     course = {"evaluations": found.evaluations.tolist(), "best": found.best.tolist()}

@@ -49,10 +49,10 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from discovery.calibration import stored
+    from tentacle.cli.pages.blind_trials import page
     from tentacle.errors import InputError
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.result_folder import written
-    from tentacle.pages.blind_trials import page
     from tentacle.runner import Runner
     from validation.trials.figures import figures, results
     from validation.trials.reliability import AS_STATED, LIKE_OTHERS, Prior, fit_calibration
@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
 def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple[list, list]:
     """Designs of trials like a recording, and the report's section on what they share with it."""
     from tentacle.cli._progress import stages
-    from tentacle.pages.blind_like import like_section
+    from tentacle.cli.pages.blind_like import like_section
     from validation.trials.likeness import likeness
     from validation.trials.series import CATALOGUED, UNCATALOGUED, series
     from validation.trials.sizing import shown_effects

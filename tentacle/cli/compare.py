@@ -45,9 +45,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Climb the ladder for every model, draw the map, write what was found."""
     from rich.console import Console
 
+    from tentacle.cli.pages.compare import write_page, write_session
+    from tentacle.cli.pages.compare_grid import write_grid
     from tentacle.io.model_file import read_model
-    from tentacle.pages.compare import write_page, write_session
-    from tentacle.pages.compare_grid import write_grid
     from tentacle.runner import Runner
     from validation.ladder import climb
     from validation.ladder_table import write_ladder

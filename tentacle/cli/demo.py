@@ -107,8 +107,8 @@ def _beam(data: Path, folder: Path, stage: Stage) -> Diagnosis:
 
 def _diagnosed(recordings: list, baseline: list, folder: Path, inputs: list[Path], stage: Stage) -> Diagnosis:
     from discovery.diagnose import diagnose
+    from tentacle.cli.pages.diagnosis import write_answer
     from tentacle.io.result_folder import written
-    from tentacle.pages.diagnosis import write_answer
 
     diagnosis = diagnose(recordings, baseline, progress=stage)
     stage("writing the report")

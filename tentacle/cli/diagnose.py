@@ -39,8 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tentacle.cli._kernels import kernels_ahead
     from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
+    from tentacle.cli.pages.diagnosis import write_answer
     from tentacle.io.result_folder import replaced, written
-    from tentacle.pages.diagnosis import write_answer
     from vision.tracked_recording import read_tracked
 
     calibration = None

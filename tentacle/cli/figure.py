@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def make_figure(arguments: argparse.Namespace) -> Figure:
     """The figure that was asked for."""
-    from tentacle.pages import paper_figures
+    from tentacle.cli.pages import paper_figures
 
     if arguments.number == 10:
         return paper_figures.speeds(arguments.inputs[0])

@@ -41,10 +41,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tentacle.cli._kernels import kernels_ahead
     from tentacle.cli._progress import IDENTIFYING, reading_plan, stages
+    from tentacle.cli.pages.identification import identification_lines, identification_table, write_identification
     from tentacle.errors import InputError
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.result_folder import replaced, written
-    from tentacle.pages.identification import identification_lines, identification_table, write_identification
     from vision.tracked_recording import read_tracked
     from viz.report import Origin
 

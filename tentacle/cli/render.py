@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
     from tentacle.errors import InputError
     from tentacle.io.reading import read_recording
-    from validation.test_video import RenderOptions, Sway, recorded_subject, swaying_subject, write_test_video
+    from validation.rendered_video import RenderOptions, Sway, recorded_subject, swaying_subject, write_test_video
 
     size, out = arguments.size, arguments.out
     if min(size) < 16 or not 0 <= arguments.compress <= 51:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
-from tentacle.pages.blind_trials import page
+from tentacle.cli.pages.blind_trials import page
 from tentacle.runner import Runner
 from tests.page import problems
 from tests.validation.test_trials_report import outcomes

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
-from tentacle.pages.blind_trials import page
+from tentacle.cli.pages.blind_trials import page
 from validation.trials.figures import figures, results
 from validation.trials.outcome import Outcome
 from viz.report import Origin

@@ -14,10 +14,10 @@ from affine_model.run_forces import rest_load
 from affine_model.simulate import simulate
 from inference.measured_coordinates import beside_model, coordinates, regression_sides
 from tentacle.cli import main
+from tentacle.cli.pages.paper_figures import thrust
 from tentacle.io.model_file import write_model
 from tentacle.io.write_folder import write_folder
 from tentacle.model import Estimate, Model
-from tentacle.pages.paper_figures import thrust
 from tentacle.recording import Camera, Declaration, Recording
 from tentacle.signals import LoadCellSignal, Midline, MotorSignal, Video
 from tentacle.specimen import WATER, Cone, Gravity, Specimen

@@ -39,10 +39,11 @@ def write_page(maps: ThrustMaps, page: Path) -> None:
     words = (
         "The upper row is the reference, in place of the paper's tank. Both models have the same parameters, so the"
         " difference is the reduction to two coordinates alone. The paper's own model was identified from video.",
-        "Thrust rises with amplitude and with frequency for all three arms here, so the rank correlation is an"
-        " easy test, and the mean error a strict one. The paper shows Fig. 9 as pictures without numbers. It says that the"
-        " 140 mm arm thrusts most at large amplitude and low frequency, the 105 mm arm at low amplitude and low frequency."
-        " Neither model does that. In the tank something else acted, for example a servo that does not reach fast commands.",
+        "Thrust rises with amplitude and with frequency for all three arms here, so the rank correlation is an easy"
+        " test, and the mean error a strict one. The paper shows Fig. 9 as pictures without numbers. It says that"
+        " the 140 mm arm thrusts most at large amplitude and low frequency, and the 105 mm arm at low amplitude and"
+        " low frequency. Neither model does that. In the tank something else acted, for example a servo that does"
+        " not reach fast commands of large amplitude.",
         CHOICES,
     )
     section = Section("Mean thrust", words, (table,), (Picture(figure, "Mean forward thrust over 10 s."),))

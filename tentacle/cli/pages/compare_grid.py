@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tentacle.pages.compare import WITHOUT_MAP
+from tentacle.cli.pages.compare import WITHOUT_MAP
 
 if TYPE_CHECKING:
     from validation.ladder import Ladder
