@@ -1,5 +1,4 @@
-"""tentacle compare: the reduced model against the MuJoCo reference, rung by rung, and the map of where it may be
-trusted."""
+"""`tentacle compare`: the reduced model against the MuJoCo reference, and the map of where it may be trusted."""
 
 from __future__ import annotations
 
