@@ -40,7 +40,7 @@ def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
     """One recording's layer, written whole; what cannot be diagnosed leaves its reason there."""
     from discovery.diagnose import diagnose
     from discovery.library.layer import failed_layer, layer_of
-    from tentacle.cli.diagnose import write_answer
+    from tentacle.cli.pages.diagnosis import write_answer
     from tentacle.errors import InputError
     from tentacle.io.library.layers import LAYER, write_layer
     from tentacle.io.result_folder import written
@@ -63,5 +63,5 @@ def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
     return {"path": task["path"], "failed": failed}
 
 
-def _quiet(_words: str) -> None:
+def _quiet(words: str, done: float = 0.0) -> None:
     """Progress of one recording among many is not shown."""
