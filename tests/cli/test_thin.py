@@ -11,7 +11,7 @@ import tentacle.cli
 
 FILES = sorted(Path(tentacle.cli.__file__).parent.glob("*.py"))
 # Still to be made thin: tracking a plain video, the search for a gait, the library's table, a rig run's events.
-LARGER = {"track", "optimise", "_swim_work", "_swimming", "library", "view"}
+LARGER = {"track", "_swimming", "library", "view"}
 # How a command ends, what its numbers may be, and the share done: the command line's own, not a room's.
 OWN = {"_endings", "_bounds", "_progress"}
 ARITHMETIC = (ast.Mult, ast.Sub, ast.Pow, ast.MatMult)
