@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
+from PIL import Image
 
 Array = NDArray[np.float64]
 Grey = NDArray[np.uint8]
@@ -32,7 +33,10 @@ class Film:
     side: where in the picture the base is. widths: full width at base and tip. at_base: "", "clamp" (a block of the
     arm's grey), "body" (a head and trunk of it) or "dark" (a block darker than the arm). intruder: "", "debris" (a
     blob that touches the arm), "second_arm", "hand", "post" (a bar of the ground's grey before the arm), "glare".
-    codec: "", "jpeg 30" (quality), "h264 35" (crf). repeats: True, every frame is shown two or three times.
+    codec: "", "jpeg 30" (quality), "h264 35" (crf), "gif 24" (greys, dithered). repeats: True, every frame is shown two
+    or three times. fade: share of its contrast that the tip has lost; core: share of it that a stripe along the middle
+    lets through; halo: grey of a light rim about it, as phase contrast makes; wave: True, a wave runs down the arm,
+    which no polynomial is.
     """
 
     name: str
@@ -55,6 +59,10 @@ class Film:
     sway: float = 0.4
     bend: float = 0.8
     frames: int = 60
+    fade: float = 0.0
+    core: float = 0.0
+    halo: float = 0.0
+    wave: bool = False
 
 
 FILMS = (
@@ -62,6 +70,27 @@ FILMS = (
         "fish", (200, 140), "left", 98.0, (7.0, 3.0), 95.0, 150.0, at_base="body", repeats=True, servo=False, sway=0.1
     ),
     Film("fish_light", (140, 200), "bottom", 98.0, (7.0, 3.0), 170.0, 60.0, at_base="body", repeats=True, servo=False),
+    Film(
+        "fish_real",
+        (220, 150),
+        "right",
+        98.0,
+        (7.0, 3.0),
+        90.0,
+        150.0,
+        at_base="body",
+        repeats=True,
+        servo=False,
+        sway=0.0,
+        fade=0.6,
+        core=0.4,
+        halo=12.0,
+        wave=True,
+        texture=4.0,
+        codec="h264 26",
+        bend=0.9,
+    ),
+    Film("gif", codec="gif 16", side="bottom", at_base="clamp", servo=False),
     Film("thin", (320, 240), "right", 170.0, (5.0, 3.0)),
     Film("thin_12", (320, 240), "left", 220.0, (12.0, 3.5), codec="jpeg 50"),
     Film("small", (100, 90), "top", 60.0, (9.0, 3.0)),
@@ -99,14 +128,20 @@ def motion(film: Film, seed: int) -> tuple[Array, Array]:
     wave = 2 * np.pi * 0.9 * t
     theta = film.sway * np.sin(wave + phase[4])
     sizes = film.bend * np.array([1.0, 1.0, 0.6, 0.0])
+    if film.wave:  # amplitudes of a running wave's sine and cosine, at 1.3 waves along the arm
+        return theta, film.bend * np.stack([np.sin(wave), np.cos(wave), 0 * t, 0 * t], axis=1)
     bends = sizes * np.sin(wave[:, None] + phase[:4]) + 0.2 * sizes * np.sin(2 * wave[:, None] + phase[[1, 2, 3, 0]])
     return theta, bends
 
 
-def midline(base: Array, heading: float, bends: Array, length: float) -> Array:
+def midline(base: Array, heading: float, bends: Array, length: float, wave: bool = False) -> Array:
     """Points (STEPS + 1, 2) from base to tip, by the middle of each step."""
     middle = (np.arange(STEPS) + 0.5) / STEPS
-    angle = heading + sum(bends[k] * middle ** (k + 1) / (k + 1) for k in range(len(bends)))
+    if wave:
+        turn = 2.0 * np.pi * 1.1 * middle
+        angle = heading + middle * (bends[0] * np.sin(turn) + bends[1] * np.cos(turn)) + bends[2] * middle
+    else:
+        angle = heading + sum(bends[k] * middle ** (k + 1) / (k + 1) for k in range(len(bends)))
     steps = length / STEPS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return base + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
@@ -150,7 +185,7 @@ def _holder(film: Film, base: Array, heading: float) -> list[Array]:
         back = np.linspace(0, 0.55 * film.length, 60)
         half = 0.5 * film.widths[0] * (1 + 2.2 / (1 + np.exp(-(back - 0.2 * film.length) / (0.05 * film.length))))
         half *= np.sqrt(np.clip(1 - (back / back[-1]) ** 6, 0, 1))
-        middle = base - back[:, None] * along
+        middle = base + (2.0 - back[:, None]) * along  # over the arm's end: they are one body
         return [np.concatenate([middle + half[:, None] * across, (middle - half[:, None] * across)[::-1]])]
     return []
 
@@ -163,6 +198,8 @@ def _delivered(film: Film, plain: list[Array], seed: int) -> list[Grey]:
     if kind == "jpeg":
         packed = [cv2.imencode(".jpg", p, [cv2.IMWRITE_JPEG_QUALITY, int(number)])[1] for p in noisy]
         return [np.asarray(cv2.imdecode(p, cv2.IMREAD_GRAYSCALE), dtype=np.uint8) for p in packed]
+    if kind == "gif":
+        return [np.asarray(Image.fromarray(p).convert("RGB").quantize(int(number)).convert("L")) for p in noisy]
     if kind == "h264":
         buffer = BytesIO()
         with av.open(buffer, "w", format="matroska") as container:
@@ -172,8 +209,9 @@ def _delivered(film: Film, plain: list[Array], seed: int) -> list[Grey]:
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(p, format="gray")))
             container.mux(stream.encode(None))
         buffer.seek(0)
-        with av.open(buffer) as container:
-            return [f.to_ndarray(format="yuv420p")[: film.size[1]].copy() for f in container.decode(video=0)]
+        with av.open(buffer, "r") as container:
+            pictures = [frame.to_ndarray(format="gray") for frame in container.decode(video=0)]
+            return [np.asarray(picture, dtype=np.uint8) for picture in pictures]
     return noisy
 
 
@@ -196,26 +234,38 @@ class Painter:
     ) -> Array:
         """Frame k's midline (STEPS + 1, 2) [px], changed by bends [rad], turned, shifted [px] and made longer."""
         heading = self.rest + self.theta[k] + turn
-        return midline(self.base + shift, heading, self.bends[k] + bends, self.film.length * (1.0 + longer))
+        return midline(
+            self.base + shift, heading, self.bends[k] + bends, self.film.length * (1.0 + longer), self.film.wave
+        )
 
     def paint(self, k: int, line: Array) -> tuple[Array, float]:
         """Grey (H, W) of frame k, and the share of its own midline that something in front hides."""
         film, (width, height) = self.film, self.film.size
-        scene = film.ground + self._dirt
+        scene = np.asarray(film.ground + self._dirt, dtype=float)
         if film.intruder == "second_arm":
             aside = np.array([0.2 * width, 0.0])
             bends = -0.7 * self.bends[(k + 7) % film.frames]
             other = midline(self.base + aside, self.rest - self.theta[k], bends, 0.8 * film.length)
             scene = _over(scene, _share(film, [_body(other, self.widths)]), film.arm)
         arm = _share(film, [_body(line, self.widths)])
-        scene = _over(scene, arm, film.arm + 0.3 * self._dirt)
+        if film.halo:
+            rim = _share(film, [_body(line, self.widths + 5.0)])
+            scene += film.halo * np.clip(rim - arm, 0.0, 1.0)
+        seen = film.arm + 0.3 * self._dirt
+        if film.fade:
+            seen = seen + film.fade * (film.ground - film.arm) * _nearest_station(line, film.size) ** 2
+        scene = _over(scene, arm, seen)
+        if film.core:
+            core = _share(film, [_body(line, 0.35 * self.widths)])
+            scene += film.core * core * (film.ground - seen)
         turned = self.rest + (self.theta[k] if film.servo else 0.0)
         held = _share(film, _holder(film, self.base, turned))
         scene = _over(scene, held, 0.4 * film.arm if film.at_base == "dark" else film.arm)
         hidden, grey = self._in_front(k)
         scene = _over(scene, hidden, grey) * self._light * (1.0 + film.flicker * np.sin(2.3 * k))
-        at = np.clip(np.rint(self.line(k)).astype(int), 0, [width - 1, height - 1])
-        return scene, float(np.mean(hidden[at[:, 1], at[:, 0]] > 0.3))
+        points = np.rint(self.line(k)).astype(int)
+        at = np.clip(points, 2, [width - 3, height - 3])
+        return scene, float(np.mean((hidden[at[:, 1], at[:, 0]] > 0.3) | np.any(points != at, axis=1)))
 
     def _in_front(self, k: int) -> tuple[Array, float]:
         """Coverage (H, W) by the intruder of frame k, and its grey."""
@@ -253,7 +303,7 @@ class Drawn:
 
 
 def _over(scene: Array, share: Array, grey: Array | float) -> Array:
-    return scene + share * (grey - scene)
+    return np.asarray(scene + share * (grey - scene), dtype=float)
 
 
 def draw_film(film: Film, seed: int = 1) -> Drawn:
@@ -280,6 +330,13 @@ def draw_film(film: Film, seed: int = 1) -> Drawn:
 def _discs(discs: list[list[float]]) -> list[Array]:
     turn = np.linspace(0.0, 2.0 * np.pi, 60)
     return [np.column_stack([u + radius * np.cos(turn), v + radius * np.sin(turn)]) for u, v, radius in discs]
+
+
+def _nearest_station(line: Array, size: tuple[int, int]) -> Array:
+    """Share (H, W) of the arm's length at which its midline is nearest to each pixel."""
+    rows, columns = np.mgrid[: size[1], : size[0]]
+    far = (columns[..., None] - line[::6, 0]) ** 2 + (rows[..., None] - line[::6, 1]) ** 2
+    return np.argmin(far, axis=2) / (len(line[::6]) - 1.0)
 
 
 def _bar(place: Array, heading: float, film: Film) -> list[Array]:

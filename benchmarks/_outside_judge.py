@@ -117,7 +117,8 @@ def limit(drawn: Drawn, order: int, frames: NDArray[np.intp], count: int) -> flo
         pictures = np.array([painter.paint(k, line)[0] for line in lines])
         rate = (pictures[::2] - pictures[1::2]) / (2.0 * steps[:, None, None])
         near = np.abs(rate).sum(axis=0) > 0.02 * np.abs(rate).sum(axis=0).max()
-        noise = max(float(np.sqrt(np.mean((drawn.pictures[at][near] - drawn.plain[at][near]) ** 2))), 0.3)
+        left = float(np.mean((drawn.pictures[at][near] - drawn.plain[at][near]) ** 2))
+        noise = max(np.sqrt(left + painter.film.texture**2), 0.3)  # a dirty ground is not known to anybody
         information.append(np.einsum("ixy,jxy->ij", rate, rate) / noise**2)
         moved = np.array([sideways(line[None], painter.line(k)[None])[0] for line in lines])
         slopes.append((moved[::2] - moved[1::2]) / (2.0 * steps[:, None]))

@@ -17,6 +17,7 @@ is the clock's.
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import re
@@ -32,6 +33,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PAPER_SECONDS = 39.0
+PARTS = ("setup", "app", "path")
 
 
 def processor_seconds() -> float:
@@ -152,6 +154,35 @@ def first_verdict(folder: Path, program: Path) -> float:
     return seconds_of([str(program), "demo", "--out", "demo"], folder, ask)
 
 
+def app_paint(folder: Path) -> dict[str, float]:
+    """Seconds from `tentacle app` to its page drawn; nothing where there is no Chromium or no driver for it."""
+    chromium = shutil.which("chromium")
+    if chromium is None or any(importlib.util.find_spec(name) is None for name in ("playwright", "nicegui")):
+        return {}
+    from playwright.sync_api import Error, sync_playwright
+
+    ask = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "tentacle", "app", str(folder / "app"), "--no-browser", "--port", "8149"]
+    with sync_playwright() as driver:
+        page = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"]).new_page()
+        start = time.perf_counter()
+        served = subprocess.Popen(command, env=ask, stdout=subprocess.PIPE, text=True)
+        try:
+            assert served.stdout is not None
+            address = served.stdout.readline().split()[0]
+            while True:
+                try:
+                    page.goto(address)
+                    break
+                except Error:  # the server does not listen yet
+                    time.sleep(0.1)
+            page.get_by_text("From a film to what the model lacks").wait_for()
+            return {"app_paint_s": time.perf_counter() - start}
+        finally:
+            served.terminate()
+            served.wait()
+
+
 def measure(folder: Path, short: bool) -> dict[str, float]:
     """All figures of issue 9."""
     seconds = 8.0 if short else PAPER_SECONDS
@@ -187,11 +218,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, required=True, metavar="FILE")
     parser.add_argument("--short", action="store_true", help="an 8 s video in place of 39 s")
+    parser.add_argument("--before", metavar="COMMIT", help="measure this commit's set-up, too")
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="what to measure (default: all)")
     arguments = parser.parse_args()
     sys.path.insert(0, str(ROOT))
     folder = Path(tempfile.mkdtemp(prefix="first-hour-"))
     try:
-        figures = measure(folder, arguments.short)
+        figures = {}
+        if "setup" in arguments.parts:
+            figures |= set_ups(folder, arguments.before)
+            program = folder / "setup" / "clone" / ".venv" / "bin" / "tentacle"
+            figures["first_verdict_s"] = first_verdict(folder, program)
+        if "app" in arguments.parts:
+            figures |= app_paint(folder)
+        if "path" in arguments.parts:
+            figures |= measure(folder, arguments.short)
     finally:
         shutil.rmtree(folder)
     for name, value in figures.items():

@@ -24,7 +24,7 @@ import numpy as np
 from affine_model.curvature import midline
 from affine_model.from_model import simulate_model
 from tentacle.io.library import conditions, open_library
-from tentacle.io.library.layers import LAYER, code_version
+from tentacle.io.library.layers import code_version, write_layer
 from tentacle.io.recording_rrd import read_rrd, write_rrd
 from tentacle.model import Estimate, Model
 from tentacle.recording import Declaration, Recording
@@ -64,8 +64,6 @@ def stand_in_verdicts(folder: Path) -> None:
     for k, row in enumerate(library.table().to_pylist()):
         if row["state"] != "new":
             continue
-        place = library.layer(row["sha256"])
-        place.mkdir(parents=True)
         E, sd = 2e5 * (1.0 - 2e-5 * k), 2e3
         verdict, effects = ("effect", "current") if k % 5 == 0 else ("nothing_missing", "")
         layer = {
@@ -79,7 +77,7 @@ def stand_in_verdicts(folder: Path) -> None:
                 _parameter("drag", "C_perp", 1.1 + 0.02 * random.standard_normal(), 0.02, "1"),
             ],
         }  # fmt: skip
-        (place / LAYER).write_text(json.dumps(layer))
+        write_layer(layer, library.layer(row["sha256"]))
 
 
 def _parameter(effect: str, name: str, value: float, sd: float, unit: str) -> dict[str, object]:
@@ -95,7 +93,7 @@ def _parameter(effect: str, name: str, value: float, sd: float, unit: str) -> di
 
 def asked(folder: Path) -> dict[str, float]:
     """What a user does, in this process: refresh, query, page, and its memory."""
-    from tentacle.cli.library import write_page
+    from tentacle.cli.pages.library import write_library_page
 
     library = open_library(folder)
     found: dict[str, float] = {}
@@ -108,7 +106,7 @@ def asked(folder: Path) -> dict[str, float]:
     found["library_query_s"], found["library_found"] = time.perf_counter() - start, float(chosen.num_rows)
     found["library_to_diagnose"] = float(sum(state == "new" for state in table.column("state").to_pylist()))
     start = time.perf_counter()
-    page = write_page(library)
+    page = write_library_page(library)
     found["library_page_s"], found["library_page_mb"] = time.perf_counter() - start, page.stat().st_size / 1e6
     found["library_memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     return found

@@ -15,7 +15,11 @@ from pathlib import Path
 
 sys.path[0] = str(Path(__file__).resolve().parents[1])  # this file's own name would hide the room that it measures
 
+sys.path.append(str(Path(__file__).resolve().parent))
+
 import numpy as np  # noqa: E402
+from _outside_films import FILMS  # noqa: E402
+from _outside_judge import Judged, judge_film  # noqa: E402
 
 from tentacle.recording import Declaration  # noqa: E402
 from tentacle.signals import Array, MotorSignal  # noqa: E402
@@ -29,6 +33,7 @@ from vision.track import stream  # noqa: E402
 from vision.validate import as_json, judge_disturbed, judge_look, table  # noqa: E402
 
 WORM_FPS = 15.0
+SHORT_FILMS = ("fish", "light", "debris")
 
 
 def distances(points: Array, line: Array) -> Array:
@@ -39,7 +44,7 @@ def distances(points: Array, line: Array) -> Array:
 
 
 def worm(short: bool) -> dict[str, float]:
-    """Median distance to the outside reference [px], share of its frames accepted, of the others rejected."""
+    """Median distance to the outside reference [px], its worst accepted frame, shares accepted and rejected."""
     folder = Path(os.environ.get("TENTACLE_DATA", "../shared/data")) / "worm_crops"
     if not (folder / "reference_midlines.npz").exists():
         print(f"worm video: skipped, {folder} is not there")
@@ -54,6 +59,7 @@ def worm(short: bool) -> dict[str, float]:
     print(f"worm: {len(both)} of {known.sum()} frames with a reference accepted, {body.words()}")
     return {
         "worm_median_px": float(np.median(per_frame)),
+        "worm_worst_px": float(max(distances(reference[k], body.midline[k]).max() for k in both)),
         "worm_accepted": float(body.accepted[known].mean()),
         "worm_flagged_without_reference": float((~body.accepted[~known]).mean()),
     }
@@ -103,6 +109,30 @@ def memory_growth(frames: int) -> float:
     return growth
 
 
+def outside_films(short: bool) -> dict[str, float]:
+    """Films of an outside program: share of visible frames accepted, of accepted ones wrong, largest rms over limit.
+
+    A film's limit is Cramer and Rao's of its delivered pictures; see _outside_judge.
+    """
+    films = [film for film in FILMS if film.name in SHORT_FILMS] if short else FILMS
+    judged: list[Judged] = []
+    for film in films:
+        judged.append(judge_film(film))
+        j = judged[-1]
+        print(
+            f"{j.film:11s} {j.seen:3d} of {j.visible:3d} visible accepted, {j.wrong} of {j.accepted} wrong,"
+            f" rms {j.rms_px:.3f} px, {j.rms_px / j.limit_px:.1f} times the limit, z {j.z_rms:.2f};"
+            f" part hidden: {j.hidden_accepted} of {j.hidden}, z {j.hidden_z:.2f}; {j.words}",
+            flush=True,
+        )
+    accepted = max(sum(j.accepted for j in judged), 1)
+    return {
+        "other_renderer_accepted": sum(j.seen for j in judged) / sum(j.visible for j in judged),
+        "other_renderer_false": sum(j.wrong for j in judged) / accepted,
+        "other_renderer_over_limit": float(np.nanmax([j.rms_px / j.limit_px for j in judged if j.visible])),
+    }
+
+
 def resident_megabytes() -> float:
     pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
@@ -116,6 +146,7 @@ def main() -> None:
     short = arguments.short
     figures: dict[str, float] = {}
     figures |= worm(short)
+    figures |= outside_films(short)
     figures["fps_720p"] = frames_per_second((1280, 720), 30 if short else 120, 90 if short else 600)
     figures["fps_4k"] = frames_per_second((3840, 2160), 10 if short else 30, 45 if short else 150)
     figures["memory_growth_mb"] = memory_growth(1500 if short else 20_000)

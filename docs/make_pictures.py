@@ -1,7 +1,8 @@
 """The documentation's pictures, from the tool itself: python docs/make_pictures.py [GROUP...]
 
-Groups: examples, views, reports, figures, maps (default: all). Views need a Vulkan driver, reports Chromium, the rig's
-view g++. The arm swims in a current that its declaration leaves out; the rest is what a user would type.
+Groups: moving, examples, views, reports, figures, maps (default: all). Views need a Vulkan driver, reports and the
+moving group Chromium, the rig's view g++. The arm swims in a current that its declaration leaves out; the
+rest is what a user would type.
 """
 
 from __future__ import annotations
@@ -211,7 +212,26 @@ def maps(folder: Path) -> None:
         keep(folder / f"{name}.png", name)
 
 
-GROUPS = {"examples": examples, "views": views, "reports": reports, "figures": figures, "maps": maps}
+def moving(folder: Path) -> None:
+    """The README's moving picture, and the page of `tentacle app` in a browser."""
+    from discovery.diagnose import diagnose
+    from docs.moving_picture import moving_picture
+    from vision.tracked_recording import read_tracked
+    from viz.scene import scene_of
+
+    def stage(words: str, done: float = 0.0) -> None:
+        """Nobody watches."""
+
+    tentacle("tentacle demo --out demo", folder)
+    recording = read_tracked(folder / "demo" / "tank" / "recording", stage)
+    moving_picture(scene_of(diagnose([recording]).runs[0]), recording, PICTURES / "moving.webp")
+    from docs.app_pictures import photograph_app
+
+    for name, picture in photograph_app(folder, folder / "demo" / "tank" / "recording").items():
+        keep(picture, name)
+
+
+GROUPS = {"moving": moving, "examples": examples, "views": views, "reports": reports, "figures": figures, "maps": maps}
 
 
 def main() -> None:

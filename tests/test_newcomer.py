@@ -19,7 +19,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("tentacle", "affine_model", "mujoco_ref", "vision", "inference", "discovery", "validation", "viz", "rig")
-EXTRAS = ("torch", "optuna", "serial", "distributed", "mkdocs")
+EXTRAS = ("torch", "optuna", "serial", "distributed", "mkdocs", "nicegui")
 DECLARATION = """\
 [specimen]
 section = "cone"
@@ -140,7 +140,11 @@ def test_from_a_video_to_a_verdict(program, desk):
 
 @pytest.mark.parametrize(
     ("command", "extra"),
-    [("rig ports", "rig"), ("compare model.toml --out out --cluster tcp://127.0.0.1:1", "cluster")],
+    [
+        ("rig ports", "rig"),
+        ("app recordings --no-browser", "app"),
+        ("compare model.toml --out out --cluster tcp://127.0.0.1:1", "cluster"),
+    ],
 )
 def test_what_only_an_extra_brings_is_named_in_a_line(program, desk, command, extra):
     from tentacle.io.model_file import write_model

@@ -11,7 +11,7 @@ from scipy.linalg import solveh_banded
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
-NODES = 40  # along the picture's longer side
+NODES, FINEST = 40, 6.0  # along the picture's longer side; px between two of a small picture
 SMOOTH = (25.0, 1e5, 1.6e6)  # pixels of information on the second differences: as the light needs, or even light
 EMPTY = 1e-6  # information on each node, so that those that nothing tells are finite
 TOLD = ("normal", "right", "count", "power")
@@ -39,7 +39,7 @@ class Field:
     @staticmethod
     def over(size: tuple[int, int]) -> Field:
         """A field that nothing has told, over pictures of a size (width, height) [px]."""
-        cell = max(size) / (NODES - 1.0)
+        cell = max(max(size) / (NODES - 1.0), FINEST)
         columns, rows = (max(int(np.ceil(side / cell)) + 1, 3) for side in size)
         nothing = np.zeros(columns * rows)
         normal = np.zeros((rows + 2, len(nothing)))

@@ -23,16 +23,44 @@ ENDS = 8.0  # px along the arm within which its ends are looked for, once the re
 TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
 SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
+COARSE_STEP = np.array([1.0, 3.0, 8.0, 20.0, 20.0, 20.0])  # rad: how far a first step goes where few edges tell
+MOST_TURN = 3.0 * np.pi  # rad from base to tip
+MOST_BEND = 2.5  # curvature times the half thickness
 SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
+
+
+KNOTS = 8  # stretches of the arm, whose usual contrast is known
+MANY = 10  # edges that tell a stretch's contrast
+FAINTEST = 0.2  # of the arm's contrast, that a stretch's is taken as
 
 
 @dataclass(frozen=True)
 class Sight:
-    """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey]."""
+    """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey].
+
+    along (KNOTS,): the contrast's course from base to tip, as shares of contrast; a thin tip lets light through.
+    """
 
     blur: float
     polarity: float
     contrast: float
+    along: tuple[float, ...] = (1.0,) * KNOTS
+
+    def contrast_at(self, s: Array) -> Array:
+        """The usual contrast (E,) [grey] of edges at s (E,)."""
+        return self.contrast * np.interp(s, (np.arange(KNOTS) + 0.5) / KNOTS, self.along)
+
+
+def contrast_along(fits: list[FrameFit], polarity: float) -> tuple[float, ...]:
+    """Sight.along as some fits show it: medians over stretches of the arm, where a stretch is fainter than the arm."""
+    s = np.concatenate([fit.expected.s[fit.expected.kind < 2] for fit in fits])
+    contrast = np.concatenate([polarity * fit.own_contrast[fit.expected.kind < 2] for fit in fits])
+    there = contrast > 0.0
+    s, contrast = s[there], contrast[there]
+    usual = float(np.median(contrast)) if len(contrast) else 1.0
+    parts = [contrast[(s >= k / KNOTS) & (s < (k + 1.0) / KNOTS)] for k in range(KNOTS)]
+    shares = [float(np.median(part)) / usual if len(part) >= MANY else 1.0 for part in parts]
+    return tuple(float(np.clip(share, FAINTEST, 1.0)) for share in shares)
 
 
 @dataclass(frozen=True)
@@ -42,7 +70,7 @@ class FrameFit:
     x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
     noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. waves (W,): the residuals' slow waves
     along the arm; edges that err independently have a variance of 1 in each. edges, expected and weight (E,) stay for
-    the judge.
+    the judge, own_contrast (E,) [grey], of each edge by itself and 0 where none was found, for the sight.
     """
 
     x: Array
@@ -53,6 +81,7 @@ class FrameFit:
     edges: Edges
     expected: Outline
     weight: Array
+    own_contrast: Array
 
 
 def refine(
@@ -83,7 +112,10 @@ def refine(
         base = _usable(edges, expected, sight).astype(float)
         if np.count_nonzero(base) < 4 * order:
             return None
-        x = x + robust_step(np.ascontiguousarray(expected.jacobian[:, :order]), edges.offset, base, 6, 0.4)[0]
+        jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
+        x = x + robust_step(jacobian, edges.offset, base, 6, 0.4, 1.0 / COARSE_STEP[:order] ** 2)[0]
+        if _wild(geometry, x):
+            return None
     sound, first = np.zeros(0, dtype=np.bool_), None
     total = x + theta * (np.arange(order) == 0)
     expected = outline(geometry, theta, x, shared)
@@ -101,16 +133,35 @@ def refine(
         if np.count_nonzero(usable) < 4 * order:
             return None
         base = _trust(edges, expected.kind, usable)
-        step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02)
+        step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02, np.zeros(order))
         if first is not None:
-            return _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends, swept)
+            fit = _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends, swept)
+            return replace(fit, own_contrast=np.where(first.found, first.contrast, 0.0))
         x, first, sound = x + step, edges, weight > 0
+        if _wild(geometry, x):
+            return None
     return None
+
+
+def _wild(geometry: Geometry, x: Array) -> bool:
+    """Whether a step has left all shapes that an arm can have: it turns too far, or bends into its own thickness.
+
+    An edge on the inside of such a bend stands for a stretch without end, and the work on it would have none either.
+    """
+    s = np.linspace(0.0, 1.0, 41)
+    bend = sum((x[k] * s ** (k - 1) for k in range(1, len(x))), np.zeros(len(s)))
+    turned = np.concatenate([[0.0], np.cumsum(0.5 * (bend[1:] + bend[:-1]))]) / (len(s) - 1)
+    thick = float(geometry.radius.max()) / geometry.length
+    return not (np.ptp(turned) < MOST_TURN and np.abs(bend).max() * thick < MOST_BEND)
 
 
 def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:
     """Side edges (E,) that are there and stand out; the ends move with the recording's parameters, hardly with x."""
-    return edges.found & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast) & (expected.kind < 2)
+    return (
+        edges.found
+        & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast_at(expected.s))
+        & (expected.kind < 2)
+    )
 
 
 def _clear_of_ends(geometry: Geometry, shared: Array, expected: Outline, swept: Sweep) -> NDArray[np.bool_]:
@@ -167,6 +218,7 @@ def _summary(
         edges=edges,
         expected=expected,
         weight=weight,
+        own_contrast=edges.contrast,
     )
 
 
@@ -191,7 +243,8 @@ def _end(
     swept = Sweep(swept.width[index], swept.shift[index], swept.slip[index])
     coarse = search_edges(image, rows, geometry.lens, ends, sight.polarity)
     like = sight.polarity * coarse.contrast
-    alike = coarse.found & (like > 0.5 * sight.contrast) & (like < 1.6 * sight.contrast)
+    usually = sight.contrast_at(rows.s)
+    alike = coarse.found & (like > 0.5 * usually) & (like < 1.6 * usually)
     if np.count_nonzero(alike) < max(0.7 * len(index), 1):
         return index, nothing
     shift = float(np.median(coarse.offset[alike]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -12,17 +12,19 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.fit import ENDS, FrameFit, Sight, drawing, ordinary_misfit, refine
+from vision.fit import ENDS, FrameFit, Sight, contrast_along, drawing, ordinary_misfit, refine
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
 from vision.light import Light
 from vision.locate import locate
 from vision.motion import Motion
+from vision.remedy import remedies
 
 FIRST_FRAMES = 16  # frames from which the recording's parameters are first estimated
 LEAST_SCORE = 0.45  # of a coarse find
 PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
+SHORT, SLENDER = 0.065, (0.4, 0.8, 0.8)  # of a short arm's length, a slender one's half thickness: no further off
 BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
 BLUR_LIMITS = (0.5, 4.0)  # px
 SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
@@ -62,7 +64,16 @@ class Seen:
 class Follower:
     """An arm's state between frames: its last shapes, the recording's parameters g, and how its edges look."""
 
-    def __init__(self, geometry: Geometry, exposure: float, order: int, theta: Callable[[float], float] | None) -> None:
+    def __init__(
+        self,
+        geometry: Geometry,
+        exposure: float,
+        order: int,
+        theta: Callable[[float], float] | None,
+        verdicts: Mapping[int, bool] | None = None,
+    ) -> None:
+        self.verdicts = verdicts or {}  # frame number -> whether a person accepted or rejected it
+        self._count, self.shown_again = 0, 0
         self.geometry, self.exposure, self.size = geometry, exposure, order + 1
         self._theta = theta
         self.shared = np.zeros(SHARED)
@@ -72,6 +83,11 @@ class Follower:
         self._changes: list[float] = []
         self._lost = 0
         self._light: Light | None = None
+        self._latest: NDArray[np.uint8] | None = None
+
+    def remedies(self) -> list[str]:
+        """What may be wrong in the declaration, by the last picture that was looked at; [] before the first."""
+        return [] if self._latest is None else remedies(self._latest, self.geometry, self._theta is not None)
 
     def theta(self, t: float) -> float:
         """The motor's angle [rad] at a time [s]; 0 where it is not known."""
@@ -82,11 +98,12 @@ class Follower:
 
         Raises InputError where no frame shows an arm that the declaration fits.
         """
+        self._latest = frames[-1].image
         self._changes = [_change(a.image, b.image) for a, b in pairwise(frames)]
         found = None
         for index in np.unique(np.linspace(0, len(frames) - 1, 6).astype(int)):
             frame = frames[index]
-            where = locate(frame.image, self.geometry, self.shared, self._known(frame.t))
+            where = locate(frame.image, self.geometry, self.shared, self._known(frame.t), coordinates=self.size)
             if found is None or where.score > found[1].score:
                 found = (index, where)
             if where.score > 0.7:
@@ -95,8 +112,7 @@ class Follower:
             raise InputError("no arm that fits the declaration is in the first frames", expected="the arm in view")
         index, where = int(found[0]), found[1]
         self.sight = Sight(blur=1.2, polarity=where.polarity, contrast=8.0)
-        begin = np.zeros(self.size)
-        begin[:3] = where.x
+        begin = self._filled(where.x)
         # outward from the frame where the arm was found, so that each start is near
         walk = [range(index, len(frames)), range(index - 1, -1, -1)]
         shapes: dict[int, Array] = {index: begin}
@@ -136,6 +152,10 @@ class Follower:
         """The motor's part (K,) of an arm's angles: in the first entry."""
         return self.theta(t) * (np.arange(self.size) == 0)
 
+    def _filled(self, x: Array) -> Array:
+        """A shape (K,) from its first coordinates."""
+        return np.concatenate([x, np.zeros(max(self.size - len(x), 0))])[: self.size]
+
     def _known(self, t: float) -> float | None:
         return None if self._theta is None else self._theta(t)
 
@@ -160,7 +180,8 @@ class Follower:
 
     def _settle(self, fits: list[FrameFit]) -> None:
         """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement)."""
-        information, gradient = np.diag(PRIOR**-2), -self.shared / PRIOR**2
+        prior = prior_of(self.geometry)
+        information, gradient = np.diag(prior**-2), -self.shared / prior**2
         for fit in fits:
             _, _, part, slope = _eliminate(fit, self.size)
             information = information + part
@@ -172,7 +193,7 @@ class Follower:
         assert self.sight is not None
         polarity = self.sight.polarity
         contrast = np.median([np.median((polarity * f.edges.contrast)[f.weight > 0.1]) for f in fits])
-        self.sight = replace(self.sight, contrast=float(contrast))
+        self.sight = replace(self.sight, contrast=float(contrast), along=contrast_along(fits, polarity))
         best = np.inf
         chosen = self.sight
         for blur in BLURS:
@@ -197,14 +218,20 @@ class Follower:
     def see(self, frame: Frame) -> Seen:
         """Fit the next frame; start must have been called."""
         assert self.sight is not None
-        if self._repeats(frame):
+        self._latest = frame.image
+        verdict, self._count = self.verdicts.get(self._count), self._count + 1
+        repeats = self._repeats(frame)
+        if verdict is False:
+            return self._rejected(frame, "rejected by hand")
+        if repeats and not verdict:
             return self._rejected(frame, "repeats the frame before")
         fit, reason = None, "arm not found"
         for x, motion, reaches in self._starts(frame):
             fit = self._fit(frame, x, motion, reaches)
             if fit is None:
                 continue
-            reason = why_rejected(frame.image, self.geometry, self.theta(frame.t), self.shared, fit, self.sight)
+            arm = (self.geometry, self.theta(frame.t), self.shared)
+            reason = "" if verdict else why_rejected(frame.image, *arm, fit, self.sight)
             if not reason:
                 break
         if fit is None or reason:
@@ -240,8 +267,11 @@ class Follower:
         before, self._previous = self._previous, frame.image
         if before is None:
             return False
-        change, usual = _change(before, frame.image), float(np.median(self._changes)) if self._changes else 0.0
+        known = np.array(self._changes or [0.0])
+        change, usual = _change(before, frame.image), float(np.median(known))
         self._changes = [*self._changes[1 - USUAL :], change]
+        # a film that was slowed shows most pictures again: each tells its shape, and the remark says what it is
+        self.shown_again += change < REPEAT * float(np.quantile(known, 0.9))
         return change < REPEAT * usual
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, Motion, tuple[float, ...]]]:
@@ -259,13 +289,10 @@ class Follower:
                 yield last + rate * ahead, motion, (10.0, 5.0)
             yield last, motion, (24.0, 12.0, 5.0)
         if not self._history or self._lost % LOOK_AGAIN == 0:
-            found = locate(
-                frame.image, self.geometry, self.shared, self._known(frame.t), polarities=(self.sight.polarity,)
-            )
+            polarities = (self.sight.polarity,)
+            found = locate(frame.image, self.geometry, self.shared, self._known(frame.t), polarities, self.size)
             if found.score > LEAST_SCORE:
-                begin = np.zeros(self.size)
-                begin[:3] = found.x
-                yield begin, Motion(), (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0)
+                yield self._filled(found.x), Motion(), (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0)
 
     def _rejected(self, frame: Frame, reason: str) -> Seen:
         k = self.size
@@ -275,6 +302,13 @@ class Follower:
             lean=np.zeros((k, SHARED)), shared_information=np.zeros((SHARED, SHARED)),
             shared_gradient=np.zeros(SHARED), sigma=np.nan, waves=np.zeros(0), outline_px=np.zeros((0, 2)),
         )  # fmt: skip
+
+
+def prior_of(geometry: Geometry) -> Array:
+    """How far (G,) the declaration of an arm is usually off: what is usual, but for a small arm a share of it."""
+    base = min(PRIOR[0], SHORT * geometry.length)
+    radius = np.minimum(PRIOR[3:], np.array(SLENDER) * float(geometry.radius.max()))
+    return np.concatenate([[base, base, PRIOR[2]], radius])
 
 
 def _eliminate(fit: FrameFit, k: int) -> tuple[Array, Array, Array, Array]:

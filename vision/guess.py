@@ -39,7 +39,7 @@ def guess_camera(image: NDArray[np.uint8], specimen: Specimen, fps: float, expos
         raise InputError(
             "no arm stands out against its ground",
             field="camera",
-            expected="--base-px and --px-per-m, or an arm in view",
+            expected="--base-px and --m-per-px, or an arm in view",
         )
     if _bodies_like_it(found[3], found[2]) > 1:
         raise InputError("there are two arms in view", field="camera", expected="--base-px of the one to follow")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import erf
 
 from tentacle.signals import Array
 from vision.edges import grey_at
@@ -14,6 +15,7 @@ LEAST_FOUND = 0.5  # share of the side edges that must carry weight
 LONGEST_GAP = 0.3  # share of the arm that may be hidden on both sides at once
 MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
 MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
+LAST, LEAST_TIP = 0.08, 0.35  # of the arm: there the tip's contrast is looked at, and what share of the usual it has
 SHARES = np.array([-0.6, 0.0, 0.6])  # of the radius: probes inside
 MARGINS = np.array([4.0, 7.0])  # px beyond the edge: probes outside
 
@@ -44,9 +46,26 @@ def why_rejected(
         return "part of the arm is hidden"
     if fit.sigma > MOST_SCATTER:
         return "edges scatter"
+    if _tip_contrast(image, geometry, centre, phi, radius, sight) < LEAST_TIP:
+        return "the tip is not where the fit ends"
     if _disagreement(image, geometry, centre, phi, radius, sight) > MOST_DISAGREEMENT:
         return "silhouette disagrees"
     return ""
+
+
+def _tip_contrast(
+    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: Sight
+) -> float:
+    """Contrast of the arm's last stretch with what lies beside it, over that which is usual for so thin a stretch."""
+    pick = np.unique(np.linspace((1.0 - LAST) * (len(centre) - 1), len(centre) - 2, 16).astype(int))
+    normals = np.cos(phi[pick])[:, None] * geometry.normal + np.sin(phi[pick])[:, None] * geometry.arm
+    aside = (radius[pick] + MARGINS[0])[:, None] * normals
+    probes = np.concatenate([centre[pick], centre[pick] + aside, centre[pick] - aside])
+    grey = grey_at(image, geometry.lens.packed, np.ascontiguousarray(probes)).reshape(3, -1)
+    seen = sight.polarity * (0.5 * (grey[1] + grey[2]) - grey[0])
+    usual = sight.contrast_at(pick / (len(centre) - 1.0)) * erf(radius[pick] / (np.sqrt(2.0) * sight.blur))
+    there = np.isfinite(seen)
+    return float(np.median((seen / usual)[there])) if np.count_nonzero(there) > len(pick) // 2 else 1.0
 
 
 def _touches_itself(centre: Array, radius: Array) -> bool:

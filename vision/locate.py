@@ -12,18 +12,20 @@ from tentacle.compiled import njit
 from tentacle.signals import Array
 from vision.kinematics import Geometry
 from vision.lens import bend_point
+from vision.trace import trace
 
 COARSE_LENGTH = 120.0  # px that the arm is long in the reduced picture
 STATIONS = 20
 END_ANGLES = np.linspace(-2.4, 2.4, 17)  # rad, alpha(1) = q1 + q2/2
 BENDS = np.linspace(-6.0, 6.0, 11)  # rad, q2
 KNOWN_OFFSETS = np.linspace(-0.4, 0.4, 9)  # rad about the motor's angle
+CERTAIN = 0.9  # score of offset, q1 and q2 above which nothing better is looked for
 ANY_OFFSETS = np.arange(60) * (2.0 * np.pi / 60) - np.pi
 
 
 @dataclass(frozen=True)
 class Located:
-    """A coarse shape x (3,) = [offset, q1, q2] [rad], polarity (+1 dark arm), score in -1 to 1: mean local contrast."""
+    """A coarse shape x = [offset, q1, q2, ..] [rad], polarity (+1 dark arm), score in -1 to 1: mean local contrast."""
 
     x: Array
     polarity: float
@@ -54,8 +56,11 @@ def _score(
     for i in range(count + 1):
         s = (i + 0.5) / count if i < count else 1.0
         half = (i + 0.25) / count  # mid angle of the step that leads here
-        angle = theta + shape[0] + shape[1] * s + 0.5 * shape[2] * s * s
-        middle = theta + shape[0] + shape[1] * half + 0.5 * shape[2] * half * half
+        angle, middle, power, half_power = theta + shape[0], theta + shape[0], 1.0, 1.0
+        for k in range(1, len(shape)):
+            power, half_power = power * s, half_power * half
+            angle += shape[k] * power / k
+            middle += shape[k] * half_power / k
         stride = 0.5 * step if i in (0, count) else step
         u += stride * (-np.sin(middle) * normal[0] + np.cos(middle) * arm[0])
         v += stride * (-np.sin(middle) * normal[1] + np.cos(middle) * arm[1])
@@ -118,8 +123,11 @@ def locate(
     shared: Array,
     theta: float | None,
     polarities: tuple[float, ...] = (1.0, -1.0),
+    coordinates: int = 3,
 ) -> Located:
     """The best coarse shape of an arm whose base is known; theta None: it may point anywhere.
+
+    coordinates: of x, where the course that is traced from the base explains the picture better than offset, q1 and q2.
 
     The score says how far to trust it: above about 0.5 both sides stand out against the ground along most of the arm.
     """
@@ -152,4 +160,9 @@ def locate(
             width *= 0.6
         if scores.max() > best.score:
             best = Located(start[0], polarity, float(scores.max()))
+        if coordinates > 3 and scores.max() < CERTAIN:
+            traced = trace(small, shrink, geometry, shared, theta, contrast, polarity, coordinates)
+            score = float(_search(*place, traced[None], contrast, polarity)[0])
+            if score > best.score:
+                best = Located(traced, polarity, score)
     return best

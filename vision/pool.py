@@ -61,14 +61,15 @@ class _Solution:
     objective: float
 
 
-def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
-    """Join the frames; order None lets the data choose from 2 up to what was fitted. start (G,): the g they used."""
+def pool(seen: list[Seen], start: Array, order: int | None, prior: Array = PRIOR) -> Pooled:
+    """Join the frames; order None lets the data choose from 2 up to what was fitted. start (G,): the g they used;
+    prior (G,): follow.prior_of."""
     accepted = np.array([frame.accepted for frame in seen])
     fitted = len(seen[0].x) - 1
     if not accepted.any():
         chosen = order or min(2, fitted)
         nan = np.full((len(seen), chosen + 1), np.nan)
-        spread = np.diag(PRIOR**2)
+        spread = np.diag(prior**2)
         return Pooled(nan, nan[:, :, None] * nan[:, None, :], chosen, start, spread, np.nan, np.nan, {}, 1.0, 1.0)
     good = [frame for frame in seen if frame.accepted]
     inflation, staying = _inflation(good)
@@ -80,13 +81,13 @@ def pool(seen: list[Seen], start: Array, order: int | None) -> Pooled:
         gradient=sum((frame.shared_gradient for frame in good), np.zeros(SHARED)) / inflation,
     )
     evidence: dict[int, float] = {}
-    solutions = {n: _solve(stack, n, start) for n in range(min(2, fitted), fitted + 1)}
+    solutions = {n: _solve(stack, n, start, prior) for n in range(min(2, fitted), fitted + 1)}
     full = solutions[fitted].objective
     for n, solution in solutions.items():
         evidence[n] = (solution.objective - full) / len(good)
     chosen = order or min(evidence, key=lambda n: evidence[n] + PENALTY * n)
     if chosen not in solutions:
-        solutions[chosen] = _solve(stack, chosen, start)
+        solutions[chosen] = _solve(stack, chosen, start, prior)
     solution = solutions[chosen]
     solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
@@ -137,7 +138,7 @@ def _weights(stack: _Stack, rows: list[int], tau: float) -> tuple[Array, Array]:
     return np.asarray(np.linalg.inv(spread), dtype=float), np.asarray(np.linalg.slogdet(spread)[1])
 
 
-def _solve(stack: _Stack, order: int, start: Array) -> _Solution:
+def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
     """g, the mean offset and tau for one order: generalised least squares and a likelihood step for tau, in turns."""
     rows = _rows(stack, order)
     tau = float(np.std(stack.x[:, 0])) if len(stack.x) > 1 else 0.5
@@ -150,8 +151,8 @@ def _solve(stack: _Stack, order: int, start: Array) -> _Solution:
         weight, _ = _weights(stack, rows, tau)
         normal = np.einsum("tri,trs,tsj->ij", design, weight, design)
         right = -np.einsum("tri,trs,ts->i", design, weight, target)
-        normal[:SHARED, :SHARED] += stack.information + np.diag(PRIOR**-2)
-        right[:SHARED] += stack.gradient - start / PRIOR**2
+        normal[:SHARED, :SHARED] += stack.information + np.diag(prior**-2)
+        right[:SHARED] += stack.gradient - start / prior**2
         normal[-1, -1] += 1e-6
         covariance = np.linalg.inv(normal)
         solution = covariance @ right

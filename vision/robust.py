@@ -19,10 +19,12 @@ STRIDE = 15  # stations between two looks at the usual
 
 
 @njit(cache=True, nogil=True)
-def robust_step(jacobian: Array, offset: Array, base: Array, sweeps: int, floor: float) -> tuple[Array, Array]:
+def robust_step(
+    jacobian: Array, offset: Array, base: Array, sweeps: int, floor: float, held: Array
+) -> tuple[Array, Array]:
     """Step (K,) and weights (E,) of offset ~ jacobian step, iteratively reweighted; base (E,) >= 0 are prior weights.
 
-    floor [px]: the scale of the residuals is taken no smaller.
+    floor [px]: the scale of the residuals is taken no smaller. held (K,): prior information that the step is 0.
     """
     size = jacobian.shape[1]
     used = np.flatnonzero(base > 0)
@@ -38,7 +40,7 @@ def robust_step(jacobian: Array, offset: Array, base: Array, sweeps: int, floor:
                 for j in range(i + 1):
                     normal[i, j] += leaned * jacobian[e, j]
         for i in range(size):
-            normal[i, i] = normal[i, i] * (1.0 + 1e-9) + 1e-12
+            normal[i, i] = normal[i, i] * (1.0 + 1e-9) + 1e-12 + held[i]
             for j in range(i):
                 normal[j, i] = normal[i, j]
         step = np.linalg.solve(normal, right)

@@ -61,7 +61,7 @@ def silhouette(image: NDArray[np.uint8], polarity: float | None = None, faint: b
     if polarity < 0:
         mask = cv2.bitwise_not(mask)
     if faint:
-        mask = _with_faint_parts(fine, mask, polarity)
+        mask = _with_faint_parts(np.asarray(fine, dtype=np.float32), np.asarray(mask, dtype=np.uint8), polarity)
     contours, tree = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     outer = [k for k in range(len(contours)) if tree[0][k][3] < 0]
     if not outer:
@@ -79,9 +79,9 @@ def silhouette(image: NDArray[np.uint8], polarity: float | None = None, faint: b
     return Silhouette(placed[largest], float(areas.max()) / enlarge**2, holes / enlarge**2, polarity, beside)
 
 
-def _with_faint_parts(fine: NDArray[np.uint8], mask: NDArray[np.uint8], polarity: float) -> NDArray[np.uint8]:
+def _with_faint_parts(fine: NDArray[np.float32], mask: NDArray[np.uint8], polarity: float) -> NDArray[np.uint8]:
     """The mask of all that is nearer to the body's faint parts than to the ground, where a first mask shows both."""
-    shown = polarity * fine.astype(np.float32)
+    shown = polarity * fine
     ground, weak = float(np.median(shown[mask == 0])), float(np.quantile(shown[mask > 0], FAINT))
     return np.where(shown < 0.5 * (ground + weak), 255, 0).astype(np.uint8)
 

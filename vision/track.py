@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,15 +11,19 @@ import numpy as np
 
 from tentacle.errors import InputError
 from tentacle.recording import Declaration
-from tentacle.signals import MotorSignal, ShapeTrack
+from tentacle.signals import Array, MotorSignal, ShapeTrack
 from vision.ahead import read_ahead
-from vision.follow import Follower, Seen, follow
+from vision.follow import Follower, Seen, follow, prior_of
 from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
 from vision.pool import PENALTY, Pooled, pool
+from vision.remedy import Watch
+from vision.servo_sign import check_sign
 
 ORDERS = (1, 2, 3, 4, 5)
+SURE, WORTH_SAYING = 4.0, 2e-3  # sigmas, and relative: a scale further off is a finding
+SHOWN_AGAIN = 0.2  # share of the pictures that repeat: a film that was slowed or filled up
 NO_OUTLINE = np.zeros((0, 2))
 
 
@@ -39,6 +44,7 @@ def stream(
     order: int | None = None,
     lens: Lens | None = None,
     patience: float = 0.0,
+    verdicts: Mapping[int, bool] | None = None,
 ) -> tuple[Follower, Iterator[Seen]]:
     """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far.
 
@@ -51,7 +57,7 @@ def stream(
     camera = declaration.camera
     geometry = Geometry.declared(declaration.specimen, camera, lens)
     fitted = ORDERS[-1] if order is None else min(order + 1, ORDERS[-1])
-    follower = Follower(geometry, camera.exposure, fitted, _angle(motor))
+    follower = Follower(geometry, camera.exposure, fitted, _angle(motor), verdicts)
     return follower, follow(read_ahead(read_frames(Path(video), camera.fps, patience)), follower)
 
 
@@ -81,22 +87,44 @@ def track_fully(
     progress: Callable[[Seen], None] | None = None,
     patience: float = 0.0,
     outlines: bool = False,
+    warn: Callable[[str], None] | None = None,
+    verdicts: Mapping[int, bool] | None = None,
 ) -> Tracking:
     """As track, with every frame's own result, the pooled estimate and remarks.
 
     outlines: keep each frame's outline for an overlay; without them a frame's result is 2 kB, all that memory grows by.
+    verdicts: frames that a person accepted or rejected (proofread). warn is told at once where most of the first frames
+    are lost, or where the work is slow, and what may help. Raises InputError too where the servo's log turns against
+    the arm's root.
     """
-    follower, results = stream(video, declaration, motor, order, lens, patience)
+    follower, results = stream(video, declaration, motor, order, lens, patience, verdicts)
     seen: list[Seen] = []
+    watch = Watch()
     try:
+        angle = _angle(motor)
+        if angle is not None and not patience and not Path(video).is_char_device():
+            assert declaration.camera is not None
+            check_sign(read_frames(Path(video), declaration.camera.fps), follower.geometry, angle)
         for result in results:
             seen.append(result if outlines else replace(result, outline_px=NO_OUTLINE))
             if progress is not None:
                 progress(result)
+            said = watch.look(time.monotonic(), result.reason)
+            if said and warn is not None:
+                warn("; ".join([said, *follower.remedies()]))
     except InputError as error:
-        raise error if error.file else InputError(error.problem, file=video, expected=error.expected) from error
-    pooled = pool(seen, follower.shared, order)
-    return Tracking(_shape(seen, pooled, follower.geometry, declaration), tuple(seen), pooled, _remarks(seen, pooled))
+        problem = error.problem if error.file else "; ".join([error.problem, *follower.remedies()])
+        raise InputError(problem, file=error.file or video, field=error.field, expected=error.expected) from error
+    pooled = pool(seen, follower.shared, order, prior_of(follower.geometry))
+    shape = _shape(seen, pooled, follower.geometry, declaration)
+    remarks = (*_remarks(seen, pooled), *_scale_finding(shape, declaration), *_slowed(follower.shown_again, shape))
+    return Tracking(shape, tuple(seen), pooled, remarks)
+
+
+def motor_angle(motor: MotorSignal | None, t: Array) -> Array:
+    """The motor's angle [rad] at times t (T,); 0 where there is no log."""
+    angle = _angle(motor)
+    return np.zeros(len(t)) if angle is None else np.array([angle(float(time)) for time in t])
 
 
 def _angle(motor: MotorSignal | None) -> Callable[[float], float] | None:
@@ -121,6 +149,30 @@ def _shape(seen: list[Seen], pooled: Pooled, geometry: Geometry, declaration: De
         scale=float(1.0 + pooled.shared[2]),
         scale_sigma=float(np.sqrt(pooled.shared_covariance[2, 2])),
         base_shift=axes @ pooled.shared[:2] * declaration.camera.metres_per_px,
+    )
+
+
+def _slowed(again: int, shape: ShapeTrack) -> tuple[str, ...]:
+    """Said where much of a film shows the picture before again."""
+    count = len(shape.t)
+    if again <= SHOWN_AGAIN * count:
+        return ()
+    return (
+        f"{again} of {count} pictures show the one before again: the film was slowed or filled up; its true rate is"
+        f" about {(count - again) / count:.2f} of the file's, and a shape is as often told as its picture is shown",
+    )
+
+
+def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ...]:
+    """A length that differs from the declared one by more than its sigma allows, in words."""
+    off = shape.scale - 1.0
+    if not (abs(off) > SURE * shape.scale_sigma and abs(off) > WORTH_SAYING):
+        return ()
+    more, length = "longer" if off > 0 else "shorter", declaration.specimen.length
+    measured = f"the arm measures {abs(off):.2%} {more} than declared (+- {shape.scale_sigma:.2%})"
+    return (
+        f"{measured}, {1e3 * abs(off) * length:.1f} mm: look at m_per_px, and whether length_m reaches the very"
+        " tip of the silicone, its rounding included",
     )
 
 

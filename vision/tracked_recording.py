@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from tentacle.io.reading import read_recording
 from tentacle.progress import Stage
 from tentacle.recording import Recording
+from tentacle.signals import Video
 
 LIGHT = 0.5  # of the time that tracking takes goes into learning the light, before the first frame is told
 
@@ -19,11 +21,19 @@ def read_tracked(path: Path, stage: Stage) -> Recording:
     seen = recording.midline or recording.markers or recording.shape
     if seen is not None or recording.video is None:
         return recording
-    from tentacle.io.video_file import count_frames
     from vision.track import track
 
+    told = told_frames(stage, path, recording.video)
+    shape = track(recording.video.path, recording.declaration, recording.motor, progress=told)
+    return replace(recording, shape=shape)
+
+
+def told_frames(stage: Stage, path: Path, video: Video) -> Callable[[object], None]:
+    """What tracking calls at each frame, so that the stage tells how many of all are done."""
+    from tentacle.io.video_file import count_frames
+
     stage(f"tracking {path}: the light of the tank")
-    count, total = 0, count_frames(recording.video)
+    count, total = 0, count_frames(video)
 
     def shown(_: object) -> None:
         nonlocal count
@@ -32,5 +42,4 @@ def read_tracked(path: Path, stage: Stage) -> Recording:
             of = f" of {total}" if total else ""
             stage(f"tracking {path}: {count}{of} frames", LIGHT + (1.0 - LIGHT) * count / total if total else LIGHT)
 
-    shape = track(recording.video.path, recording.declaration, recording.motor, progress=shown)
-    return replace(recording, shape=shape)
+    return shown

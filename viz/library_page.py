@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from tentacle.signals import Array
 from viz.figures.residual_maps import residual_maps_figure
-from viz.figures.trends import Point, trends_figure
+from viz.figures.trends import DRAWN, Point, trends_figure
 from viz.report import render_page
 from viz.words import number
 
@@ -58,7 +58,7 @@ def library_page(
     states = Counter(row["state"] for row in rows)
     verdicts = Counter(row["verdict"].replace("_", " ") for row in rows if row["verdict"])
     arms = len({row["specimen"] for row in rows if row["specimen"]})
-    headline = f"{len(rows)} recordings of {arms} arm{'s' * (arms != 1)}; " + (
+    headline = f"{len(rows)} recording{'s' * (len(rows) != 1)} of {arms} arm{'s' * (arms != 1)}; " + (
         ", ".join(f"{count} {verdict}" for verdict, count in verdicts.most_common()) or "none is diagnosed yet"
     )
     page = LibraryPage(
@@ -99,7 +99,13 @@ def _pictures(
     pictures = []
     figure = trends_figure({name: sorted(points, key=lambda p: p.date) for name, points in trends.items()})
     if figure is not None:
-        pictures.append(("Parameters over time", "Fitted values with their 95 % intervals, an arm a marker.", figure))
+        pictures.append(
+            (
+                "Parameters over time",
+                f"Fitted values with their 95 % intervals, {DRAWN} points a panel at most.",
+                figure,
+            )
+        )
     chosen = [(row["name"], maps[row["key"]]) for row in worst(rows) if row["key"] in maps]
     figure = residual_maps_figure(chosen)
     if figure is not None:

@@ -125,8 +125,14 @@ class Forces:
         f_t = -(0.5 * w["density"] * w["C_t"] * perimeter * speed + 0.5 * w["c_n"]) * u_t
         force = weight[..., None] * (f_n[..., None] * normal[:, None] + f_t[..., None] * tangent[:, None])
         force += (weight * w["density"] * n["node_area"])[..., None] * surge
+        force += (weight * self._unnamed(place[..., 0], u_n))[..., None] * normal[:, None]
         total, moment = force.sum(axis=1), _cross(place, force).sum(axis=1)
         self.drag = total.sum(axis=0)
+        tip = start[-1] + n["length"][-1] * tangent[-1]
+        for reach_beyond, drop, moved in zip(n["body_reach"], n["body_drop"], n["body_moved"], strict=True):
+            at = tip + reach_beyond * tangent[-1] + drop * normal[-1]
+            total[-1] += moved * surge
+            moment[-1] += moved * _cross(at, surge)
         if w["C_a"] > 0.0:
             carried, share = n["carried"], w["tangential"]
             centre = n["carried_centre"][:, None]
@@ -155,6 +161,15 @@ class Forces:
         share = self._water["tangential"]
         return j_n.T @ (carried * j_n) + share * j_t.T @ (carried * j_t) + self._lower.T @ (turning * self._lower)
 
+    def _unnamed(self, x: np.ndarray, u_n: np.ndarray) -> np.ndarray:
+        """Forces along the normal [N/m] that the model has no name for; u_n relative to the water."""
+        push, tether, tip_tether, bowed_tether, tip_brake, density = self._n["rest"]
+        towards = ((self._n["from_base"][:, None] + self._n["node_along"]) / self._n["length"].sum()) ** 3
+        per_mass = (
+            push * towards + x * (tether + tip_tether * towards) + bowed_tether * x**2 + tip_brake * u_n * towards
+        )
+        return -density * self._n["node_area"] * per_mass
+
     def _stream(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Velocity [m/s] and acceleration of the undisturbed water."""
         w = self._water
@@ -168,14 +183,23 @@ class Forces:
         n = self._n
         angle, rate = data.qpos[self._q[1:]], data.qvel[self._v[1:]]
         self._remember(data.time, angle)
-        stiffness, hinges = n["hinge_stiffness"], self.links - 1
-        bend, cubic = angle - n["hinge_rest"], n["hinge_cubic"]
-        moment = -n["drift"] * data.time * stiffness * (bend + cubic * angle**3)
-        moment -= stiffness * cubic * (angle**3 - bend**3)  # MuJoCo's cubic spring counts from springref
-        moment -= n["hinge_maxwell"] * (angle - self._dashpot)
-        moment -= n["hinge_yield_moment"] * self._bristle / np.maximum(n["hinge_yield_angle"], 1e-12)
-        bent = np.sqrt((hinges * angle) ** 2 + 1e-4)
-        return moment - n["amplitude_damping"] * stiffness * bent * rate
+        stiffness, bend = n["hinge_stiffness"], angle - n["hinge_rest"]
+        drifted = n["drift"] * data.time  # MuJoCo's own springs and dampers do not drift: that much is added here
+        elastic = (1.0 + n["hinge_stiff_tip"]) * bend + n["hinge_one_sided"] * bend**2 + n["hinge_cubic"] * bend**3
+        moment = drifted * stiffness * elastic
+        remembered = n["hinge_maxwell"] * (angle - self._dashpot)
+        remembered += n["hinge_yield_moment"] * self._bristle / np.maximum(n["hinge_yield_angle"], 1e-12)
+        moment += (1.0 + drifted) * (remembered + stiffness * n["hinge_set_tip"])
+        return -moment - self._lossy((1.0 + drifted) * stiffness, bend, rate)
+
+    def _lossy(self, stiffness: np.ndarray, bend: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """What damping that changes adds (n,). It is put into dof_damping, in which implicitfast is implicit: at the
+        tip's light links an explicit one would limit the step."""
+        joints, n = self._v[1:], self._n
+        given = self.model.dof_damping[joints].copy()  # MuJoCo has counted it in this step
+        wanted = n["hinge_damping"] + stiffness * (n["hinge_loss"] + n["hinge_bent_loss"] * bend**2)
+        self.model.dof_damping[joints] = wanted
+        return (wanted - given) * rate
 
     def _remember(self, t: float, angle: np.ndarray) -> None:
         """Carry the dashpots and the bristles of dry friction on to time t; they start relaxed."""

@@ -30,7 +30,7 @@ SUBSTITUTED = {
 }
 # Effect -> what it is in arm_forces.py, where arm.xml has nothing of it.
 CALLBACK_ONLY = ("linear_drag", "sloshing", "wall", "viscoelasticity", "dry_friction", "stiffness_drift",
-                 "amplitude_damping")  # fmt: skip
+                 "amplitude_damping", "unnamed")  # fmt: skip
 # Effect -> where it belongs instead.
 ELSEWHERE = {
     "servo_lag": "the command: delay theta before it goes to ctrl",

@@ -134,6 +134,8 @@ def _arm_of(source: Any, chain: _HingeChain, fluid_density: float | None) -> Imp
     density = float(np.sum(mass) / unit.mass)
     hung = [b for b in range(source.nbody) if source.body_parentid[b] == chain.bodies[-1] and b not in chain.bodies]
     tip_mass = float(sum(source.body_subtreemass[b] for b in hung))
+    if "body_moved" in own:  # 3/2 of the water that the bodies displace; they carry half of what they displace
+        tip_mass -= float(np.sum(own["body_moved"])) / 3.0
     s = chain.place / chain.length
     spacing = np.gradient(chain.place)
     stiffness = source.jnt_stiffness[chain.joints] * spacing

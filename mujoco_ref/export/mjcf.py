@@ -13,7 +13,7 @@ Kutta's lift with the same coefficient turns the force from the velocity's direc
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,7 @@ from mujoco_ref.chain import SMALLEST_INERTIA, SMALLEST_MASS, Chain
 from mujoco_ref.engine import mujoco
 from mujoco_ref.export.arm_forces import PREFIX
 from mujoco_ref.export.carried import Carried, carried_by
-from mujoco_ref.influence import value
-from mujoco_ref.simulate import make_stepper, plain_parameters
+from mujoco_ref.simulate import make_stepper
 from mujoco_ref.step import Stepper
 from mujoco_ref.water import (
     ALONG,
@@ -32,6 +31,7 @@ from mujoco_ref.water import (
     CARRIED_CENTRE,
     CARRIED_TURNING,
     PERIMETER,
+    SPHERE,
     WEIGHT,
     WIDTH,
 )  # fmt: skip
@@ -45,6 +45,11 @@ FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
 WATER_FIELDS = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f",
                 "wall_B", "wall_x")  # fmt: skip
 
+HINGE_FIELDS = ("stiffness", "damping", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle",
+                "stiff_tip", "set_tip", "one_sided", "loss", "bent_loss")  # fmt: skip
+REST_FIELDS = ("push", "tether", "tip_tether", "bowed_tether", "tip_brake", "density")
+BODIES = ("payload", "hung")  # of the reference's chain, at the tip
+
 
 @dataclass(frozen=True)
 class Mjcf:
@@ -57,11 +62,9 @@ class Mjcf:
 def export_mjcf(model: Model, links: int = 20) -> Mjcf:
     """The arm of a model as MJCF with `links` hinges. InputError where the reference refuses the model."""
     carried = carried_by(model)
-    parameters = plain_parameters(carried.kept)
-    known = {name: values for name, values in carried.kept.parameters.items() if name != "amplitude_damping"}
-    stepper = make_stepper(replace(model, parameters=known), links=links)
+    stepper = make_stepper(carried.kept, links=links)
     spec = _spec(stepper)
-    _add_numbers(spec, stepper, value(parameters, "amplitude_damping", "b"))
+    _add_numbers(spec, stepper)
     spec.compile()
     return Mjcf(_headed(spec.to_xml(), carried), carried)
 
@@ -84,7 +87,7 @@ def _spec(stepper: Stepper) -> Any:
         _add_joint(body, stepper, k)
         _set_mass(body, stepper, k)
         geometry.add(body, k)
-    _add_points(body, source)
+    _add_points(body, stepper)
     _add_drive(spec)
     return spec
 
@@ -97,8 +100,9 @@ def _add_joint(body: Any, stepper: Stepper, k: int) -> None:
         return
     hinge = stepper.hinges[k - 1]
     stiffness = float(hinge["stiffness"])
-    joint.stiffness = [stiffness, 0.0, stiffness * float(hinge["cubic"])]
-    joint.damping = [float(hinge["damping"]), 0.0, 0.0]
+    shares = (1.0 + float(hinge["stiff_tip"]), float(hinge["one_sided"]), float(hinge["cubic"]))
+    joint.stiffness = [stiffness * share for share in shares]  # of the bend, its square and its cube
+    joint.damping = [float(hinge["damping"]) + stiffness * float(hinge["loss"]), 0.0, 0.0]
     joint.springref = float(hinge["rest"])
 
 
@@ -167,15 +171,25 @@ class _Plates:
         plate.fluid_ellipsoid, plate.fluid_coefs = 1.0, [blunt, slender, 0.0, blunt, 0.0]
 
 
-def _add_points(tip: Any, source: Any) -> None:
-    """What hangs at the tip, as the chain has it."""
-    for name in ("payload", "hung"):
+def _add_points(tip: Any, stepper: Stepper) -> None:
+    """The bodies at the tip as the chain has them, with the water that they carry every way put into their mass."""
+    source = stepper.chain.model
+    for name, body in zip(BODIES, stepper.chain.bodies, strict=True):
         at = mujoco.mj_name2id(source, mujoco.mjtObj.mjOBJ_BODY, name)
         if at < 0:
             continue
+        own, carries = float(source.body_mass[at]), SPHERE * float(stepper.water[0]["density"]) * float(body[3])
         point = tip.add_body(name=name, pos=source.body_pos[at])
-        point.mass, point.inertia, point.explicitinertial = source.body_mass[at], source.body_inertia[at], True
+        point.mass, point.inertia, point.explicitinertial = own + carries, source.body_inertia[at], True
         point.ipos = source.body_ipos[at]
+        point.gravcomp = 1.0 - own * (1.0 - float(source.body_gravcomp[at])) / (own + carries)
+
+
+def _tip_bodies(stepper: Stepper) -> dict[str, Array]:
+    """Where the bodies at the tip are, and how much of the swaying water's acceleration moves them [kg]."""
+    bodies = stepper.chain.bodies
+    moved = (1.0 + SPHERE) * float(stepper.water[0]["density"]) * bodies[:, 3]
+    return {"body_reach": bodies[:, 1], "body_drop": bodies[:, 2], "body_moved": moved}
 
 
 def _add_drive(spec: Any) -> None:
@@ -190,7 +204,7 @@ def _add_drive(spec: Any) -> None:
         actuator.gainprm[0], actuator.biasprm[:3] = gain, bias
 
 
-def _add_numbers(spec: Any, stepper: Stepper, amplitude_damping: float) -> None:
+def _add_numbers(spec: Any, stepper: Stepper) -> None:
     """What arm_forces.py reads, under <custom>."""
     own = [own_link(stepper, k) for k in range(stepper.chain.links + 1)]
     links, nodes, hinges, water = stepper.links, stepper.nodes, stepper.hinges, stepper.water[0]
@@ -212,9 +226,10 @@ def _add_numbers(spec: Any, stepper: Stepper, amplitude_damping: float) -> None:
         "node_area": nodes[:, :, AREA].ravel(),
         "water": np.array([float(water[name]) for name in WATER_FIELDS]),
         "drift": np.array([stepper.drift]),
-        "amplitude_damping": np.array([amplitude_damping]),
-        **{f"hinge_{name}": np.array(hinges[name]) for name in
-           ("stiffness", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle")},
+        "from_base": stepper.chain.start,
+        "rest": np.array([float(stepper.rest[0][name]) for name in REST_FIELDS]),
+        **_tip_bodies(stepper),
+        **{f"hinge_{name}": np.array(hinges[name]) for name in HINGE_FIELDS},
     }  # fmt: skip
     for name, data in numbers.items():
         spec.add_numeric(name=f"{PREFIX}{name}", data=np.asarray(data, dtype=float), size=len(data))

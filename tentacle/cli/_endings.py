@@ -25,7 +25,15 @@ from types import FrameType
 from tentacle.errors import InputError, printable
 
 # What not everyone needs: module -> the extra that brings it.
-EXTRAS = {"serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "warp": "gpu", "nicegui": "app"}
+EXTRAS = {
+    "serial": "rig",
+    "optuna": "rig",
+    "distributed": "cluster",
+    "torch": "gpu",
+    "warp": "gpu",
+    "nicegui": "app",
+    "h5py": "hdf5",
+}
 BAD_INPUT, DEFECT = 2, 70
 
 

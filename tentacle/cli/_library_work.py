@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from tentacle.io.library import Library
     from tentacle.runner import Runner
 
+POLLED = 2.0  # s between two looks at a folder that is followed
+SETTLED = 5.0  # s since a file's last change: until then a rig is still writing it
+
 
 def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline: list[Path], seed: int) -> list[str]:
     """Diagnose what has no layer yet (renew: or one of older code); a line for each that could not be."""
@@ -36,6 +39,28 @@ def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline:
     return [f"{result['path']}: {result['failed']}" for result in results if result["failed"] is not None]
 
 
+def follow(library: Library, runner: Runner, *, baseline: list[Path], seed: int) -> None:
+    """Diagnose what comes into the folder, and write the page anew, until Ctrl-C."""
+    import sys
+    import time
+
+    from tentacle.cli.pages.library import write_library_page
+
+    print(f"following {library.source} (Ctrl-C ends it); page: {write_library_page(library)}", flush=True)
+    while True:
+        try:
+            time.sleep(POLLED)
+            if library.refresh(settled=SETTLED) == 0:
+                continue
+            for line in diagnose_missing(library, runner, renew=False, baseline=baseline, seed=seed):
+                print(f"tentacle: {line}", file=sys.stderr)
+            write_library_page(library)
+        except KeyboardInterrupt:
+            return
+        states = library.table().column("state").to_pylist()
+        print(f"{states.count('done')} of {len(states)} recordings have a verdict", flush=True)
+
+
 def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
     """One recording's layer, written whole; what cannot be diagnosed leaves its reason there."""
     from discovery.diagnose import diagnose
@@ -48,7 +73,7 @@ def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
 
     path, baseline = Path(task["path"]), [Path(file) for file in task["baseline"]]
     home, failed = Path(task["layer"]), None
-    (home / LAYER).unlink(missing_ok=True)
+    home.joinpath(LAYER).unlink(missing_ok=True)
     try:
         recording = read_tracked(path, _quiet)
         known = [read_tracked(file, _quiet) for file in baseline]
@@ -65,3 +90,4 @@ def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def _quiet(words: str, done: float = 0.0) -> None:
     """Progress of one recording among many is not shown."""
+    del words, done

@@ -23,7 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the files, say what they carry, compare."""
     from mujoco_ref.export.write import write_mjcf
-    from tentacle.cli._progress import stages
+    from tentacle.cli._progress import reading_plan, stages
     from tentacle.io.model_file import read_model
     from validation.export.in_mujoco import export_error
     from vision.tracked_recording import read_tracked
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     made = write_mjcf(model, arguments.out, arguments.links)
     for sentence in made.carried.sentences():
         print(sentence)
-    with stages() as stage:
+    with stages(reading_plan(arguments.recording)) as stage:
         recordings = [read_tracked(path, stage) for path in arguments.recording]
     for recording in recordings:
         print(export_error(made.xml, model, recording).sentence())

@@ -5,18 +5,13 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import pyarrow as pa
-
     from tentacle.io.library import Library
 
 HELP = "index a folder of recordings, diagnose what is new or changed, show all as one table and one page"
-SHOWN = ("name", "date", "specimen", "state", "verdict", "effects", "confidence", "before_mm", "after_mm", "floor_mm")
 COMPLETE, INCOMPLETE = 0, 1  # with --check
-PRINTED = 40  # rows in a terminal
-POLLED = 2.0  # s between two looks at a folder that is watched
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -31,7 +26,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--where", nargs="+", default=[], metavar="COLUMN=VALUE", help="rows to show; also < <= > >= != and ~ (holds)"
     )
-    parser.add_argument("--sort", metavar="COLUMN", help="a leading - turns it round, default: date")
+    parser.add_argument("--sort", metavar="COLUMN", default="date", help="default: date")
+    parser.add_argument("--reverse", action="store_true", help="the last first")
     parser.add_argument(
         "--csv", type=Path, metavar="FILE", help="write the rows, every column, instead of showing them"
     )
@@ -49,8 +45,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Refresh the index, diagnose where asked, show."""
+    from tentacle.cli.pages.library import print_rows, write_library_page
     from tentacle.errors import InputError
     from tentacle.io.library import open_library
+    from tentacle.io.library.listing import all_done, chosen, write_csv
     from tentacle.io.provenance import input_hashes
 
     diagnosing = len(arguments.source) == 2 and arguments.source[0] == "diagnose"
@@ -64,18 +62,17 @@ def run(arguments: argparse.Namespace) -> int:
     library = open_library(Path(arguments.source[-1]), arguments.home, settings)
     _refresh(library)
     failures = _diagnose(library, arguments) if diagnosing else []
-    table = _chosen(library.table(), arguments)
+    table = chosen(library.table(), arguments.where, arguments.sort, arguments.reverse)
     if arguments.csv is not None:
-        _write_csv(table, arguments.csv)
+        write_csv(table, arguments.csv)
+        print(f"wrote {arguments.csv}: {table.num_rows} recordings")
     else:
-        _print(table)
+        print_rows(table)
     if not arguments.no_page:
-        print(f"page: {write_page(library)}")
+        print(f"page: {write_library_page(library)}")
     for line in failures:
         print(f"tentacle: {line}", file=sys.stderr)
-    if arguments.check and any(state != "done" for state in table.column("state").to_pylist()):
-        return INCOMPLETE
-    return COMPLETE
+    return INCOMPLETE if arguments.check and not all_done(table) else COMPLETE
 
 
 def _refresh(library: Library) -> None:
@@ -90,89 +87,12 @@ def _refresh(library: Library) -> None:
 
 
 def _diagnose(library: Library, arguments: argparse.Namespace) -> list[str]:
-    """Diagnose what is missing; with --watch again and again as the folder grows, until Ctrl-C."""
-    import time
-
-    from tentacle.cli._library_work import diagnose_missing
+    from tentacle.cli._library_work import diagnose_missing, follow
     from tentacle.runner import Runner
 
-    runner = Runner(library.home / "runs", arguments.workers, arguments.cluster)
+    runner = Runner(library.runs, arguments.workers, arguments.cluster)
     once = {"baseline": arguments.baseline, "seed": arguments.seed}
     failures = diagnose_missing(library, runner, renew=arguments.renew, **once)
-    while arguments.watch:
-        write_page(library)
-        try:
-            time.sleep(POLLED)
-            if library.refresh() == 0:
-                continue
-            failures += diagnose_missing(library, runner, renew=False, **once)
-        except KeyboardInterrupt:
-            return failures
-        counted = len([row for row in library.table().column("state").to_pylist() if row == "done"])
-        print(f"{counted} recordings have a verdict", flush=True)
+    if arguments.watch:
+        follow(library, runner, **once)
     return failures
-
-
-def _chosen(table: pa.Table, arguments: argparse.Namespace) -> pa.Table:
-    from tentacle.errors import InputError
-    from tentacle.io.library import conditions
-
-    chosen = conditions(arguments.where, table.schema)
-    if chosen is not None:
-        table = table.filter(chosen)
-    if arguments.sort is None:
-        return table
-    column, order = arguments.sort.removeprefix("-"), "descending" if arguments.sort.startswith("-") else "ascending"
-    if column not in table.schema.names:
-        raise InputError(f"no column {column!r}", field="--sort", expected=f"one of {', '.join(table.schema.names)}")
-    return table.sort_by([(column, order)])
-
-
-def _write_csv(table: pa.Table, file: Path) -> None:
-    from pyarrow import csv
-
-    csv.write_csv(table, file)
-    print(f"wrote {file}: {table.num_rows} recordings")
-
-
-def _print(table: pa.Table) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from viz.words import number
-
-    shown = Table(title=f"{table.num_rows} recordings", box=box.SIMPLE)
-    for name in SHOWN:
-        shown.add_column(name, no_wrap=True)
-    for row in table.select(SHOWN).slice(0, PRINTED).to_pylist():
-        shown.add_row(*(number(v) if isinstance(v, float) else _text(v) for v in row.values()))
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=160)  # a file has no edge
-    console.print(shown)
-    if table.num_rows > PRINTED:
-        print(f"and {table.num_rows - PRINTED} more: the page and --csv hold all")
-
-
-def _text(value: Any) -> str:
-    return "-" if value is None else f"{value:%Y-%m-%d %H:%M}" if hasattr(value, "strftime") else str(value)
-
-
-def write_page(library: Library) -> Path:
-    """library.html in the library's home."""
-    import json
-
-    import numpy as np
-
-    from tentacle.io.library.layers import LAYER
-    from viz.library_page import library_page, worst
-    from viz.report import write_report
-
-    rows, maps = library.table().to_pylist(), {}
-    for row in worst(rows):
-        layer = json.loads((library.home / "layers" / row["key"] / LAYER).read_text(encoding="utf-8"))
-        if layer.get("residual_mm"):
-            maps[row["key"]] = np.array(layer["residual_mm"], dtype=float)
-    page = library_page(library.source.name, rows, library.parameters().to_pylist(), maps)
-    return write_report(page, library.home / "library.html")

@@ -1,4 +1,4 @@
-"""tentacle track: from a video to shapes with their covariance."""
+"""tentacle track: from videos to shapes with their covariance."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from tentacle.recording import Recording
     from tentacle.signals import ShapeTrack
     from vision.follow import Seen
-    from vision.lens import Lens
+    from vision.track import Tracking
 
 HELP = "follow the arm through a video: curvature coordinates with their covariance, frame by frame"
 
@@ -18,10 +18,17 @@ HELP = "follow the arm through a video: curvature coordinates with their covaria
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
     parser.add_argument(
-        "source", type=Path, metavar="VIDEO|RECORDING", help="a video, a folder of frames, or a recording"
+        "source",
+        type=Path,
+        nargs="+",
+        metavar="VIDEO|RECORDING",
+        help="a video, a folder of frames, or a recording; several of them, or a folder that holds them",
     )
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="FILE", help="FILE.csv, or FILE.rrd with everything in it"
+        "--out", type=Path, metavar="FILE", help="FILE.csv, or FILE.rrd with everything in it; of several: a folder"
+    )
+    parser.add_argument(
+        "--midline", type=Path, metavar="FILE", help="midlines too: .csv (reads back as midline.csv) or .h5"
     )
     parser.add_argument(
         "--order", type=int, choices=(1, 2, 3, 4, 5), help="curvature coordinates (default: 2 to 5, by the data)"
@@ -39,8 +46,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="the file is still being written: print each frame as it comes, stop where nothing comes for S seconds",
     )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="of several videos: how many at a time (default: cores)"
+    )
+    hand = parser.add_argument_group("by hand (kept in VIDEO.proofread.toml, so that the next run knows)")
+    hand.add_argument(
+        "--reject", action="append", default=[], metavar="FRAMES", help="frames that are wrong: 120-131,140"
+    )
+    hand.add_argument("--accept", action="append", default=[], metavar="FRAMES", help="frames that are right after all")
     plain = parser.add_argument_group("a plain video (not a recording)")
-    plain.add_argument("--length", type=float, metavar="M", help="length of the arm [m]")
+    plain.add_argument(
+        "--pick",
+        action="store_true",
+        help="find base, direction, widths and scale; write recording.toml (needs --length)",
+    )
+    plain.add_argument("--yes", action="store_true", help="take what --pick finds without asking")
+    plain.add_argument(
+        "--length", type=float, metavar="M", help="length of the arm, clamp to the tip of the silicone [m]"
+    )
     plain.add_argument("--base-radius", type=float, metavar="M", help="radius at the base [m]")
     plain.add_argument("--tip-radius", type=float, metavar="M", help="radius at the tip [m]")
     plain.add_argument(
@@ -55,49 +78,97 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, track, write, say what was found."""
-    import json
-
-    from rich.console import Console
-    from rich.progress import Progress
-
+    from tentacle.cli._track_sources import picked_recording, several
     from tentacle.errors import InputError
+    from vision.batch import sources_of
+
+    sources = arguments.source if len(arguments.source) == 1 and arguments.live else sources_of(arguments.source)
+    if len(sources) > 1 or sources != arguments.source:
+        return several(sources, arguments)
+    if arguments.pick:
+        source = picked_recording(sources[0], arguments)
+        if arguments.out is None:
+            return 0
+        return _one(source, arguments)
+    if arguments.out is None:
+        raise InputError("says where the shapes go, and is missing", field="--out", expected="FILE.csv or FILE.rrd")
+    return _one(sources[0], arguments)
+
+
+def _one(source: Path, arguments: argparse.Namespace) -> int:
+    from tentacle.cli._track_sources import numbers_of
+    from tentacle.errors import InputError
+    from vision.declared import recording_of
     from vision.lens_file import read_lens
+    from vision.midline_file import write_midline
     from vision.paper_pipeline import paper_track
+    from vision.proofread import decided
     from vision.shape_file import write_shape
-    from vision.track import track_fully
+    from vision.track import motor_angle
 
     _check_outputs(arguments)
-    if arguments.live < 0 or (arguments.live and (arguments.paper or arguments.json)):
-        raise InputError("--live is for frames as they come", field="--live", expected="seconds, no --paper or --json")
     lens = None if arguments.lens is None else read_lens(arguments.lens)
-    recording = _recording(arguments, lens)
+    recording = recording_of(source, numbers_of(arguments), lens)
     if recording.video is None:
-        raise InputError("the recording has no video", file=arguments.source, expected="video.mp4 or frames/")
-    video, remarks, seen = recording.video.path, (), ()
+        raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
+    video, tracked = recording.video.path, None
     if arguments.paper:
         shape = paper_track(video, recording.declaration, recording.motor)
     else:
-        with Progress(console=Console(stderr=True), disable=arguments.json, transient=True) as progress:
-            task = progress.add_task("tracking", total=None)
-            tracked = track_fully(
-                video,
-                recording.declaration,
-                recording.motor,
-                arguments.order,
-                lens,
-                _say
-                if arguments.live
-                else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
-                arguments.live,
-                outlines=arguments.overlay is not None,
-            )
-        shape, remarks, seen = tracked.shape, tracked.remarks, tracked.seen
+        tracked = _tracked(recording, arguments, lens, decided(video, arguments.reject, arguments.accept))
+        shape = tracked.shape
     if arguments.out.suffix == ".rrd":
         _write_rrd(recording, shape, arguments.out)
     else:
         write_shape(shape, arguments.out)
+    if arguments.midline is not None:
+        angle = motor_angle(recording.motor, shape.t)
+        write_midline(shape, angle, recording.declaration.specimen, arguments.midline)
     if arguments.overlay is not None:
-        _draw(arguments.overlay, video, recording, seen)
+        _draw(arguments.overlay, video, recording, () if tracked is None else tracked.seen)
+    _report(source, recording, shape, tracked, arguments)
+    return 0
+
+
+def _tracked(recording: Recording, arguments: argparse.Namespace, lens: object, verdicts: dict[int, bool]) -> Tracking:
+    """Track with a bar, or each frame's line where it is live; warnings go to standard error at once."""
+    import sys
+
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from vision.track import track_fully
+
+    assert recording.video is not None
+    with Progress(console=Console(stderr=True), disable=arguments.json, transient=True) as progress:
+        task = progress.add_task("tracking", total=None)
+        return track_fully(
+            recording.video.path,
+            recording.declaration,
+            recording.motor,
+            arguments.order,
+            lens,  # type: ignore[arg-type]
+            _say
+            if arguments.live
+            else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
+            arguments.live,
+            outlines=arguments.overlay is not None,
+            warn=lambda words: print(f"tentacle: {words}", file=sys.stderr, flush=True),
+            verdicts=verdicts,
+        )
+
+
+def _report(
+    source: Path, recording: Recording, shape: ShapeTrack, tracked: Tracking | None, arguments: argparse.Namespace
+) -> None:
+    """The summary, as words or JSON."""
+    import json
+
+    from vision.declared import is_recording
+    from vision.proofread import most_doubtful
+
+    doubtful = [] if tracked is None else most_doubtful(tracked.seen)
+    remarks = () if tracked is None else tracked.remarks
     summary = {
         "frames": len(shape.t),
         "accepted": int(shape.accepted.sum()),
@@ -106,11 +177,12 @@ def run(arguments: argparse.Namespace) -> int:
         "scale_sigma": shape.scale_sigma,
         "base_shift_m": shape.base_shift.tolist(),
         "remarks": list(remarks),
+        "most_doubtful": doubtful,
         "wrote": str(arguments.out),
     }
     if arguments.json:
         print(json.dumps({key: None if value != value else value for key, value in summary.items()}, indent=1))
-        return 0
+        return
     print(f"{summary['accepted']} of {summary['frames']} frames accepted, {summary['order']} curvature coordinates")
     aside, along = 1e3 * shape.base_shift
     print(
@@ -119,10 +191,11 @@ def run(arguments: argparse.Namespace) -> int:
     )
     for remark in remarks:
         print(remark)
-    if not _is_recording(arguments.source):
+    if doubtful:
+        print(f"most doubtful of the accepted: frames {', '.join(map(str, doubtful))} (--reject takes them out)")
+    if not is_recording(source):
         print(_camera_line(recording, shape))
     print(f"wrote {arguments.out}")
-    return 0
 
 
 def _say(result: Seen) -> None:
@@ -134,6 +207,10 @@ def _say(result: Seen) -> None:
 def _check_outputs(arguments: argparse.Namespace) -> None:
     from tentacle.errors import InputError
 
+    if arguments.live < 0 or (arguments.live and (arguments.paper or arguments.json)):
+        raise InputError("--live is for frames as they come", field="--live", expected="seconds, no --paper or --json")
+    if arguments.midline is not None and arguments.midline.suffix not in (".csv", ".h5"):
+        raise InputError("not a name that says what to write", file=arguments.midline, expected=".csv or .h5")
     if arguments.out.suffix not in (".csv", ".rrd"):
         raise InputError(
             "not a name that says what to write", file=arguments.out, field="--out", expected=".csv or .rrd"
@@ -142,45 +219,9 @@ def _check_outputs(arguments: argparse.Namespace) -> None:
         raise InputError("not a picture or video", file=arguments.overlay, field="--overlay", expected=".mp4 or .png")
     if arguments.overlay is not None and arguments.paper:
         raise InputError("the paper's method has no overlay", field="--overlay", expected="--overlay without --paper")
-    for path in (arguments.out, arguments.overlay):
+    for path in (arguments.out, arguments.overlay, arguments.midline):
         if path is not None and not path.absolute().parent.is_dir():
             raise InputError("there is no such folder", file=path.absolute().parent, expected="a folder to write to")
-
-
-def _recording(arguments: argparse.Namespace, lens: Lens | None) -> Recording:
-    """The recording given, or one made of a plain video and the arm's numbers."""
-    from tentacle.errors import InputError
-    from tentacle.io.reading import read_recording
-    from tentacle.recording import Camera, Declaration, Recording
-    from tentacle.signals import Video
-    from tentacle.specimen import Cone, Specimen
-    from vision.frames import read_frames
-    from vision.guess import guess_camera
-
-    source = arguments.source
-    if _is_recording(source):
-        return read_recording(source)
-    for name in ("length", "base_radius", "tip_radius"):
-        if getattr(arguments, name) is None:
-            raise InputError(
-                "a plain video says nothing of the arm", field=f"--{name.replace('_', '-')}", expected="metres"
-            )
-    # the density plays no part in tracking; water's stands in for it
-    specimen = Specimen(Cone(arguments.base_radius, arguments.tip_radius), arguments.length, density=1000.0)
-    fps = arguments.fps or 30.0
-    first = next(iter(read_frames(source, arguments.fps, arguments.live)))
-    metres_per_px = arguments.m_per_px or (lens.metres_per_px if lens is not None else None)
-    if arguments.base_px is not None and metres_per_px is not None:
-        camera = Camera(fps, metres_per_px, tuple(arguments.base_px), (0.0, 1.0), arguments.exposure)
-    elif arguments.base_px is None and metres_per_px is None:
-        camera = guess_camera(first.image, specimen, fps, arguments.exposure)
-    else:
-        raise InputError("base and scale go together", field="--base-px, --m-per-px", expected="both, or neither")
-    return Recording(source.stem, Declaration(specimen, camera=camera), video=Video(source))
-
-
-def _is_recording(source: Path) -> bool:
-    return source.suffix == ".rrd" or (source / "recording.toml").exists()
 
 
 def _camera_line(recording: Recording, shape: ShapeTrack) -> str:

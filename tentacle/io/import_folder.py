@@ -28,6 +28,8 @@ from tentacle.io.video_file import find_video, misnamed_video
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal
 
+OPTIONAL = ("sigma_m", "curvature_1_m", "width_m")  # of midline.csv; the last two, which track writes, are not used
+
 
 def read_folder(folder: Path) -> Recording:
     """The recording in an import folder. InputError names file, line and field of the first thing that is wrong."""
@@ -87,7 +89,7 @@ def _read_load_cell(file: Path) -> LoadCellSignal | None:
 def _read_midline(file: Path, reach: float) -> Midline | None:
     if not is_there(file):
         return None
-    table = read_csv(file, ("t_s", "s", "x_m", "y_m"), optional=("sigma_m",), blank_allowed=True)
+    table = read_csv(file, ("t_s", "s", "x_m", "y_m"), optional=OPTIONAL, blank_allowed=True)
     table.require_values("t_s", "s")
     table.require_rising("t_s", repeats=True)
     _check_points(table, [("x_m", "y_m")], reach)

@@ -72,6 +72,7 @@ SPECIAL = {
     "tentacle blind-trial 40 --out blind --seed 1 --workers 4": How(add="--workers 1", until="blind/trials"),
     "tentacle optimise arm.toml --out gait": How(add=QUICK),
     "tentacle optimise answer/model.toml --out gait": How(add=QUICK),
+    "tentacle app": How(add="--no-browser", until="(Ctrl-C ends it)"),
     "tentacle view session.rrd --web": How(until="(Ctrl-C ends it)"),
     "tentacle track camera.mkv --live 5 --length 0.14 --base-radius 0.0125 --tip-radius 0.0015 --out live.csv":
         How(swap=("--live 5", "--live 1")),
@@ -91,6 +92,7 @@ SPECIAL = {
         How(until="study-2/*.rrd"),
     f"{EMULATE} --model model.toml --hidden hidden.json": How(until="in another terminal"),
     "python benchmarks/swim.py --json swim.json": How(add="--help", says="--short"),
+    "python benchmarks/library.py --json library.json": How(add="--help", says="--count"),
 }  # fmt: skip
 CLUSTER = (
     "dask scheduler --host 127.0.0.1",

@@ -154,8 +154,8 @@ def _waited(child: int, stop: float, number: signal.Signals) -> int:
 
 
 def _others(group: int) -> bool:
-    """Whether something of the child's session still runs a second later; it is killed."""
-    for _ in range(20):
+    """Whether something of the child's session still runs five seconds later; it is killed."""
+    for _ in range(100):
         try:
             os.killpg(group, 0)
         except (ProcessLookupError, PermissionError):

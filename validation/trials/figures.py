@@ -24,6 +24,9 @@ METHODS = (
 )
 
 
+INTERVALS = ("top1", "false_alarm", "unknown_recall", "pairs")  # shares that are told with their 95 % interval
+
+
 def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, float | None]:
     """The benchmark's figures; None where no trial tells. prior: what a map of the confidence starts from."""
     found, bins = scores(outcomes), reliability(outcomes)
@@ -40,6 +43,11 @@ def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, 
         "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes, prior))),
         "after_over_floor": found.after_over_floor,
         "trials": float(len(outcomes)),
+        **{
+            f"{name}_{end}": value
+            for name in INTERVALS
+            for end, value in zip(("low", "high"), getattr(found, name).interval, strict=True)
+        },
         **{f"{method}_top1": _top1(outcomes, method) for method, _ in METHODS},
     }
     return {name: value if value == value else None for name, value in values.items()}

@@ -35,5 +35,5 @@ def residual_maps_figure(maps: Sequence[tuple[str, Array]]) -> Figure | None:
         for axes in panels[len(maps) :]:
             axes.remove()
         if shown is not None:
-            figure.colorbar(shown, ax=list(panels[: len(maps)]), label="left [mm]", extend="max", shrink=0.8)
+            figure.colorbar(shown, ax=list(panels[: len(maps)]), label="left [mm]", extend="max", shrink=0.8, aspect=40)
         return figure

@@ -19,6 +19,7 @@ FEWEST = 3  # points that make a trend
 COLUMNS, PANEL_HEIGHT = 2, 2.1
 MARKERS = "os^Dv*PX"
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA3377", "#56B4E9", "#E69F00")  # Okabe and Ito
+LEGEND = 8  # arms that a legend names; of more the table tells
 DRAWN = 400  # points a panel: beyond them they are thinned evenly
 
 
@@ -50,8 +51,9 @@ def trends_figure(trends: Mapping[tuple[str, str, str], Sequence[Point]]) -> Fig
             _panel(axes, name, points, arms)
         for axes in panels[len(drawn) :]:
             axes.remove()
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=4)
+        if len(arms) <= LEGEND:
+            handles, labels = panels[0].get_legend_handles_labels()
+            figure.legend(handles, labels, loc="outside upper center", ncols=4)
         return figure
 
 
@@ -73,6 +75,6 @@ def _panel(axes: Axes, name: tuple[str, str, str], points: Sequence[Point], arms
     axes.set_ylim(low - margin, high + margin)
     axes.set_title(f"{effect_name(effect)} {parameter}")
     axes.set_ylabel(f"{parameter} [{unit}]")
-    locator = AutoDateLocator(maxticks=6)
+    locator = AutoDateLocator(minticks=3, maxticks=6, interval_multiples=False)
     axes.xaxis.set_major_locator(locator)
     axes.xaxis.set_major_formatter(ConciseDateFormatter(locator))

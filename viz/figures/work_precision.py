@@ -43,6 +43,8 @@ def work_precision_figure(cases: Mapping[str, Mapping[str, Sequence[tuple[float,
                     axes.plot(*zip(*points, strict=True), ".", color=role.hex, markersize=2, alpha=0.35)
                     axes.plot(*zip(*best, strict=True), role.dash, color=role.hex, label=program)
             axes.set(xscale="log", yscale="log", title=name, xlim=(1e-4, 0.3))
+        for axes in list(panels.flat)[len(cases) :]:
+            axes.set_visible(False)
         figure.supxlabel("error of midline and mean thrust", fontsize=9)
         figure.supylabel("processor time a simulated second [s]", fontsize=9)
         lines = {label: line for axes in panels.flat for line, label in _labelled(axes)}

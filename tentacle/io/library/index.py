@@ -6,8 +6,11 @@ A file counts as unchanged where its size and time of change are as they were; t
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from datetime import UTC, datetime
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +19,12 @@ import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import parse_recording_file, specimen_table
+from tentacle.io.rrd_chunks import just_written
 from tentacle.io.rrd_columns import read_entities
 from tentacle.io.toml_table import parse_toml
 
 DATE_NOTE = "date"  # a recording's note that says when it was made, ISO 8601; else the file's own time counts
+FEW, BATCH = 8, 50  # files that are read by a child each; that are asked of a shared child at once
 SCHEMA = pa.schema(
     [
         ("path", pa.string()), ("name", pa.string()), ("bytes", pa.int64()), ("mtime_ns", pa.int64()),
@@ -50,18 +55,47 @@ def write_parquet(table: pa.Table, file: Path) -> None:
 
 
 def refreshed(old: pa.Table, files: Sequence[Path], told: Callable[[int, int], None]) -> tuple[pa.Table, int]:
-    """The index of these files, and how many were read anew; told(done, of) as it goes."""
-    known = {row["path"]: row for row in old.to_pylist()}
-    rows, read = [], 0
-    for place, file in enumerate(files):
-        status = file.stat()
-        row = known.get(str(file))
-        if row is None or (row["bytes"], row["mtime_ns"]) != (status.st_size, status.st_mtime_ns):
-            row = _row(file, status.st_size, status.st_mtime_ns)
-            read += 1
-        rows.append(row)
-        told(place + 1, len(files))
-    return pa.Table.from_pylist(rows, schema=SCHEMA), read
+    """The index of these files, and how many were read anew; told(done, of) as those are read."""
+    known: dict[str, dict[str, Any]] = {row["path"]: row for row in old.to_pylist()}
+    changed = [file for file in files if not _unchanged(known.get(str(file)), file)]
+    for done, row in enumerate(_rows(changed), start=1):
+        known[row["path"]] = row
+        told(done, len(changed))
+    return pa.Table.from_pylist([known[str(file)] for file in files], schema=SCHEMA), len(changed)
+
+
+def _unchanged(row: dict[str, Any] | None, file: Path) -> bool:
+    status = file.stat()
+    return row is not None and (row["bytes"], row["mtime_ns"]) == (status.st_size, status.st_mtime_ns)
+
+
+def _rows(files: Sequence[Path]) -> Iterator[dict[str, Any]]:
+    """The files' rows, one after the other.
+
+    A damaged file can end the process that reads it, so a few are read by a child each, as elsewhere. Many share one
+    child; where a file ends that one, it and those beside it are read by a child each.
+    """
+    if len(files) <= FEW:
+        yield from map(_row, files)
+        return
+    batches = [files[k : k + BATCH] for k in range(0, len(files), BATCH)]
+    while batches:
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            while batches:
+                batch = batches.pop(0)
+                try:
+                    rows = pool.submit(_rows_here, batch).result()
+                except BrokenProcessPool:
+                    yield from map(_row, batch)
+                    break
+                yield from rows
+
+
+def _rows_here(files: Sequence[Path]) -> list[dict[str, Any]]:
+    """In the child, which a file may end: read directly."""
+    for file in files:
+        just_written(file)
+    return [_row(file) for file in files]
 
 
 def recordings_of(source: Path) -> list[Path]:
@@ -96,8 +130,10 @@ def _listed(source: Path) -> Iterable[Path]:
         yield path
 
 
-def _row(file: Path, size: int, mtime_ns: int) -> dict[str, Any]:
+def _row(file: Path) -> dict[str, Any]:
     """What one file says of itself; a file that is no recording has its fault there instead."""
+    status = file.stat()
+    size, mtime_ns = status.st_size, status.st_mtime_ns
     blank: dict[str, Any] = dict.fromkeys(SCHEMA.names)
     with file.open("rb") as stream:
         digest = hashlib.file_digest(stream, "sha256").hexdigest()

@@ -1,6 +1,7 @@
 """Verdicts as layers beside the recordings: a folder a diagnosis, named by what it was made from.
 
     LIBRARY/layers/KEY/layer.json        what the index takes from it
+    LIBRARY/layers/KEY/residual.json     what the model leaves, small, for the page
     LIBRARY/layers/KEY/verdict.json, report.html, session.rrd, model.toml
 
 KEY is the hash of the recording's content, of the content of its baseline, and of the settings. The version of the code
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+import pyarrow.compute as pc
 
 ROOMS = ("tentacle", "affine_model", "vision", "inference", "discovery")
 LAYERS = pa.schema(
@@ -26,6 +28,7 @@ LAYERS = pa.schema(
         ("key", pa.string()), ("sha256", pa.string()), ("code", pa.string()), ("verdict", pa.string()),
         ("effects", pa.string()), ("confidence", pa.float64()), ("before_mm", pa.float64()),
         ("after_mm", pa.float64()), ("floor_mm", pa.float64()), ("held_out", pa.bool_()), ("failed", pa.string()),
+        ("written_ns", pa.int64()),
     ]
 )  # fmt: skip
 PARAMETERS = pa.schema(
@@ -34,7 +37,7 @@ PARAMETERS = pa.schema(
         ("value", pa.float64()), ("low", pa.float64()), ("high", pa.float64()), ("unit", pa.string()),
     ]
 )  # fmt: skip
-LAYER = "layer.json"
+LAYER, RESIDUAL = "layer.json", "residual.json"
 
 
 @cache
@@ -56,22 +59,30 @@ def layer_key(content: str, settings: Mapping[str, Any]) -> str:
 
 
 def write_layer(layer: Mapping[str, Any], folder: Path) -> None:
-    """A layer's data into its folder, whole or not at all."""
+    """A layer's data into its folder, whole or not at all; the residual stands in a file of its own."""
     folder.mkdir(parents=True, exist_ok=True)
+    layer = dict(layer)
+    (folder / RESIDUAL).write_text(json.dumps(layer.pop("residual_mm", [])) + "\n", encoding="utf-8")
     partial = folder / f".{LAYER}.{os.getpid()}.partial"
     partial.write_text(json.dumps(layer) + "\n", encoding="utf-8")
     partial.replace(folder / LAYER)
 
 
-def layers_and_parameters(folders: Sequence[Path]) -> tuple[pa.Table, pa.Table]:
-    """The layers in these folders as tables; one that is not whole is left out."""
-    rows, parameters = [], []
+def layers_and_parameters(folders: Sequence[Path], layers: pa.Table, parameters: pa.Table) -> tuple[pa.Table, pa.Table]:
+    """The layers in these folders as tables, only those read that are not in the tables given, or changed since."""
+    known: dict[str, dict[str, Any]] = {row["key"]: row for row in layers.to_pylist()}
+    kept, rows, added = [], [], []
     for folder in folders:
-        try:
-            layer = json.loads((folder / LAYER).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        written_ns = (folder / LAYER).stat().st_mtime_ns
+        row = known.get(folder.name)
+        if row is not None and row["written_ns"] == written_ns:
+            rows.append(row)
+            kept.append(folder.name)
             continue
-        rows.append({name: layer.get(name) for name in LAYERS.names} | {"key": folder.name})
-        shared = {"key": folder.name, "sha256": layer["sha256"]}
-        parameters += [{**shared, **values} for values in layer.get("parameters", [])]
-    return pa.Table.from_pylist(rows, schema=LAYERS), pa.Table.from_pylist(parameters, schema=PARAMETERS)
+        layer = json.loads((folder / LAYER).read_text(encoding="utf-8"))
+        own = {"key": folder.name, "written_ns": written_ns}
+        rows.append({name: layer.get(name) for name in LAYERS.names} | own)
+        added += [{"key": folder.name, "sha256": layer["sha256"], **values} for values in layer["parameters"]]
+    before = parameters.filter(pc.field("key").isin(pa.array(kept, pa.string())))
+    after = pa.concat_tables([before, pa.Table.from_pylist(added, schema=PARAMETERS)])
+    return pa.Table.from_pylist(rows, schema=LAYERS), after

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
@@ -37,13 +39,23 @@ class Library:
         """Recordings."""
         return self.home / "index.parquet"
 
+    @property
+    def runs(self) -> Path:
+        """What the runner keeps of diagnoses under way."""
+        return self.home / "runs"
+
     def layer(self, content: str) -> Path:
         """Where the diagnosis of that content (SHA-256) lies or will lie."""
         return self.home / "layers" / layer_key(content, self.settings)
 
-    def refresh(self, told: Callable[[int, int], None] = _untold) -> int:
-        """Read what is new or changed into the index; how many files that was. A layer of what is gone stays."""
-        index, read = refreshed(read_index(self.index_file), recordings_of(self.source), told)
+    def refresh(self, told: Callable[[int, int], None] = _untold, settled: float = 0.0) -> int:
+        """Read what is new or changed into the index; how many files that was. A layer of what is gone stays.
+
+        settled [s]: a file that changed more recently is left out: it is still being written.
+        """
+        latest = time.time() - settled
+        files = [file for file in recordings_of(self.source) if settled <= 0.0 or file.stat().st_mtime <= latest]
+        index, read = refreshed(read_index(self.index_file), files, told)
         self.home.mkdir(parents=True, exist_ok=True)
         if read or index.num_rows != read_index(self.index_file).num_rows:
             write_parquet(index, self.index_file)
@@ -54,7 +66,7 @@ class Library:
         """Write the tables of layers and parameters anew from the layers of the recordings that are here."""
         contents = dict.fromkeys(read_index(self.index_file).column("sha256").to_pylist())
         folders = [folder for folder in map(self.layer, contents) if (folder / LAYER).exists()]
-        layers, parameters = layers_and_parameters(folders)
+        layers, parameters = layers_and_parameters(folders, self._stored("verdicts.parquet", LAYERS), self.parameters())
         write_parquet(layers, self.home / "verdicts.parquet")
         write_parquet(parameters, self.home / "parameters.parquet")
 
@@ -64,14 +76,9 @@ class Library:
         state: done, older code, new, failed, unreadable.
         """
         index, layers = read_index(self.index_file), self._stored("verdicts.parquet", LAYERS)
-        known: dict[str, dict[str, Any]] = {row["sha256"]: row for row in layers.to_pylist()}
-        blank: dict[str, Any] = dict.fromkeys(LAYERS.names)
-        rows = []
-        for row in index.to_pylist():
-            layer = known.get(row["sha256"])
-            rows.append({**(layer or blank), **row, "state": _state(row, layer)})
-        columns = [*index.schema, *(f for f in LAYERS if f.name != "sha256"), pa.field("state", pa.string())]
-        table = pa.Table.from_pylist(rows, schema=pa.schema(columns))
+        table = index.join(layers, "sha256", join_type="left outer")
+        columns = [*index.schema.names, *(name for name in LAYERS.names if name != "sha256")]
+        table = table.select(columns).append_column("state", _states(table))
         return table.sort_by([("date", "ascending"), ("path", "ascending")])
 
     def parameters(self) -> pa.Table:
@@ -80,17 +87,28 @@ class Library:
 
     def _stored(self, name: str, schema: pa.Schema) -> pa.Table:
         file = self.home / name
-        return pq.read_table(file, schema=schema) if file.exists() else schema.empty_table()
+        if not file.exists():
+            return schema.empty_table()
+        found = pq.read_table(file)
+        return found if found.schema.equals(schema) else schema.empty_table()
 
 
-def _state(row: Mapping[str, Any], layer: Mapping[str, Any] | None) -> str:
-    if row["fault"] is not None:
-        return "unreadable"
-    if layer is None:
-        return "new"
-    if layer["failed"] is not None:
-        return "failed"
-    return "done" if layer["code"] == code_version() else "older code"
+def _states(table: pa.Table) -> pa.ChunkedArray:
+    """state of every row of a table that has the columns of index and layers."""
+    calls: Any = pc.__dict__  # made when pyarrow starts: no type knows them
+    current = calls["fill_null"](calls["equal"](table["code"], code_version()), False)
+    cases = {
+        "unreadable": calls["is_valid"](table["fault"]),
+        "new": calls["is_null"](table["code"]),
+        "failed": calls["is_valid"](table["failed"]),
+        "done": current,
+    }
+    which = pa.StructArray.from_arrays([_whole(case) for case in cases.values()], names=list(cases))
+    return calls["case_when"](which, *cases, "older code")
+
+
+def _whole(column: pa.ChunkedArray) -> pa.Array:
+    return column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
 
 
 def open_library(source: Path, home: Path | None = None, settings: Mapping[str, Any] | None = None) -> Library:

@@ -1,11 +1,11 @@
-import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tentacle.errors import InputError
 from tentacle.io.library import conditions, open_library
-from tentacle.io.library.layers import LAYER, code_version
+from tentacle.io.library.layers import code_version, write_layer
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Midline
@@ -22,12 +22,10 @@ def recording(name, length=0.14, date="2026-03-01"):
 
 def add_layer(library, sha256, **values):
     """A verdict beside a recording, as a diagnosis leaves it."""
-    folder = library.layer(sha256)
-    folder.mkdir(parents=True)
     layer = {"sha256": sha256, "code": code_version(), "verdict": "effect", "effects": "current", "confidence": 0.9,
              "failed": None, "parameters": [{"effect": "elasticity", "parameter": "E", "value": 2e5, "low": 1.9e5,
                                              "high": 2.1e5, "unit": "Pa"}]}  # fmt: skip
-    (folder / LAYER).write_text(json.dumps({**layer, **values}))
+    write_layer({**layer, **values}, library.layer(sha256))
 
 
 @pytest.fixture
@@ -62,6 +60,9 @@ def test_only_what_changed_is_read_again_and_loses_its_verdict(folder):
     write_rrd(recording("first", date="2026-03-02"), folder / "a.rrd")
     assert library.refresh() == 1
     assert {row["name"]: row["state"] for row in library.table().to_pylist()} == {"first": "new", "second": "done"}
+    write_rrd(recording("first", date="2026-03-03"), folder / "a.rrd")
+    assert library.refresh(settled=3600.0) == 0  # a rig is still writing it
+    assert library.refresh() == 2  # both are back
     (folder / "a.rrd").unlink()
     library.refresh()
     assert library.table().num_rows == 1
@@ -132,3 +133,16 @@ def test_a_list_names_its_files(tmp_path):
         library.refresh()
     with pytest.raises(InputError, match="no such folder or list"):
         open_library(tmp_path / "nowhere")
+
+
+def test_many_files_share_a_child_that_one_of_them_may_end(tmp_path, monkeypatch):
+    monkeypatch.setattr("tentacle.io.library.index.FEW", 1)
+    for k in range(3):
+        write_rrd(recording(f"run {k}"), tmp_path / f"{k}.rrd")
+    whole = (tmp_path / "1.rrd").read_bytes()
+    (tmp_path / "1.rrd").write_bytes(whole[:60] + bytes(200) + whole[260:])
+    library = open_library(tmp_path)
+    assert library.refresh() == 3
+    states = {Path(row["path"]).stem: row["state"] for row in library.table().to_pylist()}
+    assert states["0"] == states["2"] == "new"
+    assert states["1"] == "unreadable"

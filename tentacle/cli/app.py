@@ -1,0 +1,54 @@
+"""`tentacle app`: a page in the browser, from a film to a verdict, on this machine alone."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from viz.app.desk import Proposed
+
+HELP = "a page to begin with: choose a film, click where the arm is, run the verbs, read the answer"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Where recordings and answers are kept, and how the page is reached."""
+    parser.add_argument(
+        "folder", type=Path, nargs="?", default=Path("my_recordings"), metavar="FOLDER",
+        help="where recordings and answers are kept (default: my_recordings)",
+    )  # fmt: skip
+    parser.add_argument("--port", type=int, default=8137, help="of 127.0.0.1 (default 8137)")
+    parser.add_argument("--no-browser", action="store_true", help="print the address, and open nothing")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until Ctrl-C."""
+    import secrets
+    import socket
+    import webbrowser
+
+    from tentacle.errors import InputError
+    from viz.app.desk import Desk
+    from viz.app.page import serve
+
+    with socket.socket() as probe:
+        if probe.connect_ex(("127.0.0.1", arguments.port)) == 0:
+            raise InputError(f"{arguments.port} is taken", field="--port", expected="a port that is free")
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    token = secrets.token_urlsafe(24)
+    address = f"http://127.0.0.1:{arguments.port}/?token={token}"
+    print(f"{address}  (Ctrl-C ends it)", flush=True)
+    if not arguments.no_browser:
+        webbrowser.open(address)
+    serve(Desk(arguments.folder.resolve(), proposed), arguments.port, token)
+    return 0
+
+
+def proposed(film: Path) -> Proposed:
+    """Base, tip and the arm's edge beside its base, as vision proposes them."""
+    from vision.propose import propose
+    from viz.app.desk import Proposed
+
+    found = propose(film)
+    return Proposed(found.base_px, found.tip_px, found.width_px[0], found.words)

@@ -1,0 +1,59 @@
+"""What `tentacle library` shows: a table in the terminal, and library.html in the library's home."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from tentacle.io.library import Library
+
+SHOWN = ("name", "date", "specimen", "state", "verdict", "effects", "confidence", "before_mm", "after_mm", "floor_mm")
+PRINTED = 40  # rows in a terminal
+FILE_WIDTH = 160  # characters, where the output is no terminal
+
+
+def print_rows(table: pa.Table) -> None:
+    """The first rows, and how many more there are."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    from viz.words import number
+
+    shown = Table(title=f"{table.num_rows} recording{'s' * (table.num_rows != 1)}", box=box.SIMPLE)
+    for name in SHOWN:
+        shown.add_column(name, no_wrap=True)
+    for row in table.select(SHOWN).slice(0, PRINTED).to_pylist():
+        shown.add_row(*(number(v) if isinstance(v, float) else _text(v) for v in row.values()))
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=FILE_WIDTH)
+    console.print(shown)
+    if table.num_rows > PRINTED:
+        console.print(f"and {table.num_rows - PRINTED} more: the page and --csv hold all")
+
+
+def _text(value: Any) -> str:
+    return "-" if value is None else f"{value:%Y-%m-%d %H:%M}" if hasattr(value, "strftime") else str(value)
+
+
+def write_library_page(library: Library) -> Path:
+    """library.html with every recording; the residuals of those that leave most."""
+    import numpy as np
+
+    from tentacle.io.library.layers import RESIDUAL
+    from viz.library_page import library_page, worst
+    from viz.report import write_report
+
+    rows, maps = library.table().to_pylist(), {}
+    for row in worst(rows):
+        file = library.home / "layers" / row["key"] / RESIDUAL
+        left = json.loads(file.read_text(encoding="utf-8")) if file.exists() else []
+        if left:
+            maps[row["key"]] = np.array(left, dtype=float)
+    page = library_page(library.source.name, rows, library.parameters().to_pylist(), maps)
+    return write_report(page, library.home / "library.html")

@@ -1,0 +1,122 @@
+"""Many videos in one call: each tracked in a process of its own, stored as it ends, never done twice; one table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from tentacle.errors import InputError
+from tentacle.io.video_file import VIDEO_SUFFIXES
+from tentacle.runner import Runner
+from vision.declared import Numbers, is_recording, recording_of
+from vision.lens_file import read_lens
+from vision.midline_file import write_midline
+from vision.proofread import file_beside, read_verdicts
+from vision.shape_file import write_shape
+from vision.track import motor_angle, track_fully
+
+VERSION = "1"
+FILMS = (*VIDEO_SUFFIXES, ".gif", ".m4v", ".mpg", ".ts", ".wmv")
+COLUMNS = ("source", "frames", "accepted", "repeats", "scale", "problem")
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What all videos have in common: the arm's numbers, curvature coordinates, the lens' file, where results go."""
+
+    numbers: Numbers
+    order: int | None
+    lens: Path | None
+    out: Path
+
+
+def sources_of(paths: Sequence[Path]) -> list[Path]:
+    """The videos and recordings that paths mean: a folder that is no recording means those in it.
+
+    A folder of pictures is a video. Raises InputError where a folder holds neither.
+    """
+    found: list[Path] = []
+    for path in paths:
+        inside = sorted(path.iterdir()) if path.is_dir() and not is_recording(path) else []
+        films = [file for file in inside if file.suffix.lower() in FILMS or is_recording(file)]
+        if inside and not films and not any(file.suffix.lower() in (".png", ".jpg", ".tif") for file in inside):
+            raise InputError("holds no video and no recording", file=path, expected="videos, or recordings' folders")
+        found.extend(films or [path])
+    return found
+
+
+def track_all(sources: Sequence[Path], batch: Batch, workers: int | None = None) -> list[Mapping[str, Any]]:
+    """Track all, in parallel; rows of COLUMNS in the sources' order, which are also written to out/summary.csv.
+
+    What is stored in out/done is not tracked again, unless the video, its proofreading or an option has changed.
+    """
+    batch.out.mkdir(parents=True, exist_ok=True)
+    names = _names(sources)
+    tasks = [
+        {
+            "source": str(source.resolve()),
+            "name": name,
+            "changed": _stamp(source),
+            "numbers": asdict(batch.numbers),
+            "order": batch.order,
+            "lens": None if batch.lens is None else str(batch.lens.resolve()),
+            "out": str(batch.out.resolve()),
+        }
+        for source, name in zip(sources, names, strict=True)
+    ]
+    rows = Runner(batch.out / "done", workers).run(track_one, tasks, version=VERSION, words="tracking")
+    lines = [",".join(COLUMNS)]
+    lines += [",".join(str(row[name]).replace(",", ";").replace("\n", " ") for name in COLUMNS) for row in rows]
+    (batch.out / "summary.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return rows
+
+
+def track_one(task: Mapping[str, Any]) -> dict[str, Any]:
+    """One video's row; NAME.csv and NAME.midline.csv are written beside it. A bad video is a row with its problem."""
+    source, out, name = Path(task["source"]), Path(task["out"]), task["name"]
+    row: dict[str, Any] = dict.fromkeys(COLUMNS, "") | {"source": str(source)}
+    try:
+        lens = None if task["lens"] is None else read_lens(Path(task["lens"]))
+        numbers = task["numbers"]
+        base = numbers["base_px"]
+        recording = recording_of(source, Numbers(**{**numbers, "base_px": None if base is None else tuple(base)}), lens)
+        if recording.video is None:
+            raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
+        video = recording.video.path
+        verdicts = read_verdicts(video)
+        arm = (recording.declaration, recording.motor, task["order"], lens)
+        shape = track_fully(video, *arm, verdicts=verdicts).shape
+        write_shape(shape, out / f"{name}.csv")
+        angle = motor_angle(recording.motor, shape.t)
+        write_midline(shape, angle, recording.declaration.specimen, out / f"{name}.midline.csv")
+    except (InputError, OSError) as error:
+        return row | {"problem": str(error)}
+    repeats = sum(reason == "repeats the frame before" for reason in shape.reason)
+    return row | {
+        "frames": len(shape.t),
+        "accepted": int(shape.accepted.sum()),
+        "repeats": repeats,
+        "scale": round(shape.scale, 6),
+        "problem": "" if shape.accepted.any() else "no frame was accepted",
+    }
+
+
+def _names(sources: Sequence[Path]) -> list[str]:
+    """A name of its own for each source's results."""
+    names: list[str] = []
+    for source in sources:
+        name, count = source.stem, 2
+        while name in names:
+            name, count = f"{source.stem}_{count}", count + 1
+        names.append(name)
+    return names
+
+
+def _stamp(source: Path) -> list[float]:
+    """Size and time of what a source's result depends on."""
+    files = [file for file in sorted(source.iterdir()) if file.is_file()] if source.is_dir() else [source]
+    files += [file_beside(file) for file in [source, *files] if file_beside(file).exists()]
+    stats = [file.stat() for file in files if file.exists()]
+    return [value for stat in stats for value in (float(stat.st_size), stat.st_mtime)]

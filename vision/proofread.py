@@ -1,0 +1,113 @@
+"""What a person decided of single frames, kept in a file beside the video, so that a second run gives the same.
+
+The file VIDEO.proofread.toml holds reject and accept, each a list of frame numbers and ranges ("120-131"); frames count
+from 0 in the order of the file. The latest word on a frame holds.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import tomli_w
+
+from tentacle.errors import InputError
+from vision.follow import Seen
+
+_RANGE = re.compile(r"(\d+)(?:-(\d+))?")
+
+
+def parse_frames(words: str, field: str) -> list[int]:
+    """Frame numbers of words like "7,120-131". InputError where they are no such list."""
+    frames: list[int] = []
+    for part in words.split(","):
+        match = _RANGE.fullmatch(part.strip())
+        first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
+        if last < first:
+            raise InputError(f"{part!r} is no frame or range", field=field, expected="frames as 7 or 120-131")
+        frames.extend(range(first, last + 1))
+    return frames
+
+
+def file_beside(video: Path) -> Path:
+    """Where the decisions on a video lie."""
+    return video.with_name(video.name + ".proofread.toml")
+
+
+def read_verdicts(video: Path) -> dict[int, bool]:
+    """Frames that a person decided: True accepted, False rejected; {} where there is no file."""
+    file = file_beside(video)
+    if not file.exists():
+        return {}
+    try:
+        table = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"is no TOML: {error}", file=file, expected='reject = ["120-131"]') from None
+    verdicts: dict[int, bool] = {}
+    for name, value in (("reject", False), ("accept", True)):
+        entries = table.get(name, [])
+        if not isinstance(entries, list):
+            raise InputError("is no list", file=file, field=name, expected='["7", "120-131"]')
+        for entry in entries:
+            verdicts |= dict.fromkeys(parse_frames(str(entry), name), value)
+    return verdicts
+
+
+def write_verdicts(video: Path, verdicts: Mapping[int, bool]) -> Path:
+    """Write the decisions beside the video; gives the file."""
+    file = file_beside(video)
+    table = {
+        name: _ranges(sorted(frame for frame, accepted in verdicts.items() if accepted == value))
+        for name, value in (("reject", False), ("accept", True))
+    }
+    partial = file.with_name(f".{file.name}.partial")
+    partial.write_text(tomli_w.dumps(table), encoding="utf-8")
+    partial.replace(file)
+    return file
+
+
+def decided(video: Path, reject: Sequence[str], accept: Sequence[str]) -> dict[int, bool]:
+    """The decisions on a video with new ones added, which are then kept."""
+    verdicts = read_verdicts(video)
+    for words, field, value in ((reject, "--reject", False), (accept, "--accept", True)):
+        for part in words:
+            verdicts |= dict.fromkeys(parse_frames(part, field), value)
+    if reject or accept:
+        write_verdicts(video, verdicts)
+    return verdicts
+
+
+def most_doubtful(seen: Sequence[Seen], count: int = 9) -> list[int]:
+    """Accepted frames to look at, the most doubtful first.
+
+    Doubt is how far a frame's edges scatter over what is usual, and how far its shape lies from the line between its
+    accepted neighbours in time, over the usual distance; the larger of the two.
+    """
+    index = np.array([k for k, frame in enumerate(seen) if frame.accepted])
+    if len(index) < 3:
+        return index.tolist()
+    sigma = np.array([seen[k].sigma for k in index])
+    shapes = np.array([seen[k].x for k in index])
+    shapes[:, 0] += np.array([seen[k].theta for k in index])
+    t = np.array([seen[k].t for k in index])
+    share = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
+    off = np.zeros(len(index))
+    # where the tip points tells of all coordinates together
+    tip = shapes @ np.array([1.0, *(1.0 / j for j in range(1, shapes.shape[1]))])
+    off[1:-1] = np.abs(tip[1:-1] - (tip[:-2] + share[:, 0] * (tip[2:] - tip[:-2])))
+    doubt = np.maximum(sigma / np.median(sigma), off / max(float(np.median(off)), 1e-6) / 3.0)
+    return index[np.argsort(-doubt)][:count].tolist()
+
+
+def _ranges(frames: Sequence[int]) -> list[str]:
+    words: list[str] = []
+    for frame in frames:
+        first, _, last = words[-1].partition("-") if words else ("", "", "")
+        if words and int(last or first) == frame - 1:
+            words[-1] = f"{first}-{frame}"
+        else:
+            words.append(str(frame))
+    return words

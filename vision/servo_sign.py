@@ -1,0 +1,75 @@
+"""Whether the servo's log turns the way the arm's root turns in the film: asked before anything else uses the log.
+
+In some of the first frames, whose logged angles differ, the shape is fitted without the log. The root's angle is then
+a + b theta, by least squares; b is near 1, or near -1 where the sign is reversed (or the picture mirrored).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from tentacle.errors import InputError
+from vision.fit import Sight, refine
+from vision.frames import Frame
+from vision.kinematics import SHARED, Geometry
+from vision.locate import locate
+from vision.motion import Motion
+
+APART, ENOUGH = 0.06, 0.35  # rad: logged angles of frames to compare, and the span at which they say enough
+FEWEST, MOST = 4, 8  # frames
+PATIENCE = 1.5  # s that the search for moving frames may take
+LEAST_SCORE = 0.45
+REVERSED, ALIKE = -0.5, 0.8  # slope below which, and correlation above which, the sign is held to be reversed
+
+
+def moving_frames(frames: Iterable[Frame], theta: Callable[[float], float]) -> list[Frame]:
+    """Some of the first frames whose logged angles differ."""
+    kept: list[Frame] = []
+    began = time.monotonic()
+    for frame in frames:
+        angles = [theta(other.t) for other in kept]
+        if all(abs(theta(frame.t) - angle) > APART for angle in angles):
+            kept.append(frame)
+            angles.append(theta(frame.t))
+        if len(kept) == MOST or (len(kept) >= FEWEST and np.ptp(angles) > ENOUGH):
+            break
+        if time.monotonic() - began > PATIENCE:
+            break
+    return kept
+
+
+def check_sign(frames: Iterable[Frame], geometry: Geometry, theta: Callable[[float], float]) -> None:
+    """Raises InputError where the root turns against the log; says nothing where the frames do not tell."""
+    logged: list[float] = []
+    seen: list[float] = []
+    polarities: tuple[float, ...] = (1.0, -1.0)
+    for frame in moving_frames(frames, theta):
+        where = locate(frame.image, geometry, np.zeros(SHARED), None, polarities)
+        if where.score < LEAST_SCORE:
+            continue
+        polarities = (where.polarity,)
+        sight = Sight(blur=1.2, polarity=where.polarity, contrast=8.0)
+        begin = np.append(where.x, 0.0)
+        reach = 3.0 * max(geometry.length / 120.0, 1.0) + 6.0
+        fit = refine(
+            frame.image, geometry, 0.0, begin, np.zeros(SHARED), sight, frame.t, Motion(), 0.0, (reach, 8.0, 5.0)
+        )
+        if fit is not None:
+            logged.append(theta(frame.t))
+            seen.append(float(fit.x[0]))
+    if len(seen) < FEWEST - 1 or np.ptp(logged) < 2 * APART:
+        return
+    angles = np.array(logged) - np.mean(logged)
+    root = np.unwrap(np.array(seen, dtype=float))
+    root -= root.mean()
+    slope = float(angles @ root / (angles @ angles))
+    alike = float(angles @ root / np.sqrt((angles @ angles) * max(float(root @ root), 1e-12)))
+    if slope < REVERSED and alike < -ALIKE:
+        raise InputError(
+            f"the arm's root turns {slope:+.1f} rad a rad of the servo's log",
+            field="motor.csv angle_rad",
+            expected="the log with the other sign, or mirrored = true in [camera] where the picture is mirrored",
+        )

@@ -1,0 +1,110 @@
+"""The folder that the page works in: recordings with their films and logs, and the answers of the verbs."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tentacle.errors import InputError
+from tentacle.io.csv_table import read_csv
+from tentacle.io.video_file import VIDEO_SUFFIXES, check_video, find_video
+
+LOGS = {
+    "motor.csv": ("t_s", "command_rad", "angle_rad"),
+    "load_cell.csv": ("t_s", "thrust_n"),
+}
+FILES = ("report.html", "session.rrd", "model.toml", "verdict.json", "identification.json", "next_experiment.toml")
+Pixels = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Proposed:
+    """Where the arm is in a film, as the film itself proposes it [px]: base, tip, the full width at the base; and what
+    a person should look at.
+    """
+
+    base: Pixels
+    tip: Pixels
+    width: float
+    words: tuple[str, ...]
+
+
+Proposer = Callable[[Path], Proposed]
+
+
+@dataclass(frozen=True)
+class Desk:
+    """The working folder, and what proposes where an arm is in a film."""
+
+    folder: Path
+    propose: Proposer
+
+    def recordings(self) -> list[str]:
+        """Names of the recordings that were begun here."""
+        return sorted(
+            path.name for path in self.folder.iterdir() if path.is_dir() and not (path / "report.html").exists()
+        )
+
+    def answers(self) -> list[str]:
+        """Names of the folders that hold a verdict."""
+        return sorted(path.parent.name for path in self.folder.glob("*/verdict.json"))
+
+    def verdict(self, answer: str) -> Mapping[str, Any]:
+        """verdict.json of an answer."""
+        return json.loads((self.folder / answer / "verdict.json").read_text(encoding="utf-8"))
+
+    def state(self, recording: str) -> str:
+        """In words: filmed, declared, or what the verdict is."""
+        if recording + "_answer" in self.answers():
+            found = self.verdict(recording + "_answer")
+            return " + ".join(found["effects"]) or found["verdict"].replace("_", " ")
+        return "declared" if (self.folder / recording / "recording.toml").exists() else "filmed, not declared"
+
+    def place(self, recording: str) -> Path:
+        """The recording's folder, made where it is missing; InputError for a name that is none."""
+        if not re.fullmatch(r"[\w-]{1,60}", recording) or recording.endswith("_answer"):
+            raise InputError(f"{recording!r} is no name", field="name", expected="letters, digits, _ and -")
+        place = self.folder / recording
+        place.mkdir(parents=True, exist_ok=True)
+        return place
+
+    def film(self, recording: str) -> Path | None:
+        """The recording's film, tried; None where there is none yet."""
+        found = find_video(self.place(recording))
+        return None if found is None else found.path
+
+    def name_for(self, given: str) -> str:
+        """Under which name a chosen file is read; InputError, with the remedy, for one that nothing reads."""
+        suffix = Path(given).suffix.lower()
+        if suffix in VIDEO_SUFFIXES:
+            return f"video{suffix}"
+        if suffix == ".csv":
+            for name in LOGS:
+                if Path(name).stem in given.lower():
+                    return name
+        expected = f"a film ({' '.join(VIDEO_SUFFIXES)}), or a log with motor or load_cell in its name, .csv"
+        raise InputError("is not read", file=given, expected=expected)
+
+    def keep(self, recording: str, given: str, content: bytes) -> Path:
+        """Put a chosen file where it is read; InputError where it is not what it should be: then it is not kept."""
+        file = self.place(recording) / self.name_for(given)
+        partial = file.with_name(f"partial_{file.name}")
+        partial.write_bytes(content)
+        try:
+            if file.name in LOGS:
+                read_csv(partial, LOGS[file.name], extra_allowed=True)
+            else:
+                check_video(partial)
+        except InputError as error:
+            partial.unlink()
+            raise InputError(
+                error.problem, file=given, row=error.row, field=error.field, expected=error.expected
+            ) from None
+        if file.name not in LOGS:
+            for other in VIDEO_SUFFIXES:
+                file.with_suffix(other).unlink(missing_ok=True)
+        return partial.replace(file)

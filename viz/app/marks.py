@@ -1,0 +1,104 @@
+"""What is clicked on a film's first picture, and the arm that is declared by it, drawn over the picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from tentacle.errors import InputError
+from tentacle.recording import Camera
+
+Point = tuple[float, float]
+PLACES = ("base", "tip", "width", "ruler start", "ruler end")
+COLOURS = {"base": "#d55e00", "tip": "#0072b2", "width": "#cc79a7", "ruler start": "#009e73", "ruler end": "#009e73"}
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Points (u, v) [px] by place, lengths [m]: of the arm, and of the ruler whose ends were clicked."""
+
+    points: dict[str, Point]
+    length: float = 0.14
+    ruler: float = 0.05
+
+    def with_point(self, place: str, point: Point) -> Marks:
+        """With one place clicked anew."""
+        return replace(self, points={**self.points, place: point})
+
+    @classmethod
+    def proposed(cls, base: Point, tip: Point, width: float) -> Marks:
+        """Marks at a proposed base and tip, and at the arm's edge beside the base, half its width [px] aside."""
+        du, dv = cls({"base": base, "tip": tip}).direction()
+        return cls({"base": base, "tip": tip, "width": (base[0] + 0.5 * width * dv, base[1] - 0.5 * width * du)})
+
+    def metres_per_px(self) -> float:
+        """The scale: by the ruler where both its ends are clicked, else by the arm from base to tip."""
+        names, metres = (("ruler start", "ruler end"), self.ruler)
+        if not all(name in self.points for name in names):
+            names, metres = ("base", "tip"), self.length
+        missing = [name for name in names if name not in self.points]
+        if missing:
+            raise InputError("not clicked yet", field=" and ".join(missing), expected="a point on the picture")
+        pixels = math.dist(self.points[names[0]], self.points[names[1]])
+        if pixels < 2.0 or not metres > 0.0:
+            raise InputError("too short to tell the scale", field=" to ".join(names), expected="two points apart")
+        return metres / pixels
+
+    def camera(self, fps: float, mirrored: bool = False) -> Camera:
+        """The camera that these marks declare."""
+        for name in ("base", "tip"):
+            if name not in self.points:
+                raise InputError("not clicked yet", field=name, expected="a point on the picture")
+        return Camera(fps, self.metres_per_px(), self.points["base"], self.direction(), mirrored=mirrored)
+
+    def direction(self) -> Point:
+        """Unit vector from base to tip."""
+        (u0, v0), (u1, v1) = self.points["base"], self.points["tip"]
+        far = math.hypot(u1 - u0, v1 - v0)
+        if far < 2.0:
+            raise InputError("base and tip are the same point", field="tip", expected="the arm's far end")
+        return ((u1 - u0) / far, (v1 - v0) / far)
+
+    def base_radius(self) -> float | None:
+        """Half the thickness [m] at the clicked edge of the arm beside its base; None where it was not clicked."""
+        if "width" not in self.points or "base" not in self.points:
+            return None
+        (du, dv), (u0, v0), (u, v) = self.direction(), self.points["base"], self.points["width"]
+        return abs((u - u0) * dv - (v - v0) * du) * self.metres_per_px()
+
+
+def outline(camera: Camera, length: float, radii: tuple[float, float], angle: float) -> list[Point]:
+    """The straight arm's four corners [px], turned about its base by angle [rad] as the servo turns it."""
+    (nu, nv), (au, av) = camera.normal_px, camera.arm_px
+    along = (-math.sin(angle), math.cos(angle))  # in (n, arm): theta turns y towards -x
+    across = (math.cos(angle), math.sin(angle))
+    corners = []
+    for share, side in ((0.0, 1.0), (1.0, 1.0), (1.0, -1.0), (0.0, -1.0)):
+        radius = radii[0] + (radii[1] - radii[0]) * share
+        x, y = (share * length * a + side * radius * b for a, b in zip(along, across, strict=True))
+        u = camera.base_px[0] + (x * nu + y * au) / camera.metres_per_px
+        v = camera.base_px[1] + (x * nv + y * av) / camera.metres_per_px
+        corners.append((u, v))
+    return corners
+
+
+def drawing(marks: Marks, arm: Sequence[Point], size: float) -> str:
+    """SVG over the picture: every mark with its name, the ruler, the declared arm's outline. size [px]: of a mark."""
+    parts = []
+    if arm:
+        corners = " ".join(f"{u:.1f},{v:.1f}" for u, v in arm)
+        parts.append(f'<polygon points="{corners}" fill="none" stroke="#f0e442" stroke-width="{0.35 * size:.1f}"/>')
+    ruler = [marks.points[name] for name in ("ruler start", "ruler end") if name in marks.points]
+    for (u0, v0), (u1, v1) in pairwise(ruler):
+        line = f'x1="{u0:.1f}" y1="{v0:.1f}" x2="{u1:.1f}" y2="{v1:.1f}"'
+        parts.append(f'<line {line} stroke="{COLOURS["ruler start"]}" stroke-width="{0.35 * size:.1f}"/>')
+    for place, (u, v) in marks.points.items():
+        side, anchor = (-1.5, "end") if place in ("base", "ruler start") else (1.5, "start")
+        edge = f'stroke="white" stroke-width="{0.3 * size:.1f}"'
+        parts.append(f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{size:.1f}" fill="{COLOURS[place]}" {edge}/>')
+        where = f'x="{u + side * size:.1f}" y="{v:.1f}" text-anchor="{anchor}" font-size="{2.6 * size:.1f}"'
+        ink = f'fill="{COLOURS[place]}" stroke="white" stroke-width="{0.5 * size:.1f}" paint-order="stroke"'
+        parts.append(f"<text {where} {ink}>{place}</text>")
+    return "".join(parts)
