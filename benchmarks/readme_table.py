@@ -22,7 +22,12 @@ FIVE = (
     ("blind", "false_alarm", "nothing hidden: something named all the same", ""),
     ("blind", "unknown_recall", "an effect that the catalogue does not have: said to be unknown", ""),
     ("vision", "worm_median_px", "midline of a real worm, from its outside reference, median", "px"),
-    ("soak", "soak_lost_untold", "samples lost without a word in ten minutes of the emulated rig under random faults", ""),
+    (
+        "soak",
+        "soak_lost_untold",
+        "samples lost without a word in ten minutes of the emulated rig under random faults",
+        "",
+    ),
 )
 # Why a row misses its limit: (benchmark, figure) -> sentences.
 WHY = {

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tentacle.notebook import html_table
 from tentacle.specimen import AIR, Cone, Gravity
 from validation.model_pair import Twin, affine_twin, reference_twin, shape_error
 
@@ -66,6 +67,18 @@ class Ladder:
     amplitude: float
     frequency: float
     third_opinion: float | None = None
+
+    def _repr_html_(self) -> str:
+        """The relative error of each order, or the absolute one with its unit, rung by rung."""
+        orders = sorted(self.affine)
+        rows = [
+            (
+                rung.name,
+                *(f"{rung.error(o):.2g} {rung.unit}" if rung.absolute else f"{rung.error(o):.2%}" for o in orders),
+            )
+            for rung in self.rungs
+        ]
+        return html_table(("rung", *(f"error of order {order}" for order in orders)), rows)
 
 
 def in_air(model: Model, gravity: Gravity) -> Model:
