@@ -180,12 +180,12 @@ def discretised(drift: Array, diffusion: Array, interval: float) -> tuple[Array,
     size, short = drift.shape[0], interval / 2.0**DOUBLINGS
     block = np.zeros((2 * size, 2 * size))
     block[:size, :size], block[:size, size:], block[size:, size:] = drift, diffusion, -drift.T
-    whole = expm(block * short)
-    transition = whole[:size, :size]
-    added, held = whole[:size, size:] @ transition.T, short * (np.eye(size) + 0.5 * short * drift)
+    whole: Array = np.asarray(expm(block * short), dtype=np.float64)
+    transition: Array = np.array(whole[:size, :size])
+    added: Array = whole[:size, size:] @ transition.T
+    held: Array = short * (np.eye(size) + 0.5 * short * drift)
     for _ in range(DOUBLINGS):
         added = transition @ added @ transition.T + added
         held = held + transition @ held
         transition = transition @ transition
-    whole_added = np.asarray(0.5 * (added + added.T), dtype=np.float64)
-    return np.ascontiguousarray(transition, dtype=np.float64), np.ascontiguousarray(whole_added), held
+    return np.array(transition, order="C"), np.array(0.5 * (added + added.T), order="C"), held

@@ -114,9 +114,8 @@ def _linearised(
 
 
 def _passive(columns: Array) -> Array:
-    """Damping or stiffness (n, n + 1) whose symmetric part (n, n) feeds no motion.
-
-    An average along a run that a poor fit makes unstable would let the unknown force grow without bound.
+    """Damping or stiffness (n, n + 1) whose symmetric part (n, n) feeds no motion: an average along a run that a
+    poor fit makes unstable would let the unknown force grow without bound.
     """
     n = columns.shape[0]
     values, vectors = np.linalg.eigh(0.5 * (columns[:, :n] + columns[:, :n].T))

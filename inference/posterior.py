@@ -23,7 +23,6 @@ from inference.declared_arm import DECLARED
 from inference.experiment import MEMORY_PRIOR
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.solver_result import RESULTS
 from inference.trajectory import Fit, ParameterName, Problem, finished, located, split
 from tentacle.model import Estimate
 
@@ -69,20 +68,22 @@ def hypothesis(effects: tuple[str, ...], problem: Problem, nuisances: tuple[Arra
     """
     forces = latent_forces(problem, problem.parameters, nuisances, effects)
     problem = replace(problem, filters=tuple(force.filter(SMOOTH) for force in forces))
-    unknowns, _ = located(problem, nuisances, tolerance=1e-2, most=10)
+    unknowns, lowest = located(problem, nuisances, tolerance=1e-3, most=15)
     problem, nuisances = _moved(problem, unknowns)
-    share, result = SMOOTH, RESULTS.MAX_STEPS
-    for _ in range(2):
+    share, lower = SMOOTH, set[float]()
+    for _ in range(5):
         forces = latent_forces(problem, problem.parameters, nuisances, effects)
         better = _best_share(problem, nuisances, forces)
-        if better == share:
+        if better == share and share in lower:
             break
+        if better == share:  # a fit may follow the data far better where less is forgiven: one look below
+            lower.add(share)
+            better = float(SHARES[max(int(np.searchsorted(SHARES, share)) - 1, 0)])
         share = better
         problem = replace(problem, filters=tuple(force.filter(share) for force in forces))
-        unknowns, lowest = located(problem, nuisances, tolerance=1e-3, most=15)
+        unknowns, lowest = located(problem, nuisances, tolerance=1e-5, most=25)
         problem, nuisances = _moved(problem, unknowns)
-        result = lowest.result
-    fitted = replace(finished(problem, unknowns, 0), result=result)
+    fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
     return Hypothesis(effects, problem, fitted, forces, log_evidences(problem, fitted, forces))
 
 

@@ -48,6 +48,10 @@ def assembled(
     lost = 0.0 if reduction is None else reduction.millimetres
     floor = floor_errors(runs, prepared, lost)
     effects, verdict = decision.effects, decision.verdict
+    withdrawn = verdict in ("effect", "group") and (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
+    sure = 1.0 - decision.confidence if withdrawn else decision.confidence
+    if withdrawn:
+        effects, verdict = (), "unknown"
     words = [sentence for p in prepared for sentence in p.words]
     if order > 2:
         shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in prepared)
@@ -65,16 +69,18 @@ def assembled(
     base = hypothesis_of_paper(paper)
     proposal = propose(*_to_be_split(found, decision), LIMITS, seed)
     words += _decision_words(found, decision)
+    if withdrawn:
+        words.append("With it the model follows the judged frames worse than without: it is not named.")
     if proposal is not None:
         words.append(_proposal_words(proposal))
     if calibration is not None:
-        words.append(calibration.words(decision.verdict, decision.confidence))
+        words.append(calibration.words(verdict, sure))
     candidates = list(found.candidates[:12])
     return Diagnosis(
         verdict=verdict,
         effects=effects,
-        confidence=decision.confidence if calibration is None else calibration(decision.verdict, decision.confidence),
-        uncalibrated=decision.confidence,
+        confidence=sure if calibration is None else calibration(verdict, sure),
+        uncalibrated=sure,
         parameters={name: known.get(name, {}) for name in effects},
         before=before,
         after=after,
@@ -92,10 +98,10 @@ def assembled(
         words=tuple(words),
         seed=seed,
         explained=explained(found.base, chosen) if chosen.effects else None,
-        certain=decision.certain,
+        certain=() if withdrawn else decision.certain,
         sets=tuple(CredibleSet(names, mass) for names, mass in decision.sets),
         detection_limits=limits,
-        where={p.recording.name: decision.effects for p in prepared},
+        where={p.recording.name: effects for p in prepared},
     )
 
 

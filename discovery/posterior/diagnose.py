@@ -29,7 +29,7 @@ from tentacle.errors import InputError
 from tentacle.progress import Stage
 from tentacle.recording import Recording
 
-STEP = 1.0 / 300.0  # s: errs by less than .05 noise sigmas on 14 of 16 recordings of outside simulators
+STEP = 1.0 / 300.0  # s; its own error is not measured here yet
 
 
 def _silent(words: str, done: float = 0.0) -> None:
