@@ -10,6 +10,7 @@ import numpy as np
 from affine_model.curvature import Array
 from discovery.assemble import assembled, cannot_tell
 from discovery.calibration import Calibration
+from discovery.given import held_out_run, same_arm
 from discovery.search import Search, search
 from discovery.unnamed import unnamed_rest
 from discovery.verdict import decide, structure_share
@@ -31,28 +32,6 @@ SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its
 HELPS = 0.8  # more coordinates must bring the reduction's error below this share of what it was
 OF_MOTION = 7e-4  # of an arm's motion: neither its shape nor its laws, nor another's numerics, are known better
 REMAINS = 0.3  # of the reduction's error once the chain's is taken off: another simulator, or an arm, has a like one
-SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
-
-
-def _held_out(prepared: Prepared) -> Prepared:
-    """A recording kept for judging: only its first moments may be used, to find its initial state."""
-    experiment = prepared.experiment
-    times = experiment.observation.t
-    begin = experiment.t0 if experiment.release is None else experiment.release
-    head = times <= begin + (SETTLING if experiment.release is None else 0.05)
-    return replace(prepared, experiment=replace(experiment, used=experiment.used & head))
-
-
-def _same_arm(recordings: Sequence[Recording]) -> None:
-    first = recordings[0].declaration
-    for other in recordings[1:]:
-        declared = other.declaration
-        if (declared.specimen, declared.fluid, declared.gravity) != (first.specimen, first.fluid, first.gravity):
-            raise InputError(
-                "declares another arm, fluid or gravity than the first recording",
-                file=f"{other.name}/recording.toml",
-                expected="recordings of one arm",
-            )
 
 
 @dataclass(frozen=True)
@@ -113,7 +92,7 @@ def diagnose(
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
-    _same_arm([*recordings, *held_out])
+    same_arm([*recordings, *held_out])
     try:
         return _diagnosed(recordings, baseline, held_out, seed, calibration, progress)
     except CannotTellError as reason:
@@ -130,7 +109,7 @@ def _diagnosed(
 ) -> Diagnosis:
     progress("reading shapes")
     prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
-    prepared += [_held_out(prepare(recording, hold_out=False)) for recording in held_out]
+    prepared += [held_out_run(prepare(recording, hold_out=False)) for recording in held_out]
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
     words = [sentence for p in prepared for sentence in p.words]
     known: Baseline | None = None

@@ -3,20 +3,39 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment, predict
-from inference.hypothesis import Hypothesis
 from inference.observation import POSE, ShapeObservation
 from inference.score import absorbed_basis
-from inference.trajectory import Problem, evaluate
+from inference.trajectory import Fit, Problem, evaluate
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 
 DURATION = 15.0  # s: long against every relaxation of an arm in water, short against a working day
 FRAMES = 30.0  # 1/s at which a proposal is judged
+
+
+class Hypothesis(Protocol):
+    """A model with some absent effects, fitted: by the rules or under the likelihood alike."""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The absent effects that it adds."""
+        ...
+
+    @property
+    def problem(self) -> Problem:
+        """What was fitted."""
+        ...
+
+    @property
+    def fitted(self) -> Fit:
+        """How it ended."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -65,7 +84,7 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
     )
     return replace(
         experiment, name="proposal", observation=virtual, base=waveform, t0=0.0, duration=DURATION, release=None,
-        remembers=False, used=np.ones(t.size, dtype=bool),
+        remembers=False, varies=(), used=np.ones(t.size, dtype=bool),
     )  # fmt: skip
 
 
@@ -104,7 +123,7 @@ def _gap(chosen: Hypothesis, rival: Hypothesis, source: Experiment, waveform: Wa
     coefficients[:, POSE : POSE + kept] = z[:, :kept]
     coefficients[:, 0] = shown.theta[:, 0] - observation.theta
     measured = replace(experiment, observation=replace(observation, coefficients=coefficients))
-    problem: Problem = replace(rival.problem, experiments=(measured,), prior_mean=None, prior_root=None)
+    problem: Problem = replace(rival.problem, experiments=(measured,), prior_mean=None, prior_root=None, filters=())
     # One Gauss-Newton look: what the rival cannot absorb of the difference.
     state = evaluate(replace(problem, parameters=rival.fitted.parameters), (start,))
     basis = absorbed_basis(state)

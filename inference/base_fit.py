@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import Arm, arm_of, declared_parameters
+from affine_model.arm import Arm, arm_of, declared_parameters, parameter_index
 from affine_model.curvature import Array
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
@@ -139,7 +139,8 @@ def _with_more_coordinates(experiment: Experiment, nuisances: Array) -> Array:
     start, moving, memory, shift = experiment.parts(2, nuisances)
     more = np.zeros(MOST_FOR_MARKERS - start.size)
     moving = moving if experiment.release is not None else np.concatenate([moving, more])
-    return np.concatenate([start, more, moving, memory, shift])
+    deviations = experiment.deviations(nuisances)
+    return np.concatenate([start, more, moving, memory, shift, deviations])
 
 
 def _left(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
@@ -166,7 +167,7 @@ def initial_nuisances(experiment: Experiment, order: int) -> Array:
             slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
             start[:kept], rates[:kept] = offset, slope
     moving = rates if experiment.release is None else np.zeros(1)
-    return np.concatenate([start, moving, np.zeros(2 * experiment.sees_shift)])
+    return np.concatenate([start, moving, np.zeros(2 * experiment.sees_shift + len(experiment.varies))])
 
 
 def _starts(setting: Setting) -> Array:
@@ -201,6 +202,23 @@ def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[
     return settled(problem, fit(problem, nuisances))
 
 
+def roughly(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
+    """The base effects at that order by least squares, with the noise that the frames show: where a fit under the
+    whole likelihood begins. Its step is the setting's.
+    """
+    nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
+    problem = setting.problem(order, setting.start() if warm is None else warm.parameters)
+    if warm is None:
+        fitted = fit_multistart(problem, nuisances, _starts(setting))
+    else:
+        fitted = fit(problem, nuisances, tolerance=1e-3, most=20)
+    experiments = tuple(
+        recalibrated(experiment, residuals)
+        for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True)
+    )
+    return replace(problem, experiments=experiments, parameters=fitted.parameters), fitted
+
+
 def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
     """The fit again with the noise as it leaves it, and with a step that suffices; twice where the first changed much.
 
@@ -225,3 +243,8 @@ def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
         problem, fitted = changed, again
         problem = replace(problem, parameters=fitted.parameters)
     return problem, fitted
+
+
+def parameter_of(fit_result: Fit, name: ParameterName) -> float:
+    """A parameter's value in a fit."""
+    return float(fit_result.parameters[parameter_index(*name)])

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from affine_model.arm import Arm, parameter_index
+from affine_model.arm import Arm, parameter_index, parameter_rows
 from affine_model.base_signal import base_table
 from affine_model.curvature import Array
+from affine_model.effects import catalogue
 from affine_model.simulate import Batch, simulate
 from inference.observation import MarkerObservation, ShapeObservation
 from tentacle.waveform import Waveform
@@ -20,6 +21,9 @@ Observation = ShapeObservation | MarkerObservation
 SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
 SHIFT_LIMIT = 0.01  # arm lengths
 SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
+# Relative spread of an arm's parameters between recordings: two of a silicone beam differ by .6 % in E; losses, in
+# silicone and in water, change with temperature by some per cent.
+SPREAD = {"elasticity": 0.01, "damping": 0.05, "drag": 0.03}
 RATE_PRIOR = 30.0  # rad/s: initial rates of curvature, where the observation shows none
 RATE_REACH = 3.0  # times the rates seen in the recording: what dies away between two frames may not be started at will
 HIGHER_PRIOR = 0.3  # rad: initial curvature beyond what the observation can see
@@ -37,6 +41,8 @@ class Experiment:
     is not white. remembers: the model has a Maxwell branch, whose state at the start is then unknown too (an arm that
     is held still until its release has forgotten). rates_seen (K,): rms rates of the Legendre coordinates in the
     recording [rad/s], as far as it shows them. base_known_from [s]: since when the base motion is recorded (None: t0).
+    complete: the declaration is taken to be: no absent effect acts in this recording. varies: parameters (effect, name)
+    of the arm that differ a little in this recording from those that all share.
     """
 
     name: str
@@ -52,6 +58,8 @@ class Experiment:
     remembers: bool = False
     rates_seen: Array = field(default_factory=lambda: np.zeros(0))
     base_known_from: float | None = None
+    complete: bool = False
+    varies: tuple[tuple[str, str], ...] = ()
 
     @property
     def begins_with_memory(self) -> bool:
@@ -70,31 +78,41 @@ class Experiment:
         initial = [f"z{j + 1}(0)" for j in range(order)]
         moving = [f"z{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
         memory = [f"memory{j + 1}(0)" for j in range(order)] if self.begins_with_memory else []
-        return [*initial, *moving, *memory, *(["shift_x", "shift_y"] if self.sees_shift else [])]
+        shift = ["shift_x", "shift_y"] if self.sees_shift else []
+        return [*initial, *moving, *memory, *shift, *(f"log {name}" for _, name in self.varies)]
 
     def nuisance_scales(self, order: int, length: float) -> Array:
         """Typical sizes of the nuisances, the scale of the fit's steps."""
         moving = [1.0] * order if self.release is None else [0.01]
         memory = [0.1] * order if self.begins_with_memory else []
-        return np.array([0.1] * order + moving + memory + [SHIFT_PRIOR * length] * 2 * self.sees_shift)
+        return np.array(
+            [0.1] * order + moving + memory + [SHIFT_PRIOR * length] * 2 * self.sees_shift + self._spreads()
+        )
 
     def nuisance_limits(self, order: int, length: float) -> Array:
         """Bounds (M,) on the size of each nuisance."""
         moving = list(self.rate_limits(order)) if self.release is None else [5.0 * self.release_sigma]
         memory = [SHAPE_LIMIT] * order if self.begins_with_memory else []
-        return np.array([SHAPE_LIMIT] * order + moving + memory + [SHIFT_LIMIT * length] * 2 * self.sees_shift)
+        return np.array(
+            [SHAPE_LIMIT] * order
+            + moving
+            + memory
+            + [SHIFT_LIMIT * length] * 2 * self.sees_shift
+            + [1.0] * len(self.varies)
+        )
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
         """What is known beforehand of the nuisances (M, B), as whitened residuals."""
         shift = self.parts(order, nuisances)[3] / (SHIFT_PRIOR * length)
         seen = self.observation.order if isinstance(self.observation, ShapeObservation) else 2
         higher = nuisances[seen:order] / HIGHER_PRIOR
+        varied = self.deviations(nuisances) / np.array(self._spreads()).reshape(-1, 1)
         if self.release is None:
             rates = nuisances[order : 2 * order]
             memory = self.memory(order, nuisances)
             remembered = shift[:0] if memory is None else memory / MEMORY_PRIOR
-            return np.concatenate([rates / self.rate_limits(order)[:, None], shift, higher, remembered])
-        return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher])
+            return np.concatenate([rates / self.rate_limits(order)[:, None], shift, higher, remembered, varied])
+        return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher, varied])
 
     def rate_limits(self, order: int) -> Array:
         """How large the rates of the Legendre coordinates may be at the start (order,) [rad/s]."""
@@ -106,7 +124,31 @@ class Experiment:
         """Initial shape, rates (or, released, the instant), memory and shift (either empty where there is none)."""
         moving = order + (order if self.release is None else 1)
         memory = moving + order * self.begins_with_memory
-        return nuisances[:order], nuisances[order:moving], nuisances[moving:memory], nuisances[memory:]
+        return (
+            nuisances[:order],
+            nuisances[order:moving],
+            nuisances[moving:memory],
+            nuisances[memory : memory + 2 * self.sees_shift],
+        )
+
+    def deviations(self, nuisances: Array) -> Array:
+        """Logarithms (D, B) of this recording's share of each parameter that varies."""
+        return nuisances[len(nuisances) - len(self.varies) :]
+
+    def _spreads(self) -> list[float]:
+        return [SPREAD[effect] for effect, _ in self.varies]
+
+    def own(self, parameters: Array, nuisances: Array) -> Array:
+        """The parameters (R, B) as they are in this recording."""
+        if not self.varies and not self.complete:
+            return parameters
+        parameters = parameters.copy()
+        for row in parameter_rows():
+            if self.complete and catalogue()[row.effect].family != "base":
+                parameters[row.index] = row.parameter.neutral
+        for name, deviation in zip(self.varies, self.deviations(nuisances), strict=True):
+            parameters[parameter_index(*name)] *= np.exp(deviation)
+        return parameters
 
     def memory(self, order: int, nuisances: Array) -> Array | None:
         """The memory at the start (n, B), out of the nuisances (M, B)."""
@@ -153,6 +195,7 @@ def _pick(array: Array, index: np.ndarray, lanes: np.ndarray) -> Array:
 def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
     """Simulate B individuals (parameters (R, B), nuisances (M, B)) and give their shapes at the observed instants."""
     n = arm.order
+    parameters = experiment.own(parameters, nuisances)
     value = {name: parameters[parameter_index(effect, name)] for effect, name in _OUTSIDE}
     steps = int(np.ceil(experiment.duration / step)) + 1
     steps += steps % 2
@@ -180,6 +223,8 @@ _OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"
 
 def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:
     """Measured less predicted, whitened (T, K, B), over all frames."""
+    if experiment.complete:
+        parameters = np.zeros_like(parameters)
     roll = parameters[parameter_index("camera_roll", "roll")]
     scale = parameters[parameter_index("camera_scale", "excess")]
     error = experiment.observation.predict(prediction.q, prediction.theta, roll, scale, prediction.shift)

@@ -15,7 +15,8 @@ from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
 from inference.declared_arm import DECLARED, arm_at, experiment_at, names_of
 from inference.experiment import Experiment, predict, whitened_residuals
-from inference.levenberg_marquardt import minimise
+from inference.latent_force import Filter
+from inference.levenberg_marquardt import Minimum, minimise
 from inference.solver_result import RESULTS
 from tentacle.declared import Uncertain
 
@@ -34,7 +35,8 @@ class Fit:
     vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
     (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
     parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; spread: rms in noise
-    sigmas that the unknowns' own uncertainty adds to the frames that were not fitted; result: how the solver ended.
+    sigmas that the unknowns' own uncertainty adds to the frames that were not fitted; result: how the solver ended;
+    slopes: d residuals / d unknowns (T, K, P) a recording, all frames.
     """
 
     free: tuple[ParameterName, ...]
@@ -51,6 +53,7 @@ class Fit:
     evaluations: int
     spread: float = 0.0
     result: RESULTS = RESULTS.CONVERGED
+    slopes: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,8 @@ class Problem:
     with their values at its end, and free may name them ("declared", field). Each has the prior that the declaration
     states, unless prior_free holds it. prior: mean (F,) and root (F, F) of the information of the parameters
     prior_free, from a baseline fit (None: no prior). They stay within PRIOR_REACH standard deviations, however strongly
-    the data pull: else a heavy tip would be taken for a soft arm.
+    the data pull: else a heavy tip would be taken for a soft arm. filters: what whitens each recording's residuals,
+    where forces that no law knows are allowed for (inference.latent_force; empty: noise alone, white).
     """
 
     arm: Arm
@@ -73,6 +77,7 @@ class Problem:
     prior_mean: Array | None = None
     prior_root: Array | None = None
     declared: tuple[Uncertain, ...] = ()
+    filters: tuple[Filter, ...] = ()
 
     def rows(self) -> np.ndarray:
         """Places of the free parameters in the vector."""
@@ -174,14 +179,15 @@ class Problem:
     def _of_one_arm(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
         count = unknowns.shape[1]
         used, everything, place = [], [], len(self.free)
-        for experiment, size in zip(self.experiments, self.sizes(), strict=True):
+        for number, (experiment, size) in enumerate(zip(self.experiments, self.sizes(), strict=True)):
             nuisances = unknowns[place : place + size]
             place += size
             prediction = predict(self.arm, experiment, parameters, nuisances, self.step)
             error = whitened_residuals(experiment, parameters, prediction)
             error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
             everything.append(error)
-            used.append(error[experiment.used].reshape(-1, count))
+            white = self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, count)
+            used.append(white)
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
         return np.concatenate(used), everything
 
@@ -216,6 +222,12 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
 
     Raises ValueError where there is not one used frame.
     """
+    unknowns, lowest = located(problem, nuisances, tolerance=tolerance, most=most)
+    return replace(finished(problem, unknowns, lowest.rounds), result=lowest.result)
+
+
+def located(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float, most: int) -> tuple[Array, Minimum]:
+    """Where a fit ends: its unknowns (P,), and how the solver ended; nothing is said of their spread."""
     low, high = problem.bounds()
     scales = problem.scales()
     start = np.concatenate([problem.parameters[problem.rows()], *nuisances])
@@ -232,13 +244,20 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
         tolerance=tolerance,
         most=most,
     )
-    unknowns = lowest.unknowns * scales
-    return replace(_finished(problem, unknowns, lowest.rounds), result=lowest.result)
+    return lowest.unknowns * scales, lowest
 
 
-def _finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
+def split(problem: Problem, unknowns: Array) -> tuple[Array, tuple[Array, ...]]:
+    """Unknowns (P,) as the whole parameter vector and the nuisances of each recording."""
+    parameters, count = problem.parameters.copy(), len(problem.free)
+    parameters[problem.rows()] = unknowns[:count]
+    return parameters, tuple(np.split(unknowns[count:], np.cumsum(problem.sizes())[:-1]))
+
+
+def finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
+    """The model at these unknowns (P,), with its derivatives and the covariance that they give."""
     used, everything = problem.residuals(unknowns[:, None])
-    jacobian, everywhere = problem.jacobian_everywhere(unknowns)
+    jacobian, slopes = problem.jacobian_everywhere(unknowns)
     low, high = problem.bounds()
     count = len(problem.free)
     information = jacobian.T @ jacobian
@@ -247,15 +266,13 @@ def _finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
     values = unknowns[:count]
     close = 1e-6 * problem.scales()[:count]
     touching = (values <= low[:count] + close) | (values >= high[:count] - close)
-    parameters = problem.parameters.copy()
-    parameters[problem.rows()] = values
-    parts = np.split(unknowns[count:], np.cumsum(problem.sizes())[:-1]) if problem.experiments else []
+    parameters, parts = split(problem, unknowns)
     return Fit(
         free=problem.free,
         values=values,
         covariance=covariance[:count, :count],
         parameters=parameters,
-        nuisances=tuple(parts),
+        nuisances=parts,
         misfit=0.5 * float(used[:, 0] @ used[:, 0]),
         count=used.shape[0],
         residuals=tuple(error[:, :, 0] for error in everything),
@@ -263,14 +280,15 @@ def _finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
         jacobian=jacobian,
         used_residuals=used[:, 0],
         evaluations=evaluations,
-        spread=_held_out_spread(problem, everywhere, covariance),
+        spread=_held_out_spread(problem, slopes, covariance),
+        slopes=tuple(slopes),
     )
 
 
-def _held_out_spread(problem: Problem, everywhere: list[Array], covariance: Array) -> float:
+def _held_out_spread(problem: Problem, slopes: list[Array], covariance: Array) -> float:
     """What the unknowns' own covariance (P, P) makes of the frames that were not fitted: rms in noise sigmas."""
     total, count = 0.0, 0
-    for experiment, slope in zip(problem.experiments, everywhere, strict=True):
+    for experiment, slope in zip(problem.experiments, slopes, strict=True):
         rows = slope[~experiment.used].reshape(-1, slope.shape[2])
         rows = rows[np.any(rows != 0.0, axis=1)]
         total += float(np.einsum("rp,pq,rq->", rows, covariance, rows))
@@ -281,7 +299,7 @@ def _held_out_spread(problem: Problem, everywhere: list[Array], covariance: Arra
 def evaluate(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
     """The problem at its start, not fitted (its Jacobian included)."""
     unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
-    return _finished(problem, unknowns, 0)
+    return finished(problem, unknowns, 0)
 
 
 def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:

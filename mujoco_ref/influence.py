@@ -137,7 +137,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "vortex_lift": ("C_cos", "C_sin", "U"),
     "buoyancy": ("density_error",),
     "gravity_tilt": ("tilt",),
-    "tip_mass": ("mass", "reach", "drop"),
+    "tip_mass": ("mass", "reach"),
     "cubic_stiffness": ("beta",),
     "intrinsic_curvature": ("c0",),
     "viscoelasticity": ("g", "tau"),

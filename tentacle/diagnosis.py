@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -88,6 +88,31 @@ class Gate:
 
 
 @dataclass(frozen=True)
+class Explained:
+    """The share of the missing force that was explained, with its 95 % interval; 0 .. 1."""
+
+    share: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class CredibleSet:
+    """One of the sets of effects that together hold 95 % of the posterior, with its own mass."""
+
+    effects: tuple[str, ...]
+    probability: float
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The smallest strength that these recordings would have named in 95 of 100 cases."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """The answer of `tentacle diagnose`; verdict.json and report.html are written from it."""
 
@@ -111,6 +136,11 @@ class Diagnosis:
     words: tuple[str, ...]
     seed: int
     uncalibrated: float | None = None  # the confidence before blind trials corrected it; None: never corrected
+    explained: Explained | None = None
+    certain: tuple[str, ...] = ()
+    sets: tuple[CredibleSet, ...] = ()
+    detection_limits: dict[str, dict[str, Limit]] = field(default_factory=dict)
+    where: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def headline(self) -> str:
@@ -125,10 +155,10 @@ class Diagnosis:
             error += ", on held-out data." if self.held_out else ", on the data that were fitted."
         names = " + ".join(self.effects)
         sentence = {
-            "nothing_missing": "The declared model explains these data: no missing effect is detectable.",
+            "nothing_missing": "Nothing that these data can show is missing from the declared model.",
             "effect": f"The declared model lacks {names}.",
             "group": f"The declared model lacks one of {' / '.join(self.effects)}; these data cannot tell which.",
-            "unknown": "The declared model lacks an effect that is not in the catalogue or not identifiable here.",
+            "unknown": "The declared model lacks something that the catalogue has not, or that these data cannot name.",
         }[self.verdict]
         return sentence + error
 
@@ -166,6 +196,15 @@ class Diagnosis:
                 for ranked in self.ranking
             ],
             "next_experiment": self.next_experiment,
+            "explained": None if self.explained is None else asdict(self.explained),
+            "certain": list(self.certain),
+            "sets": [{"effects": list(one.effects), "probability": one.probability} for one in self.sets],
+            "detection_limits": {
+                effect: {name: asdict(limit) for name, limit in limits.items()}
+                for effect, limits in self.detection_limits.items()
+            },
+            "where": {name: list(effects) for name, effects in self.where.items()},
+            "laws": [],
         }
 
     def _repr_html_(self) -> str:

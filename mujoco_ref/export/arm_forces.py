@@ -40,7 +40,7 @@ class Forces:
         self._n = {**read, **node}
         water = read["water"]
         fields = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f")
-        self._water = dict(zip((*fields, "wall_B", "wall_x"), water.tolist(), strict=True))
+        self._water = dict(zip(fields, water.tolist(), strict=True))
         joints = [model.joint("theta"), *(model.joint(f"hinge_{k}") for k in range(1, self.links))]
         self._q = np.array([joint.qposadr[0] for joint in joints])
         self._v = np.array([joint.dofadr[0] for joint in joints])
@@ -120,8 +120,7 @@ class Forces:
         u_t = np.sum(relative * tangent[:, None], axis=2)
         speed = np.hypot(u_n, u_t)
         width, perimeter, weight = n["node_width"], n["node_perimeter"], n["node_weight"]
-        across = w["C_perp"] + w["wall_B"] * 0.25 * width**2 / ((w["wall_x"] - place[..., 0]) ** 2 + 0.25 * width**2)
-        f_n = -(0.5 * w["density"] * across * width * speed + w["c_n"]) * u_n
+        f_n = -(0.5 * w["density"] * w["C_perp"] * width * speed + w["c_n"]) * u_n
         f_t = -(0.5 * w["density"] * w["C_t"] * perimeter * speed + 0.5 * w["c_n"]) * u_t
         force = weight[..., None] * (f_n[..., None] * normal[:, None] + f_t[..., None] * tangent[:, None])
         force += (weight * w["density"] * n["node_area"])[..., None] * surge

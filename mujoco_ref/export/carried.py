@@ -29,10 +29,11 @@ SUBSTITUTED = {
     "skin_drag": "slender drag of those plates, exact where the flow is along a link",
 }
 # Effect -> what it is in arm_forces.py, where arm.xml has nothing of it.
-CALLBACK_ONLY = ("linear_drag", "sloshing", "wall", "viscoelasticity", "dry_friction", "stiffness_drift",
+CALLBACK_ONLY = ("linear_drag", "sloshing", "viscoelasticity", "dry_friction", "stiffness_drift",
                  "amplitude_damping", "unnamed")  # fmt: skip
 # Effect -> where it belongs instead.
 ELSEWHERE = {
+    "wall": "the water that it makes an arm carry changes with the distance",
     "servo_lag": "the command: delay theta before it goes to ctrl",
     "backlash": "the command: put the play before ctrl",
     "time_offset": "the measurement: shift the recording's clock",

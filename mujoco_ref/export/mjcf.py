@@ -42,8 +42,7 @@ STEP = 5e-4  # s; the tip moves by less than 1e-3 of its swing where it is halve
 THINNESS = 0.02  # of a plate's half thickness over its half width
 # A flywheel at the clamp and a spring and damper to the command: the arm's torque turns it by less than a microradian.
 FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
-WATER_FIELDS = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f",
-                "wall_B", "wall_x")  # fmt: skip
+WATER_FIELDS = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f")
 
 HINGE_FIELDS = ("stiffness", "damping", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle",
                 "stiff_tip", "set_tip", "one_sided", "loss", "bent_loss")  # fmt: skip

@@ -25,6 +25,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--calibration", type=Path, metavar="FILE.toml",
         help="state the confidence by your own blind trials: the file that tentacle blind-trial --like RECORDING wrote",
     )  # fmt: skip
+    parser.add_argument(
+        "--decide", choices=["rules", "posterior"], default="rules",
+        help="how: by tests with limits (default), or by posterior mass under one likelihood (on trial: docs/loop.md)",
+    )  # fmt: skip
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ..."
@@ -54,7 +58,10 @@ def run(arguments: argparse.Namespace) -> int:
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
-        from discovery.diagnose import diagnose
+        if arguments.decide == "posterior":
+            from discovery.posterior.diagnose import diagnose
+        else:
+            from discovery.diagnose import diagnose
 
         wait_for_kernels()
         diagnosis = diagnose(

@@ -8,7 +8,7 @@ import argparse
 from pathlib import Path
 
 HELP = (
-    "fit the declared model's parameters to recordings, with 95 % intervals and the paper's regression for comparison"
+    "fit the declared model's parameters to recordings, with 95 %% intervals and the paper's regression for comparison"
 )
 
 

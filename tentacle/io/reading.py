@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tentacle.errors import InputError
+from tentacle.io.plain_file import require_plain
 from tentacle.recording import Recording
 from tentacle.slips import refuse_slips
 
@@ -23,6 +24,7 @@ def _read(path: Path) -> Recording:
         return read_folder(path)
     if not path.exists():
         raise InputError("no such file or folder", file=path, expected="an import folder or an .rrd file")
+    require_plain(path, "an import folder or an .rrd file")
     if path.suffix == ".rrd":
         from tentacle.io.recording_rrd import read_rrd  # Rerun takes a second to import, and folders do not need it
 

@@ -56,7 +56,7 @@ def model_force(model, motion):
 
 
 def test_a_steel_weight_loses_an_eighth_of_its_weight_in_water():
-    hung = {"tip_mass": {"mass": 0.01, "reach": 0.0, "drop": 0.0}}
+    hung = {"tip_mass": {"mass": 0.01, "reach": 0.0}}
     for pull in (lambda model: reduced(model, STILL)[1][-1], lambda model: bent(model, STILL, 20)[1][-1]):
         weight = [pull(model_with(hung, fluid)) - pull(model_with({}, fluid)) for fluid in (Fluid(0.0), WATER)]
         assert weight[0] == pytest.approx(0.01 * 9.80665 * np.cos(0.3), rel=1e-9)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from zlib import crc32
@@ -131,6 +133,11 @@ def cases(seed: int) -> list[Case]:
     """All of them, in an order that mixes the kinds, so that a part of them is a fair sample."""
     found = [*_texts(seed), *_bytes(seed), *_stored(seed), *_places(), *_options(seed), *_disks(seed), *_signals(seed),
              *_surroundings()]  # fmt: skip
+    met: Counter[str] = Counter()
+    for place, case in enumerate(found):  # two commands may begin alike: the second says that it is one more
+        met[case.name] += 1
+        if met[case.name] > 1:
+            found[place] = replace(case, name=f"{case.name}, {met[case.name]}")
     order = np.random.default_rng(seed).permutation(len(found))
     return [found[k] for k in order]
 

@@ -25,10 +25,9 @@ EVERYTHING = {
     "linear_drag": {"c_n": 0.3},
     "current": {"U_x": 0.03, "U_y": 0.01},
     "sloshing": {"U_cos": 0.03, "U_sin": 0.02, "f": 1.1},
-    "wall": {"B": 20.0, "distance": 0.6},
     "buoyancy": {"density_error": 30.0},
     "gravity_tilt": {"tilt": 0.1},
-    "tip_mass": {"mass": 0.002, "reach": 0.1, "drop": 0.02},
+    "tip_mass": {"mass": 0.002, "reach": 0.1},
     "amplitude_damping": {"b": 0.01},
     "unnamed": {
         "push": 0.3,

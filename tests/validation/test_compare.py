@@ -101,7 +101,7 @@ def test_the_sentence_says_whether_the_affine_model_serves():
     # The first mode is 3 Hz; two coordinates end at .8 of it, three go on.
     assert "serves for this arm" in words
     assert "within 5 % up to 2.4 Hz (0.8 of its first mode)" in words
-    assert "With 3 coordinates the 5 % hold up to 5.4 Hz" in words
+    assert "With 3 coordinates the shape stays within 5 % up to 5.4 Hz" in words
     shape[0, 1] = 0.2
     assert not serves(validity(shape))
     assert "does not serve for this arm" in sentence(validity(shape))
@@ -149,7 +149,7 @@ def test_flexibility_is_drag_over_stiffness():
         (("--amplitude", "0"), "above 0"),
         (("--tapers", "1.5"), "from 0 to 1"),
         (("--slenderness", "1"), "above 2"),
-        (("--workers", "0"), "1 or more"),
+        (("--workers", "0"), "1 to 1024"),
         (("--cluster", "nonsense"), "no Dask scheduler answers"),
     ],
 )

@@ -131,7 +131,7 @@ def test_a_figure_is_drawn(folder, number, tmp_path, capsys):
         (["figure", "5", "swing", "--out", "figure.svg"], "--model: figure 5 needs a model"),
         (["figure", "4", "--out", "figure.svg"], "RECORDING: nothing to draw"),
         (["figure", "3", "swing", "--out", "figure.svg"], "swing: has no video"),
-        (["figure", "4", "swing", "--at", "1", "--out", "figure.svg"], "--at: only figure 3 is of one frame"),
+        (["figure", "4", "swing", "--at", "1", "--out", "figure.svg"], "--at: only figure 3 shows one frame"),
         (["figure", "6", "swing", "--out", "figure.svg"], "swing: has no tracked video"),
         (["figure", "10", "bad.csv", "--out", "figure.svg"], "bad.csv:3: speed_m_s: 'fast' is no number"),
         (["view", "absent.rrd"], "absent.rrd: no such file"),

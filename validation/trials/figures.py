@@ -14,7 +14,7 @@ from validation.trials.reliability import (
     gap_by_chance,
     reliability,
 )
-from validation.trials.scores import VISIBLE, baseline_hit, scores, share
+from validation.trials.scores import VISIBLE, Share, baseline_hit, scores, share
 
 METHODS = (
     ("regression", "the paper's regression (eq. 18-19), best column"),
@@ -46,11 +46,16 @@ def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, 
         **{
             f"{name}_{end}": value
             for name in INTERVALS
-            for end, value in zip(("low", "high"), getattr(found, name).interval, strict=True)
+            for end, value in zip(("low", "high"), _interval(getattr(found, name)), strict=True)
         },
         **{f"{method}_top1": _top1(outcomes, method) for method, _ in METHODS},
     }
     return {name: value if value == value else None for name, value in values.items()}
+
+
+def _interval(found: Share) -> tuple[float, float]:
+    """The 95 % interval of a share; NaN where no trial tells."""
+    return found.interval if found.value == found.value else (float("nan"), float("nan"))
 
 
 def _top1(outcomes: Sequence[Outcome], method: str) -> float:

@@ -37,8 +37,8 @@ def test_a_held_rod_sinks_as_a_cantilever():
     [
         ({}, {}),
         ({"added_mass": {"C_a": 1.0, "tangential": 0.0}}, {"C_a": 1.0}),
-        ({"tip_mass": {"mass": 2e-3, "reach": 0.1, "drop": 0.05}},
-         {"payload": 2e-3, "payload_reach": 0.015, "payload_drop": 0.0075}),
+        ({"tip_mass": {"mass": 2e-3, "reach": 0.1}},
+         {"payload": 2e-3, "payload_reach": 0.015}),
         ({"soft_spot": {"depth": 0.4, "s0": 0.4}, "intrinsic_curvature": {"c0": 0.3}},
          {"depth": 0.4, "s0": 0.4, "c0": 0.3}),
         ({"viscoelasticity": {"g": 0.4, "tau": 0.2}, "cubic_stiffness": {"beta": 0.5}},

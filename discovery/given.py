@@ -1,0 +1,34 @@
+"""What a diagnosis is given: recordings of one arm, of which some only judge."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from inference.prepare import Prepared
+from tentacle.errors import InputError
+from tentacle.recording import Recording
+
+SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
+
+
+def held_out_run(prepared: Prepared) -> Prepared:
+    """A recording kept for judging: only its first moments may be used, to find its initial state."""
+    experiment = prepared.experiment
+    times = experiment.observation.t
+    begin = experiment.t0 if experiment.release is None else experiment.release
+    head = times <= begin + (SETTLING if experiment.release is None else 0.05)
+    return replace(prepared, experiment=replace(experiment, used=experiment.used & head))
+
+
+def same_arm(recordings: Sequence[Recording]) -> None:
+    """InputError where recordings declare another arm, fluid or gravity than the first."""
+    first = recordings[0].declaration
+    for other in recordings[1:]:
+        declared = other.declaration
+        if (declared.specimen, declared.fluid, declared.gravity) != (first.specimen, first.fluid, first.gravity):
+            raise InputError(
+                "declares another arm, fluid or gravity than the first recording",
+                file=f"{other.name}/recording.toml",
+                expected="recordings of one arm",
+            )

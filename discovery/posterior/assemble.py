@@ -1,0 +1,191 @@
+"""From what the search found to the diagnosis that is written: errors, ranking, budget, words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discovery.calibration import Calibration
+from discovery.next_experiment import DURATION, Proposal, propose
+from discovery.posterior.decide import Decision, log_masses, usable
+from discovery.posterior.search import Search
+from inference.compare import errors, floor_errors, midline_error, run_comparison
+from inference.observation import ShapeObservation
+from inference.posterior import Hypothesis, estimates
+from inference.prepare import Prepared
+from inference.reduction import Reduction
+from inference.score import twin_cosines
+from inference.trajectory import Fit, Problem
+from tentacle.diagnosis import CredibleSet, Diagnosis, ErrorBudget, ErrorMeasure, Explained, Limit, RankedEffect
+from tentacle.io.waveform_file import waveform_table
+from tentacle.model import Estimate, Model
+from tentacle.servo_limits import ServoLimits
+
+ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
+LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
+
+
+def assembled(
+    found: Search,
+    decision: Decision,
+    open_loop: Hypothesis,
+    limits: dict[str, dict[str, Limit]],
+    paper: tuple[Problem, Fit],
+    prepared: list[Prepared],
+    order: int,
+    seed: int,
+    reduction: Reduction | None,
+    calibration: Calibration | None,
+) -> Diagnosis:
+    """The diagnosis: hypotheses and the decision over them, the paper's model beside the chosen one on every recording,
+    and what the reduction loses. open_loop: the chosen model that is written; order: how many
+    coordinates the shapes show; calibration of the confidence (None: it is the posterior mass).
+    """
+    chosen = decision.leading
+    is_held_out = any(bool((~p.experiment.used).any()) for p in prepared)
+    final = (open_loop.problem, open_loop.fitted)
+    runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
+    before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
+    lost = 0.0 if reduction is None else reduction.millimetres
+    floor = floor_errors(runs, prepared, lost)
+    effects, verdict = decision.effects, decision.verdict
+    withdrawn = verdict in ("effect", "group") and (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
+    sure = 1.0 - decision.confidence if withdrawn else decision.confidence
+    if withdrawn:
+        effects, verdict = (), "unknown"
+    words = [sentence for p in prepared for sentence in p.words]
+    if order > 2:
+        shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in prepared)
+        shown = "The measured shapes show" if shapes else "What the markers show so well needs"
+        words.append(f"{shown} {order} curvature coordinates; the paper's model has two.")
+        improved = (before.midline_mm or 0.0) > 1.1 * (after.midline_mm or np.inf)
+        if verdict == "nothing_missing" and improved:
+            effects, verdict = ("third_curvature",), "effect"
+        elif verdict in ("effect", "group"):
+            effects = (*effects, "third_curvature")
+    known: dict[str, dict[str, Estimate]] = {}
+    for h in (*reversed(decision.rivals), chosen):
+        known |= estimates(h)
+    d = chosen.problem.known(chosen.fitted.parameters)[0].arm
+    base = hypothesis_of_paper(paper)
+    proposal = propose(*_to_be_split(found, decision), LIMITS, seed)
+    words += _decision_words(found, decision)
+    if withdrawn:
+        words.append("With it the model follows the judged frames worse than without: it is not named.")
+    if proposal is not None:
+        words.append(_proposal_words(proposal))
+    if calibration is not None:
+        words.append(calibration.words(verdict, sure))
+    candidates = list(found.candidates[:12])
+    return Diagnosis(
+        verdict=verdict,
+        effects=effects,
+        confidence=sure if calibration is None else calibration(verdict, sure),
+        uncalibrated=sure,
+        parameters={name: known.get(name, {}) for name in effects},
+        before=before,
+        after=after,
+        floor=floor,
+        held_out=is_held_out,
+        ranking=_ranking(found, decision, prepared, is_held_out),
+        next_experiment=None if proposal is None else waveform_table(proposal.waveform),
+        budget=_budget(before, after, floor, lost),
+        base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
+        augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, estimates(open_loop)),
+        gates=(),
+        twin_names=tuple(c.effect.name for c in candidates),
+        twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
+        runs=tuple(run for run, _, _ in runs),
+        words=tuple(words),
+        seed=seed,
+        explained=explained(found.base, chosen) if chosen.effects else None,
+        certain=() if withdrawn else decision.certain,
+        sets=tuple(CredibleSet(names, mass) for names, mass in decision.sets),
+        detection_limits=limits,
+        where={p.recording.name: effects for p in prepared},
+    )
+
+
+def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estimate]]:
+    """The paper's model as fitted, with intervals."""
+    return estimates(Hypothesis((), *paper, (), np.zeros(0)))
+
+
+def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
+    """The share of the unknown forces' power that the chosen model took away; both amplitudes with their spread."""
+
+    def share(after: float, before: float) -> float:
+        return float(np.clip(1.0 - (after / before) ** 2, 0.0, 1.0))
+
+    (first, last), (low, high) = base.share_interval(), chosen.share_interval()
+    return Explained(share(chosen.share, base.share), share(high, first), share(low, last))
+
+
+def _decision_words(found: Search, decision: Decision) -> list[str]:
+    """What the posterior says beyond the verdict."""
+    left = 100.0 * decision.leading.share
+    words = [f"Beside this model the data want unknown forces of {left:.2g} % of those that act."]
+    if decision.verdict == "unknown":
+        names = " + ".join(decision.leading.effects)
+        if names:
+            words.append(f"The best account by the catalogue is {names}; what it leaves is too much to name it.")
+    elif decision.certain and len(decision.sets) > 1:
+        open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
+        words.append(f"{' + '.join(decision.certain)} is certain; open is {', '.join(open_names)}.")
+    elif decision.verdict == "group":
+        words.append("These data do not split " + ", ".join(decision.effects) + ".")
+    stuck = [h for h in found.hypotheses if not usable(h) and max(log_masses(h)) > log_masses(decision.leading)[0]]
+    words += [f"{' + '.join(h.effects)} did not converge or stands at a bound, and is not named." for h in stuck]
+    return words
+
+
+def _to_be_split(found: Search, decision: Decision) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:
+    """The hypotheses that the next experiment is to tell apart: those of the credible set; where nothing explains the
+    data, the best accounts by one effect.
+    """
+    if decision.verdict != "unknown":
+        return decision.leading, decision.rivals
+    single = sorted((h for h in found.hypotheses if len(h.effects) == 1), key=lambda h: -h.log_evidence.max())
+    return (single[0], tuple(single[1:ACCOUNTS])) if len(single) > 1 else (decision.leading, ())
+
+
+def _proposal_words(proposal: Proposal) -> str:
+    if proposal.nats < 5.0:
+        return (
+            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
+            f"the best of those tried would give {proposal.nats:.1f} nats."
+        )
+    return (
+        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would split "
+        f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
+    )
+
+
+def _ranking(
+    found: Search, decision: Decision, prepared: list[Prepared], is_held_out: bool
+) -> tuple[RankedEffect, ...]:
+    refitted = {h.effects[0]: h for h in found.hypotheses if len(h.effects) == 1}
+    rows = []
+    for candidate in found.candidates:
+        name = candidate.effect.name
+        error, gain = None, candidate.gain
+        if name in refitted:
+            h = refitted[name]
+            error = midline_error(prepared, h.problem, h.fitted, is_held_out)
+            gain = float(h.log_evidence.max() - found.base.log_evidence.max())
+        rows.append(RankedEffect(name, float(gain), error, decision.masses.get(name, 0.0)))
+    return tuple(sorted(rows, key=lambda row: (-row.probability, -row.score)))
+
+
+def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
+    def apart(large: float | None, small: float | None) -> float:
+        if large is None or small is None:
+            return 0.0
+        return float(np.sqrt(max(large**2 - small**2, 0.0)))
+
+    noise = apart(floor.midline_mm, lost)
+    return ErrorBudget(
+        noise_mm=noise,
+        reduction_mm=lost,
+        missing_mm=apart(before.midline_mm, after.midline_mm),
+        rest_mm=apart(after.midline_mm, floor.midline_mm),
+    )

@@ -1,0 +1,37 @@
+"""Detection limits: for each absent effect the smallest strength that these recordings would have named.
+
+A strength p that the data know to a deviation s beside the chosen model is named where p^2 / 2 s^2 exceeds its prior
+odds and the price of a free strength; a true strength 1.645 s above that is named in 95 of 100 recordings.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discovery.posterior.decide import log_prior_of_set
+from inference.posterior import Hypothesis
+from inference.score import score
+from tentacle.diagnosis import Limit
+
+ONE_SIDED_95 = 1.645
+
+
+def detection_limits(chosen: Hypothesis) -> dict[str, dict[str, Limit]]:
+    """Effect -> parameter -> smallest strength named, beside the chosen model."""
+    count = len(chosen.effects)
+    if count >= 3:
+        return {}
+    odds = log_prior_of_set(count) - log_prior_of_set(count + 1)
+    limits: dict[str, dict[str, Limit]] = {}
+    for candidate in score(chosen.problem, chosen.fitted):
+        if candidate.effect.name in chosen.effects:
+            continue
+        for strength, column in zip(candidate.effect.strengths, candidate.sensitivity.T, strict=True):
+            size = float(np.linalg.norm(column))
+            deviation = 1.0 / size if size > 0.0 else np.inf
+            price = np.log(np.pi * strength.nominal / (2.0 * np.sqrt(2.0 * np.pi) * deviation)) if size > 0.0 else 0.0
+            needed = np.sqrt(2.0 * max(odds + price, 0.0)) + ONE_SIDED_95
+            value = float(needed * deviation)
+            if value < max(abs(bound) for bound in strength.bounds):
+                limits.setdefault(candidate.effect.name, {})[strength.name] = Limit(value, strength.unit)
+    return limits

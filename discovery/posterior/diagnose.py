@@ -1,0 +1,151 @@
+"""Closing the loop, from recordings to a diagnosis (docs/loop.md): one likelihood, and what it makes of the catalogue.
+
+Recordings are fitted and judged on their first two thirds: their marginal likelihood is a product of predictions of one
+frame from those before it, and needs no second stretch. The last third, or what is given to judge, is untouched: the
+errors before and after are stated there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from discovery.assemble import cannot_tell
+from discovery.calibration import Calibration
+from discovery.given import held_out_run, same_arm
+from discovery.posterior.assemble import assembled
+from discovery.posterior.decide import decide
+from discovery.posterior.detection import detection_limits
+from discovery.posterior.search import search
+from inference.base_fit import Setting, fitted_order, needed_order, roughly
+from inference.experiment import SPREAD
+from inference.observation import ShapeObservation
+from inference.posterior import Hypothesis, hypothesis
+from inference.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
+from inference.reduction import Reduction, reduction_error, without_reduction
+from inference.trajectory import Fit, Problem, fit
+from tentacle.diagnosis import Diagnosis
+from tentacle.errors import InputError
+from tentacle.progress import Stage
+from tentacle.recording import Recording
+
+STEP = 1.0 / 300.0  # s; its own error is not measured here yet
+
+
+def _silent(words: str, done: float = 0.0) -> None:
+    """No progress is shown."""
+
+
+def diagnose(
+    recordings: Sequence[Recording],
+    baseline: Sequence[Recording] = (),
+    held_out: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    calibration: Calibration | None = None,
+    progress: Stage = _silent,
+) -> Diagnosis:
+    """Find what the declared model lacks, and the error before and after it is added.
+
+    baseline: recordings whose declaration is complete: no absent effect acts there, and they share the arm's parameters
+    with the others, up to the spread between recordings. held_out: recordings that only judge; without any, the last
+    third of each recording does. calibration: of the confidence, by blind trials (None: the posterior mass).
+    Raises InputError on unusable input.
+    """
+    if not recordings:
+        raise InputError("no recording", expected="at least one")
+    same_arm([*recordings, *held_out, *baseline])
+    try:
+        return _diagnosed(recordings, baseline, held_out, seed, calibration, progress)
+    except CannotTellError as reason:
+        return cannot_tell(recordings[0], str(reason), seed)
+
+
+def _diagnosed(
+    recordings: Sequence[Recording],
+    baseline: Sequence[Recording],
+    held_out: Sequence[Recording],
+    seed: int,
+    calibration: Calibration | None,
+    progress: Stage,
+) -> Diagnosis:
+    progress("reading shapes")
+    prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
+    prepared += [held_out_run(prepare(recording, hold_out=False)) for recording in held_out]
+    complete = [prepare(recording, hold_out=False) for recording in baseline]
+    complete = [replace(p, experiment=replace(p.experiment, complete=True)) for p in complete]
+    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in [*prepared, *complete]), 2)
+    if len(setting.experiments) > 1:
+        varies = tuple(name for name in setting.base_free() if name[0] in SPREAD)
+        setting = replace(setting, experiments=tuple(replace(e, varies=varies) for e in setting.experiments))
+    progress("fitting the declared model")
+    order = needed_order(setting)
+    setting = replace(setting, order=order)
+    paper = roughly(setting, 2)
+    progress("fitting the declared model", 0.4)
+    problem, fitted = paper
+    if order > 2:
+        rough = replace(setting, experiments=problem.experiments)
+        problem, fitted = roughly(rough, fitted_order(order, _most_coordinates(problem)), warm=fitted)
+    progress("running the reference")
+    reduction = reduction_error(setting.declaration, problem, fitted)
+    progress("searching the catalogue")
+    found = search(
+        _base(_cut(replace(problem, step=STEP)), fitted, reduction),
+        lambda done: progress("searching the catalogue", done),
+    )
+    limits = detection_limits(decide(list(found.hypotheses)).leading)
+    progress("comparing")
+    found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
+    decision = decide(list(found.hypotheses))
+    open_loop = _open_loop(decision.leading)
+    shown = [
+        replace(p, experiment=replace(experiment, observation=p.experiment.observation))
+        for p, experiment in zip(prepared, decision.leading.problem.experiments, strict=False)
+    ]
+    return assembled(found, decision, open_loop, limits, paper, shown, order, seed, reduction, calibration)
+
+
+def _base(problem: Problem, fitted: Fit, reduction: Reduction | None) -> Hypothesis:
+    """The declared model judged: on what was measured less what the chain shows that the reduction to few coordinates
+    loses, where that has the larger evidence; else on what was measured.
+    """
+    plain = hypothesis((), problem, fitted.nuisances)
+    less = None if reduction is None else without_reduction(problem, reduction)
+    if less is None:
+        return plain
+    relieved = hypothesis((), less, fitted.nuisances)
+    return relieved if relieved.log_evidence.max() > plain.log_evidence.max() else plain
+
+
+def _cut(problem: Problem) -> Problem:
+    """The problem with its runs simulated as far as they are fitted."""
+    experiments = []
+    for e in problem.experiments:
+        last = float(e.observation.t[e.used].max()) - (e.t0 if e.release is None else e.release)
+        experiments.append(replace(e, duration=min(e.duration, last + 0.3)))
+    return replace(problem, experiments=tuple(experiments))
+
+
+def _open_loop(h: Hypothesis) -> Hypothesis:
+    """The hypothesis with the parameters that follow the recordings best by themselves, without unknown forces: the
+    model that is written, and whose errors are stated.
+    """
+    cut = _cut(replace(h.problem, filters=()))
+    fitted = fit(cut, h.fitted.nuisances, tolerance=1e-4, most=20)
+    return replace(h, problem=replace(h.problem, parameters=fitted.parameters, filters=()), fitted=fitted)
+
+
+def _whole(h: Hypothesis, prepared: Sequence[Prepared]) -> Hypothesis:
+    """The hypothesis with its runs as long as they were measured, and what was measured: reduction and all."""
+    experiments = list(h.problem.experiments)
+    for place, p in enumerate(prepared):
+        own = p.experiment
+        experiments[place] = replace(experiments[place], duration=own.duration, observation=own.observation)
+    return replace(h, problem=replace(h.problem, experiments=tuple(experiments)))
+
+
+def _most_coordinates(problem: Problem) -> int:
+    """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
+    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
+    return min((shape.order for shape in shapes), default=MOST_COORDINATES)

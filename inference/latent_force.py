@@ -1,0 +1,191 @@
+"""What no law is known well enough to explain, as Gaussian processes that act beside the model.
+
+    y(t_k) = h(x(t_k); parameters, effects) + H_k (z + b + e) + noise_k,        noise_k white, unit after whitening
+    M z'' + D z' + K z = a F (f(t) + f_0) + Q(t) c - (M_b b'' + D_b b' + K_b b)
+
+f: forces and bending moments along the arm, in units of those that act there, correlated over REACH arm lengths and,
+in time, a Matern-3/2 process of length ELL; f_0 the same, constant. c: the laws' coefficients are known up to a slow
+variation along the arm, and Q(t) c is what it does. b: a slow error of the base's angle, a times the base's motion; e:
+slow and constant errors of the measured shape, of size a times the shape's motion. All are Gaussian, of unit size but
+for what is said here. a, the share of the acting forces that is unknown, is the one hyperparameter. M, D, K are
+those of the model's laws, averaged along the fitted motion. One Kalman pass whitens any number of residual columns
+alike: the sum of squares of the whitened rows and log_determinant are the marginal likelihood, linear in frames.
+
+Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models); Alvarez, Luengo and Lawrence 2009
+(latent forces); Kennedy and O'Hagan 2001 (a model's discrepancy as a Gaussian process).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from affine_model.curvature import Array
+from inference.kalman import gains_along, whitened_along
+
+ELL = 0.15  # s: time scale of the latent force (prototype: .08 and .25 give the same order of hypotheses)
+REACH = 0.3  # arm lengths over which the latent force hangs together
+POSE_SHARE = 0.03  # of a: constant errors of the camera's scale [1] and roll [rad]
+SHAPE_SHARE = 0.3  # of the force's share a: what the reduction to few coordinates loses follows the motion itself
+SHAPE_TIME = 0.3  # s: time scale of the measured shape's own slow error
+RATE = 30.0  # 1/s: frames are averaged to this rate, which carries all of a force of that time scale
+DOUBLINGS = 12
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """An arm's small motions about its fitted run: mass, damping, stiffness (n, n + 1), the last column the base
+    angle's; force_root (n, n): of the latent generalised forces' covariance at a = 1; laws (C, n, J): generalised
+    forces in each cell of the laws' J unit variations; base_rms [rad] of the base's motion, shape_rms (n,) [rad] of
+    the shape's; noise (n + 1,) [rad]: deviation that one frame's noise gives shape and base angle.
+    """
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    force_root: Array
+    laws: Array
+    base_rms: float
+    shape_rms: Array
+    noise: Array
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Frames averaged in cells of equal length: place (F,) of the frames that count, cell (F,) of each among `count`
+    cells, weight (F,) = 1 / sqrt(frames in the cell); t (count,) middles and interval [s].
+    """
+
+    place: NDArray[np.int64]
+    cell: NDArray[np.int64]
+    weight: Array
+    t: Array
+    interval: float
+
+    def averaged(self, rows: Array) -> Array:
+        """Rows (T, K, ...) of frames as those of cells (count, K, ...), of unit noise again; 0 in an empty cell."""
+        total = np.zeros((self.t.size, *rows.shape[1:]))
+        weight = self.weight.reshape(-1, *(1 for _ in rows.shape[1:]))
+        np.add.at(total, self.cell, rows[self.place] * weight)
+        return total
+
+
+def cells_of(t: Array, frames: NDArray[np.bool_]) -> Cells:
+    """Cells over the chosen frames."""
+    place = np.flatnonzero(frames)
+    frame_interval = float(np.median(np.diff(t[place]))) if place.size > 1 else 1.0 / RATE
+    interval = frame_interval * max(1, round(1.0 / (RATE * frame_interval)))
+    cell = np.floor((t[place] - t[place[0]]) / interval + 1e-6).astype(np.int64)
+    weight = 1.0 / np.sqrt(np.bincount(cell)[cell])
+    middles = t[place[0]] + interval * np.arange(cell[-1] + 1.0) + 0.5 * (interval - frame_interval)
+    return Cells(place, cell, weight, middles, interval)
+
+
+@dataclass(frozen=True)
+class Filter:
+    """The Kalman filter of one recording at one share a: transition (N, N), push (C, N, J) of the last J states on the
+    others, observation (C, K, N), gain (C, N, K) and root (C, K, K): inverse of the innovation's Cholesky factor;
+    log_determinant: half that of the covariance [nats].
+    """
+
+    cells: Cells
+    transition: Array
+    push: Array
+    observation: Array
+    gain: Array
+    root: Array
+    log_determinant: float
+
+    def whiten(self, rows: Array) -> Array:
+        """Residual rows (T, K, B) as independent ones of unit variance (C K, B)."""
+        averaged = np.ascontiguousarray(self.cells.averaged(rows))
+        white = whitened_along(averaged, self.transition, self.push, self.observation, self.gain, self.root)
+        return white.reshape(-1, rows.shape[2])
+
+
+@dataclass(frozen=True)
+class LatentForce:
+    """One recording's unknown forces and errors, for any share a; seen (C, K, n + 2): rows that each cell sees of a
+    change of shape, base angle and scale; tracked: noise deviations by which a frame's stated noise errs for long.
+    """
+
+    linearised: Linearised
+    cells: Cells
+    seen: Array
+    tracked: float
+
+    def _places(self) -> dict[str, slice]:
+        """Where each part of the state stands."""
+        n = self.linearised.mass.shape[0]
+        sizes = {"z": n, "v": n, "f": n, "g": n, "b": 1, "turn": 1, "e": n + 1, "f0": n, "pose": 2}
+        sizes["c"] = self.linearised.laws.shape[2]
+        ends = np.cumsum(list(sizes.values()))
+        return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
+
+    def state_equation(self, a: float) -> tuple[Array, Array, Array]:
+        """Drift F (N, N) and diffusion G (N, N) of the state [z, z', f, f', b, b', e, f_0, pose, c], and its covariance
+        at the start. z and z' begin at zero: the initial state is among the fit's own unknowns.
+        """
+        lin, at = self.linearised, self._places()
+        n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / ELL, at["c"].stop
+        inverse = np.linalg.inv(lin.mass[:, :n])
+        drift, start = np.zeros((size, size)), np.zeros(size)
+        z, v, f, g, b, turn = (at[name] for name in ("z", "v", "f", "g", "b", "turn"))
+        drift[z, v] = np.eye(n)
+        drift[v, z], drift[v, v] = -inverse @ lin.stiffness[:, :n], -inverse @ lin.damping[:, :n]
+        drift[v, f] = drift[v, at["f0"]] = a * inverse @ lin.force_root
+        mass, damping, stiffness = (inverse @ columns[:, n:] for columns in (lin.mass, lin.damping, lin.stiffness))
+        drift[v, b], drift[v, turn] = rate**2 * mass - stiffness, 2.0 * rate * mass - damping
+        for value, slope in ((f, g), (b, turn)):
+            count = value.stop - value.start
+            drift[value, slope] = np.eye(count)
+            drift[slope, value], drift[slope, slope] = -(rate**2) * np.eye(count), -2.0 * rate * np.eye(count)
+        drift[at["e"], at["e"]] = -np.eye(n + 1) / SHAPE_TIME
+        base = a * lin.base_rms + 1e-7
+        error = np.hypot(self.tracked * lin.noise, a * SHAPE_SHARE * np.append(lin.shape_rms, 0.0))
+        strike = np.zeros(size)  # the white noise that drives b'' strikes the arm with it
+        strike[turn], strike[v] = 1.0, -mass[:, 0]
+        diffusion = 4.0 * rate**3 * base**2 * np.outer(strike, strike)
+        diffusion[g, g] += 4.0 * rate**3 * np.eye(n)
+        diffusion[at["e"], at["e"]] += 2.0 / SHAPE_TIME * np.diag(error**2)
+        for place, deviation in (
+            (f, 1.0), (g, rate), (b, base), (turn, rate * base), (at["e"], error), (at["f0"], 1.0),
+            (at["pose"], POSE_SHARE * a), (at["c"], 1.0),
+        ):  # fmt: skip
+            start[place] = np.square(deviation)
+        return drift, diffusion, np.diag(start)
+
+    def filter(self, a: float) -> Filter:
+        """The Kalman filter at that share."""
+        at, lin = self._places(), self.linearised
+        n = lin.mass.shape[0]
+        drift, diffusion, start = self.state_equation(a)
+        transition, added, held = discretised(drift, diffusion, self.cells.interval)
+        pushed = held[:, at["v"]] @ np.linalg.inv(lin.mass[:, :n])
+        push = np.ascontiguousarray(np.einsum("sn,cnj->csj", pushed, lin.laws))
+        rows = np.zeros((*self.seen.shape[:2], len(start)))
+        rows[:, :, at["z"]], rows[:, :, at["b"]] = self.seen[:, :, :n], self.seen[:, :, n : n + 1]
+        rows[:, :, at["e"]], rows[:, :, at["pose"]] = self.seen[:, :, : n + 1], self.seen[:, :, n:]
+        gain, root, half = gains_along(transition, push, added, start, rows)
+        return Filter(self.cells, transition, push, rows, gain, root, float(half))
+
+
+def discretised(drift: Array, diffusion: Array, interval: float) -> tuple[Array, Array, Array]:
+    """Transition, added covariance and the integral of the transition (N, N) over an interval [s], by doubling from a
+    short one (exact for any F).
+    """
+    size, short = drift.shape[0], interval / 2.0**DOUBLINGS
+    block = np.zeros((2 * size, 2 * size))
+    block[:size, :size], block[:size, size:], block[size:, size:] = drift, diffusion, -drift.T
+    whole: Array = np.asarray(expm(block * short), dtype=np.float64)
+    transition: Array = np.array(whole[:size, :size])
+    added: Array = whole[:size, size:] @ transition.T
+    held: Array = short * (np.eye(size) + 0.5 * short * drift)
+    for _ in range(DOUBLINGS):
+        added = transition @ added @ transition.T + added
+        held = held + transition @ held
+        transition = transition @ transition
+    return np.array(transition, order="C"), np.array(0.5 * (added + added.T), order="C"), held

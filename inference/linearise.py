@@ -1,0 +1,169 @@
+"""The arm's small motions about a fitted run, as the latent force drives them (see inference.latent_force)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from affine_model.arm import Arm, active_effects, parameter_index
+from affine_model.curvature import Array
+from affine_model.dynamics import balance
+from affine_model.effect import Effect, Law
+from affine_model.statics import DIFFERENCE
+from inference.experiment import Experiment, Prediction, predict
+from inference.latent_force import REACH, Cells, LatentForce, Linearised, cells_of
+from inference.observation import ShapeObservation
+from inference.trajectory import Problem
+
+STATES = 48  # of the run, over which the equations are averaged
+ANGLE_STEP = 1e-5  # rad: differences of what is seen
+VARIED = (
+    "stiffness", "stiffness_share", "natural_curvature", "bending_moment", "drag_coefficient", "line_inertia",
+    "carried_water", "normal_inertia", "rotary_inertia", "weight",
+)  # fmt: skip
+LAW_KNOWN, LAW_FOUND = 0.03, 0.3  # relative variation along the arm of a declared law, and of an effect that is sought
+TRACKED = 0.83  # noise deviations: a tracker states its noise to 30 % (benchmarks/vision.py), and errs for long
+
+
+def latent_forces(
+    problem: Problem, parameters: Array, nuisances: tuple[Array, ...], added: tuple[str, ...] = ()
+) -> tuple[LatentForce, ...]:
+    """The latent force of every recording, about the run with these unknowns; added: effects whose laws are known less
+    well.
+    """
+    found = []
+    problem, parameters = problem.known(parameters)
+    for place, experiment in enumerate(problem.experiments):
+        run = predict(problem.arm, experiment, parameters[:, None], nuisances[place][:, None], problem.step)
+        cells = cells_of(experiment.observation.t, experiment.used)
+        seen = cells.averaged(_seen(problem.arm, experiment, parameters, run))
+        linearised = _linearised(problem.arm, parameters, run, cells, seen, added)
+        tracked = isinstance(experiment.observation, ShapeObservation) and experiment.observation.tracked
+        found.append(LatentForce(linearised, cells, seen, TRACKED if tracked else 0.0))
+    return tuple(found)
+
+
+def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) -> Array:
+    """Rows (T, K, n + 2): what a change of the coordinates, the base angle and the scale does to what is seen."""
+    n, observation = arm.order, experiment.observation
+    roll = np.full(n + 3, parameters[parameter_index("camera_roll", "roll")])
+    scale = np.full(n + 3, parameters[parameter_index("camera_scale", "excess")])
+    q, theta = np.repeat(run.q, n + 3, axis=2), np.repeat(run.theta, n + 3, axis=1)
+    q[:, :, 1 : n + 1] += ANGLE_STEP * arm.to_monomial[None]
+    theta[:, n + 1] += ANGLE_STEP
+    scale[n + 2] += ANGLE_STEP
+    rows = observation.predict(q, theta, roll, scale, np.repeat(run.shift, n + 3, axis=1))
+    rows = rows / experiment.noise_gain[:, None]
+    return np.asarray((rows[:, :, :1] - rows[:, :, 1:]) / ANGLE_STEP)
+
+
+def _linearised(
+    arm: Arm,
+    parameters: Array,
+    run: Prediction,
+    cells: Cells,
+    seen: Array,
+    added: tuple[str, ...],
+) -> Linearised:
+    """The equations averaged over states of the run; the sizes of what acts and moves in it."""
+    n, batch = arm.order, run.batch
+    u = np.concatenate([arm.from_monomial @ batch.q[:, :, 0].T, batch.theta[None, :, 0], 0.0 * batch.theta[None, :, 0]])
+    rate = np.concatenate([arm.from_monomial @ batch.q_rate[:, :, 0].T, batch.theta_rate[None, :, 0], 0.0 * u[:1]])
+    acceleration = np.gradient(rate, batch.t, axis=1)
+    chosen = np.linspace(0, u.shape[1] - 1, STATES).astype(int)
+    effects = active_effects(parameters)
+    states, rates = u.T[chosen], rate.T[chosen]
+    mass = balance(arm, effects, parameters, states, rates).mass_matrix[:, :n, : n + 1].mean(axis=0)
+
+    def slope(of_rate: bool) -> Array:
+        columns = []
+        for k in range(n + 1):
+            step = DIFFERENCE * np.eye(n + 2)[k]
+            pair = [
+                balance(
+                    arm, effects, parameters, states + sign * step * (not of_rate), rates + sign * step * of_rate
+                ).force[:, :n]
+                for sign in (1.0, -1.0)
+            ]
+            columns.append((pair[0] - pair[1]).mean(axis=0) / (2.0 * DIFFERENCE))
+        return np.array(columns).T
+
+    shape = u[:n] - u[:n].mean(axis=1, keepdims=True)
+    rows = seen[:, :, : n + 1]
+    information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
+    index = np.clip(np.searchsorted(batch.t, cells.t), 0, batch.t.size - 1)
+    laws = [
+        (LAW_FOUND if effect.name in added else LAW_KNOWN)
+        * varied_force(arm, effects, effect, parameters, (u.T[index], rate.T[index], acceleration.T[index]), factor)
+        for effect in effects
+        for factor in (lambda s: 2.0 * s - 1.0, lambda s: 6.0 * s**2 - 6.0 * s + 1.0)
+    ]
+    laws = [law for law in laws if np.any(law != 0.0)]
+    return Linearised(
+        mass=mass,
+        damping=_passive(-slope(True)),
+        stiffness=_passive(-slope(False)),
+        force_root=_force_root(arm, parameters, acceleration, u),
+        laws=np.stack(laws, axis=2),
+        base_rms=float(np.std(u[n])),
+        shape_rms=np.sqrt(np.mean(shape**2, axis=1)),
+        noise=np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True))),
+    )
+
+
+def _passive(columns: Array) -> Array:
+    """Damping or stiffness (n, n + 1) whose symmetric part (n, n) feeds no motion: an average along a run that a
+    poor fit makes unstable would let the unknown force grow without bound.
+    """
+    n = columns.shape[0]
+    values, vectors = np.linalg.eigh(0.5 * (columns[:, :n] + columns[:, :n].T))
+    return np.concatenate([(vectors * np.maximum(values, 0.0)) @ vectors.T, columns[:, n:]], axis=1)
+
+
+def varied_force(
+    arm: Arm,
+    effects: tuple[Effect, ...],
+    effect: Effect,
+    parameters: Array,
+    run: tuple[Array, Array, Array],
+    factor: Callable[[Array], Array],
+) -> Array:
+    """Generalised force (C, n) of one effect's laws, each taken times factor(s), in states u, u', u'' (C, n + 2)."""
+    u, rate, acceleration = run
+    changes: dict[str, object] = {
+        name: _times(law, factor) for name in VARIED if (law := getattr(effect, name)) is not None
+    }
+    if effect.force is not None:
+        law = effect.force
+        changes["force"] = lambda x, p: tuple(factor(x.s) * part for part in law(x, p))
+    nothing = dict.fromkeys(("hung_mass", "gravity_tilt", "water_velocity", "couple"))
+    more = replace(effect, **(nothing | changes))  # type: ignore[arg-type]
+    with_it = balance(arm, (*effects, more), parameters, u, rate)
+    without = balance(arm, effects, parameters, u, rate)
+    inertia = np.einsum("cij,cj->ci", with_it.mass_matrix - without.mass_matrix, acceleration)
+    return np.asarray((with_it.force - without.force - inertia)[:, : arm.order])
+
+
+def _times(law: Law, factor: Callable[[Array], Array]) -> Law:
+    return lambda x, p: factor(x.s) * law(x, p)
+
+
+def _force_root(arm: Arm, parameters: Array, acceleration: Array, u: Array) -> Array:
+    """Root (n, n) of the covariance of generalised forces from line forces and bending moments that are, everywhere
+    along the arm, as large as those of inertia and elasticity (rms over the run).
+    """
+    n, rule, length = arm.order, arm.rule, arm.specimen.length
+    node = arm.node_quantities
+    across = -length * rule.integration @ np.concatenate([arm.angle_basis, np.ones((arm.nodes, 1))], axis=1)
+    inertia = arm.specimen.density * node["area"] * np.sqrt(np.mean((across @ acceleration[: n + 1]) ** 2, axis=1))
+    E, k0, k1 = (parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
+    stiffness = E * node["second_moment"] / length + k0 + k1 * node["s"]
+    moment = stiffness * np.sqrt(np.mean((arm.curvature_basis @ u[:n]) ** 2, axis=1))
+    alike = np.exp(-0.5 * ((node["s"][:, None] - node["s"]) / REACH) ** 2)
+    pushed = (length * rule.weights * inertia)[:, None] * across[:, :n]
+    bent = (rule.weights * moment)[:, None] * arm.curvature_basis
+    covariance = pushed.T @ alike @ pushed + bent.T @ alike @ bent
+    values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

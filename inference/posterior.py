@@ -1,0 +1,205 @@
+"""The posterior of a hypothesis: the declared model with some absent effects, fitted under the one likelihood.
+
+    evidence(a) = integral over all unknowns of  N(residuals; 0, covariance(a))  prior(unknowns)
+               ~= exp(-|w|^2 / 2) / sqrt(det covariance(a))  prior(unknowns)  sqrt(det 2 pi N^-1)         (Laplace)
+
+w: residuals whitened by the latent force's filter (inference.latent_force) at the share a of unknown forces, priors
+included; N: their Gauss-Newton information. Strengths have a Cauchy prior of their nominal size, shapes a flat one
+between their bounds. The base parameters' and initial states' priors are those of every hypothesis, and are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from affine_model.arm import parameter_rows
+from affine_model.curvature import Array
+from affine_model.effect import Parameter
+from affine_model.effects import catalogue
+from inference.declared_arm import DECLARED
+from inference.experiment import MEMORY_PRIOR
+from inference.latent_force import LatentForce
+from inference.linearise import latent_forces
+from inference.trajectory import Fit, ParameterName, Problem, finished, located, split
+from tentacle.model import Estimate
+
+SHARES = np.array([0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0])
+SMOOTH = 0.1  # a share so large that a fit finds its valley from afar
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """The declared model with some absent effects added, fitted at the share of unknown forces that fits it best.
+
+    log_evidence (A,) [nats] at each of SHARES.
+    """
+
+    effects: tuple[str, ...]
+    problem: Problem
+    fitted: Fit
+    forces: tuple[LatentForce, ...]
+    log_evidence: Array
+
+    @property
+    def share(self) -> float:
+        """The share of unknown forces that the data want beside this model."""
+        fine, values = self.profile()
+        return float(fine[np.argmax(values)])
+
+    def profile(self) -> tuple[Array, Array]:
+        """The log evidence at finely spaced shares."""
+        fine = np.geomspace(SHARES[0], SHARES[-1], 241)
+        return fine, np.asarray(PchipInterpolator(np.log(SHARES), self.log_evidence)(np.log(fine)))
+
+    def share_interval(self) -> tuple[float, float]:
+        """95 % interval of that share, under a flat prior of its logarithm."""
+        fine, values = self.profile()
+        weight = np.cumsum(np.exp(values - values.max()))
+        low, high = np.searchsorted(weight, np.array([0.025, 0.975]) * weight[-1])
+        return float(fine[low]), float(fine[high])
+
+
+def hypothesis(effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
+    """The problem (its free parameters include those of the effects) fitted and judged: first with a share of unknown
+    forces that hides little of the valley, then with the share that fits best there.
+    """
+    forces = latent_forces(problem, problem.parameters, nuisances, effects)
+    problem = replace(problem, filters=tuple(force.filter(SMOOTH) for force in forces))
+    unknowns, lowest = located(problem, nuisances, tolerance=1e-3, most=15)
+    problem, nuisances = _moved(problem, unknowns)
+    share, lower = SMOOTH, set[float]()
+    for _ in range(5):
+        forces = latent_forces(problem, problem.parameters, nuisances, effects)
+        better = _best_share(problem, nuisances, forces)
+        if better == share and share in lower:
+            break
+        if better == share:  # a fit may follow the data far better where less is forgiven: one look below
+            lower.add(share)
+            better = float(SHARES[max(int(np.searchsorted(SHARES, share)) - 1, 0)])
+        share = better
+        problem = replace(problem, filters=tuple(force.filter(share) for force in forces))
+        unknowns, lowest = located(problem, nuisances, tolerance=1e-5, most=25)
+        problem, nuisances = _moved(problem, unknowns)
+    fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
+    return Hypothesis(effects, problem, fitted, forces, log_evidences(problem, fitted, forces))
+
+
+def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...]]:
+    parameters, nuisances = split(problem, unknowns)
+    return replace(problem, parameters=parameters), nuisances
+
+
+def _best_share(problem: Problem, nuisances: tuple[Array, ...], forces: tuple[LatentForce, ...]) -> float:
+    """Of SHARES the one under which these unknowns are the most likely."""
+    unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+    rows = replace(problem, filters=()).residuals(unknowns[:, None])[1]
+    values = []
+    for share in SHARES:
+        filters = [force.filter(share) for force in forces]
+        white = np.concatenate([f.whiten(r)[:, 0] for f, r in zip(filters, rows, strict=True)])
+        values.append(-0.5 * float(white @ white) - sum(f.log_determinant for f in filters))
+    return float(SHARES[int(np.argmax(values))])
+
+
+def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:
+    """Log evidence (A,) [nats] at each of SHARES; at each the unknowns are moved to their best to first order."""
+    both = [
+        np.concatenate([rows[:, :, None], slopes], axis=2)
+        for rows, slopes in zip(fitted.residuals, fitted.slopes, strict=True)
+    ]
+    prior = _prior_rows(problem, fitted)
+    scale, precision = problem.scales(), prior_precision(problem, fitted)
+    constant = 0.5 * len(scale) * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
+    found = []
+    for share in SHARES:
+        filters = [force.filter(share) for force in forces]
+        white = np.concatenate([*(f.whiten(b) for f, b in zip(filters, both, strict=True)), prior])
+        residual, columns = white[:, 0], white[:, 1:] * scale
+        information = columns.T @ columns
+        slope = columns.T @ residual
+        step = np.clip(np.linalg.lstsq(information, -slope, rcond=1e-12)[0], -1.0, 1.0)
+        square = float(residual @ residual + 2.0 * slope @ step + step @ information @ step)
+        _, half = np.linalg.slogdet(information + np.diag(precision * scale**2))
+        found.append(
+            constant
+            - 0.5 * min(square, float(residual @ residual))
+            - 0.5 * half
+            - sum(f.log_determinant for f in filters)
+        )
+    return np.array(found)
+
+
+def _prior_rows(problem: Problem, fitted: Fit) -> Array:
+    """Rows [residual, Jacobian] of the priors alone, out of those on the used frames."""
+    place, kept = 0, []
+    sizes = zip(problem.experiments, fitted.nuisances, problem.filters, strict=True)
+    for experiment, nuisances, filters in sizes:
+        place += filters.observation.shape[0] * filters.observation.shape[1]
+        count = experiment.prior_residuals(problem.arm.order, problem.arm.specimen.length, nuisances[:, None]).shape[0]
+        kept += list(range(place, place + count))
+        place += count
+    kept += list(range(place, fitted.used_residuals.size))
+    return np.concatenate([fitted.used_residuals[kept, None], fitted.jacobian[kept]], axis=1)
+
+
+def _added(problem: Problem) -> list[tuple[int, Parameter]]:
+    """Places among the free parameters of those that are not the base's, with what the catalogue says of them."""
+    known = {(row.effect, row.parameter.name): row.parameter for row in parameter_rows()}
+    return [
+        (place, known[name])
+        for place, name in enumerate(problem.free)
+        if name[0] != DECLARED and catalogue()[name[0]].family != "base"
+    ]
+
+
+def prior_precision(problem: Problem, fitted: Fit) -> Array:
+    """Information (P,) that the prior alone has of each unknown: it bounds what no data tell."""
+    precision = np.zeros(len(problem.free) + sum(problem.sizes()))
+    for place, parameter in _added(problem):
+        low, high = parameter.bounds
+        if parameter.scan:
+            width = high - low if low <= 0.0 else float(fitted.values[place]) * np.log(high / low)
+            precision[place] = 12.0 / width**2
+        else:
+            precision[place] = 1.0 / (100.0 * parameter.nominal) ** 2
+    return precision
+
+
+def log_prior(problem: Problem, fitted: Fit) -> float:
+    """Log density of the added effects' parameters, and of the memories that they bring."""
+    total = 0.0
+    for place, parameter in _added(problem):
+        value, (low, high) = float(fitted.values[place]), parameter.bounds
+        if not parameter.scan:
+            sides = 1.0 if low < 0.0 else 2.0
+            total += np.log(sides / (np.pi * parameter.nominal * (1.0 + (value / parameter.nominal) ** 2)))
+        elif low > 0.0:
+            total -= np.log(value * np.log(high / low))
+        else:
+            total -= np.log(high - low)
+    memories = sum(problem.arm.order for experiment in problem.experiments if experiment.begins_with_memory)
+    return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))
+
+
+def interval(h: Hypothesis, name: ParameterName) -> tuple[float, float]:
+    """95 % interval of a free parameter, cut at its physical bounds."""
+    place = h.problem.free.index(name)
+    half = 1.96 * float(np.sqrt(max(h.fitted.covariance[place, place], 0.0)))
+    low, high = (limit[place] for limit in h.problem.bounds())
+    value = float(h.fitted.values[place])
+    return max(low, value - half), min(high, value + half)
+
+
+def estimates(h: Hypothesis) -> dict[str, dict[str, Estimate]]:
+    """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
+    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
+    table: dict[str, dict[str, Estimate]] = {}
+    for place, (effect, name) in enumerate(h.problem.free):
+        if effect == DECLARED:
+            continue
+        low, high = interval(h, (effect, name))
+        table.setdefault(effect, {})[name] = Estimate(float(h.fitted.values[place]), low, high, units[effect, name])
+    return table

@@ -1,0 +1,51 @@
+"""Sets ranked by linear algebra, and the search from end to end, on recordings whose truth is in the model."""
+
+import numpy as np
+import pytest
+
+from discovery.posterior.decide import decide
+from discovery.posterior.detection import detection_limits
+from discovery.posterior.rank import ranked_sets
+from discovery.posterior.search import search
+from inference.posterior import hypothesis, interval
+from inference.score import score
+
+
+@pytest.fixture(scope="module")
+def base_with_current(with_current):
+    return hypothesis((), with_current.problem, with_current.fitted.nuisances)
+
+
+@pytest.fixture(scope="module")
+def found(base_with_current):
+    return search(base_with_current)
+
+
+def test_a_set_s_first_order_strengths_are_the_least_squares_ones(base_with_current):
+    candidates = score(base_with_current.problem, base_with_current.fitted)
+    ranked = {one.names: one for one in ranked_sets(base_with_current.fitted, candidates, 2)}
+    single = max((one for one in ranked.values() if len(one.names) == 1), key=lambda one: one.evidence)
+    assert single.names == ("current",)
+    np.testing.assert_allclose(single.strengths[0], single.candidates[0].strengths, rtol=1e-3, atol=1e-6)
+    # A pair explains no less than either of its members alone, and pays for its freedom.
+    pair = max((one for one in ranked.values() if len(one.names) == 2), key=lambda one: one.evidence)
+    assert "current" in pair.names
+
+
+def test_a_hidden_current_is_named_and_measured(found):
+    decision = decide(list(found.hypotheses))
+    assert decision.certain == ("current",) or decision.effects == ("current",)
+    low, high = interval(decision.leading, ("current", "U_x"))
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    # A 95 % interval, taken twice as wide: it holds the truth with a chance of 0.9999.
+    assert abs(middle - 0.03) < 2.0 * half
+    assert decision.leading.share < found.base.share
+
+
+def test_nothing_hidden_nothing_named_and_the_limits_say_what_that_excludes(plain):
+    base = hypothesis((), plain.problem, plain.fitted.nuisances)
+    decision = decide(list(search(base).hypotheses))
+    assert decision.verdict == "nothing_missing"
+    limits = detection_limits(decision.leading)
+    # The current of 30 mm/s that the other recording hides would have been named in this one.
+    assert 0.0 < limits["current"]["U_x"].value < 0.03
