@@ -102,7 +102,7 @@ def assembled(
         words = (*words, _rest_words(rest))
     proposal = propose(*_to_be_split(found, verdict), LIMITS, seed)
     if proposal is not None:
-        words = (*words, _proposal_words(proposal))
+        words = (*words, proposal_words(proposal))
     if calibration is not None:
         words = (*words, calibration.words(decision.verdict, decision.confidence))
     candidates = list(found.candidates[:12])
@@ -118,7 +118,7 @@ def assembled(
         held_out=is_held_out,
         ranking=_ranking(found, prepared, is_held_out),
         next_experiment=None if proposal is None else waveform_table(proposal.waveform),
-        budget=_budget(before, after, floor, lost),
+        budget=error_budget(before, after, floor, lost),
         base_model=base_model,
         augmented_model=augmented,
         gates=(*chosen.train.gates, *chosen.judged.gates),
@@ -139,7 +139,8 @@ def _to_be_split(found: Search, verdict: str) -> tuple[Hypothesis, tuple[Hypothe
     return found.single[0], found.single[1:ACCOUNTS]
 
 
-def _proposal_words(proposal: Proposal) -> str:
+def proposal_words(proposal: Proposal) -> str:
+    """What the proposed base motion is expected to tell apart, in a sentence."""
     if proposal.nats < 5.0:
         return (
             f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
@@ -173,7 +174,9 @@ def _ranking(found: Search, prepared: list[Prepared], is_held_out: bool) -> tupl
     return tuple(sorted(rows, key=lambda row: -row.score))
 
 
-def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
+def error_budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
+    """The error before, in parts [mm]: noise, reduction (lost), what the effects added take away, and what stays."""
+
     def apart(large: float | None, small: float | None) -> float:
         if large is None or small is None:
             return 0.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import Arm, arm_of, declared_parameters, parameter_index
+from affine_model.arm import Arm, arm_of, declared_parameters
 from affine_model.curvature import Array
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
@@ -243,8 +243,3 @@ def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
         problem, fitted = changed, again
         problem = replace(problem, parameters=fitted.parameters)
     return problem, fitted
-
-
-def parameter_of(fit_result: Fit, name: ParameterName) -> float:
-    """A parameter's value in a fit."""
-    return float(fit_result.parameters[parameter_index(*name)])

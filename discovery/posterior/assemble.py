@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from discovery.assemble import ACCOUNTS, LIMITS, error_budget, proposal_words
 from discovery.calibration import Calibration
-from discovery.next_experiment import DURATION, Proposal, propose
+from discovery.next_experiment import propose
 from discovery.posterior.decide import Decision, log_masses, usable
 from discovery.posterior.search import Search
 from inference.compare import errors, floor_errors, midline_error, run_comparison
@@ -15,13 +16,9 @@ from inference.prepare import Prepared
 from inference.reduction import Reduction
 from inference.score import twin_cosines
 from inference.trajectory import Fit, Problem
-from tentacle.diagnosis import CredibleSet, Diagnosis, ErrorBudget, ErrorMeasure, Explained, Limit, RankedEffect
+from tentacle.diagnosis import CredibleSet, Diagnosis, Explained, Limit, RankedEffect
 from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Estimate, Model
-from tentacle.servo_limits import ServoLimits
-
-ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
-LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
 def assembled(
@@ -72,7 +69,7 @@ def assembled(
     if withdrawn:
         words.append("With it the model follows the judged frames worse than without: it is not named.")
     if proposal is not None:
-        words.append(_proposal_words(proposal))
+        words.append(proposal_words(proposal))
     if calibration is not None:
         words.append(calibration.words(verdict, sure))
     candidates = list(found.candidates[:12])
@@ -88,7 +85,7 @@ def assembled(
         held_out=is_held_out,
         ranking=_ranking(found, decision, prepared, is_held_out),
         next_experiment=None if proposal is None else waveform_table(proposal.waveform),
-        budget=_budget(before, after, floor, lost),
+        budget=error_budget(before, after, floor, lost),
         base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
         augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, estimates(open_loop)),
         gates=(),
@@ -127,7 +124,7 @@ def _decision_words(found: Search, decision: Decision) -> list[str]:
     if decision.verdict == "unknown":
         names = " + ".join(decision.leading.effects)
         if names:
-            words.append(f"The best account by the catalogue is {names}; what it leaves is too much to name it.")
+            words.append(f"The best model adds {names}. Its remaining error is too large to name these effects.")
     elif decision.certain and len(decision.sets) > 1:
         open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
         words.append(f"{' + '.join(decision.certain)} is certain; open is {', '.join(open_names)}.")
@@ -148,18 +145,6 @@ def _to_be_split(found: Search, decision: Decision) -> tuple[Hypothesis, tuple[H
     return (single[0], tuple(single[1:ACCOUNTS])) if len(single) > 1 else (decision.leading, ())
 
 
-def _proposal_words(proposal: Proposal) -> str:
-    if proposal.nats < 5.0:
-        return (
-            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
-            f"the best of those tried would give {proposal.nats:.1f} nats."
-        )
-    return (
-        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would split "
-        f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
-    )
-
-
 def _ranking(
     found: Search, decision: Decision, prepared: list[Prepared], is_held_out: bool
 ) -> tuple[RankedEffect, ...]:
@@ -174,18 +159,3 @@ def _ranking(
             gain = float(h.log_evidence.max() - found.base.log_evidence.max())
         rows.append(RankedEffect(name, float(gain), error, decision.masses.get(name, 0.0)))
     return tuple(sorted(rows, key=lambda row: (-row.probability, -row.score)))
-
-
-def _budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
-    def apart(large: float | None, small: float | None) -> float:
-        if large is None or small is None:
-            return 0.0
-        return float(np.sqrt(max(large**2 - small**2, 0.0)))
-
-    noise = apart(floor.midline_mm, lost)
-    return ErrorBudget(
-        noise_mm=noise,
-        reduction_mm=lost,
-        missing_mm=apart(before.midline_mm, after.midline_mm),
-        rest_mm=apart(after.midline_mm, floor.midline_mm),
-    )

@@ -21,9 +21,9 @@ from inference.posterior import Hypothesis
 from inference.solver_result import RESULTS
 from tentacle.diagnosis import Verdict
 
-COMPLETE = (0.4, 0.4, 0.15, 0.05)  # prior of none, one, two and three effects missing: a declaration is often complete
-ELSE = 0.15  # prior of something outside the catalogue
-LAWS = 0.02  # share of the acting forces that laws of another form leave: 0 to 1 % in stranger's variants of four laws
+COMPLETE = (0.4, 0.4, 0.15, 0.05)  # prior of none, one, two and three effects missing: chosen, not measured yet
+ELSE = 0.15  # prior of something outside the catalogue; chosen, its sensitivity is not measured yet
+LAWS = 0.02  # share of the acting forces that laws of another form leave; chosen, its sensitivity is not measured yet
 CREDIBLE = 0.95
 
 

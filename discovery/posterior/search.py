@@ -1,5 +1,6 @@
-"""The search: sets of effects ranked by linear algebra about a fitted model, the best few refitted, and again about the
-best of these, until none that is better shows.
+"""The search: sets of effects ranked by linear algebra about a fitted model, and the best few refitted.
+
+It repeats about the best of these, and stops when a round finds no better set.
 """
 
 from __future__ import annotations

@@ -78,8 +78,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _next(adequate: bool, arguments: argparse.Namespace) -> list[str]:
     """Whether the model is adequate, and which command is next."""
     if adequate:
-        words = "The model is adequate: what it leaves of these recordings passes for noise."
+        words = "The model is adequate: its residual on these recordings is not distinguishable from noise."
         return [words, f"next: tentacle optimise {arguments.out / 'model.toml'} --out gait"]
     recordings = " ".join(map(str, arguments.recordings))
-    words = "The model is not adequate: what it leaves of these recordings is more than noise."
+    words = "The model is not adequate: its residual on these recordings is larger than noise."
     return [words, f"next: tentacle diagnose {recordings} --out {arguments.out}_diagnosed"]
