@@ -5,10 +5,11 @@
 
 f: forces and bending moments along the arm, in units of those that act there, correlated over REACH arm lengths and,
 in time, a Matern-3/2 process of length ELL; f_0 the same, constant. c: the laws' coefficients are known up to a slow
-variation along the arm, and Q(t) c is what it does. b: a slow error of the base's angle, a times the base's motion; e:
-slow and constant errors of the measured shape, of size a times the shape's motion. All are Gaussian, of unit size but
-for what is said here. a, the share of the acting forces that is unknown, is the one hyperparameter. M, D, K are
-those of the model's laws, averaged along the fitted motion. One Kalman pass whitens any number of residual columns
+variation along the arm, and Q(t) c is what it does. b: a slow error of the base's angle, a times the base's motion; e: slow and constant
+errors of the measured shape, of size a times the shape's motion. All are Gaussian, of unit size but for what is said
+here. a, the share of the acting forces that is unknown, is the one hyperparameter. M, D, K are those of the model's
+laws, averaged along the fitted motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a
+force that is smooth over ELL moves them by their stiffness alone. One Kalman pass whitens any number of residual columns
 alike: the sum of squares of the whitened rows and log_determinant are the marginal likelihood, linear in frames.
 
 Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models); Alvarez, Luengo and Lawrence 2009
@@ -21,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
+from scipy.linalg import eigh, expm
 
 from affine_model.curvature import Array
 from inference.kalman import gains_along, whitened_along
@@ -29,6 +30,8 @@ from inference.kalman import gains_along, whitened_along
 ELL = 0.15  # s: time scale of the latent force (prototype: .08 and .25 give the same order of hypotheses)
 REACH = 0.3  # arm lengths over which the latent force hangs together
 POSE_SHARE = 0.03  # of a: constant errors of the camera's scale [1] and roll [rad]
+POSE_FLOOR = 3e-4  # the same at any a: nobody measures a length or an angle of a set-up to better than that
+FASTEST = 2.0 * np.pi * 60.0  # rad/s: twice what a cell of RATE can show
 SHAPE_SHARE = 0.3  # of the force's share a: what the reduction to few coordinates loses follows the motion itself
 SHAPE_TIME = 0.3  # s: time scale of the measured shape's own slow error
 RATE = 30.0  # 1/s: frames are averaged to this rate, which carries all of a force of that time scale
@@ -153,7 +156,7 @@ class LatentForce:
         diffusion[at["e"], at["e"]] += 2.0 / SHAPE_TIME * np.diag(error**2)
         for place, deviation in (
             (f, 1.0), (g, rate), (b, base), (turn, rate * base), (at["e"], error), (at["f0"], 1.0),
-            (at["pose"], POSE_SHARE * a), (at["c"], 1.0),
+            (at["pose"], np.hypot(POSE_SHARE * a, POSE_FLOOR)), (at["c"], 1.0),
         ):  # fmt: skip
             start[place] = np.square(deviation)
         return drift, diffusion, np.diag(start)
@@ -171,6 +174,15 @@ class LatentForce:
         rows[:, :, at["e"]], rows[:, :, at["pose"]] = self.seen[:, :, : n + 1], self.seen[:, :, n:]
         gain, root, half = gains_along(transition, push, added, start, rows)
         return Filter(self.cells, transition, push, rows, gain, root, float(half))
+
+
+def with_scaled_mass(mass: Array, stiffness: Array) -> Array:
+    """Mass (n, n + 1), its first n columns scaled up in the modes that are faster than FASTEST."""
+    n = mass.shape[0]
+    squares, modes = eigh(stiffness[:, :n], mass[:, :n])
+    inverse = np.linalg.inv(modes)
+    scaled = inverse.T @ np.diag(np.maximum(1.0, squares / FASTEST**2)) @ inverse
+    return np.concatenate([scaled, mass[:, n:]], axis=1)
 
 
 def discretised(drift: Array, diffusion: Array, interval: float) -> tuple[Array, Array, Array]:

@@ -23,11 +23,12 @@ FLAT = 1e-14  # reciprocal condition number below which rounding decides the ste
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where the search ended: unknowns (P,), rounds taken, and how it ended."""
+    """Where the search ended: unknowns (P,), rounds taken, how it ended, and half the sum of squares there."""
 
     unknowns: Array
     rounds: int
     result: RESULTS
+    cost: float
 
 
 def minimise(
@@ -55,7 +56,7 @@ def minimise(
         # A variable on its bound that wants to leave the box stays where it is in this round.
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
-            return Minimum(x, round_number, RESULTS.AT_BOUND)
+            return Minimum(x, round_number, RESULTS.AT_BOUND, cost)
         for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more, far more cautiously
             ladder = np.clip(rungs, SMALLEST, LARGEST)
             trials = np.repeat(x[:, None], ladder.size, axis=1)
@@ -67,12 +68,12 @@ def minimise(
             if costs[best] < cost:
                 break
         else:
-            return Minimum(x, round_number, _ending(curvature, free))
+            return Minimum(x, round_number, _ending(curvature, free), cost)
         gained = cost - costs[best]
         x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
         if gained <= tolerance * cost:
-            return Minimum(x, round_number + 1, _ending(curvature, free))
-    return Minimum(x, most, RESULTS.MAX_STEPS)
+            return Minimum(x, round_number + 1, _ending(curvature, free), cost)
+    return Minimum(x, most, RESULTS.MAX_STEPS, cost)
 
 
 def _ending(curvature: Array, free: np.ndarray) -> RESULTS:

@@ -13,11 +13,11 @@ from affine_model.dynamics import balance
 from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
 from inference.experiment import Experiment, Prediction, predict
-from inference.latent_force import REACH, Cells, LatentForce, Linearised, cells_of
+from inference.latent_force import REACH, Cells, LatentForce, Linearised, cells_of, with_scaled_mass
 from inference.observation import ShapeObservation
 from inference.trajectory import Problem
 
-STATES = 48  # of the run, over which the equations are averaged
+STATES = 24  # of the run, over which the equations are averaged
 ANGLE_STEP = 1e-5  # rad: differences of what is seen
 VARIED = (
     "stiffness", "stiffness_share", "natural_curvature", "bending_moment", "drag_coefficient", "line_inertia",
@@ -94,17 +94,19 @@ def _linearised(
     rows = seen[:, :, : n + 1]
     information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
     index = np.clip(np.searchsorted(batch.t, cells.t), 0, batch.t.size - 1)
+    moving = (u.T[index], rate.T[index], acceleration.T[index])
     laws = [
         (LAW_FOUND if effect.name in added else LAW_KNOWN)
-        * varied_force(arm, effects, effect, parameters, (u.T[index], rate.T[index], acceleration.T[index]), factor)
+        * varied_force(arm, effects, effect, parameters, moving, factor)
         for effect in effects
         for factor in (lambda s: 2.0 * s - 1.0, lambda s: 6.0 * s**2 - 6.0 * s + 1.0)
     ]
     laws = [law for law in laws if np.any(law != 0.0)]
+    stiffness = _passive(-slope(False))
     return Linearised(
-        mass=mass,
+        mass=with_scaled_mass(mass, stiffness),
         damping=_passive(-slope(True)),
-        stiffness=_passive(-slope(False)),
+        stiffness=stiffness,
         force_root=_force_root(arm, parameters, acceleration, u),
         laws=np.stack(laws, axis=2),
         base_rms=float(np.std(u[n])),

@@ -10,6 +10,7 @@ between their bounds. The base parameters' and initial states' priors are those 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,18 +24,20 @@ from inference.declared_arm import DECLARED
 from inference.experiment import MEMORY_PRIOR
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.trajectory import Fit, ParameterName, Problem, finished, located, split
+from inference.trajectory import Fit, ParameterName, Problem, finished, fit, located, split
 from tentacle.model import Estimate
 
-SHARES = np.array([0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0])
+SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
 SMOOTH = 0.1  # a share so large that a fit finds its valley from afar
+ROUGHLY, CLOSELY = 1e-3, 5e-5  # a fit's tolerance, as a share of its sum of squares: some nats, and a tenth of one
 
 
 @dataclass(frozen=True)
 class Hypothesis:
     """The declared model with some absent effects added, fitted at the share of unknown forces that fits it best.
 
-    log_evidence (A,) [nats] at each of SHARES.
+    log_evidence (A,) [nats] at each of SHARES. alone: the model fitted without unknown forces; rest: what it leaves of
+    the data, mean square beyond noise [noise variances] (None and nan: not asked yet).
     """
 
     effects: tuple[str, ...]
@@ -42,6 +45,8 @@ class Hypothesis:
     fitted: Fit
     forces: tuple[LatentForce, ...]
     log_evidence: Array
+    alone: Fit | None = None
+    rest: float = float("nan")
 
     @property
     def share(self) -> float:
@@ -62,46 +67,65 @@ class Hypothesis:
         return float(fine[low]), float(fine[high])
 
 
-def hypothesis(effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
-    """The problem (its free parameters include those of the effects) fitted and judged: first with a share of unknown
-    forces that hides little of the valley, then with the share that fits best there.
+@dataclass(frozen=True)
+class Rough:
+    """A problem near its best under a share SMOOTH of unknown forces: half its sum of squares there [nats]."""
+
+    effects: tuple[str, ...]
+    problem: Problem
+    nuisances: tuple[Array, ...]
+    cost: float
+
+
+def rough_fit(
+    effects: tuple[str, ...],
+    starts: Sequence[tuple[Problem, tuple[Array, ...]]],
+    forces: tuple[LatentForce, ...] | None = None,
+) -> Rough:
+    """The best of several starts of a problem, whose free parameters include those of the effects, fitted with so large
+    a share of unknown forces that it finds its valley from afar. forces: those (None: about the first start).
     """
-    forces = latent_forces(problem, problem.parameters, nuisances, effects)
-    problem = replace(problem, filters=tuple(force.filter(SMOOTH) for force in forces))
-    unknowns, lowest = located(problem, nuisances, tolerance=1e-3, most=15)
-    problem, nuisances = _moved(problem, unknowns)
-    share, lower = SMOOTH, set[float]()
-    for _ in range(5):
-        forces = latent_forces(problem, problem.parameters, nuisances, effects)
-        better = _best_share(problem, nuisances, forces)
-        if better == share and share in lower:
-            break
-        if better == share:  # a fit may follow the data far better where less is forgiven: one look below
-            lower.add(share)
-            better = float(SHARES[max(int(np.searchsorted(SHARES, share)) - 1, 0)])
-        share = better
+    forces = forces or latent_forces(starts[0][0], starts[0][0].parameters, starts[0][1], effects)
+    filters = tuple(force.filter(SMOOTH) for force in forces)
+    found = []
+    for problem, nuisances in starts:
+        problem = replace(problem, filters=filters)
+        unknowns, lowest = located(problem, nuisances, tolerance=ROUGHLY, most=15)
+        found.append(Rough(effects, *_moved(problem, unknowns), lowest.cost))
+    return min(found, key=lambda one: one.cost)
+
+
+def hypothesis(rough: Rough) -> Hypothesis:
+    """The problem fitted and judged with the share of unknown forces that fits best there.
+
+    A fit may follow the data far better where less is forgiven, so the share is looked for again after each.
+    """
+    problem, nuisances = rough.problem, rough.nuisances
+    forces = latent_forces(problem, problem.parameters, nuisances, rough.effects)
+    fitted = finished(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
+    tried = set[float]()
+    while True:
+        evidences = log_evidences(problem, fitted, forces)
+        share = float(SHARES[int(np.argmax(evidences))])
+        if share in tried:
+            return Hypothesis(rough.effects, problem, fitted, forces, evidences)
+        tried.add(share)
         problem = replace(problem, filters=tuple(force.filter(share) for force in forces))
-        unknowns, lowest = located(problem, nuisances, tolerance=1e-5, most=25)
+        unknowns, lowest = located(problem, nuisances, tolerance=CLOSELY, most=25)
         problem, nuisances = _moved(problem, unknowns)
-    fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
-    return Hypothesis(effects, problem, fitted, forces, log_evidences(problem, fitted, forces))
+        fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
+
+
+def with_rest(h: Hypothesis) -> Hypothesis:
+    """The hypothesis with the rest that its model alone leaves, fitted to follow the data as well as it goes."""
+    free = fit(replace(h.problem, filters=()), h.fitted.nuisances, tolerance=1e-4, most=20)
+    rows = np.concatenate([r[e.used].ravel() for e, r in zip(h.problem.experiments, free.residuals, strict=True)])
+    return replace(h, alone=free, rest=float(np.mean(rows[rows != 0.0] ** 2)) - 1.0)
 
 
 def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...]]:
     parameters, nuisances = split(problem, unknowns)
     return replace(problem, parameters=parameters), nuisances
-
-
-def _best_share(problem: Problem, nuisances: tuple[Array, ...], forces: tuple[LatentForce, ...]) -> float:
-    """Of SHARES the one under which these unknowns are the most likely."""
-    unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
-    rows = replace(problem, filters=()).residuals(unknowns[:, None])[1]
-    values = []
-    for share in SHARES:
-        filters = [force.filter(share) for force in forces]
-        white = np.concatenate([f.whiten(r)[:, 0] for f, r in zip(filters, rows, strict=True)])
-        values.append(-0.5 * float(white @ white) - sum(f.log_determinant for f in filters))
-    return float(SHARES[int(np.argmax(values))])
 
 
 def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:

@@ -20,16 +20,17 @@ from discovery.posterior.search import search
 from inference.base_fit import Setting, fitted_order, needed_order, roughly
 from inference.experiment import SPREAD
 from inference.observation import ShapeObservation
-from inference.posterior import Hypothesis, hypothesis
+from inference.posterior import Hypothesis, hypothesis, rough_fit, with_rest
 from inference.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
 from inference.reduction import Reduction, reduction_error, without_reduction
-from inference.trajectory import Fit, Problem, fit
+from inference.sufficient_step import sufficient_step
+from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
 from tentacle.progress import Stage
 from tentacle.recording import Recording
 
-STEP = 1.0 / 300.0  # s; its own error is not measured here yet
+FINER = 0.5  # of the step that suffices for the declared model: laws that are added may bend more sharply
 
 
 def _silent(words: str, done: float = 0.0) -> None:
@@ -91,7 +92,7 @@ def _diagnosed(
     reduction = reduction_error(setting.declaration, problem, fitted)
     progress("searching the catalogue")
     found = search(
-        _base(_cut(replace(problem, step=STEP)), fitted, reduction),
+        _base(_cut(replace(problem, step=FINER * sufficient_step(problem, fitted))), fitted, reduction),
         lambda done: progress("searching the catalogue", done),
     )
     limits = detection_limits(decide(list(found.hypotheses)).leading)
@@ -110,11 +111,11 @@ def _base(problem: Problem, fitted: Fit, reduction: Reduction | None) -> Hypothe
     """The declared model judged: on what was measured less what the chain shows that the reduction to few coordinates
     loses, where that has the larger evidence; else on what was measured.
     """
-    plain = hypothesis((), problem, fitted.nuisances)
+    plain = hypothesis(rough_fit((), [(problem, fitted.nuisances)]))
     less = None if reduction is None else without_reduction(problem, reduction)
     if less is None:
         return plain
-    relieved = hypothesis((), less, fitted.nuisances)
+    relieved = hypothesis(rough_fit((), [(less, fitted.nuisances)]))
     return relieved if relieved.log_evidence.max() > plain.log_evidence.max() else plain
 
 
@@ -131,9 +132,9 @@ def _open_loop(h: Hypothesis) -> Hypothesis:
     """The hypothesis with the parameters that follow the recordings best by themselves, without unknown forces: the
     model that is written, and whose errors are stated.
     """
-    cut = _cut(replace(h.problem, filters=()))
-    fitted = fit(cut, h.fitted.nuisances, tolerance=1e-4, most=20)
-    return replace(h, problem=replace(h.problem, parameters=fitted.parameters, filters=()), fitted=fitted)
+    alone = h.alone or with_rest(replace(h, problem=_cut(h.problem))).alone
+    assert alone is not None
+    return replace(h, problem=replace(h.problem, parameters=alone.parameters, filters=()), fitted=alone)
 
 
 def _whole(h: Hypothesis, prepared: Sequence[Prepared]) -> Hypothesis:
