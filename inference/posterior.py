@@ -28,7 +28,6 @@ from inference.trajectory import Fit, ParameterName, Problem, finished, fit, loc
 from tentacle.model import Estimate
 
 SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
-SMOOTH = 0.1  # a share so large that a fit finds its valley from afar
 ROUGHLY, CLOSELY = 1e-3, 5e-5  # a fit's tolerance, as a share of its sum of squares: some nats, and a tenth of one
 
 
@@ -69,7 +68,7 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Rough:
-    """A problem near its best under a share SMOOTH of unknown forces: half its sum of squares there [nats]."""
+    """A problem near its best under some share of unknown forces: half its sum of squares there [nats]."""
 
     effects: tuple[str, ...]
     problem: Problem
@@ -80,19 +79,24 @@ class Rough:
 def rough_fit(
     effects: tuple[str, ...],
     starts: Sequence[tuple[Problem, tuple[Array, ...]]],
-    forces: tuple[LatentForce, ...] | None = None,
+    forces: tuple[LatentForce, ...],
+    share: float,
 ) -> Rough:
-    """The best of several starts of a problem, whose free parameters include those of the effects, fitted with so large
-    a share of unknown forces that it finds its valley from afar. forces: those (None: about the first start).
+    """The best of several starts of a problem, whose free parameters include those of the effects, fitted with as large
+    a share of unknown forces as is missing without them: it finds its valley from afar.
     """
-    forces = forces or latent_forces(starts[0][0], starts[0][0].parameters, starts[0][1], effects)
-    filters = tuple(force.filter(SMOOTH) for force in forces)
+    filters = tuple(force.filter(share) for force in forces)
     found = []
     for problem, nuisances in starts:
         problem = replace(problem, filters=filters)
-        unknowns, lowest = located(problem, nuisances, tolerance=ROUGHLY, most=15)
+        unknowns, lowest = located(problem, nuisances, tolerance=ROUGHLY, most=30)
         found.append(Rough(effects, *_moved(problem, unknowns), lowest.cost))
     return min(found, key=lambda one: one.cost)
+
+
+def declared_model(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
+    """The model as declared, from where a fit without unknown forces left it."""
+    return hypothesis(Rough((), problem, nuisances, 0.0))
 
 
 def hypothesis(rough: Rough) -> Hypothesis:
@@ -111,16 +115,28 @@ def hypothesis(rough: Rough) -> Hypothesis:
             return Hypothesis(rough.effects, problem, fitted, forces, evidences)
         tried.add(share)
         problem = replace(problem, filters=tuple(force.filter(share) for force in forces))
-        unknowns, lowest = located(problem, nuisances, tolerance=CLOSELY, most=25)
+        unknowns, lowest = located(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
         fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
 
 
 def with_rest(h: Hypothesis) -> Hypothesis:
-    """The hypothesis with the rest that its model alone leaves, fitted to follow the data as well as it goes."""
-    free = fit(replace(h.problem, filters=()), h.fitted.nuisances, tolerance=1e-4, most=20)
-    rows = np.concatenate([r[e.used].ravel() for e, r in zip(h.problem.experiments, free.residuals, strict=True)])
-    return replace(h, alone=free, rest=float(np.mean(rows[rows != 0.0] ** 2)) - 1.0)
+    """The hypothesis with the rest that its model alone leaves, fitted to follow the data as well as it goes; what it
+    leaves counts as noise, so that no parameter leaves its prior for it.
+    """
+    there = np.concatenate([h.fitted.values, *h.fitted.nuisances])
+    plain = replace(h.problem, filters=())
+    size = max(_rms(plain, plain.residuals(there[:, None])[1]), 1.0)
+    louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
+    alone = fit(replace(plain, experiments=louder), h.fitted.nuisances, tolerance=1e-4, most=30)
+    followed = size * _rms(plain, [rows[:, :, None] for rows in alone.residuals])
+    return replace(h, alone=alone, rest=followed**2 - 1.0)
+
+
+def _rms(problem: Problem, residuals: Sequence[Array]) -> float:
+    """Rms of whitened residuals (T, K, 1) a recording on the used frames, those that are not seen left out."""
+    rows = np.concatenate([r[e.used].ravel() for e, r in zip(problem.experiments, residuals, strict=True)])
+    return float(np.sqrt(np.mean(rows[rows != 0.0] ** 2)))
 
 
 def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...]]:
@@ -158,10 +174,12 @@ def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]
 
 def _prior_rows(problem: Problem, fitted: Fit) -> Array:
     """Rows [residual, Jacobian] of the priors alone, out of those on the used frames."""
-    place, kept = 0, []
-    sizes = zip(problem.experiments, fitted.nuisances, problem.filters, strict=True)
-    for experiment, nuisances, filters in sizes:
-        place += filters.observation.shape[0] * filters.observation.shape[1]
+    rows = [int(e.used.sum()) * e.noise_gain.size for e in problem.experiments]
+    if problem.filters:
+        rows = [one.observation.shape[0] * one.observation.shape[1] for one in problem.filters]
+    place, kept = 0, list[int]()
+    for experiment, nuisances, size in zip(problem.experiments, fitted.nuisances, rows, strict=True):
+        place += size
         count = experiment.prior_residuals(problem.arm.order, problem.arm.specimen.length, nuisances[:, None]).shape[0]
         kept += list(range(place, place + count))
         place += count

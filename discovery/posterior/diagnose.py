@@ -17,10 +17,10 @@ from discovery.posterior.assemble import assembled
 from discovery.posterior.decide import decide
 from discovery.posterior.detection import detection_limits
 from discovery.posterior.search import search
-from inference.base_fit import Setting, fitted_order, needed_order, roughly
+from inference.base_fit import Setting, fitted_order, known_from_baseline, needed_order, roughly
 from inference.experiment import SPREAD
 from inference.observation import ShapeObservation
-from inference.posterior import Hypothesis, hypothesis, rough_fit, with_rest
+from inference.posterior import Hypothesis, declared_model, with_rest
 from inference.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
 from inference.reduction import Reduction, reduction_error, without_reduction
 from inference.sufficient_step import sufficient_step
@@ -88,11 +88,15 @@ def _diagnosed(
     if order > 2:
         rough = replace(setting, experiments=problem.experiments)
         problem, fitted = roughly(rough, fitted_order(order, _most_coordinates(problem)), warm=fitted)
+    if complete:
+        rough = replace(setting, experiments=problem.experiments)
+        problem, fitted = known_from_baseline(rough, problem.arm.order, warm=fitted)
     progress("running the reference")
     reduction = reduction_error(setting.declaration, problem, fitted)
     progress("searching the catalogue")
     found = search(
         _base(_cut(replace(problem, step=FINER * sufficient_step(problem, fitted))), fitted, reduction),
+        fitted,
         lambda done: progress("searching the catalogue", done),
     )
     limits = detection_limits(decide(list(found.hypotheses)).leading)
@@ -111,11 +115,11 @@ def _base(problem: Problem, fitted: Fit, reduction: Reduction | None) -> Hypothe
     """The declared model judged: on what was measured less what the chain shows that the reduction to few coordinates
     loses, where that has the larger evidence; else on what was measured.
     """
-    plain = hypothesis(rough_fit((), [(problem, fitted.nuisances)]))
+    plain = declared_model(problem, fitted.nuisances)
     less = None if reduction is None else without_reduction(problem, reduction)
     if less is None:
         return plain
-    relieved = hypothesis(rough_fit((), [(less, fitted.nuisances)]))
+    relieved = declared_model(less, fitted.nuisances)
     return relieved if relieved.log_evidence.max() > plain.log_evidence.max() else plain
 
 

@@ -18,13 +18,13 @@ from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from discovery.posterior.decide import log_masses, log_prior_of_set, missing_of
 from discovery.posterior.rank import MOST_EFFECTS, RankedSet, ranked_sets
-from discovery.posterior.starts import starts
+from discovery.posterior.starts import Start, starts
 from inference.posterior import Hypothesis, Rough, hypothesis, rough_fit, with_rest
 from inference.score import Candidate, score
-from inference.trajectory import Problem
+from inference.trajectory import Fit, Problem, finished
 
 T = TypeVar("T")
-SINGLES, SETS, ROUNDS = 4, 2, 4
+SINGLES, SETS, ROUNDS = 7, 2, 4
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
 REACH = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
 
@@ -40,29 +40,36 @@ class Search:
     candidates: tuple[Candidate, ...]
 
 
-def search(base: Hypothesis, progress: Callable[[float], None] = lambda _: None) -> Search:
-    """Hypotheses about what the base lacks."""
+def search(base: Hypothesis, origin: Fit, progress: Callable[[float], None] = lambda _: None) -> Search:
+    """Hypotheses about what the base lacks. origin: where the base's own fit began: effects begin there too, for in a
+    decay that fit may be far from where any of them has its valley.
+    """
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     first: list[Candidate] = []
     centre = base
     for number in range(ROUNDS):
-        wanted: dict[frozenset[str], tuple[Hypothesis, RankedSet]] = {}
         candidates, ranked = _ranked(centre)
         first = first or candidates
-        singles = [one for one in ranked if len(one.names) == 1]
+        alone = [RankedSet((one,), one.gain, (one.strengths,)) for one in candidates]
+        singles = _begun(centre if number else _at(base, origin), alone)
         several = [one for one in ranked if len(one.names) > 1]
-        several = [one for one in several if singles and one.evidence > singles[0].evidence]
-        for one in (*singles[: SINGLES if number == 0 else SETS], *several[:SETS]):
-            effects = frozenset((*centre.effects, *one.names))
-            if effects not in tried:
-                wanted.setdefault(effects, (centre, one))
-        fewer = [(centre, name) for name in centre.effects if frozenset(centre.effects) - {name} not in tried]
+        linear = max((one.evidence for one in ranked if len(one.names) == 1), default=np.inf)
+        several = _begun(centre, [one for one in several if one.evidence > linear][:SETS])
+        wanted = [
+            begun
+            for begun in (*singles[: SINGLES if number == 0 else SETS], *several)
+            if frozenset((*centre.effects, *begun.chosen.names)) not in tried
+        ]
+        fewer = [name for name in centre.effects if frozenset(centre.effects) - {name} not in tried]
         tasks: list[Callable[[], Rough]] = [
-            *(lambda pair=pair: added(*pair) for pair in wanted.values()),
-            *(lambda pair=pair: removed(*pair) for pair in fewer),
+            *(lambda begun=begun: added(centre, begun) for begun in wanted),
+            *(lambda begun=begun: added(centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
+            *(lambda name=name: removed(centre, name) for name in fewer),
         ]
         for h in _side_by_side([lambda one=one: hypothesis(one) for one in _promising(_side_by_side(tasks))]):
-            tried[frozenset(h.effects)] = h
+            known = tried.get(frozenset(h.effects))
+            if known is None or h.log_evidence.max() > known.log_evidence.max():
+                tried[frozenset(h.effects)] = h
         progress((number + 1.0) / ROUNDS)
         tried = _with_rests(tried)
         missing = missing_of(list(tried.values()))
@@ -117,13 +124,50 @@ def _ranked(centre: Hypothesis) -> tuple[list[Candidate], list[RankedSet]]:
     return candidates, [ranked[k] for k in order]
 
 
-def added(centre: Hypothesis, chosen: RankedSet) -> Rough:
-    """A set of effects more, fitted roughly from the best starts."""
-    free = (*centre.problem.free, *(name for candidate in chosen.candidates for name in candidate.free))
+def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
+    """The base where its fit began, where that is a decay's; else as it is."""
+    if all(experiment.release is None for experiment in base.problem.experiments):
+        return base
+    problem = replace(base.problem, parameters=origin.parameters)
+    there = np.concatenate([origin.values, *origin.nuisances])
+    return replace(base, problem=problem, fitted=finished(problem, there, 0))
+
+
+@dataclass(frozen=True)
+class Begun:
+    """A set of effects to be added, and where its refit begins."""
+
+    chosen: RankedSet
+    starts: tuple[Start, ...]
+
+
+def _begun(centre: Hypothesis, ranked: list[RankedSet]) -> list[Begun]:
+    """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads."""
+    begun = _side_by_side([lambda one=one: Begun(one, tuple(starts(centre, one))) for one in ranked])
+    return sorted(begun, key=lambda one: one.starts[0].cost)
+
+
+def _has_plain(chosen: RankedSet) -> bool:
+    """Whether one of the effects has a shape that may be none at all, such as a payload at the tip itself."""
+    return any(shape.neutral == 0.0 for candidate in chosen.candidates for shape in candidate.effect.shapes)
+
+
+def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> Rough:
+    """A set of effects more, fitted roughly from the best starts. plain: shapes that may be none are none."""
+    chosen = of.chosen
+    new = [name for candidate in chosen.candidates for name in candidate.free]
+    none = []
+    if plain:
+        shapes = [(c.effect.name, shape) for c in chosen.candidates for shape in c.effect.shapes]
+        none = [(effect, shape.name) for effect, shape in shapes if shape.neutral == 0.0]
+    free = (*centre.problem.free, *(name for name in new if name not in none))
     begun = []
-    for parameters in starts(centre, chosen):
+    for start in of.starts:
+        parameters = start.parameters.copy()
+        for name in none:
+            parameters[parameter_index(*name)] = 0.0
         problem = replace(centre.problem, free=free, parameters=parameters, filters=())
-        begun.append((problem, centre.fitted.nuisances))
+        begun.append((problem, start.nuisances))
     return _refitted((*centre.effects, *chosen.names), begun, centre)
 
 
@@ -142,7 +186,7 @@ def _refitted(
     effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis
 ) -> Rough:
     """Fitted roughly from those starts."""
-    return rough_fit(effects, [_remembering(effects, *start) for start in begun], centre.forces)
+    return rough_fit(effects, [_remembering(effects, *start) for start in begun], centre.forces, centre.share)
 
 
 def _remembering(
