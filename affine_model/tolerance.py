@@ -8,9 +8,10 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from affine_model.advance import PRESCRIBED, Drive
 from affine_model.arm import Arm
 from affine_model.curvature import Array
-from affine_model.simulate import Batch, Rail, Servo, simulate
+from affine_model.simulate import STRAIGHT, Batch, Start, Timing, simulate
 
 ORDER = 2  # of the midpoint rule: the error falls with the square of the step
 COARSEST, FINEST = 1 / 100, 1 / 100_000  # s
@@ -26,6 +27,18 @@ class Controlled:
     batch: Batch
     step: Array
     error: Array
+
+
+@dataclass(frozen=True)
+class Goal:
+    """duration [s]; tolerance [rad] of every angle along the arm; spacing [s] of the output; average_from [s] after the
+    start: where the means begin.
+    """
+
+    duration: float
+    tolerance: float
+    spacing: float = 1 / 50
+    average_from: float = 0.0
 
 
 def _difference(arm: Arm, a: Batch, b: Batch) -> Array:
@@ -58,38 +71,30 @@ def simulate_to_tolerance(
     arm: Arm,
     parameters: Array,
     base: Callable[[Array], Array],
-    duration: float,
-    tolerance: float,
+    goal: Goal,
     *,
-    spacing: float = 1 / 50,
-    q: Array | None = None,
-    q_rate: Array | None = None,
-    servo: Servo | None = None,
-    rail: Rail | None = None,
-    t0: float = 0.0,
-    average_from: float = 0.0,
+    start: Start = STRAIGHT,
+    drive: Drive = PRESCRIBED,
 ) -> Controlled:
-    """Integrate B individuals for `duration` [s] so that no angle along the arm errs by more than `tolerance` [rad].
+    """Integrate B individuals so that no angle along the arm errs by more than the goal's tolerance.
 
-    parameters (R, B); base: a function of times (S,) that gives (3, S) or (3, S, B), such as a waveform; the output
-    stands every `spacing` seconds. Individuals that meet the tolerance are not computed again. ArithmeticError where
-    the tolerance is not met at a step of 10 us.
+    parameters (R, B); base: a function of times (S,) that gives (3, S) or (3, S, B), such as a waveform. Individuals
+    that meet the tolerance are not computed again. ArithmeticError where the tolerance is not met at a
+    step of 10 us.
     """
     count = parameters.shape[1]
 
     def run(index: NDArray[np.intp], substeps: int) -> Batch:
-        h = spacing / substeps
-        table = base(t0 + h * (np.arange(round(duration / spacing) * substeps, dtype=np.float64) + 0.5))
+        h = goal.spacing / substeps
+        table = base(start.t0 + h * (np.arange(round(goal.duration / goal.spacing) * substeps, dtype=np.float64) + 0.5))
         table = table[..., None] if table.ndim == 2 else table[..., index]
-        start, rate = (None if value is None else value[:, index] for value in (q, q_rate))
-        return simulate(
-            arm, parameters[:, index], table, h, q=start, q_rate=rate, servo=servo, rail=rail, t0=t0, stride=substeps,
-            average_from=average_from,
-        )  # fmt: skip
+        given = (None if value is None else value[:, index] for value in (start.q, start.q_rate, start.memory))
+        timing = Timing(h, substeps, goal.average_from)
+        return simulate(arm, parameters[:, index], table, timing, start=Start(*given, t0=start.t0), drive=drive)
 
-    pending, substeps = np.arange(count), max(1, int(np.ceil(spacing / COARSEST)))
+    pending, substeps = np.arange(count), max(1, int(np.ceil(goal.spacing / COARSEST)))
     coarse = run(pending, substeps)
-    whole, error, step = coarse, np.full(count, np.nan), np.full(count, spacing / substeps)
+    whole, error, step = coarse, np.full(count, np.nan), np.full(count, goal.spacing / substeps)
     finer = 2 * substeps
     while pending.size:
         fine = run(pending, finer)
@@ -97,14 +102,14 @@ def simulate_to_tolerance(
         lost = np.isfinite(fine.diverged)
         estimate[lost] = np.nan
         whole = _place(whole, fine, pending)
-        error[pending], step[pending] = estimate, spacing / finer
-        again = np.flatnonzero((estimate > tolerance) | (lost & ~np.isfinite(coarse.diverged)))
+        error[pending], step[pending] = estimate, goal.spacing / finer
+        again = np.flatnonzero((estimate > goal.tolerance) | (lost & ~np.isfinite(coarse.diverged)))
         if again.size == 0:
             break
-        growth = np.sqrt(max(np.nanmax(np.append(estimate[again], 4.0 * tolerance)) / tolerance, 4.0))
-        if spacing / finer <= FINEST:
+        growth = np.sqrt(max(np.nanmax(np.append(estimate[again], 4.0 * goal.tolerance)) / goal.tolerance, 4.0))
+        if goal.spacing / finer <= FINEST:
             worst = np.nanmax(estimate)
-            raise ArithmeticError(f"an error of {worst:.2g} rad remains at a step of {spacing / finer:.2g} s")
+            raise ArithmeticError(f"an error of {worst:.2g} rad remains at a step of {goal.spacing / finer:.2g} s")
         substeps, coarse, pending = finer, _columns(fine, again), pending[again]
-        finer = min(int(np.ceil(finer * min(growth * MARGIN, 16.0))), int(np.ceil(spacing / FINEST)))
+        finer = min(int(np.ceil(finer * min(growth * MARGIN, 16.0))), int(np.ceil(goal.spacing / FINEST)))
     return Controlled(whole, step, error)

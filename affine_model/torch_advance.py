@@ -15,7 +15,7 @@ from torch import Tensor
 
 from affine_model.advance import Drive, Pace, Rail, Servo, State, advance
 from affine_model.arm import Arm
-from affine_model.torch_adjoint import pulled_back
+from affine_model.torch_adjoint import Asked, pulled_back
 from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Specimen
 
 Outputs = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
@@ -127,7 +127,7 @@ def _backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
 
     wanted = (ctx.needs_input_grad[2], ctx.needs_input_grad[3])
     with torch.no_grad():
-        found = pulled_back(run, arm_from_row(arm), drive_from_row(drive), tensors, pace, gradients, wanted)
+        found = pulled_back(run, arm_from_row(arm), drive_from_row(drive), tensors, pace, Asked(gradients, wanted))
     return None, None, *found, *(None,) * 6
 
 

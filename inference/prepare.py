@@ -15,6 +15,7 @@ from inference.observation import (
     POSE,
     MarkerObservation,
     ShapeObservation,
+    Tracker,
     fit_shapes,
     from_markers,
     from_track,
@@ -135,7 +136,7 @@ def _observation(
             sigma = float(np.nanmedian(free[np.abs(data.xy).max(axis=0, initial=0.0, where=np.isfinite(data.xy)) > 0]))
             sigma = max(sigma, 1e-7)
             words.append(f"The midline states no noise; {1e3 * sigma:.3f} mm was found between frames.")
-        return fit_shapes(data, theta, length, order, sigma), data.xy, sigma, words
+        return fit_shapes(data, theta, length, order, Tracker(sigma)), data.xy, sigma, words
     if recording.shape is not None:
         return from_track(recording.shape, base(recording.shape.t)[0], length), None, 0.0, words
     if recording.markers is not None:

@@ -9,7 +9,7 @@ import pytest
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.base_signal import base_table
 from affine_model.curvature import midline
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from inference.base_fit import Setting, fit_base
 from inference.hypothesis import Hypothesis, hypothesis
 from inference.prepare import prepare
@@ -36,7 +36,7 @@ def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, name="made"
     steps = round(seconds / STEP)
     lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
     base = base_table(wave, 0.0, STEP, steps, lag, play)
-    batch = simulate(arm, parameters[:, None], base, STEP, stride=round(1.0 / STEP / FPS))
+    batch = simulate(arm, parameters[:, None], base, Timing(STEP, round(1.0 / STEP / FPS)))
     theta = wave(batch.t)[0]  # as commanded
     points = midline(batch.q[:, :, 0], batch.theta[:, 0], SPECIMEN.length, S)
     points = points + noise * np.random.default_rng(seed).standard_normal(points.shape)

@@ -28,12 +28,12 @@ def reference_speed(model: Model, gait: Gait, rail: Rail | None = None) -> float
 
     from affine_model.swim import PAPER_RAIL
     from mujoco_ref.mount import Rail as ReferenceRail
-    from mujoco_ref.simulate import simulate
+    from mujoco_ref.simulate import Setup, simulate
 
     rail = rail or PAPER_RAIL
     level = replace(model, gravity=replace(model.gravity, magnitude=0.0))
     carriage = ReferenceRail(rail.mass, viscous=rail.viscous, dry=rail.dry)
-    run = simulate(level, gait, SETTLE_S + WINDOW_S, FPS, rail=carriage, lead_in=LEAD_IN_S)
+    run = simulate(level, gait, SETTLE_S + WINDOW_S, FPS, setup=Setup(rail=carriage, lead_in=LEAD_IN_S))
     start = round(SETTLE_S * FPS)
     # Forward is -y (affine_model.swim.trial).
     return -float((run.mount[-1, 1] - run.mount[start, 1]) / (run.t[-1] - run.t[start]))
@@ -43,9 +43,9 @@ def reference_thrust(model: Model, gait: Gait) -> float:
     """Mean forward thrust [N] of the MuJoCo reference under a gait, base clamped (eq. 17 averaged)."""
     import numpy as np
 
-    from mujoco_ref.simulate import simulate
+    from mujoco_ref.simulate import Setup, simulate
 
-    run = simulate(model, gait, SETTLE_S + WINDOW_S, FPS, lead_in=LEAD_IN_S)
+    run = simulate(model, gait, SETTLE_S + WINDOW_S, FPS, setup=Setup(lead_in=LEAD_IN_S))
     return -float(np.mean(run.thrust[round(SETTLE_S * FPS) :]))
 
 

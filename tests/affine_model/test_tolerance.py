@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from affine_model.arm import Arm, parameter_index
-from affine_model.simulate import simulate
-from affine_model.tolerance import simulate_to_tolerance
+from affine_model.simulate import Timing, simulate
+from affine_model.tolerance import Goal, simulate_to_tolerance
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Sine
 
@@ -22,9 +22,9 @@ def batch_parameters(parameters):
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 def test_the_error_stays_below_the_tolerance(parameters, tolerance):
     p = batch_parameters(parameters)
-    found = simulate_to_tolerance(ARM, p, WAVE, 2.0, tolerance)
+    found = simulate_to_tolerance(ARM, p, WAVE, Goal(2.0, tolerance))
     h = 1 / 32000
-    truth = simulate(ARM, p, WAVE((np.arange(64000) + 0.5) * h)[:, :, None], h, stride=640)
+    truth = simulate(ARM, p, WAVE((np.arange(64000) + 0.5) * h)[:, :, None], Timing(h, 640))
     z = np.einsum("jk,tkb->tjb", ARM.from_monomial, found.batch.q - truth.q)
     error = np.abs(np.einsum("ij,tjb->tib", ARM.angle_basis, z)).max(axis=(0, 1))
     assert np.all(found.error <= tolerance)
@@ -35,19 +35,19 @@ def test_the_error_stays_below_the_tolerance(parameters, tolerance):
 
 
 def test_only_who_needs_it_gets_a_finer_step(parameters):
-    found = simulate_to_tolerance(ARM, batch_parameters(parameters), WAVE, 2.0, 1e-4)
+    found = simulate_to_tolerance(ARM, batch_parameters(parameters), WAVE, Goal(2.0, 1e-4))
     assert found.step[2] < found.step[0]
 
 
 def test_a_tolerance_beyond_reach_is_said_so(parameters):
     with pytest.raises(ArithmeticError, match="remains at a step"):
-        simulate_to_tolerance(ARM, batch_parameters(parameters)[:, :1], WAVE, 0.1, 1e-15)
+        simulate_to_tolerance(ARM, batch_parameters(parameters)[:, :1], WAVE, Goal(0.1, 1e-15))
 
 
 def test_a_diverging_individual_does_not_hold_up_the_others(parameters):
     p = batch_parameters(parameters)
     p[parameter_index("damping", "eta"), 1] = -5e5
-    found = simulate_to_tolerance(ARM, p, WAVE, 1.0, 1e-3)
+    found = simulate_to_tolerance(ARM, p, WAVE, Goal(1.0, 1e-3))
     assert np.isnan(found.error[1])
     assert np.isfinite(found.batch.diverged[1])
     assert np.all(found.error[[0, 2]] <= 1e-3)

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from affine_model.arm import arm_of, parameter_index, parameter_vector
 from affine_model.base_signal import base_table, step_middles
 from affine_model.curvature import points_beside
-from affine_model.simulate import simulate
+from affine_model.simulate import Start, Timing, simulate
 from tentacle.base_motion import BaseMotion, fit_base_motion
 from tentacle.errors import InputError
 from tentacle.model import Model
@@ -152,9 +152,12 @@ class _Ours:
         q, rate, shift = self.parts(unknowns)
         count = unknowns.shape[1]
         run = simulate(
-            self.arm, np.repeat(self.parameters[:, None], count, axis=1), self.table, STEP, q=q, q_rate=rate,
-            t0=self.start, stride=1,
-        )  # fmt: skip
+            self.arm,
+            np.repeat(self.parameters[:, None], count, axis=1),
+            self.table,
+            Timing(STEP, 1),
+            start=Start(q=q, q_rate=rate, t0=self.start),
+        )
         place = np.clip((self.t - run.t[0]) / STEP, 0.0, len(run.t) - 1.001)
         index, share = place.astype(int), (place - place.astype(int))[:, None, None]
         bend = (1.0 - share) * run.q[index] + share * run.q[index + 1]
