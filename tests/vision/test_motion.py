@@ -36,7 +36,7 @@ def test_mean_place_of_a_turning_straight_arm():
     x, shared = np.zeros(3), np.zeros(SHARED)
     expected = outline(geometry, 0.0, x, shared)
     speed, span = np.array([6.0, 0.0, 0.0]), 0.01
-    swept = sweep(geometry, x, shared, expected, speed, np.zeros(3), span)
+    swept = sweep(geometry, x, shared, expected, (speed, np.zeros(3)), span)
     tip = np.flatnonzero(expected.kind == 0)[-1]
     # the edge is a straight line at a distance from the base that turning keeps: at angle b its crossing with the
     # profile through a point at along, across is across (1 / cos b - 1) - along tan b; even in b: across b^2 / 2
