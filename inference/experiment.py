@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from affine_model.arm import Arm, parameter_index, parameter_rows
-from affine_model.base_signal import base_table
+from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.simulate import Batch, Start, Timing, simulate
@@ -201,7 +201,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     steps += steps % 2
     start = experiment.t0 if experiment.release is None else experiment.release
     base = base_table(
-        experiment.base, start, step, steps, value["tau"], value["play"], known_from=experiment.base_known_from
+        experiment.base, Steps(start, step, steps), value["tau"], value["play"], known_from=experiment.base_known_from
     )
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)

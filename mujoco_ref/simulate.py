@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mujoco_ref.chain import Hung, build_chain, flexural, hinge_positions
+from mujoco_ref.chain import Flexure, Hung, build_chain, flexural, hinge_positions
 from mujoco_ref.hinges import hinge_records, soft_spot
 from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
 from mujoco_ref.midline import midline_points
@@ -156,7 +156,7 @@ def make_stepper(
     reach = specimen.length * value(parameters, "tip_mass", "reach")
     hung = Hung(value(parameters, "tip_mass", "mass"), reach, density=specimen.tip_mass_density)
     base, mount = base_record(parameters, servo, rail, specimen.mass + specimen.tip_mass + hung.mass)
-    chain = build_chain(specimen, links, stiffness, damping, model.fluid, gravity, hung, mount)
+    chain = build_chain(specimen, Flexure(stiffness, damping), model.fluid, gravity, hung, mount)
     pull = (gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle))
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vision.track import Following
+
 if TYPE_CHECKING:
     from tentacle.recording import Recording
     from tentacle.signals import ShapeTrack
@@ -146,15 +148,11 @@ def _tracked(recording: Recording, arguments: argparse.Namespace, lens: object, 
             recording.video.path,
             recording.declaration,
             recording.motor,
-            arguments.order,
-            lens,  # type: ignore[arg-type]
+            Following(arguments.order, lens, arguments.live, verdicts=verdicts, outlines=arguments.overlay is not None),
             _say
             if arguments.live
             else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
-            arguments.live,
-            outlines=arguments.overlay is not None,
             warn=lambda words: print(f"tentacle: {words}", file=sys.stderr, flush=True),
-            verdicts=verdicts,
         )
 
 

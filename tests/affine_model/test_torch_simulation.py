@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import torch
 
-from affine_model.advance import PRESCRIBED, Drive
+from affine_model.advance import PRESCRIBED, Drive, Pace
 from affine_model.arm import Arm, parameter_index
 from affine_model.simulate import Rail, Servo, Start, Timing, simulate
+from affine_model.torch_adjoint import numbers_of
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 from affine_model.torch_operator import mean_thrust
 from affine_model.torch_simulation import PENALTY, torch_simulate
@@ -95,8 +96,8 @@ def test_the_operator_is_the_kernel(parameters):
     torch.library.opcheck(
         torch.ops.tentacle.advance.default,
         (
-            arm_row(ARM), drive_row(Drive()), torch.from_numpy(p), torch.from_numpy(base_motion()), *still,
-            H, 5, 20, 1, 0, True,
+            [arm_row(ARM), drive_row(Drive())], torch.from_numpy(p), torch.from_numpy(base_motion()), still,
+            numbers_of(Pace(H, 5, 20, complete=True)),
         ),
         test_utils=("test_schema", "test_faketensor"),
     )  # fmt: skip

@@ -15,7 +15,7 @@ from vision.lens_file import format_lens, read_lens
 from vision.looks import CLEAN
 from vision.paper_pipeline import paper_axis
 from vision.period import base_frequency, period_average
-from vision.render import render
+from vision.render import Filming, render
 from vision.scene import swaying
 from vision.silhouette import Axis
 
@@ -24,7 +24,7 @@ DATA = Path(os.environ.get("TENTACLE_DATA", "../shared/data")) / "worm_crops"
 
 def clean_frame(seed=1):
     scene = swaying(seed=seed, frames=1, size=(640, 360))
-    return scene, next(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 0))
+    return scene, next(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 0)))
 
 
 def test_paper_axis_lies_on_the_true_midline():

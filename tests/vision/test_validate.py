@@ -11,8 +11,8 @@ from vision.encode import write_video
 from vision.limit import edge_sigma, shape_limit, straight_arm_limit
 from vision.looks import CLEAN, TANK_LENS
 from vision.picture_limit import jpeg_steps, picture_information, pose_known_limit, recording_limit
-from vision.render import render
-from vision.scene import swaying
+from vision.render import Filming, render
+from vision.scene import Swing, swaying
 from vision.track import track
 from vision.validate import as_json, false_accepts, judge_disturbed, judge_look, table
 
@@ -37,10 +37,10 @@ def test_what_is_in_the_way_is_flagged_and_never_believed(disturb):
 
 
 def test_an_arm_that_leaves_the_picture_is_flagged(tmp_path):
-    scene = swaying(seed=5, frames=90, size=(640, 360), amplitude=1.2)
+    scene = swaying(seed=5, frames=90, size=(640, 360), swing=Swing(amplitude=1.2))
     tips = scene.camera.to_pixels(scene.midline.xy[:, -1])[:, 0]
     right = int(np.quantile(tips, 0.7))  # the tip is beyond this column in 3 of 10 frames
-    frames = [f[:, :right] for f in render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1)]
+    frames = [f[:, :right] for f in render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1))]
     write_video(tmp_path / "video.mp4", [np.ascontiguousarray(f[:, : right - right % 2]) for f in frames], scene.t)
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
     shape = track(tmp_path / "video.mp4", Declaration(scene.specimen, camera=scene.camera), motor)

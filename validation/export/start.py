@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from affine_model.arm import arm_of, parameter_index, parameter_vector
-from affine_model.base_signal import base_table, step_middles
+from affine_model.base_signal import Steps, base_table, step_middles
 from affine_model.curvature import points_beside
 from affine_model.simulate import Start, Timing, simulate
 from tentacle.base_motion import BaseMotion, fit_base_motion
@@ -113,7 +113,7 @@ def _clamp(recording: Recording, model: Model, start: float, stop: float) -> Wav
     if lag[0] <= 0.0 and play[0] <= 0.0:
         return motion
     steps = int(np.ceil((stop + MARGIN - start) / STEP)) + 2
-    table = base_table(motion, start - STEP, STEP, steps, lag, play)[:, :, 0]
+    table = base_table(motion, Steps(start - STEP, STEP, steps), lag, play)[:, :, 0]
     return _Table(step_middles(start - STEP, STEP, steps), table)
 
 

@@ -22,6 +22,7 @@ from tentacle.signals import Markers
 from validation.trials.design import Design
 from validation.trials.sight import EVERYWHERE, Sight, track_noise, track_of
 from validation.trials.sizing import bare_problem, refitted_size, sized, track_root
+from vision.render import Filming
 
 PICTURE = (960, 540)
 ASIDE = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
@@ -138,7 +139,7 @@ def _filmed(recording: Recording, model: Model, design: Design, hidden: dict[str
     camera = Camera(design.fps, scale, (0.5 * PICTURE[0], 0.16 * PICTURE[1]), (0.0, 1.0), exposure=0.002)
     declaration = replace(recording.declaration, camera=camera)
     look = LOOKS[("clean", "uneven", "bubbles")[design.index % 3]]
-    frames = render(exact, model.specimen, camera, PICTURE, look, design.seed, recording.motor.angle)
+    frames = render(exact, model.specimen, camera, Filming(PICTURE, look, design.seed), recording.motor.angle)
     with tempfile.TemporaryDirectory(prefix="tentacle-trial-") as folder:
         file = Path(folder) / "video.mp4"
         write_video(file, frames, exact.t)

@@ -19,7 +19,7 @@ from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
 from mujoco_ref.undeclared.strength import LARGEST, SCALED, SIZES, is_catalogued, scaled, typical
 from tentacle.errors import InputError
 from tentacle.signals import Midline
-from validation.trials.design import Design, designs
+from validation.trials.design import Design, Hideable, designs
 from validation.trials.likeness import Likeness
 from validation.trials.sight import EVERYWHERE, Sight, track_of
 
@@ -172,7 +172,7 @@ def shown_effects(
 
     InputError where none can.
     """
-    (null,) = designs(1, 0, catalogued, outside, kinds=["null"], like=like)
+    (null,) = designs(1, 0, Hideable(catalogued, outside), kinds=["null"], like=like)
     model = like.model
     problem, nuisances = bare_problem(null, track_root(null) if like.sight.kind == "track" else None)
     random = np.random.default_rng(0)
