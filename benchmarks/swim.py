@@ -41,7 +41,7 @@ from affine_model.swim import (
 from affine_model.swim.objectives import scores
 from affine_model.swim.table2 import HEADER, REMARKS, cells, ratios, table2
 from benchmarks.affine import operations_per_step
-from tentacle.cli._swimming import reference_speed
+from validation.reference_swim import reference_speed
 
 SILICONE = "dragon-skin-10"
 EVALUATIONS = 5000  # the paper's 50 x 100

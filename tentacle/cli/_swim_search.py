@@ -32,8 +32,8 @@ def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Mod
     from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
     from affine_model.swim import SearchPlan, optimise
     from tentacle.cli._swim_work import VERSION
-    from tentacle.cli._swimming import SearchNotes
     from tentacle.io.model_file import model_tables
+    from tentacle.io.search_notes import SearchNotes
 
     settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
     inputs = {"version": VERSION, "model": model_tables(model), "limits": asdict(trial.limits), **settings}
