@@ -7,7 +7,7 @@ int psi (M u'' - F) dt = int (-psi' M u' - psi (M' u' + F)) dt, since psi vanish
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,6 @@ import numpy as np
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
-from inference.linear_fit import LinearFit, ParameterName, fit_linear
 from inference.measured_motion import MeasuredCourse, MeasuredMotion, measured_motion, memory_along
 from tentacle.errors import InputError
 
@@ -66,25 +65,10 @@ class Bumps:
 
 
 def weak_system(arm: Arm, course: MeasuredCourse, weights: Bumps, *, window: int = 7) -> Callable[[Array], Array]:
-    """The weighted residual (N,) of these curvatures as a function of the parameters (R,); else as weak_form."""
+    """The weighted residual (N,) of these curvatures as a function of the parameters (R,).
+
+    Rates are still smoothed over `window` samples. Overlapping bumps count once: see fit_linear's `independent`.
+    """
     motion = measured_motion(arm, course.t, course.q, course.base, q_rate=course.q_rate, window=window)
     psi, psi_rate = bumps(course.t, weights.width, weights.overlap)
     return lambda vector: weak_residual(arm, vector, motion, psi, psi_rate).ravel()
-
-
-def weak_form(
-    arm: Arm,
-    parameters: Array,
-    free: Sequence[ParameterName],
-    course: MeasuredCourse,
-    weights: Bumps,
-    *,
-    window: int = 7,
-) -> LinearFit:
-    """Fit the free parameters to a measured course in weak form.
-
-    As regression(), but with weights in time; rates are still smoothed over `window` samples. The covariance
-    counts overlapping bumps once.
-    """
-    residual = weak_system(arm, course, weights, window=window)
-    return fit_linear(residual, parameters, free, independent=1.0 / weights.overlap)

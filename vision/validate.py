@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -180,14 +180,6 @@ def judge_disturbed(disturb: str, seed: int, frames: int, size: tuple[int, int])
         filmed = film(scene, LOOKS["clean"], seed, Path(folder), disturb)
         tracked = track_fully(filmed.video, filmed.declaration, filmed.motor)
     return tracked, false_accepts(scene, tracked.shape)
-
-
-def validate(
-    seeds: tuple[int, ...] = (1, 2), frames: int = 120, size: tuple[int, int] = (1280, 720)
-) -> Iterator[LookResult]:
-    """Every look in turn."""
-    for look in LOOKS.values():
-        yield judge_look(replace(look), seeds, frames, size)
 
 
 def table(results: list[LookResult]) -> str:

