@@ -68,6 +68,9 @@ class Drive:
         return np.array(angle), np.array(slide)
 
 
+PRESCRIBED = Drive()
+
+
 @dataclass(frozen=True)
 class Pace:
     """How a batch is stepped: step [s]; stride: every stride-th state is kept, 0 keeps none; average_from: the first

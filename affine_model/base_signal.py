@@ -4,6 +4,8 @@ act.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
@@ -13,6 +15,20 @@ from tentacle.waveform import Waveform
 
 FORGOTTEN = 5.0  # s: what a lag or a gear saw longer ago than this is of no account
 PLAY_SMOOTHING = 0.006  # s: the play operator's corners are rounded over this time, so that theta has two derivatives
+
+
+@dataclass(frozen=True)
+class Steps:
+    """`count` steps of `step` [s] from t0 [s] on."""
+
+    t0: float
+    step: float
+    count: int
+
+    @property
+    def middles(self) -> Array:
+        """Times (S,) of their middles."""
+        return step_middles(self.t0, self.step, self.count)
 
 
 def step_middles(t0: float, step: float, steps: int) -> Array:
@@ -56,18 +72,17 @@ def _with_play(table: Array, step: float, play: float) -> Array:
     return table + np.array([lost, rate, np.gradient(rate, step)])
 
 
-def base_table(
-    waveform: Waveform, t0: float, step: float, steps: int, lag: Array, play: Array, *, known_from: float | None = None
-) -> Array:
+def base_table(waveform: Waveform, steps: Steps, lag: Array, play: Array, *, known_from: float | None = None) -> Array:
     """theta, rate, acceleration at the step middles for B individuals: (3, S, B), or (3, S, 1) where all share one.
 
     lag (B,) [s] is that of servo_lag, play (B,) [rad] that of backlash (the gear comes before the lag). known_from [s]:
     since when the waveform is known (default: t0); what the lag and the gear hold at t0 comes from there.
     """
     if not (np.any(lag > 0.0) or np.any(play > 0.0)):
-        return waveform(step_middles(t0, step, steps))[:, :, None]
+        return waveform(steps.middles)[:, :, None]
+    t0, step = steps.t0, steps.step
     before = 0 if known_from is None else round(min(max(t0 - known_from, 0.0), FORGOTTEN) / step)
-    table = waveform(step_middles(t0 - before * step, step, before + steps))
+    table = waveform(step_middles(t0 - before * step, step, before + steps.count))
     bent = {}
     for pair in zip(lag.tolist(), play.tolist(), strict=True):
         if pair not in bent:

@@ -35,6 +35,18 @@ class Balance:
     fluid_mass: Any
 
 
+@dataclass(frozen=True)
+class Instant:
+    """Time t [s], one or (..., 1), and the memories (..., S, N) then: a slot for each of remembering(effects), all 0 if
+    None."""
+
+    t: Any = 0.0
+    memory: Any = None
+
+
+FRESH = Instant()
+
+
 @lru_cache(maxsize=32)
 def _torch_constants(arm: Arm, dtype: Any, device: Any) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """The arm's arrays on the device, moved there once."""
@@ -60,19 +72,12 @@ def parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
 
 
 def balance(
-    arm: Arm,
-    effects: tuple[Effect, ...],
-    parameters: Any,
-    u: Any,
-    u_rate: Any,
-    t: Any = 0.0,
-    memory: Any = None,
+    arm: Arm, effects: tuple[Effect, ...], parameters: Any, u: Any, u_rate: Any, instant: Instant = FRESH
 ) -> Balance:
     """Assemble the equations at one state.
 
-    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates; t [s]; memory (..., S, N): a slot for each
-    of remembering(effects), all 0 if None. Source: eq. 5-17; added mass as in Lighthill 1960 (momentum m_a u_n n,
-    with the couple m_a u_n u_t).
+    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates. Source: eq. 5-17; added mass as in
+    Lighthill 1960 (momentum m_a u_n n, with the couple m_a u_n u_t).
     """
     xp = sys.modules[type(u).__module__.split(".")[0]]
     n, L = arm.order, arm.specimen.length
@@ -98,7 +103,7 @@ def balance(
     curvature_columns = xp.concatenate([C + 0 * phi[..., None], xp.zeros_like(angle_columns[..., n:])], -1)
 
     x = SimpleNamespace(
-        **node, **arm.arm_quantities, t=t, phi=phi, phi_rate=phi_rate,
+        **node, **arm.arm_quantities, t=instant.t, phi=phi, phi_rate=phi_rate,
         c_rate=z_rate @ C.T, x=position[..., 0], y=position[..., 1], stiffness=0.0, drag_coefficient=0.0,
     )  # fmt: skip
     own = [(effect, parameters_of(effect, parameters)) for effect in effects]
@@ -122,11 +127,11 @@ def balance(
     x.u_t = -relative_x * sin + relative_y * cos
     x.speed = xp.sqrt(x.u_n**2 + x.u_t**2 + 1e-16)
     step = 1e-4  # the water's own acceleration, by central difference: exact to 1e-8 for motions of a few Hz
-    x.t = t + step
+    x.t = instant.t + step
     ahead = total_pair("water_velocity")
-    x.t = t - step
+    x.t = instant.t - step
     behind = total_pair("water_velocity")
-    x.t = t
+    x.t = instant.t
     water_acceleration = [(a - b) / (2 * step) + 0 * phi for a, b in zip(ahead, behind, strict=True)]
 
     tilt = arm.gravity.angle + total("gravity_tilt") + 0 * phi
@@ -159,7 +164,7 @@ def balance(
     for effect, p in own:
         if effect.bending_moment is not None:
             slot = slots.get(effect.name)
-            x.memory = 0.0 * phi if memory is None or slot is None else memory[..., slot, :]
+            x.memory = 0.0 * phi if instant.memory is None or slot is None else instant.memory[..., slot, :]
             moment = moment + effect.bending_moment(x, p)
     force = force - xp.einsum("i,...ij,...i->...j", w / L, curvature_columns, moment)
 

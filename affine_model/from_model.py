@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from affine_model.advance import PRESCRIBED, Drive
 from affine_model.arm import arm_of, parameter_index, parameter_vector, refuse_soft_sections
-from affine_model.base_signal import base_table
-from affine_model.curvature import Array
-from affine_model.simulate import Batch, Rail, Servo, simulate
+from affine_model.base_signal import Steps, base_table
+from affine_model.simulate import STRAIGHT, Batch, Start, Timing, simulate
 from tentacle.model import Model
 from tentacle.waveform import Waveform
+
+EVERY_STEP = Timing(1 / 500)
 
 
 def simulate_model(
@@ -17,24 +19,22 @@ def simulate_model(
     waveform: Waveform,
     duration: float,
     *,
-    step: float = 1 / 500,
-    q: Array | None = None,
-    q_rate: Array | None = None,
-    servo: Servo | None = None,
-    rail: Rail | None = None,
-    t0: float = 0.0,
-    stride: int = 1,
+    timing: Timing = EVERY_STEP,
+    start: Start = STRAIGHT,
+    drive: Drive = PRESCRIBED,
 ) -> Batch:
     """The model under a base motion (with a servo: under that command) for `duration` [s]; one individual.
 
-    q, q_rate (n,): initial curvature and rates, zero if None. InputError where k(s) <= 0 somewhere, or the model names
+    start: as for simulate, with (n,) in place of (n, B). InputError where k(s) <= 0 somewhere, or the model names
     an unknown parameter.
     """
     arm, parameters = arm_of(model), parameter_vector(model)
     refuse_soft_sections(arm, parameters)
     lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
-    base = base_table(waveform, t0, step, round(duration / step), lag, play)
-    start, rate = (None if value is None else np.asarray(value, dtype=float)[:, None] for value in (q, q_rate))
-    return simulate(
-        arm, parameters[:, None], base, step, q=start, q_rate=rate, servo=servo, rail=rail, t0=t0, stride=stride
+    base = base_table(waveform, Steps(start.t0, timing.step, round(duration / timing.step)), lag, play)
+    q, rate, memory = (
+        None if value is None else np.asarray(value, dtype=float)[:, None]
+        for value in (start.q, start.q_rate, start.memory)
     )
+    begins = Start(q, rate, memory, start.t0)
+    return simulate(arm, parameters[:, None], base, timing, start=begins, drive=drive)

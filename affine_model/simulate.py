@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from affine_model.advance import Drive, Pace, Rail, Servo, State, advance, at_rest
+from affine_model.advance import PRESCRIBED, Drive, Pace, Rail, Servo, State, advance, at_rest
 from affine_model.arm import Arm
 from affine_model.curvature import Array
 from affine_model.dynamics import remembering
@@ -44,42 +45,57 @@ class Batch:
     diverged: Array
 
 
+@dataclass(frozen=True)
+class Timing:
+    """step [s]; stride: every stride-th state is kept, 0 keeps none; average_from [s] after the start: where the means
+    begin; iterations: Newton iterations a step, of which 1 suffices unless exact energy is wanted.
+    """
+
+    step: float
+    stride: int = 1
+    average_from: float = 0.0
+    iterations: int = 1
+
+    @property
+    def pace(self) -> Pace:
+        """The same, counted in steps."""
+        return Pace(self.step, self.stride, round(self.average_from / self.step), self.iterations)
+
+
+@dataclass(frozen=True)
+class Start:
+    """The state at time t0 [s] in the paper's coordinates, (n, B) each, zero where None: q [rad], q_rate [rad/s], and
+    memory [rad], the curvature that a Maxwell branch remembers.
+    """
+
+    q: Any = None
+    q_rate: Any = None
+    memory: Any = None
+    t0: float = 0.0
+
+
+STRAIGHT = Start()
+
+
 def simulate(
-    arm: Arm,
-    parameters: Array,
-    base: Array,
-    step: float,
-    *,
-    q: Array | None = None,
-    q_rate: Array | None = None,
-    memory: Array | None = None,
-    servo: Servo | None = None,
-    rail: Rail | None = None,
-    t0: float = 0.0,
-    stride: int = 1,
-    average_from: float = 0.0,
-    iterations: int = 1,
+    arm: Arm, parameters: Array, base: Array, timing: Timing, *, start: Start = STRAIGHT, drive: Drive = PRESCRIBED
 ) -> Batch:
-    """Integrate B individuals over S steps of `step` seconds.
+    """Integrate B individuals over the S steps of base.
 
     parameters (R, B), columns as in arm.parameter_vector. base (3, S, B) or (3, S, 1): theta and its two derivatives
-    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command. q, q_rate (n, B): initial state in
-    the paper's coordinates, zero if None; memory (n, B): the curvature that a Maxwell branch remembers then,
-    likewise. stride: keep every stride-th step, 0 keeps none. average_from [s] after t0: start of the means.
-    iterations: Newton iterations a step; 1 suffices unless exact energy is wanted.
+    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command.
     """
     parameters = np.ascontiguousarray(parameters, dtype=float)
     base = np.ascontiguousarray(base, dtype=float)
     n, count = arm.order, parameters.shape[1]
     if base.shape[0] != 3 or base.shape[2] not in (1, count):
         raise ValueError(f"base has shape {base.shape}; expected (3, steps, 1 or {count})")
-    state = _start(arm, base, step, q, q_rate, memory, count)
-    pace = Pace(step, stride, round(average_from / step), iterations)
-    course = advance(arm, Drive(servo, rail), parameters, base, (np.full(count, float(t0)), state), pace)
+    state = _start(arm, base, timing.step, start, count)
+    course = advance(arm, drive, parameters, base, (np.full(count, float(start.t0)), state), timing.pace)
     u, u_rate, force, summary = course.u, course.u_rate, course.force, course.summary
-    if not stride:
+    if not timing.stride:
         u, u_rate, force = u[:0], u_rate[:0], force[:0]
-    times = t0 + step * stride * np.arange(len(u), dtype=np.float64)
+    times = start.t0 + timing.step * timing.stride * np.arange(len(u), dtype=np.float64)
     sound = summary[4] < 0.0
     return Batch(
         t=times,
@@ -90,7 +106,7 @@ def simulate(
         rail=u[:, n + 1],
         rail_rate=u_rate[:, n + 1],
         force_t=0.5 * (times[1:] + times[:-1]),
-        fluid_force=force[: len(times) - 1, :2] if stride else force[:, :2],
+        fluid_force=force[: len(times) - 1, :2] if timing.stride else force[:, :2],
         load=force[:, 2],
         torque=force[:, 3],
         mean_thrust=np.where(sound, summary[1], np.nan),
@@ -99,18 +115,16 @@ def simulate(
     )
 
 
-def _start(
-    arm: Arm, base: Array, step: float, q: Array | None, q_rate: Array | None, memory: Array | None, count: int
-) -> State:
+def _start(arm: Arm, base: Array, step: float, start: Start, count: int) -> State:
     """The state before the first step; the base where the first middle says, to second order, as the kernel goes on."""
     n, state = arm.order, at_rest(arm, count)
-    if q is not None:
-        state.u[:n] = arm.from_monomial @ q
-    if q_rate is not None:
-        state.u_rate[:n] = arm.from_monomial @ q_rate
+    if start.q is not None:
+        state.u[:n] = arm.from_monomial @ start.q
+    if start.q_rate is not None:
+        state.u_rate[:n] = arm.from_monomial @ start.q_rate
     state.u[n] = base[0, 0] - 0.5 * step * base[1, 0] + 0.125 * step**2 * base[2, 0]
     state.u_rate[n] = base[1, 0] - 0.5 * step * base[2, 0]
-    if memory is not None:
+    if start.memory is not None:
         relaxing = [effect.relaxation_time is not None for effect in remembering(tuple(catalogue().values()))]
-        state.store[relaxing] = arm.curvature_basis @ arm.from_monomial @ memory
+        state.store[relaxing] = arm.curvature_basis @ arm.from_monomial @ start.memory
     return state

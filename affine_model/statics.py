@@ -2,30 +2,43 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array, angle_basis, quadrature
-from affine_model.dynamics import balance
+from affine_model.dynamics import Instant, balance
 
 DIFFERENCE = 1e-5  # rad; central differences of smooth forces: 1e-10 relative
 
 
-def tip_load(arm: Arm, z: Array, theta: float, force: tuple[float, float], moment: float) -> Array:
-    """Generalised force (..., n) of a dead load at s = 1: force (x, y) [N] in the base frame, moment [N m].
+@dataclass(frozen=True)
+class TipLoad:
+    """A dead load at s = 1: force (x, y) [N] in the base frame, moment [N m]."""
+
+    force: tuple[float, float] = (0.0, 0.0)
+    moment: float = 0.0
+
+
+UNLOADED = TipLoad()
+
+
+def tip_load(arm: Arm, z: Array, theta: float, load: TipLoad) -> Array:
+    """Generalised force (..., n) of a dead load at s = 1.
 
     z (..., n) are Legendre coordinates. By virtual work: dr_tip/dz . force + d alpha_tip/dz moment.
     """
     rule = quadrature(arm.nodes)
     phi = theta + z @ arm.angle_basis.T
-    arm_of_force = -(np.cos(phi) * force[0] + np.sin(phi) * force[1]) * arm.specimen.length * rule.weights
-    return arm_of_force @ arm.angle_basis + moment * angle_basis(arm.order, [1.0])[0]
+    arm_of_force = -(np.cos(phi) * load.force[0] + np.sin(phi) * load.force[1]) * arm.specimen.length * rule.weights
+    return arm_of_force @ arm.angle_basis + load.moment * angle_basis(arm.order, [1.0])[0]
 
 
 def static_force(arm: Arm, parameters: Array, z: Array, theta: float = 0.0, t: float = 0.0) -> Array:
     """Generalised force (..., n) on the curvature coordinates z (..., n) of the arm at rest (memory relaxed)."""
     u = np.concatenate([z, np.full((*z.shape[:-1], 1), theta), np.zeros((*z.shape[:-1], 1))], axis=-1)
-    return balance(arm, active_effects(parameters), parameters, u, np.zeros_like(u), t).force[..., : arm.order]
+    return balance(arm, active_effects(parameters), parameters, u, np.zeros_like(u), Instant(t)).force[..., : arm.order]
 
 
 def equilibrium(
@@ -33,14 +46,13 @@ def equilibrium(
     parameters: Array,
     theta: float = 0.0,
     *,
-    tip_force: tuple[float, float] = (0.0, 0.0),
-    tip_moment: float = 0.0,
+    load: TipLoad = UNLOADED,
     start: Array | None = None,
     t: float = 0.0,
 ) -> Array:
     """Curvatures q (n,) at which the arm rests with its base held at theta [rad].
 
-    parameters (R,). tip_force (x, y) [N] and tip_moment [N m] are dead loads at s = 1. start: first guess q (n,),
+    parameters (R,). start: first guess q (n,),
     straight if None. Newton's method with the step halved while the forces do not fall. ArithmeticError where it finds
     no rest in 100 steps.
     """
@@ -48,7 +60,7 @@ def equilibrium(
     offsets = DIFFERENCE * np.concatenate([np.eye(arm.order), -np.eye(arm.order)])
 
     def forces(points: Array) -> Array:
-        external = tip_load(arm, points, theta, tip_force, tip_moment)
+        external = tip_load(arm, points, theta, load)
         return static_force(arm, parameters, points, theta, t) + external
 
     scale = np.max(np.abs(forces(offsets / DIFFERENCE))) + 1e-300

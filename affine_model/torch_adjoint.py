@@ -30,6 +30,11 @@ SUMS = 4  # rows of the summary that are means over the steps
 Run = Callable[..., tuple[Tensor, ...]]
 
 
+def numbers_of(pace: Pace) -> list[float]:
+    """The pace as a row of numbers, since an operator of torch takes only tensors and numbers."""
+    return [pace.step, *map(float, (pace.stride, pace.average_from, pace.iterations, pace.age, pace.complete))]
+
+
 @dataclass(frozen=True)
 class _Columns:
     """What a step depends on: rows of the state, of the parameters and of the base that are moved, one at a time."""
@@ -94,8 +99,9 @@ def _single_steps(run: Run, arm: Arm, given: _Inputs, pace: Pace) -> Tensor:
     flat = [tensor.reshape(tensor.shape[0], -1) for tensor in (given.state, given.parameters, given.base)]
     u, u_rate, past, store = _split(arm, flat[0])
     starts = [part.contiguous() for part in (given.times.reshape(-1), u, u_rate, past, store)]
-    numbers = (pace.step, 1, 0, pace.iterations, pace.age, True)
-    u, u_rate, force, past, store, summary = run(flat[1], flat[2][:, None].contiguous(), *starts, *numbers)
+    single = replace(pace, stride=1, average_from=0, complete=True)
+    base = flat[2][:, None].contiguous()
+    u, u_rate, force, past, store, summary = run(flat[1], base, starts, numbers_of(single))
     after = torch.cat([u[1], u_rate[1], past[0], store[0].flatten(0, 1), force[0], summary[:SUMS]])
     return after.reshape(-1, *lanes)
 
@@ -128,29 +134,32 @@ def _jacobians(run: Run, arm: Arm, drive: Drive, given: _Inputs, columns: _Colum
     return (after[0::2] - after[1::2]) / torch.stack(widths)[:, None]
 
 
+@dataclass(frozen=True)
+class Asked:
+    """Gradients of a loss by the outputs of advance, and whether its gradient by the parameters and by the base is
+    asked for."""
+
+    gradients: Sequence[Tensor | None]
+    inputs: tuple[bool, bool]
+
+
 def pulled_back(
-    run: Run,
-    arm: Arm,
-    drive: Drive,
-    tensors: Sequence[Tensor],
-    pace: Pace,
-    gradients: Sequence[Tensor | None],
-    wanted: tuple[bool, bool],
+    run: Run, arm: Arm, drive: Drive, tensors: Sequence[Tensor], pace: Pace, asked: Asked
 ) -> tuple[Tensor | None, ...]:
     """Gradients of parameters, base, times (None), u, u_rate, past and store from those of advance's outputs.
 
-    run(parameters, base, times, u, u_rate, past, store, step, stride, average_from, iterations, age, complete) is the
-    operator; wanted says of parameters and base whether theirs are asked for.
+    run(parameters, base, start, numbers_of(pace)) is the operator.
     """
     parameters, base, times, *start = tensors
     count, steps, size = parameters.shape[1], base.shape[1], arm.order + 2
-    whole = run(parameters, base, times, *start, pace.step, 1, 0, pace.iterations, pace.age, True)
+    single = replace(pace, stride=1, average_from=0, complete=True)
+    whole = run(parameters, base, [times, *start], numbers_of(single))
     first = torch.cat([start[0], start[1], start[2], start[3].flatten(0, 1)])
     later = torch.cat([whole[0][1:], whole[1][1:], whole[3], whole[4].flatten(1, 2)], 1)
     states = torch.cat([first[None], later]).movedim(0, 1)  # (X, S + 1, B)
     rows = states.shape[0]
-    columns = _columns(arm, drive, parameters, *wanted)
-    pull = _Pull(pace, steps, size, gradients, whole[5][4] < 0.0)
+    columns = _columns(arm, drive, parameters, *asked.inputs)
+    pull = _Pull(pace, steps, size, asked.gradients, whole[5][4] < 0.0)
     adjoint = pull.at_end(parameters.new_zeros(rows, count))
     of_parameters, of_base = torch.zeros_like(parameters), parameters.new_zeros(3, steps, count)
     table = base.expand(3, steps, count)
@@ -174,7 +183,12 @@ def pulled_back(
             of_base[columns.base, k] = found[split[1] :]
     adjoint = adjoint + pull.at_state(0, adjoint)
     of_base = of_base if base.shape[2] == count else of_base.sum(2, keepdim=True)
-    return (of_parameters if wanted[0] else None, of_base if wanted[1] else None, None, *_split(arm, adjoint))
+    return (
+        of_parameters if asked.inputs[0] else None,
+        of_base if asked.inputs[1] else None,
+        None,
+        *_split(arm, adjoint),
+    )
 
 
 def _pieces(steps: int, size: int, age: int) -> list[tuple[int, int]]:

@@ -15,7 +15,7 @@ from torch import Tensor
 
 from affine_model.advance import Drive, Pace, Rail, Servo, State, advance
 from affine_model.arm import Arm
-from affine_model.torch_adjoint import pulled_back
+from affine_model.torch_adjoint import Asked, numbers_of, pulled_back
 from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Specimen
 
 Outputs = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
@@ -62,17 +62,18 @@ def drive_from_row(row: Tensor) -> Drive:
     return Drive(servo, Rail(*rail) if slides else None)
 
 
+def pace_of(numbers: list[float]) -> Pace:
+    """The pace of a row of numbers."""
+    step, stride, average_from, iterations, age, complete = numbers
+    return Pace(step, int(stride), int(average_from), int(iterations), int(age), bool(complete))
+
+
 @torch.library.custom_op("tentacle::advance", mutates_args=(), device_types="cpu")
-def _advance(
-    arm: Tensor, drive: Tensor, parameters: Tensor, base: Tensor, times: Tensor,
-    u: Tensor, u_rate: Tensor, past: Tensor, store: Tensor,
-    step: float, stride: int, average_from: int, iterations: int, age: int, complete: bool,
-) -> Outputs:  # fmt: skip
-    state = State(*(tensor.contiguous().numpy() for tensor in (u, u_rate, past, store)))
+def _advance(rows: list[Tensor], parameters: Tensor, base: Tensor, start: list[Tensor], pace: list[float]) -> Outputs:
+    times, *state = (tensor.contiguous().numpy() for tensor in start)
     given = [tensor.contiguous().numpy() for tensor in (parameters, base)]
-    pace = Pace(step, stride, average_from, iterations, age, complete)
-    start = times.contiguous().numpy(), state
-    course = advance(arm_from_row(arm), drive_from_row(drive), given[0], given[1], start, pace)
+    arm, drive = arm_from_row(rows[0]), drive_from_row(rows[1])
+    course = advance(arm, drive, given[0], given[1], (times, State(*state)), pace_of(pace))
     whole = (course.u, course.u_rate, course.force, course.past, course.store, course.summary)
     a, b, c, d, e, f = (torch.from_numpy(array) for array in whole)
     return a, b, c, d, e, f
@@ -80,26 +81,23 @@ def _advance(
 
 @_advance.register_kernel("cuda")
 def _advance_cuda(
-    arm: Tensor, drive: Tensor, parameters: Tensor, base: Tensor, times: Tensor,
-    u: Tensor, u_rate: Tensor, past: Tensor, store: Tensor,
-    step: float, stride: int, average_from: int, iterations: int, age: int, complete: bool,
-) -> Outputs:  # fmt: skip
+    rows: list[Tensor], parameters: Tensor, base: Tensor, start: list[Tensor], pace: list[float]
+) -> Outputs:
     from affine_model.gpu import advance_on_device
 
-    pace = Pace(step, stride, average_from, iterations, age, complete)
-    moving = (times, u, u_rate, past, store)
-    return advance_on_device(arm_from_row(arm), drive_from_row(drive), parameters, base, moving, pace)
+    arm, drive = arm_from_row(rows[0]), drive_from_row(rows[1])
+    return advance_on_device(arm, drive, parameters, base, tuple(start), pace_of(pace))
 
 
 @_advance.register_fake
 def _advance_shapes(
-    arm: Tensor, drive: Tensor, parameters: Tensor, base: Tensor, times: Tensor,
-    u: Tensor, u_rate: Tensor, past: Tensor, store: Tensor,
-    step: float, stride: int, average_from: int, iterations: int, age: int, complete: bool,
-) -> Outputs:  # fmt: skip
-    del arm, drive, times, u_rate, step, average_from, iterations, age
+    rows: list[Tensor], parameters: Tensor, base: Tensor, start: list[Tensor], pace: list[float]
+) -> Outputs:
+    del rows
+    _, u, _, past, store = start
+    stride = int(pace[1])
     count, kept = parameters.shape[1], base.shape[1] // stride if stride else 0
-    whole = kept if complete else 0
+    whole = kept if pace[5] else 0
     motion = parameters.new_empty(kept + 1, u.shape[0], count)
     return (
         motion,
@@ -113,22 +111,22 @@ def _advance_shapes(
 
 def _remember(ctx: Any, inputs: tuple[Any, ...], output: Outputs) -> None:
     del output
-    tensors, ctx.numbers = inputs[:9], inputs[9:]
-    ctx.save_for_backward(*tensors)
+    rows, parameters, base, start, ctx.pace = inputs
+    ctx.save_for_backward(*rows, parameters, base, *start)
 
 
-def _backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
-    step, stride, average_from, iterations, age, _ = ctx.numbers
+def _backward(ctx: Any, *gradients: Tensor) -> tuple[Any, ...]:
     arm, drive, *tensors = ctx.saved_tensors
-    pace = Pace(step, stride, average_from, iterations, age)
 
-    def run(*arguments: Any) -> Outputs:
-        return _advance(arm, drive, *arguments)
+    def run(parameters: Tensor, base: Tensor, start: list[Tensor], pace: list[float]) -> Outputs:
+        return _advance([arm, drive], parameters, base, start, pace)
 
-    wanted = (ctx.needs_input_grad[2], ctx.needs_input_grad[3])
+    wanted = (ctx.needs_input_grad[1], ctx.needs_input_grad[2])
     with torch.no_grad():
-        found = pulled_back(run, arm_from_row(arm), drive_from_row(drive), tensors, pace, gradients, wanted)
-    return None, None, *found, *(None,) * 6
+        asked = Asked(gradients, wanted)
+        found = pulled_back(run, arm_from_row(arm), drive_from_row(drive), tensors, pace_of(ctx.pace), asked)
+    of_parameters, of_base, *of_start = found
+    return [None, None], of_parameters, of_base, of_start, None
 
 
 _advance.register_autograd(_backward, setup_context=_remember)
@@ -142,7 +140,4 @@ def advanced(
     start: times (B,), u, u_rate, past, store. Gradients flow from all outputs except past and store to parameters,
     base, u, u_rate, past and store. Works under torch.compile.
     """
-    return _advance(
-        arm_row(arm), drive_row(drive), parameters, base, *start,
-        pace.step, pace.stride, pace.average_from, pace.iterations, pace.age, pace.complete,
-    )  # fmt: skip
+    return _advance([arm_row(arm), drive_row(drive)], parameters, base, list(start), numbers_of(pace))

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from affine_model.advance import Drive, Pace, Rail, Servo
+from affine_model.advance import PRESCRIBED, Drive
 from affine_model.arm import Arm
 from affine_model.dynamics import remembering
 from affine_model.effects import catalogue
+from affine_model.simulate import STRAIGHT, Start, Timing
 from affine_model.torch_advance import advanced
 
 PENALTY = -1.0  # N, thousand times what an arm can push: stands for the mean thrust of a diverged individual
@@ -50,50 +51,39 @@ class TorchBatch:
 
 
 def torch_simulate(
-    arm: Arm,
-    parameters: Tensor,
-    base: Tensor,
-    step: float,
-    *,
-    q: Tensor | None = None,
-    q_rate: Tensor | None = None,
-    servo: Servo | None = None,
-    rail: Rail | None = None,
-    t0: float = 0.0,
-    stride: int = 1,
-    average_from: float = 0.0,
-    iterations: int = 1,
-    penalty: float = PENALTY,
+    arm: Arm, parameters: Tensor, base: Tensor, timing: Timing, *, start: Start = STRAIGHT, drive: Drive = PRESCRIBED
 ) -> TorchBatch:
-    """Integrate B individuals over S steps of `step` seconds; gradients flow to whichever arguments require them.
+    """Integrate B individuals over the S steps of base; gradients flow to whichever arguments require them.
 
-    parameters (R, B), base (3, S, B or 1) at the middles of the steps (with a servo, the command), q and q_rate (n, B),
-    servo and rail, t0, average_from and iterations, as affine_model.simulate.simulate takes them. stride: keep every
-    stride-th state, 0 keeps the last alone. The mean thrust of a diverged individual is `penalty` [N].
+    All as affine_model.simulate.simulate takes it, with tensors in place of arrays; a stride of 0 keeps the last state
+    alone. The mean thrust of a diverged individual is PENALTY.
     """
     n, count = arm.order, parameters.shape[1]
     to_legendre = torch.as_tensor(arm.from_monomial).to(parameters)
     to_monomial = torch.as_tensor(arm.to_monomial).to(parameters)
     none, still = parameters.new_zeros(n, count), parameters.new_zeros(1, count)
     # From the first middle back to the start, to second order, as the kernel goes on.
-    angle = (base[0, :1] - 0.5 * step * base[1, :1] + 0.125 * step**2 * base[2, :1]).expand(1, count)
-    angle_rate = (base[1, :1] - 0.5 * step * base[2, :1]).expand(1, count)
-    u = torch.cat([none if q is None else to_legendre @ q, angle, still])
-    u_rate = torch.cat([none if q_rate is None else to_legendre @ q_rate, angle_rate, still])
-    slots = len(remembering(tuple(catalogue().values())))
-    past, store = parameters.new_zeros(2 * n + 5, count), parameters.new_zeros(slots, arm.nodes, count)
-    times = parameters.new_full((count,), t0)
-    pace = Pace(step, stride, round(average_from / step), iterations)
-    found = advanced(arm, Drive(servo, rail), parameters, base, (times, u, u_rate, past, store), pace)
+    angle = (base[0, :1] - 0.5 * timing.step * base[1, :1] + 0.125 * timing.step**2 * base[2, :1]).expand(1, count)
+    angle_rate = (base[1, :1] - 0.5 * timing.step * base[2, :1]).expand(1, count)
+    u = torch.cat([none if start.q is None else to_legendre @ start.q, angle, still])
+    u_rate = torch.cat([none if start.q_rate is None else to_legendre @ start.q_rate, angle_rate, still])
+    slots = remembering(tuple(catalogue().values()))
+    past, store = parameters.new_zeros(2 * n + 5, count), parameters.new_zeros(len(slots), arm.nodes, count)
+    if start.memory is not None:
+        at_nodes = torch.as_tensor(arm.curvature_basis @ arm.from_monomial).to(parameters) @ start.memory
+        relaxing = torch.tensor([effect.relaxation_time is not None for effect in slots], device=parameters.device)
+        store = torch.where(relaxing[:, None, None], at_nodes, store)
+    times = parameters.new_full((count,), start.t0)
+    found = advanced(arm, drive, parameters, base, (times, u, u_rate, past, store), timing.pace)
     all_u, all_rates, force, _, _, summary = found
-    if not stride:
+    if not timing.stride:
         ends = summary[5:].unflatten(0, (2, n + 2))
         all_u, all_rates = torch.stack([u, ends[0]]), torch.stack([u_rate, ends[1]])
         force = summary.new_full((1, 4, count), torch.nan)
-    spacing = step * (stride or base.shape[1])
+    spacing = timing.step * (timing.stride or base.shape[1])
     sound = summary[4] < 0.0
     return TorchBatch(
-        t=t0 + spacing * torch.arange(len(all_u), dtype=parameters.dtype, device=parameters.device),
+        t=start.t0 + spacing * torch.arange(len(all_u), dtype=parameters.dtype, device=parameters.device),
         q=torch.einsum("jk,tkb->tjb", to_monomial, all_u[:, :n]),
         q_rate=torch.einsum("jk,tkb->tjb", to_monomial, all_rates[:, :n]),
         theta=all_u[:, n],
@@ -103,7 +93,7 @@ def torch_simulate(
         fluid_force=force[:, :2],
         load=force[:, 2],
         torque=force[:, 3],
-        mean_thrust=torch.where(sound, summary[1], penalty),
+        mean_thrust=torch.where(sound, summary[1], PENALTY),
         mean_power=torch.where(sound, summary[2], torch.nan),
         diverged=torch.where(sound, torch.nan, summary[4]).detach(),
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.kernel.load import is_compiled
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 
@@ -27,7 +27,7 @@ def compile_orders(orders: Sequence[int]) -> None:
     """Compile the kernels of these orders by running each for one step."""
     for order in orders:
         model = _model(order)
-        simulate(arm_of(model), parameter_vector(model)[:, None], np.zeros((3, 1, 1)), 1e-3)
+        simulate(arm_of(model), parameter_vector(model)[:, None], np.zeros((3, 1, 1)), Timing(1e-3))
 
 
 def start_compiling(orders: Sequence[int] = USUAL) -> subprocess.Popen[bytes] | None:

@@ -16,9 +16,10 @@ import numpy as np
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index
 from affine_model.curvature import midline
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from mujoco_ref.engine import mujoco
 from mujoco_ref.midline import midline_points
+from mujoco_ref.simulate import Setup
 from mujoco_ref.simulate import simulate as simulate_chain
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
@@ -109,12 +110,12 @@ def ours(case: Case, order: int, substeps: int, count: int = BATCH, nodes: int |
     steps = case.motion.periods * FRAMES * substeps
     base = case.motion((np.arange(steps) + 0.5) * step)[:, :, None]
     rows = np.repeat(vector[:, None], count, axis=1)
-    batch = simulate(arm, vector[:, None], base, step, stride=substeps)
+    batch = simulate(arm, vector[:, None], base, Timing(step, substeps))
     half = case.motion.periods // 2 * FRAMES
     if not np.isnan(batch.diverged[0]):
         raise FloatingPointError("diverged")
     xy = midline(batch.q[:, :, 0], batch.theta[:, 0], case.material.specimen.length, S)[half:]
-    cost = processor_seconds(lambda: simulate(arm, rows, base, step, stride=0))
+    cost = processor_seconds(lambda: simulate(arm, rows, base, Timing(step, 0)))
     return Run(xy, float(batch.fluid_force[half:, 1, 0].mean()), cost / count / case.motion.seconds)
 
 
@@ -128,7 +129,11 @@ def chain(case: Case, links: int, substeps: int, timed: bool = True) -> Run:
 
     def work(motion: Motion) -> Any:
         return simulate_chain(
-            model, motion, motion.seconds, fps, links=links, s=S, longest_step=1.0 / (fps * substeps * (1.0 - 1e-9))
+            model,
+            motion,
+            motion.seconds,
+            fps,
+            setup=Setup(links=links, s=S, longest_step=1.0 / (fps * substeps * (1.0 - 1e-9))),
         )
 
     try:

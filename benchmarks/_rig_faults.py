@@ -36,7 +36,7 @@ from rig.link import Link
 from rig.motion import motion_of
 from rig.play import arm
 from rig.protocol import Event, Frame, LoadSample, Parser, Type, encode
-from rig.record import record
+from rig.record import Attendance, record
 from rig.run_file import read_run
 from rig.safety import ServoCalibration
 from rig.setup_file import CameraSettings
@@ -183,9 +183,13 @@ def full_disk(folder: Path) -> Outcome:
         begun = time.monotonic()
         with connected(setup) as board:
             result = record(
-                setup, board, None, motion_of(WAVE, 20.0, setup.limits, TABLE), folder / "full.rrd", name="full",
-                free_bytes=lambda _: 0 if time.monotonic() - begun > 4.0 else 10**10,
-            )  # fmt: skip
+                setup,
+                board,
+                None,
+                motion_of(WAVE, 20.0, setup.limits, TABLE),
+                folder / "full.rrd",
+                Attendance(name="full", free_bytes=lambda _: 0 if time.monotonic() - begun > 4.0 else 10**10),
+            )
             after = to_neutral(emulator)
         run = read_run(folder / "full.rrd")
     good = result.outcome == run.outcome == "disk" and after < 0.6 and len(run.load) > 50
@@ -199,7 +203,7 @@ def stalled_camera(folder: Path) -> Outcome:
         with connected(setup) as board:
             camera = Camera(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
             motion = motion_of(WAVE, 4.0, setup.limits, TABLE)
-            result = record(setup, board, camera, motion, folder / "stall.rrd", name="stall")
+            result = record(setup, board, camera, motion, folder / "stall.rrd", Attendance(name="stall"))
             camera.close()
         run = read_run(folder / "stall.rrd")
     seconds = [round(b - a, 2) for a, b in run.stop["camera"]["gaps_host_s"]] if run.stop else []

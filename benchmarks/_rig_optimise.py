@@ -13,7 +13,7 @@ from rig.emulator import Emulator, EmulatorSettings
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits
-from rig.optimise import StudyPlan, Trial, best, optimise
+from rig.optimise import StudyPlan, Suggestions, Trial, best, optimise
 from rig.record import trial_runner
 from rig.reidentify import proposer
 from rig.setup_file import CameraSettings
@@ -93,7 +93,7 @@ def optimised(
             runner = trial_runner(setup, board, camera)
             done: list[Trial] = []
             try:
-                done.extend(optimise(folder / "study", study, runner, first, propose=propose))
+                done.extend(optimise(folder / "study", study, runner, Suggestions(first, propose)))
             except Fault as fault:
                 print(f"{folder.name}: broke off after {len(done)} trials: {fault}")
             return done, verdicts

@@ -18,6 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
+from affine_model.simulate import Timing
+from affine_model.swim.search import SearchPlan
+
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
@@ -73,7 +76,7 @@ def motions(count: int, seconds: float, step: float) -> Array:
 
 def ours(base: Array, step: float, arm: Arm = ARM, average_from: float = 0.0) -> Array:
     rows = np.repeat(parameters()[:, None], base.shape[2], axis=1)
-    return simulate(arm, rows, base, step, stride=0, average_from=average_from).mean_thrust
+    return simulate(arm, rows, base, Timing(step, 0, average_from)).mean_thrust
 
 
 def timed(work, repeats: int) -> float:
@@ -167,7 +170,7 @@ def tip_angles(order: int, amplitude: Array, frequency: Array, seconds: float) -
     t, w = (np.arange(round(seconds / step)) + 0.5)[:, None] * step, 2.0 * np.pi * frequency
     base = np.stack([amplitude * np.sin(w * t), amplitude * w * np.cos(w * t), -amplitude * w**2 * np.sin(w * t)])
     rows = np.repeat(bare_parameters()[:, None], len(amplitude), axis=1)
-    found = simulate(bare_arm(order), rows, base, step, stride=len(t))
+    found = simulate(bare_arm(order), rows, base, Timing(step, len(t)))
     share = 1.0 / np.arange(1, order + 1)  # alpha(1) = sum q_j / j
     return amplitude * np.sin(w * seconds) + share @ found.q[-1]
 
@@ -217,7 +220,9 @@ def paper_search(short: bool, figures: dict[str, float]) -> None:
     trial = Trial(ARM, parameters()[:, None], settle=4.0, window=6.0, step=STEP)
     generations = 4 if short else 100
     start = time.perf_counter()
-    for _ in search(trial, weighted(0.0), search_box(GaitLimits()), "ga", evaluations=50 * generations, seed=0):
+    for _ in search(
+        trial, weighted(0.0), search_box(GaitLimits()), SearchPlan("ga", evaluations=50 * generations, seed=0)
+    ):
         pass
     figures["paper_ga_s"] = (time.perf_counter() - start) * 100 / generations
     print(f"the paper's GA, 50 x 100 evaluations of 10 s: {figures['paper_ga_s']:.2f} s")
@@ -248,7 +253,7 @@ def recorded(seconds: float, fps: float, seed: int) -> tuple[Problem, tuple[Arra
     stride = 160
     h = 1.0 / (fps * stride)  # the truth's own error must be far below the fit's
     base = wave((np.arange(round(seconds / h)) + 0.5) * h)
-    clean = simulate(ARM, parameters()[:, None], base[:, :, None], h, stride=stride)
+    clean = simulate(ARM, parameters()[:, None], base[:, :, None], Timing(h, stride))
     sigma = np.array([1e-3, 1.7e-3, 6.0e-3])
     link = np.array([[1, 0, 0], [0, 1, -0.987], [0, -0.987, 1.0]])
     covariance = link * np.outer(sigma, sigma)

@@ -23,6 +23,7 @@ import numpy as np
 
 from affine_model.curvature import midline
 from affine_model.from_model import simulate_model
+from affine_model.simulate import Timing
 from tentacle.io.library import conditions, open_library
 from tentacle.io.library.layers import code_version, write_layer
 from tentacle.io.recording_rrd import read_rrd, write_rrd
@@ -45,7 +46,9 @@ def make(folder: Path, count: int) -> None:
     for specimen in arms:
         values = {"elasticity": {"E": 2e5}, "damping": {"eta": 1.5e3}, "drag": {"C_perp": 1.1}}
         exact = {effect: {n: Estimate.exact(v) for n, v in held.items()} for effect, held in values.items()}
-        run = simulate_model(Model(specimen, WATER, parameters=exact), Sine(0.4, 1.0), SECONDS, step=1 / 300, stride=10)
+        run = simulate_model(
+            Model(specimen, WATER, parameters=exact), Sine(0.4, 1.0), SECONDS, timing=Timing(1 / 300, 10)
+        )
         shapes.append((run.t, run.theta[:, 0], midline(run.q[:, :, 0], run.theta[:, 0], specimen.length, s)))
     for k in range(count):
         t, theta, xy = shapes[k % ARMS]

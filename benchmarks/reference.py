@@ -22,7 +22,7 @@ import numpy as np
 
 from mujoco_ref.engine import mujoco
 from mujoco_ref.modes import natural_frequencies
-from mujoco_ref.simulate import make_stepper, simulate
+from mujoco_ref.simulate import Setup, make_stepper, simulate
 from mujoco_ref.step import State
 from mujoco_ref.third_opinion import first_frequency, is_installed
 from tentacle.model import Estimate, Model
@@ -56,7 +56,7 @@ def speed(short: bool) -> dict[str, float]:
         begin = time.process_time()
         run = simulate(model, wave, duration, 60.0)
         best = min(best, time.process_time() - begin)
-    fine = simulate(model, wave, duration, 60.0, longest_step=5e-4)
+    fine = simulate(model, wave, duration, 60.0, setup=Setup(longest_step=5e-4))
     error = np.sqrt(np.mean(np.sum((run.midline.xy - fine.midline.xy) ** 2, axis=2)))
     return {"sim_s_per_core_s": duration / best, "step_error_mm": 1e3 * float(error)}
 
@@ -75,7 +75,7 @@ def order_in_links() -> dict[str, float]:
     frequencies = np.array([natural_frequencies(make_stepper(bare, links=n)) for n in (10, 20, 40)])
     orders = list(np.log2((frequencies[1] - frequencies[0]) / (frequencies[2] - frequencies[1])))
     wave = Sine(0.5, 1.0)
-    runs = [simulate(swimmer(), wave, 1.5, 50.0, links=n, lead_in=0.5) for n in (10, 20, 40, 80)]
+    runs = [simulate(swimmer(), wave, 1.5, 50.0, setup=Setup(links=n, lead_in=0.5)) for n in (10, 20, 40, 80)]
     steps = [np.sqrt(np.mean((a.midline.xy - b.midline.xy) ** 2)) for a, b in pairwise(runs)]
     swim = float(np.log2(steps[-2] / steps[-1]))
     return {"order_links": float(min([*orders, swim])), "order_links_swim": swim}
@@ -87,9 +87,9 @@ def momentum() -> dict[str, float]:
     stepper, wave, step = make_stepper(model), Sine(0.5, 1.3), 1e-3
     compiled, data = stepper.chain.model, mujoco.MjData(stepper.chain.model)
     state, total = State.at_rest(stepper.chain.links), float(stepper.chain.model.body_mass.sum())
-    carried = (total - compiled.body_mass[1] - model.fluid.density * stepper.links[:, 1].sum()) * compiled.opt.gravity[
-        :2
-    ]
+    carried = (
+        total - compiled.body_mass[1] - model.fluid.density * stepper.body.links[:, 1].sum()
+    ) * compiled.opt.gravity[:2]
     momenta, forces = [], []
     for i in range(800):
         data.qpos[:], data.qvel[:] = state.q, state.v

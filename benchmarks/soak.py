@@ -19,6 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
+from rig.record import Attendance
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # before benchmarks/, which holds a rig.py too
 
 from benchmarks._rig_scene import setup_for
@@ -85,10 +87,15 @@ def one_run(folder: Path, number: int, random: np.random.Generator) -> tuple[str
                 )
                 try:
                     result = record(
-                        setup, board, camera, motion_of(wave, SECONDS, setup.limits, described(wave)), path,
-                        name=path.stem, progress=progress,
-                        free_bytes=lambda _: 0 if full and done else 10**9,
-                    )  # fmt: skip
+                        setup,
+                        board,
+                        camera,
+                        motion_of(wave, SECONDS, setup.limits, described(wave)),
+                        path,
+                        Attendance(
+                            name=path.stem, progress=progress, free_bytes=lambda _: 0 if full and done else 10**9
+                        ),
+                    )
                 finally:
                     camera.close()
         except Fault:

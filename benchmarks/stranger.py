@@ -13,6 +13,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from validation.plants.draw import Filming
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from discovery.diagnose import diagnose
@@ -50,9 +52,12 @@ def main() -> None:
     answers: dict[str, Any] = {}
     for name, law in cases:
         recording, truth = make(
-            arguments.plant, arguments.seed, effects=() if name == "nothing" else (name,),
-            laws={} if law is None else {name: law}, seconds=12.0 if arguments.short else 20.0,
-        )  # fmt: skip
+            arguments.plant,
+            arguments.seed,
+            effects=() if name == "nothing" else (name,),
+            laws={} if law is None else {name: law},
+            filming=Filming(seconds=12.0 if arguments.short else 20.0),
+        )
         case = " ".join((name, *truth["laws"].values()))
         found = diagnose([recording])
         answers[case] = right(name, found)

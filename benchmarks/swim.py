@@ -28,6 +28,7 @@ import numpy as np
 from affine_model.swim import (
     METHODS,
     OBJECTIVES,
+    SearchPlan,
     assumed_model,
     optimise,
     paper_cone,
@@ -40,7 +41,7 @@ from affine_model.swim import (
 from affine_model.swim.objectives import scores
 from affine_model.swim.table2 import HEADER, REMARKS, cells, ratios, table2
 from benchmarks.affine import operations_per_step
-from tentacle.cli._swimming import reference_speed
+from validation.reference_swim import reference_speed
 
 SILICONE = "dragon-skin-10"
 EVALUATIONS = 5000  # the paper's 50 x 100
@@ -64,9 +65,9 @@ def measure_table2(figures: dict[str, float], evaluations: int) -> None:
 
 def measure_time(figures: dict[str, float], evaluations: int) -> None:
     trial = trial_of(assumed_model(paper_cone(0.21), SILICONE))
-    optimise(trial, OBJECTIVES["thrust"], evaluations=50, seed=0)  # loads the compiled kernels
+    optimise(trial, OBJECTIVES["thrust"], SearchPlan(evaluations=50))  # loads the compiled kernels
     begin, cpu = time.perf_counter(), time.process_time()
-    found = optimise(trial, OBJECTIVES["thrust"], evaluations=evaluations, seed=0)
+    found = optimise(trial, OBJECTIVES["thrust"], SearchPlan(evaluations=evaluations))
     figures["optimise_s"] = time.perf_counter() - begin
     figures["optimise_cpu_s"] = time.process_time() - cpu
     print(
@@ -81,7 +82,7 @@ def measure_methods(figures: dict[str, float], evaluations: int, seeds: int) -> 
     for method in METHODS:
         bests = []
         for seed in range(seeds):
-            *_, last = search(trial, OBJECTIVES["thrust"], box, method, evaluations=evaluations, seed=seed)
+            *_, last = search(trial, OBJECTIVES["thrust"], box, SearchPlan(method, evaluations, seed))
             bests.append(last.best_score)
         medians[method] = statistics.median(bests)
         print(f"{method}: median {1e3 * medians[method]:.2f} mN, {1e3 * min(bests):.2f} to {1e3 * max(bests):.2f}")
@@ -141,8 +142,8 @@ def gpu_seconds(work: Callable[[], object]) -> float:
 def measure_robust(figures: dict[str, float], evaluations: int, samples: int) -> None:
     model = assumed_model(paper_cone(0.21), SILICONE)
     trial, thrust = trial_of(model), OBJECTIVES["thrust"]
-    plain = optimise(trial, thrust, evaluations=evaluations, seed=0)
-    robust = optimise(robust_trial(trial, model, samples, seed=0), thrust, evaluations=evaluations, seed=0)
+    plain = optimise(trial, thrust, SearchPlan(evaluations=evaluations))
+    robust = optimise(robust_trial(trial, model, samples, seed=0), thrust, SearchPlan(evaluations=evaluations))
     judges = robust_trial(trial, model, 64, seed=99)
     both = np.array([robust.gait.alpha, plain.gait.alpha]).T
     of_robust, of_plain = scores(thrust, judges, run(judges, both))

@@ -13,6 +13,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from vision.render import Filming
+
 sys.path[0] = str(Path(__file__).resolve().parents[1])  # this file's own name would hide the room that it measures
 
 sys.path.append(str(Path(__file__).resolve().parent))
@@ -68,7 +70,7 @@ def worm(short: bool) -> dict[str, float]:
 def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
     """Tracking rate with decoding, past the first frames, on a clip that runs to and fro until it has length frames."""
     scene = swaying(seed=1, frames=frames, size=size)
-    pictures = list(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)))
     there_and_back = [*range(frames), *range(frames - 2, 0, -1)]
     order = [there_and_back[k % len(there_and_back)] for k in range(length)]
     times = np.arange(length) / scene.camera.fps

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from discovery.calibration import Calibration, stored
@@ -54,35 +56,43 @@ def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
     )
 
 
+@dataclass(frozen=True)
+class Surroundings:
+    """What stands beside a finding: the paper's model as fitted, the recordings, order, how many coordinates their
+    shapes show, sentences said before, and what the reduction to few coordinates loses (None: not known).
+    """
+
+    paper: tuple[Problem, Fit]
+    prepared: list[Prepared]
+    order: int
+    words: tuple[str, ...]
+    reduction: Reduction | None
+
+
 def assembled(
     found: Search,
     decision: Decision,
     rest: Rest | None,
-    paper: tuple[Problem, Fit],
-    prepared: list[Prepared],
-    order: int,
-    words: tuple[str, ...],
+    beside: Surroundings,
     seed: int,
-    reduction: Reduction | None,
     calibration: Calibration | None,
 ) -> Diagnosis:
-    """The diagnosis: the search's outcome and its decision, the paper's model beside the chosen one (with its rest) on
-    every recording, and what the reduction loses. order: how many coordinates the shapes show; words: said before;
-    calibration of the confidence (None: the package's).
+    """The diagnosis: the search's outcome and its decision, with the rest of the chosen model; calibration of the
+    confidence (None: the package's).
     """
     chosen = found.chosen if rest is None else rest.refitted
-    is_held_out = any(bool((~p.experiment.used).any()) for p in prepared) and bool(chosen.judged.gates)
+    is_held_out = any(bool((~p.experiment.used).any()) for p in beside.prepared) and bool(chosen.judged.gates)
     final = (chosen.problem, chosen.fitted)
-    runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
-    before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
-    lost = 0.0 if reduction is None else reduction.millimetres
-    floor = floor_errors(runs, prepared, lost)
+    runs = [run_comparison(p, place, beside.paper, final, is_held_out) for place, p in enumerate(beside.prepared)]
+    before, after = errors(runs, beside.prepared, augmented=False), errors(runs, beside.prepared, augmented=True)
+    lost = 0.0 if beside.reduction is None else beside.reduction.millimetres
+    floor = floor_errors(runs, beside.prepared, lost)
     parameters = estimates(chosen, found.looseness)
-    effects, verdict = decision.effects, decision.verdict
-    if order > 2:
-        shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in prepared)
+    effects, verdict, words = decision.effects, decision.verdict, beside.words
+    if beside.order > 2:
+        shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in beside.prepared)
         shown = "The measured shapes show" if shapes else "What the markers show so well needs"
-        words = (*words, f"{shown} {order} curvature coordinates; the paper's model has two.")
+        words = (*words, f"{shown} {beside.order} curvature coordinates; the paper's model has two.")
         improved = (
             before.midline_mm is not None
             and after.midline_mm is not None
@@ -95,8 +105,8 @@ def assembled(
     # A group's other members have their values in the rival models.
     known = {k: v for h in found.rivals for k, v in estimates(h, found.looseness).items()} | parameters
     named = {name: known.get(name, {}) for name in effects}
-    d = prepared[0].recording.declaration
-    base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *paper), found.looseness))
+    d = beside.prepared[0].recording.declaration
+    base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *beside.paper), found.looseness))
     augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
     if rest is not None:
         words = (*words, _rest_words(rest))
@@ -116,7 +126,7 @@ def assembled(
         after=after,
         floor=floor,
         held_out=is_held_out,
-        ranking=_ranking(found, prepared, is_held_out),
+        ranking=_ranking(found, beside.prepared, is_held_out),
         next_experiment=None if proposal is None else waveform_table(proposal.waveform),
         budget=error_budget(before, after, floor, lost),
         base_model=base_model,

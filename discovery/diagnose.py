@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
-from discovery.assemble import assembled, cannot_tell
+from discovery.assemble import Surroundings, assembled, cannot_tell
 from discovery.calibration import Calibration
 from discovery.given import held_out_run, same_arm
 from discovery.search import Search, search
@@ -144,7 +144,9 @@ def _diagnosed(
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     progress("comparing")
     paper_model = (paper_problem, paper)
-    return assembled(found, decision, rest, paper_model, prepared, order, tuple(words), seed, reduction, calibration)
+    return assembled(
+        found, decision, rest, Surroundings(paper_model, prepared, order, tuple(words), reduction), seed, calibration
+    )
 
 
 def _base_hypothesis(

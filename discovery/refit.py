@@ -124,6 +124,14 @@ def polished(chosen: Hypothesis) -> Hypothesis:
     return _again(chosen, problem, chosen.fitted.nuisances, tolerance=1e-7, most=40)
 
 
+def converged(chosen: Hypothesis) -> Hypothesis:
+    """The chosen hypothesis with its fit continued where that used all its steps."""
+    if chosen.fitted.result.converged:
+        return chosen
+    problem = replace(chosen.problem, parameters=chosen.fitted.parameters)
+    return _again(chosen, problem, chosen.fitted.nuisances, most=60)
+
+
 def spared(chosen: Hypothesis) -> Hypothesis:
     """The chosen hypothesis without the shapes that its data do not need: at 0 the law is as if it had none.
 

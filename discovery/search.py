@@ -6,7 +6,18 @@ from dataclasses import dataclass, replace
 
 from affine_model.arm import Arm
 from affine_model.effects import catalogue
-from discovery.refit import LINEAR, left_by, on_arm, polished, refit, refitted, spared, with_noise_of, without
+from discovery.refit import (
+    LINEAR,
+    converged,
+    left_by,
+    on_arm,
+    polished,
+    refit,
+    refitted,
+    spared,
+    with_noise_of,
+    without,
+)
 from inference.base_fit import settled
 from inference.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter, noise_ratio
 from inference.score import Candidate, score, survey, twin_cosines
@@ -137,10 +148,10 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
             current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
         if current.misfit > WORTH_GOING_ON[len(current.effects)] * base.misfit:
             break
-    current = spared(polished(current))
+    current = converged(spared(polished(current)))
     if enough is not None and not _clears(current, enough[0]):
         current, alternatives = enough
-        current = spared(polished(current))
+        current = converged(spared(polished(current)))
     loose = looseness(current)
     tie = tied_within(current, loose)
     rivals = [h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < tie]

@@ -54,11 +54,30 @@ def probabilities(search: Search) -> dict[str, float]:
 
 
 def decide(search: Search, unexplained: float = 1.0) -> Decision:
-    """The verdict. An explanation counts where the gates pass with it, or where what it leaves is small beside what
-    it explains.
+    """The verdict; unexplained: the share of the first error that the chosen model leaves in millimetres.
 
-    unexplained: the share of the first error that the chosen model leaves in millimetres. Noise sigmas weigh what a
-    camera sees best, be it a thousandth of a millimetre; nobody would call an account wrong that leaves next to none.
+    An explanation whose fit did not converge is no verdict by itself: the next best of as many effects that did
+    converge stands beside it, and where there is none the answer is unknown.
+    """
+    decision = _by_limits(search, unexplained)
+    ending = search.chosen.fitted.result
+    if ending.converged or decision.verdict in ("unknown", "nothing_missing"):
+        return decision
+    words = (*decision.words, f"{' + '.join(search.chosen.effects)}: {ending.message}")
+    others = [h for h in (*search.rivals, *search.single) if len(h.effects) == len(search.chosen.effects)]
+    others = [h for h in others if h.effects != search.chosen.effects and h.fitted.result.converged]
+    if not others:
+        return Decision("unknown", (), decision.confidence, words)
+    beside = max(others, key=lambda h: h.evidence).effects
+    return Decision("group", tuple(dict.fromkeys((*decision.effects, *beside))), 0.5 * decision.confidence, words)
+
+
+def _by_limits(search: Search, unexplained: float) -> Decision:
+    """The verdict, convergence aside.
+
+    An explanation counts where the gates pass with it, or where what it leaves is small beside what it explains. Noise
+    sigmas weigh most what a camera sees best, even a thousandth of a millimetre; therefore an explanation that leaves
+    next to none of the millimetres counts as well.
     """
     base, chosen = search.base, search.chosen
     adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)

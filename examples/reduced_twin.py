@@ -11,7 +11,9 @@ import numpy as np
 
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.curvature import midline
+from affine_model.simulate import Timing
 from affine_model.simulate import simulate as simulate_reduced
+from mujoco_ref.simulate import Initial, Setup
 from mujoco_ref.simulate import simulate as simulate_reference
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
@@ -29,7 +31,7 @@ model  # in a notebook a model shows itself as a table
 # %%
 duration, fps, s = 4.0, 60.0, np.linspace(0.0, 1.0, 41)
 motion = Ramped(Sine(0.4, 3.0), duration=1.0)  # rad, Hz; s of easing in
-reference = simulate_reference(model, motion, duration, fps, s=s, initial_q=np.zeros(2))
+reference = simulate_reference(model, motion, duration, fps, setup=Setup(s=s, initial=Initial(np.zeros(2))))
 
 # %% [markdown]
 # The reduced model integrates a batch of individuals; this batch has one. Its base motion is asked for at the middles
@@ -38,7 +40,7 @@ reference = simulate_reference(model, motion, duration, fps, s=s, initial_q=np.z
 # %%
 step = 1.0 / (4 * fps)
 middles = (np.arange(round(duration / step)) + 0.5) * step
-batch = simulate_reduced(arm_of(model), parameter_vector(model)[:, None], motion(middles)[:, :, None], step, stride=4)
+batch = simulate_reduced(arm_of(model), parameter_vector(model)[:, None], motion(middles)[:, :, None], Timing(step, 4))
 xy = midline(batch.q[:, :, 0], batch.theta[:, 0], arm.length, s)
 apart = np.linalg.norm(xy - reference.midline.xy, axis=2)
 print(f"distance of the midlines: {1e3 * np.sqrt(np.mean(apart**2)):.2f} mm rms, {1e3 * apart.max():.2f} mm at most")

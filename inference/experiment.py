@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from affine_model.arm import Arm, parameter_index, parameter_rows
-from affine_model.base_signal import base_table
+from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
-from affine_model.simulate import Batch, simulate
+from affine_model.simulate import Batch, Start, Timing, simulate
 from inference.observation import MarkerObservation, ShapeObservation
 from tentacle.waveform import Waveform
 
@@ -201,12 +201,12 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     steps += steps % 2
     start = experiment.t0 if experiment.release is None else experiment.release
     base = base_table(
-        experiment.base, start, step, steps, value["tau"], value["play"], known_from=experiment.base_known_from
+        experiment.base, Steps(start, step, steps), value["tau"], value["play"], known_from=experiment.base_known_from
     )
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
     memory = None if memory is None else arm.to_monomial @ memory
-    batch = simulate(arm, parameters, base, step, q=q, q_rate=rates, memory=memory, t0=start, stride=2)
+    batch = simulate(arm, parameters, base, Timing(step, 2), start=Start(q=q, q_rate=rates, memory=memory, t0=start))
     times = experiment.observation.t[:, None] + value["offset"]
     if experiment.release is not None:
         times = times - nuisances[n]

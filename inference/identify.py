@@ -16,6 +16,7 @@ from inference.declared_arm import names_of
 from inference.declared_words import declared_words
 from inference.hypothesis import Hypothesis, estimates, hypothesis, looseness
 from inference.identifiability import Identifiability, identifiability
+from inference.measured_motion import MeasuredCourse
 from inference.observation import POSE, ShapeObservation
 from inference.prepare import Prepared, prepare
 from inference.regression import regression
@@ -137,7 +138,7 @@ def _paper_regression(arm: Arm, problem: Problem, fitted: Fit, prepared: list[Pr
         base = p.experiment.base(observation.t[seen])
         laws = tuple(name for name in problem.free if name not in names_of(problem.declared))
         parameters = problem.known(fitted.parameters)[1]
-        found = regression(arm, parameters, laws, observation.t[seen], q[seen], base)
+        found = regression(arm, parameters, laws, MeasuredCourse(observation.t[seen], q[seen], base))
         return {".".join(name): float(value) for name, value in zip(found.free, found.values, strict=True)}
     return {}
 

@@ -27,6 +27,19 @@ class MeasuredMotion:
     u_acceleration: Array
 
 
+@dataclass(frozen=True)
+class MeasuredCourse:
+    """What was measured at t (T,) [s]: q (T, n) [rad], the base's angle and its two derivatives, base (3, T); where
+    measured, rates q_rate (T, n) [rad/s] and the servo's torque (T,) [N m].
+    """
+
+    t: Array
+    q: Array
+    base: Array
+    q_rate: Array | None = None
+    torque: Array | None = None
+
+
 def local_polynomials(t: Array, values: Array, window: int, degree: int = 4) -> tuple[Array, Array, Array]:
     """Value and first two derivatives (T, K) of values (T, K) at t (T,): a polynomial through the nearest samples.
 

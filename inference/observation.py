@@ -110,32 +110,34 @@ class MarkerObservation:
         return replace(self, xy=self.xy - self.sigma * rows.reshape(self.xy.shape))
 
 
-def fit_shapes(
-    data: Midline,
-    theta: Array,
-    length: float,
-    order: int,
-    sigma: float,
-    *,
-    by_edges: bool = False,
-    rigid: bool = False,
-) -> ShapeObservation:
-    """Least-squares shape coefficients of every frame of a midline.
+@dataclass(frozen=True)
+class Tracker:
+    """How a midline came about: sigma [m] stands in where the data state none.
 
-    theta (T,) recorded base angle; sigma [m] stands in where the data state none. Frames with too few points get
-    root 0: they weigh nothing. Gauss-Newton from the straight arm along the points' mean direction; all frames at once.
     by_edges: as a tracker of the arm's edges sees it, from a base and at a scale that it knows: shift and scale stay 0
     and only the distance along the normals counts. A shape that has more coordinates is then bent into fewer as there.
-    rigid: the base angle is theta in every frame, as a tracker holds it where the mounting does not give.
+    rigid: the base angle is the recorded one in every frame, as a tracker holds it where the mounting does not give.
+    """
+
+    sigma: float
+    by_edges: bool = False
+    rigid: bool = False
+
+
+def fit_shapes(data: Midline, theta: Array, length: float, order: int, tracker: Tracker) -> ShapeObservation:
+    """Least-squares shape coefficients of every frame of a midline.
+
+    theta (T,) recorded base angle. Frames with too few points get root 0: they weigh nothing. Gauss-Newton from the
+    straight arm along the points' mean direction; all frames at once.
     """
     frames, points = data.xy.shape[:2]
-    stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, sigma)
+    stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, tracker.sigma)
     seen = np.isfinite(data.xy).all(axis=2)
     weight = np.where(seen, 1.0 / stated, 0.0)
     xy = np.nan_to_num(data.xy)
     to_monomial = legendre_to_monomial(order)
     count = POSE + order
-    known = [*([0] if rigid else []), *(range(1, POSE) if by_edges else [])]
+    known = [*([0] if tracker.rigid else []), *(range(1, POSE) if tracker.by_edges else [])]
     usable = seen.sum(axis=1) * 2 >= count + 2
     coefficients = np.zeros((frames, count))
     steps = 12
@@ -152,7 +154,7 @@ def fit_shapes(
         jacobian[..., 3] = size * shape
         jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, length, data.s, order)
         error = (xy - predicted) * weight[..., None]
-        if by_edges:
+        if tracker.by_edges:
             phi = angle[:, None] + monomial_angle(q, data.s)
             across = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
             error = np.sum(error * across, axis=2, keepdims=True) * across

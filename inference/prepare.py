@@ -15,6 +15,7 @@ from inference.observation import (
     POSE,
     MarkerObservation,
     ShapeObservation,
+    Tracker,
     fit_shapes,
     from_markers,
     from_track,
@@ -22,6 +23,7 @@ from inference.observation import (
 from tentacle.base_motion import fit_base_motion
 from tentacle.errors import InputError
 from tentacle.recording import Recording
+from tentacle.slips import root_direction, root_turning
 from tentacle.waveform import Rest, Waveform
 
 MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
@@ -75,25 +77,15 @@ def _base(recording: Recording) -> Waveform:
 
 
 def _following(recording: Recording, base: Waveform) -> float | None:
-    """How far the seen root turns for a radian of the servo: 1 as declared, 0 in a frame that turns with the servo, -1
-    where the two count in opposite senses. None where the base hardly turns or the root is not seen.
-    """
-    if recording.midline is not None:
-        data = recording.midline
-        near = np.flatnonzero((data.s > 0.0) & (data.s <= max(0.15, np.sort(data.s)[min(3, data.s.size - 1)])))
-        times, points = data.t, data.xy[:, near]
-        seen = np.isfinite(points).all(axis=(1, 2))
-        direction = np.unwrap(np.arctan2(-points[seen, :, 0], points[seen, :, 1]), axis=0).mean(axis=1)
-    elif recording.shape is not None:
+    """How far the seen root turns for a radian of the servo; None where the base hardly turns or no root is seen."""
+    if recording.shape is not None and recording.midline is None:
         track = recording.shape
-        times, seen = track.t, track.accepted & np.isfinite(track.coefficients).all(axis=1)
-        direction = track.coefficients[seen, 0] + base(times[seen])[0]  # a track counts the root from the servo's angle
-    else:
-        return None
-    theta = base(times)[0]
-    if np.ptp(theta) < 0.05 or seen.sum() < 10 or not np.isfinite(direction).all():
-        return None
-    return float(np.polyfit(theta[seen] - theta[seen].mean(), direction, 1)[0])
+        seen = track.accepted & np.isfinite(track.coefficients).all(axis=1)
+        theta = base(track.t[seen])[0]
+        # A track counts the root from the servo's angle.
+        return root_turning(theta, track.coefficients[seen, 0] + theta)
+    root = root_direction(recording)
+    return None if root is None else root_turning(base(root[0])[0], root[1])
 
 
 def _with_sign_reversed(recording: Recording, base: Waveform) -> Recording:
@@ -135,7 +127,7 @@ def _observation(
             sigma = float(np.nanmedian(free[np.abs(data.xy).max(axis=0, initial=0.0, where=np.isfinite(data.xy)) > 0]))
             sigma = max(sigma, 1e-7)
             words.append(f"The midline states no noise; {1e3 * sigma:.3f} mm was found between frames.")
-        return fit_shapes(data, theta, length, order, sigma), data.xy, sigma, words
+        return fit_shapes(data, theta, length, order, Tracker(sigma)), data.xy, sigma, words
     if recording.shape is not None:
         return from_track(recording.shape, base(recording.shape.t)[0], length), None, 0.0, words
     if recording.markers is not None:

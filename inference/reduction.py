@@ -18,9 +18,9 @@ from affine_model.curvature import Array, midline
 from affine_model.effects import catalogue
 from inference.declared_arm import DECLARED
 from inference.experiment import Experiment, predict
-from inference.observation import ShapeObservation, fit_shapes
+from inference.observation import ShapeObservation, Tracker, fit_shapes
 from inference.trajectory import Fit, Problem, fit
-from mujoco_ref.simulate import simulate
+from mujoco_ref.simulate import Initial, Setup, simulate
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.recording import Declaration
@@ -148,9 +148,12 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     duration = min(experiment.duration - 0.3, LONGEST)
     shape, moving, _, _ = experiment.parts(arm.order, fitted.nuisances[place])
     chain = simulate(
-        model, _Later(experiment.base, experiment.t0), duration, 1.0 / interval, s=_points(observation),
-        initial_q=arm.to_monomial @ shape, initial_q_rate=arm.to_monomial @ moving,
-    )  # fmt: skip
+        model,
+        _Later(experiment.base, experiment.t0),
+        duration,
+        1.0 / interval,
+        setup=Setup(s=_points(observation), initial=Initial(arm.to_monomial @ shape, arm.to_monomial @ moving)),
+    )
     virtual = _virtual(experiment, observation, chain.midline)
     alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
     again = fit(alone, (fitted.nuisances[place],), most=12)
@@ -174,8 +177,8 @@ def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midlin
     theta = experiment.base(t)[0]
     live = np.flatnonzero(observation.seen)
     typical = observation.root[live[live.size // 2]]
-    as_here = {"by_edges": observation.tracked, "rigid": bool(np.ptp(observation.coefficients[live, 0]) < RIGID)}
-    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, 1e-4, **as_here)
+    as_here = Tracker(1e-4, observation.tracked, bool(np.ptp(observation.coefficients[live, 0]) < RIGID))
+    shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, as_here)
     fitted_until = observation.t[experiment.used].max()
     shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
     return replace(

@@ -13,9 +13,9 @@ import numpy as np
 
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
-from affine_model.dynamics import balance
+from affine_model.dynamics import Instant, balance
 from inference.linear_fit import LinearFit, ParameterName, fit_linear
-from inference.measured_motion import MeasuredMotion, measured_motion, memory_along
+from inference.measured_motion import MeasuredCourse, MeasuredMotion, measured_motion, memory_along
 
 
 def motion_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, torque: Array | None = None) -> Array:
@@ -23,7 +23,9 @@ def motion_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, torque:
     with the servo's torque (T,) [N m] also its row, (T, n + 1).
     """
     memory = memory_along(arm, parameters, motion)
-    found = balance(arm, active_effects(parameters), parameters, motion.u, motion.u_rate, motion.t[:, None], memory)
+    found = balance(
+        arm, active_effects(parameters), parameters, motion.u, motion.u_rate, Instant(motion.t[:, None], memory)
+    )
     missing = np.einsum("tij,tj->ti", found.mass_matrix, motion.u_acceleration) - found.force
     curvatures = missing[:, : arm.order] @ arm.from_monomial
     if torque is None:
@@ -32,28 +34,18 @@ def motion_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, torque:
 
 
 def regression(
-    arm: Arm,
-    parameters: Array,
-    free: Sequence[ParameterName],
-    t: Array,
-    q: Array,
-    base: Array,
-    *,
-    q_rate: Array | None = None,
-    torque: Array | None = None,
-    window: int = 7,
+    arm: Arm, parameters: Array, free: Sequence[ParameterName], course: MeasuredCourse, *, window: int = 7
 ) -> LinearFit:
-    """Fit the free parameters to curvatures q (T, n) [rad] at t (T,) [s], by eq. 19.
+    """Fit the free parameters to a measured course, by eq. 19.
 
-    parameters (R,): the values of all others. base (3, T): base angle and its two derivatives. q_rate (T, n): measured
-    rates, if any. torque (T,) [N m]: the servo's, if known (then eq. 18's third row is used). window: samples that
-    each derivative's local quartic spans; the first and last half window are left out. InputError where the samples
-    cannot be differentiated.
+    parameters (R,): the values of all others. Where the servo's torque is known, eq. 18's third row is used. window:
+    samples that each derivative's local quartic spans; the first and last half window are left out. InputError where
+    the samples cannot be differentiated.
     """
-    motion = measured_motion(arm, t, q, base, q_rate=q_rate, window=window)
-    inside = slice(window // 2, t.size - window // 2)
+    motion = measured_motion(arm, course.t, course.q, course.base, q_rate=course.q_rate, window=window)
+    inside = slice(window // 2, course.t.size - window // 2)
 
     def residual(vector: Array) -> Array:
-        return motion_residual(arm, vector, motion, torque)[inside].ravel()
+        return motion_residual(arm, vector, motion, course.torque)[inside].ravel()
 
     return fit_linear(residual, parameters, free)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
+from scipy.signal import find_peaks
 
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array
@@ -61,8 +62,7 @@ def spectral_peaks(problem: Problem, fitted: Fit) -> tuple[float, ...]:
         t, rows = experiment.observation.t[experiment.used], residuals[experiment.used]
         waves = np.exp(-2j * np.pi * frequencies[:, None] * t)
         power += np.sum(np.abs(waves @ (rows - rows.mean(axis=0))) ** 2, axis=1)
-    inner = power[1:-1]
-    places = 1 + np.flatnonzero((inner > power[:-2]) & (inner >= power[2:]))
+    places, _ = find_peaks(power)
     highest = places[np.argsort(-power[places])][:PEAKS]
     return tuple(float(value) for value in np.sort(frequencies[highest]))
 

@@ -7,15 +7,15 @@ int psi (M u'' - F) dt = int (-psi' M u' - psi (M' u' + F)) dt, since psi vanish
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
-from affine_model.dynamics import balance
-from inference.linear_fit import LinearFit, ParameterName, fit_linear
-from inference.measured_motion import MeasuredMotion, measured_motion, memory_along
+from affine_model.dynamics import Instant, balance
+from inference.measured_motion import MeasuredCourse, MeasuredMotion, measured_motion, memory_along
 from tentacle.errors import InputError
 
 STEEPNESS = 6  # psi = (1 - x^2)^6: smooth enough that the trapezium rule is exact to 1e-6 on 15 samples
@@ -46,49 +46,29 @@ def weak_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, psi: Arra
     n, effects, times = arm.order, active_effects(parameters), motion.t[:, None]
     memory = memory_along(arm, parameters, motion)
     u, u_rate = motion.u, motion.u_rate
-    here = balance(arm, effects, parameters, u, u_rate, times, memory)
-    ahead = balance(arm, effects, parameters, u + TURN * u_rate, u_rate, times, memory).mass_matrix
-    behind = balance(arm, effects, parameters, u - TURN * u_rate, u_rate, times, memory).mass_matrix
+    here = balance(arm, effects, parameters, u, u_rate, Instant(times, memory))
+    ahead = balance(arm, effects, parameters, u + TURN * u_rate, u_rate, Instant(times, memory)).mass_matrix
+    behind = balance(arm, effects, parameters, u - TURN * u_rate, u_rate, Instant(times, memory)).mass_matrix
     momentum = np.einsum("tij,tj->ti", here.mass_matrix, u_rate)[:, :n]
     turning = np.einsum("tij,tj->ti", (ahead - behind) / (2.0 * TURN), u_rate)[:, :n]
     weak = -psi_rate @ momentum - psi @ (turning + here.force[:, :n])
     return weak @ arm.from_monomial
 
 
-def weak_system(
-    arm: Arm,
-    t: Array,
-    q: Array,
-    base: Array,
-    width: float,
-    *,
-    q_rate: Array | None = None,
-    window: int = 7,
-    overlap: int = 4,
-) -> Callable[[Array], Array]:
-    """The weighted residual (N,) of these curvatures as a function of the parameters (R,); else as weak_form."""
-    motion = measured_motion(arm, t, q, base, q_rate=q_rate, window=window)
-    psi, psi_rate = bumps(t, width, overlap)
-    return lambda vector: weak_residual(arm, vector, motion, psi, psi_rate).ravel()
+@dataclass(frozen=True)
+class Bumps:
+    """Weights in time: bumps of `width` [s], about half the shortest period that matters, `overlap` of them over every
+    instant."""
+
+    width: float
+    overlap: int = 4
 
 
-def weak_form(
-    arm: Arm,
-    parameters: Array,
-    free: Sequence[ParameterName],
-    t: Array,
-    q: Array,
-    base: Array,
-    *,
-    width: float,
-    q_rate: Array | None = None,
-    window: int = 7,
-    overlap: int = 4,
-) -> LinearFit:
-    """Fit the free parameters to curvatures q (T, n) [rad] at t (T,) [s] in weak form.
+def weak_system(arm: Arm, course: MeasuredCourse, weights: Bumps, *, window: int = 7) -> Callable[[Array], Array]:
+    """The weighted residual (N,) of these curvatures as a function of the parameters (R,).
 
-    As regression(), but with bumps of `width` [s], about half the shortest period that matters; rates are still
-    smoothed over `window` samples. The covariance counts overlapping bumps once.
+    Rates are still smoothed over `window` samples. Overlapping bumps count once: see fit_linear's `independent`.
     """
-    residual = weak_system(arm, t, q, base, width, q_rate=q_rate, window=window, overlap=overlap)
-    return fit_linear(residual, parameters, free, independent=1.0 / overlap)
+    motion = measured_motion(arm, course.t, course.q, course.base, q_rate=course.q_rate, window=window)
+    psi, psi_rate = bumps(course.t, weights.width, weights.overlap)
+    return lambda vector: weak_residual(arm, vector, motion, psi, psi_rate).ravel()

@@ -109,17 +109,24 @@ def _inertia_of_links(specimen: Specimen, starts: Array, ends: Array) -> tuple[A
     return mass, centre, across, 2.0 * rotary
 
 
+@dataclass(frozen=True)
+class Flexure:
+    """Stiffness and damping (n,) of the hinges."""
+
+    stiffness: Array
+    damping: Array
+
+
 def build_spec(
     specimen: Specimen,
-    links: int,
-    stiffness: Array,
-    damping: Array,
+    flexure: Flexure,
     fluid: Fluid,
     gravity: Gravity,
     hung: tuple[Hung, ...],
     mount: Mount,
 ) -> Any:
     """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for the eye: they carry no mass."""
+    links = flexure.stiffness.size
     spec = mujoco.MjSpec()
     spec.modelname = "tentacle"
     spec.option.gravity = [gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle), 0.0]
@@ -140,8 +147,8 @@ def build_spec(
         hinge = body.add_joint(name="theta" if k == 0 else f"hinge_{k}", axis=[0, 0, 1])
         hinge.type = mujoco.mjtJoint.mjJNT_HINGE
         if k > 0:
-            hinge.stiffness = [stiffness[k - 1], 0.0, 0.0]
-            hinge.damping = [damping[k - 1], 0.0, 0.0]
+            hinge.stiffness = [flexure.stiffness[k - 1], 0.0, 0.0]
+            hinge.damping = [flexure.damping[k - 1], 0.0, 0.0]
         turning = max(across[k], SMALLEST_INERTIA)
         spin = min(max(along[k], SMALLEST_INERTIA), 2.0 * turning)
         hub = mount.hub_inertia if k == 0 else 0.0
@@ -165,9 +172,7 @@ def build_spec(
 
 def build_chain(
     specimen: Specimen,
-    links: int,
-    stiffness: Array,
-    damping: Array,
+    flexure: Flexure,
     fluid: Fluid,
     gravity: Gravity,
     hung: Hung | None = None,
@@ -178,15 +183,21 @@ def build_chain(
     A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. hung: what the tip
     carries beside the specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
     """
+    links = flexure.stiffness.size
     if links < 2:
         raise InputError(f"{links} is too few", field="links", expected="an integer >= 2")
     starts, ends = link_bounds(links)
-    refuse_bad_stiffness(hinge_positions(links), stiffness)
+    refuse_bad_stiffness(hinge_positions(links), flexure.stiffness)
     payload = Hung(specimen.tip_mass, specimen.tip_mass_reach, specimen.tip_mass_drop, specimen.tip_mass_density)
     bodies = payload, hung or Hung()
     spec = build_spec(
-        specimen, links, links * stiffness, links * damping, fluid, gravity, bodies, mount or Mount()
-    )  # fmt: skip
+        specimen,
+        Flexure(links * flexure.stiffness, links * flexure.damping),
+        fluid,
+        gravity,
+        bodies,
+        mount or Mount(),
+    )
     mass, _, _, _ = _inertia_of_links(specimen, starts, ends)
     return Chain(
         model=spec.compile(),
@@ -197,8 +208,8 @@ def build_chain(
         mass=mass,
         bodies=np.array([body.row for body in bodies]),
         hinge_s=hinge_positions(links),
-        stiffness=links * stiffness,
-        damping=links * damping,
+        stiffness=links * flexure.stiffness,
+        damping=links * flexure.damping,
     )
 
 

@@ -21,12 +21,14 @@ def drag_along(model: Model, t: Array, s: Array, xy: Array) -> Array:
     motion = midline_motion(t, s, xy)
     section = model.specimen.section
     water = water_record(plain_parameters(model), model.fluid.density, model.specimen.length, (0.0, 0.0))
-    return _drag(t, xy, motion.velocity, motion.normal, section.width(s), section.perimeter(s), water[0])
+    sizes = section.width(s), section.perimeter(s)
+    return _drag(t, xy, motion.velocity, motion.normal, sizes, water[0])
 
 
 @njit(cache=True)
-def _drag(t: Array, xy: Array, velocity: Array, normal: Array, width: Array, perimeter: Array, water: Fields) -> Array:
-    """The resistances of water.water_forces, point by point."""
+def _drag(t: Array, xy: Array, velocity: Array, normal: Array, section: tuple[Array, Array], water: Fields) -> Array:
+    """The resistances of water.water_forces, point by point; section: width and perimeter (P,) [m]."""
+    width, perimeter = section
     force = np.empty_like(xy)
     for k in range(xy.shape[0]):
         for i in range(xy.shape[1]):
@@ -38,7 +40,7 @@ def _drag(t: Array, xy: Array, velocity: Array, normal: Array, width: Array, per
             speed = np.sqrt(u_n * u_n + u_t * u_t)
             C_perp, wall_n, wall_t = water.C_perp, 0.0, 0.0
             if water.wall_B != 0.0:
-                more, _, wall_n, wall_t = beside_wall(x, 0.5 * width[i], c, s, u_n, u_t, water)
+                more, _, wall_n, wall_t = beside_wall(x, 0.5 * width[i], (c, s), (u_n, u_t), water)
                 C_perp += more
             felt = felt_speed(speed, u_n, width[i], C_perp, water)
             f_n = wall_n - (0.5 * water.density * C_perp * width[i] * felt + water.c_n) * u_n

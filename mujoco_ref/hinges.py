@@ -11,6 +11,7 @@ import numpy as np
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.influence import HINGE, Fields, Parameters, Record, value
+from mujoco_ref.step_arguments import Equation, Midpoint, Now
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
@@ -60,23 +61,14 @@ def bristle(stretch: float, limit: float) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def hinge_moments(
-    start: Array,
-    middle: Array,
-    rate: Array,
-    hinges: Fields,
-    memory: Array,
-    softening: float,
-    step: float,
-    force: Array,
-    matrix: Array,
-) -> None:
+def hinge_moments(course: Midpoint, hinges: Fields, memory: Array, now: Now, equation: Equation) -> None:
     """Add the moments at the middle of a step to force (n + 3,) and half_step damping + step^2/4 slope to matrix.
 
-    start, middle (n + 3,): positions at the step's start and middle; rate: at its middle. memory (n, 2) at its start.
-    softening: factor at this time on the stiffness of all that is elastic. Angles count from those at rest.
+    memory (n, 2) at the step's start. Angles count from those at rest.
     """
-    half = 0.5 * step
+    start, middle, rate = course.start, course.middle, course.rate
+    force, matrix = equation.force, equation.matrix
+    half, softening = 0.5 * now.step, now.softening
     for j in range(hinges.shape[0]):
         hinge = hinges[j]
         i = j + 3

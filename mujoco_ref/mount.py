@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from mujoco_ref.chain import Mount
 from mujoco_ref.hinges import bristle
 from mujoco_ref.influence import BASE, Fields, Parameters, Record, record, value
+from mujoco_ref.step_arguments import Equation, Midpoint
 from tentacle.compiled import njit
 from tentacle.errors import InputError
 from tentacle.signals import Array
@@ -79,22 +80,13 @@ def base_record(
 
 
 @njit(cache=True)
-def base_forces(
-    start: Array,
-    middle: Array,
-    rate: Array,
-    motor_start: float,
-    motor: Array,
-    base: Fields,
-    memory: Array,
-    step: float,
-    force: Array,
-    matrix: Array,
-) -> float:
+def base_forces(course: Midpoint, motor: Array, base: Fields, memory: Array, step: float, equation: Equation) -> float:
     """Add the forces on the free coordinates of the mount at the middle of a step; returns the motor's torque [N m].
 
-    motor (3,): the motor's angle, rate, acceleration at the middle; motor_start its angle at the step's start.
+    motor (3, 3): the motor's angle, rate, acceleration at the start, middle and end of the step.
     """
+    start, middle, rate = course.start, course.middle, course.rate
+    force, matrix = equation.force, equation.matrix
     half = 0.5 * step
     torque = 0.0
     if base.free_x != 0.0:
@@ -109,7 +101,7 @@ def base_forces(
             matrix[1, 1] += half * half * sticks * base.rail_friction / RAIL_STRETCH
     if base.free_theta == 0.0:
         return 0.0
-    twist, twist_rate = motor[0] - middle[2], motor[1] - rate[2]
+    twist, twist_rate = motor[1, 0] - middle[2], motor[1, 1] - rate[2]
     slope, damping = 0.0, 0.0
     if base.servo != 0.0:
         torque = base.servo_p * twist + base.servo_d * twist_rate + base.servo_i * (memory[INTEGRAL] + half * twist)
@@ -118,7 +110,7 @@ def base_forces(
             torque = base.servo_limit if torque > 0.0 else -base.servo_limit
             slope, damping = 0.0, 0.0
     elif base.slip_moment > 0.0:
-        stretched = memory[COUPLING] + twist - (motor_start - start[2])
+        stretched = memory[COUPLING] + twist - (motor[0, 0] - start[2])
         stretch, sticks = bristle(stretched, base.slip_moment / base.coupling)
         slope, damping = sticks * base.coupling, sticks * base.coupling_damping
         torque = base.coupling * stretch + damping * twist_rate
@@ -137,16 +129,11 @@ def base_forces(
 
 @njit(cache=True)
 def base_remember(
-    start: Array,
-    end: Array,
-    motor_start: float,
-    motor_end: float,
-    torque: float,
-    base: Fields,
-    memory: Array,
-    step: float,
+    ends: tuple[Array, Array], motor: Array, torque: float, base: Fields, memory: Array, step: float
 ) -> None:
-    """Carry the base's memory (4,) over a step."""
+    """Carry the base's memory (4,) over a step; ends: positions (n + 3,) at its start and end, motor as above."""
+    start, end = ends
+    motor_start, motor_end = motor[0, 0], motor[2, 0]
     if base.rail_friction > 0.0:
         memory[RAIL], _ = bristle(memory[RAIL] + end[1] - start[1], RAIL_STRETCH)
     if base.hub_friction > 0.0:

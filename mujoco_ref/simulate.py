@@ -9,17 +9,18 @@ On average over a period of steady motion the two agree.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mujoco_ref.chain import Hung, build_chain, flexural, hinge_positions
+from mujoco_ref.chain import Flexure, Hung, build_chain, flexural, hinge_positions
 from mujoco_ref.hinges import hinge_records, soft_spot
 from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
 from mujoco_ref.midline import midline_points
 from mujoco_ref.mount import Rail, Servo, base_record
 from mujoco_ref.statics import equilibrium
 from mujoco_ref.step import State, Stepper
+from mujoco_ref.step_arguments import Laws
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.signals import Array, Midline
@@ -78,6 +79,36 @@ class Simulation:
     torque: Array
 
 
+@dataclass(frozen=True)
+class Initial:
+    """The shape of eq. 1 that a run starts from, q (K,) [rad] (None: the equilibrium), moving at q_rate (K,) [rad/s]
+    (None: at rest), held until release_t [s] (None: free at once).
+    """
+
+    q: Array | None = None
+    q_rate: Array | None = None
+    release_t: float | None = None
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a run stands on. links: hinges of the chain. The base is prescribed or turned by a servo; it is fixed or on
+    a rail along y. s (P,): where the midline is sampled (None: 41 points). lead_in [s]: the arm moves for that long
+    before the first frame, the motion swelling from nothing. longest_step [s].
+    """
+
+    links: int = DEFAULT_LINKS
+    servo: Servo | None = None
+    rail: Rail | None = None
+    s: Array | None = None
+    lead_in: float = 0.0
+    longest_step: float = LONGEST_STEP
+    initial: Initial = field(default_factory=Initial)
+
+
+USUAL_SETUP = Setup()
+
+
 def plain_parameters(model: Model) -> dict[str, dict[str, float]]:
     """A model's parameters as plain numbers, above those that its declaration brings."""
     own = {effect: {name: e.value for name, e in values.items()} for effect, values in model.parameters.items()}
@@ -125,13 +156,13 @@ def make_stepper(
     reach = specimen.length * value(parameters, "tip_mass", "reach")
     hung = Hung(value(parameters, "tip_mass", "mass"), reach, density=specimen.tip_mass_density)
     base, mount = base_record(parameters, servo, rail, specimen.mass + specimen.tip_mass + hung.mass)
-    chain = build_chain(specimen, links, stiffness, damping, model.fluid, gravity, hung, mount)
+    chain = build_chain(specimen, Flexure(stiffness, damping), model.fluid, gravity, hung, mount)
     pull = (gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle))
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)
     drift = value(parameters, "stiffness_drift", "rate")
     rest = rest_record(parameters, specimen.length, declared.density)
-    return Stepper(chain, hinge_records(chain, parameters), water, tip, base, drift, rest)
+    return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, rest, base), drift)
 
 
 def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> State:
@@ -189,44 +220,32 @@ def simulate(
     fps: float,
     *,
     hidden: Mapping[str, Mapping[str, float]] | None = None,
-    links: int = DEFAULT_LINKS,
-    servo: Servo | None = None,
-    rail: Rail | None = None,
-    s: Array | None = None,
-    initial_q: Array | None = None,
-    initial_q_rate: Array | None = None,
-    release_t: float | None = None,
-    lead_in: float = 0.0,
-    longest_step: float = LONGEST_STEP,
+    setup: Setup = USUAL_SETUP,
 ) -> Simulation:
     """Simulate `duration` [s] of a model's arm whose motor follows the waveform, and look at it `fps` times a second.
 
-    The arm starts at rest in its equilibrium, or in the shape initial_q (K,) of eq. 1,
-    moving at initial_q_rate (K,), held until release_t [s]. With
-    lead_in [s] it moves for that long before the first frame, the motion swelling from nothing. Base: prescribed, or
-    turned by a servo; fixed, or on a rail along y. Deterministic: nothing here is random. s (P,): where the midline is
-    sampled (default 41 points). hidden: effects (name -> parameter -> value) that act beside the model's own.
+    Deterministic: nothing here is random. hidden: effects (name -> parameter -> value) that act beside the model's own.
     InputError for an unusable duration, fps or model.
     """
-    for name, number in (("duration", duration), ("fps", fps), ("longest_step", longest_step)):
+    for name, number in (("duration", duration), ("fps", fps), ("longest_step", setup.longest_step)):
         if not (np.isfinite(number) and number > 0.0):
             raise InputError(f"{number!r} is not usable", field=name, expected="a positive number")
-    stepper = make_stepper(model, hidden, links=links, servo=servo, rail=rail)
-    s = np.linspace(0.0, 1.0, 41) if s is None else np.asarray(s, dtype=float)
+    stepper = make_stepper(model, hidden, links=setup.links, servo=setup.servo, rail=setup.rail)
+    sampled = np.linspace(0.0, 1.0, 41) if setup.s is None else np.asarray(setup.s, dtype=float)
     lag = value(merged(plain_parameters(model), hidden or {}), "servo_lag", "tau")
     for halvings in range(MOST_HALVINGS + 1):
-        clock = Clock.of(duration, fps, lead_in, longest_step / 2**halvings)
-        motor = motor_signal(waveform, clock.half_steps, lag, lead_in).T  # (2 steps + 1, 3)
-        if initial_q is None:
+        clock = Clock.of(duration, fps, setup.lead_in, setup.longest_step / 2**halvings)
+        motor = motor_signal(waveform, clock.half_steps, lag, setup.lead_in).T  # (2 steps + 1, 3)
+        if setup.initial.q is None:
             state = equilibrium(stepper, motor[0, 0])
             tare = rest_reading(stepper, equilibrium(stepper, float(waveform(0.0)[0])))
         else:
-            state = state_of_shape(stepper, initial_q, motor[0, 0], initial_q_rate)
+            state = state_of_shape(stepper, setup.initial.q, motor[0, 0], setup.initial.q_rate)
             tare = rest_reading(stepper, state)
         state.t = float(clock.half_steps[0])
         if stepper.held[2]:
             state.v[2] = motor[0, 1]
-        q, readings = _march(stepper, state, motor, clock, release_t)
+        q, readings = _march(stepper, state, motor, clock, setup.initial.release_t)
         if np.max(np.abs(q[:, 3:])) < LARGEST_HINGE_ANGLE:
             break
     else:
@@ -234,15 +253,15 @@ def simulate(
             "the simulation went out of bounds", field="model", expected="a motion that the arm can follow"
         )
     angles = np.cumsum(q[:, 2:], axis=1)
-    points = midline_points(angles, q[:, :2], stepper.chain.specimen.length, s)
-    command = motor_signal(waveform, clock.half_steps, 0.0, lead_in)[0]
+    points = midline_points(angles, q[:, :2], stepper.chain.specimen.length, sampled)
+    command = motor_signal(waveform, clock.half_steps, 0.0, setup.lead_in)[0]
     return Simulation(
         t=clock.frames,
         command=command[2 * clock.first :: 2 * clock.substeps][: clock.frames.size].copy(),
         theta=q[:, 2].copy(),
         angles=angles,
         mount=q[:, :2].copy(),
-        midline=Midline(clock.frames, s, points, np.zeros(points.shape[:2])),
+        midline=Midline(clock.frames, sampled, points, np.zeros(points.shape[:2])),
         thrust=readings[:, 1].copy(),
         load_cell=-readings[:, 3] - tare[1],
         force_x=-readings[:, 2] - tare[0],

@@ -9,6 +9,7 @@ matrix, so the step is set by accuracy: second order, stable at 10 ms.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +18,12 @@ from mujoco_ref.engine import mujoco
 from mujoco_ref.hinges import hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember
+from mujoco_ref.step_arguments import Body, Equation, Laws, Midpoint, Moving, Now, Workspace
 from mujoco_ref.water import MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
 from tentacle.compiled import njit
 from tentacle.signals import Array
+
+Plain = tuple[Any, ...]  # the fields of a NamedTuple of step_arguments
 
 
 @dataclass
@@ -34,6 +38,11 @@ class State:
     base_memory: Array
     t: float = 0.0
 
+    @property
+    def moving(self) -> Moving:
+        """The arrays, for the compiled functions, which write them."""
+        return Moving(self.q, self.v, self.a, self.hinge_memory, self.base_memory)
+
     @staticmethod
     def at_rest(links: int, theta: float = 0.0) -> State:
         """Straight, at rest, turned by theta [rad]."""
@@ -44,8 +53,9 @@ class State:
 
 
 @njit(cache=True)
-def _predict(q: Array, v: Array, a: Array, held: Array, motor: Array, step: float, middle: Array, rate: Array) -> None:
+def _predict(state: Plain, held: Array, motor: Array, step: float, middle: Array, rate: Array) -> None:
     """Positions and rates at the middle of a step, from the acceleration a; held coordinates are where they are put."""
+    q, v, a = state[:3]
     half = 0.5 * step
     for i in range(q.shape[0]):
         middle[i] = q[i] + half * v[i] + half * half * a[i]
@@ -54,18 +64,17 @@ def _predict(q: Array, v: Array, a: Array, held: Array, motor: Array, step: floa
         if held[i]:
             middle[i], rate[i], a[i] = q[i], 0.0, 0.0
     if held[2]:
-        middle[2], rate[2], a[2] = motor[0], motor[1], motor[2]
+        middle[2], rate[2], a[2] = motor[1, 0], motor[1, 1], motor[1, 2]
 
 
 @njit(cache=True)
-def _add_tension(
-    motion: Array, links: Array, bodies: Array, water: Fields, gravity: Array, scale: float, matrix: Array
-) -> None:
+def _add_tension(motion: Array, body: Body, water: Fields, scale: float, matrix: Array) -> None:
     """Add scale times the stiffness that weight and inertial forces give the joints: a heavy tip tightens the chain.
 
     A change of joint j turns all beyond it, and so the lever of their forces about the joints from the base to j.
     Explicit, it would limit the step: a payload of a tenth of the arm's mass needs 40 links and 4 ms.
     """
+    links, bodies, gravity = body.links, body.bodies, body.gravity
     count = links.shape[0]
     end = motion[count]
     fx, fy, work = 0.0, 0.0, 0.0
@@ -123,56 +132,31 @@ def _solve(matrix: Array, residual: Array, held: Array, change: Array) -> None:
 
 
 @njit(cache=True)
-def _correct(
-    q: Array,
-    a: Array,
-    middle: Array,
-    rate: Array,
-    mass: Array,
-    inverse: Array,
-    motion: Array,
-    links: Array,
-    nodes: Array,
-    hinges: Fields,
-    water: Fields,
-    tip: Fields,
-    rest: Fields,
-    base: Fields,
-    hinge_memory: Array,
-    base_memory: Array,
-    held: Array,
-    motor_start: float,
-    motor: Array,
-    t: float,
-    softening: float,
-    step: float,
-    bodies: Array,
-    mount_mass: float,
-    gravity: Array,
-    out: Array,
-) -> None:
-    """Correct the accelerations a (n + 3,) by one Newton iteration; out (7,): see Reading.
-
-    mass: MuJoCo's M, lower triangle by rows; inverse: its M a + C v + weight at this prediction.
-    """
-    size = q.shape[0]
+def _correct(moving: Plain, workspace: Plain, chain: tuple[Plain, Plain], held: Array, motor: Array, at: Plain) -> None:
+    """Correct the accelerations a (n + 3,) by one Newton iteration; writes the workspace's reading."""
+    state, work, now = Moving(*moving), Workspace(*workspace), Now(*at)
+    body, laws = Body(*chain[0]), Laws(*chain[1])
+    middle, rate, out = work.middle, work.rate, work.reading
+    base = laws.base[0]
+    size = state.q.shape[0]
     force = np.empty(size)
     matrix = np.empty((size, size))
-    at = 0
+    entry = 0
     for i in range(size):
-        force[i] = -inverse[i]
+        force[i] = -work.inverse[i]
         for j in range(i + 1):
-            matrix[i, j] = mass[at]
-            matrix[j, i] = mass[at]
-            at += 1
+            matrix[i, j] = work.mass[entry]
+            matrix[j, i] = work.mass[entry]
+            entry += 1
     for i in range(2):
-        force[i] -= mount_mass * gravity[i]
-    link_motion(middle, rate, a, links, motion)
-    sums = np.empty(4)
-    water_forces(motion, links, nodes, water[0], tip[0], rest[0], bodies, t, 0.5 * step, force, matrix, sums)
-    _add_tension(motion, links, bodies, water[0], gravity, 0.25 * step * step, matrix)
-    hinge_moments(q, middle, rate, hinges, hinge_memory, softening, step, force, matrix)
-    torque = base_forces(q, middle, rate, motor_start, motor, base[0], base_memory, step, force, matrix)
+        force[i] -= body.mount_mass * body.gravity[i]
+    link_motion(middle, rate, state.a, body.links, work.motion)
+    equation = Equation(force, matrix, np.empty(4))
+    course = Midpoint(state.q, middle, rate)
+    water_forces(work.motion, body, laws, now.t, 0.5 * now.step, equation)
+    _add_tension(work.motion, body, laws.water[0], 0.25 * now.step * now.step, matrix)
+    hinge_moments(course, laws.hinges, state.hinge_memory, now, equation)
+    torque = base_forces(course, motor, base, state.base_memory, now.step, equation)
     change = np.empty(size)
     _solve(matrix, force, held, change)
     # What holds the mount: the balance of its rows that the held coordinates leave.
@@ -184,28 +168,17 @@ def _correct(
     if not held[2]:
         out[4] = torque
     if not held[0]:
-        out[2] = -(base[0].spring_x * middle[0] + base[0].damper_x * rate[0])
-    out[0], out[1] = sums[0], sums[1]
+        out[2] = -(base.spring_x * middle[0] + base.damper_x * rate[0])
+    out[0], out[1] = equation.sums[0], equation.sums[1]
     for i in range(size):
-        a[i] += change[i]
+        state.a[i] += change[i]
 
 
 @njit(cache=True)
-def _finish(
-    q: Array,
-    v: Array,
-    a: Array,
-    held: Array,
-    motor_start: float,
-    motor_end: Array,
-    hinges: Fields,
-    base: Fields,
-    hinge_memory: Array,
-    base_memory: Array,
-    torque: float,
-    step: float,
-) -> None:
-    """Move q and v over the step with the mean acceleration a, and carry the memories."""
+def _finish(moving: Plain, held: Array, motor: Array, laws: tuple[Record, Record], torque: float, step: float) -> None:
+    """Move q and v over the step with the mean acceleration a, and carry the memories of hinges and base."""
+    q, v, a, hinge_memory, base_memory = moving
+    hinges, base = laws
     start = q.copy()
     for i in range(q.shape[0]):
         q[i] += step * v[i] + 0.5 * step * step * a[i]
@@ -214,9 +187,9 @@ def _finish(
         if held[i]:
             q[i], v[i] = start[i], 0.0
     if held[2]:
-        q[2], v[2] = motor_end[0], motor_end[1]
+        q[2], v[2] = motor[2, 0], motor[2, 1]
     remember(start, q, hinges, hinge_memory, step)
-    base_remember(start, q, motor_start, motor_end[0], torque, base[0], base_memory, step)
+    base_remember((start, q), motor, torque, base[0], base_memory, step)
 
 
 class Stepper:
@@ -226,53 +199,46 @@ class Stepper:
     about z [N m], all at the middle of the step.
     """
 
-    def __init__(
-        self, chain: Chain, hinges: Record, water: Record, tip: Record, base: Record, drift: float, rest: Record
-    ) -> None:
+    def __init__(self, chain: Chain, laws: Laws, drift: float) -> None:
         """drift [1/s]: relative change of the stiffness of all that is elastic, per second."""
-        self.chain = chain
+        self.chain, self.laws, self.drift = chain, laws, drift
         self.data = mujoco.MjData(chain.model)
-        self.hinges, self.water, self.tip, self.base, self.drift = hinges, water, tip, base, drift
-        self.rest = rest
-        self.links, self.nodes = link_table(chain), node_table(chain)
-        self.held = np.array([not base[0][name] for name in ("free_x", "free_y", "free_theta")])
+        base = laws.base[0]
+        self.held = np.array([not base[name] for name in ("free_x", "free_y", "free_theta")])
         self.reading = np.zeros(5)
         # Laws with a corner or a steep curve need Newton's method to converge; the smooth ones are right after one
         # step.
-        steep = any(np.any(hinges[name] != 0.0) for name in ("yield_moment", "cubic", "bent_loss", "one_sided"))
-        loose = any(base[0][name] > 0.0 for name in ("play", "slip_moment", "hub_friction", "rail_friction"))
+        steep = any(np.any(laws.hinges[name] != 0.0) for name in ("yield_moment", "cubic", "bent_loss", "one_sided"))
+        loose = any(base[name] > 0.0 for name in ("play", "slip_moment", "hub_friction", "rail_friction"))
         self.corrections = 4 if steep or loose else 1
         # The rail or stand carries the mount's own weight.
-        self._mount_mass = float(chain.model.body_mass[1])
-        self._gravity = np.array(chain.model.opt.gravity[:2])
-        size = chain.links + 3
-        self._inverse, self._motion = np.zeros(size), np.zeros((chain.links + 2, 9))
-        # Views into MuJoCo's own memory: writing them is what sets its state.
-        self._q, self._v, self._a, self._mass = self.data.qpos, self.data.qvel, self.data.qacc, self.data.M
+        gravity = np.array(chain.model.opt.gravity[:2])
+        mount_mass = float(chain.model.body_mass[1])
+        self.body = Body(link_table(chain), node_table(chain), chain.bodies, mount_mass, gravity)
+        # Views into MuJoCo's own memory: writing middle and rate is what sets its state.
+        data, size = self.data, chain.links + 3
+        motion = np.zeros((chain.links + 2, 9))
+        self._work = Workspace(data.qpos, data.qvel, data.M, np.zeros(size), motion, self.reading)
+        # Plain tuples reach compiled code three times as fast as named ones.
+        self._chain = tuple(self.body), tuple(self.laws)
+        self._remember = laws.hinges, laws.base
 
     def step(self, state: State, motor: Array, step: float, corrections: int = 1) -> None:
         """Move state on by `step` [s]. motor (3, 3): angle, rate, acceleration at the start, middle and end of it."""
-        model, data = self.chain.model, self.data
-        middle_time = state.t + 0.5 * step
-        softening = 1.0 + self.drift * middle_time
+        model, data, work = self.chain.model, self.data, self._work
+        moving, workspace = tuple(state.moving), tuple(work)
+        t = state.t + 0.5 * step
+        now = (t, step, 1.0 + self.drift * t)
         for _ in range(corrections):
-            _predict(state.q, state.v, state.a, self.held, motor[1], step, self._q, self._v)
-            self._a[:] = state.a
+            _predict(moving, self.held, motor, step, work.middle, work.rate)
+            data.qacc[:] = state.a
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             mujoco.mj_makeM(model, data)
             mujoco.mj_comVel(model, data)
-            mujoco.mj_rne(model, data, 1, self._inverse)
-            _correct(
-                state.q, state.a, self._q, self._v, self._mass, self._inverse, self._motion, self.links, self.nodes,
-                self.hinges, self.water, self.tip, self.rest, self.base, state.hinge_memory, state.base_memory,
-                self.held, motor[0, 0], motor[1], middle_time, softening, step, self.chain.bodies, self._mount_mass,
-                self._gravity, self.reading,
-            )  # fmt: skip
-        _finish(
-            state.q, state.v, state.a, self.held, motor[0, 0], motor[2], self.hinges, self.base,
-            state.hinge_memory, state.base_memory, self.reading[4], step,
-        )  # fmt: skip
+            mujoco.mj_rne(model, data, 1, work.inverse)
+            _correct(moving, workspace, self._chain, self.held, motor, now)
+        _finish(moving, self.held, motor, self._remember, self.reading[4], step)
         state.t += step
 
     def residual(self, state: State) -> Array:
@@ -287,26 +253,22 @@ class Stepper:
     def balance(self, state: State) -> tuple[Array, Array]:
         """(M, F): mass matrix (n + 3, n + 3), with the water that is carried, and force (n + 3,) of M a = F in this
         state; without what acts at the base."""
-        size, model, data = self.chain.links + 3, self.chain.model, self.data
-        self._q[:], self._v[:], self._a[:] = state.q, state.v, 0.0
+        size, model, data, work = self.chain.links + 3, self.chain.model, self.data, self._work
+        work.middle[:], work.rate[:], data.qacc[:] = state.q, state.v, 0.0
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_makeM(model, data)
         mujoco.mj_comVel(model, data)
-        mujoco.mj_rne(model, data, 0, self._inverse)
+        mujoco.mj_rne(model, data, 0, work.inverse)
         matrix = np.zeros((size, size))
-        matrix[np.tril_indices(size)] = self._mass
+        matrix[np.tril_indices(size)] = work.mass
         matrix += np.tril(matrix, -1).T
-        force = -self._inverse
-        force[:2] -= self._mount_mass * self._gravity
-        link_motion(state.q, state.v, np.zeros(size), self.links, self._motion)
-        water_forces(
-            self._motion, self.links, self.nodes, self.water[0], self.tip[0], self.rest[0], self.chain.bodies, state.t,
-            0.0, force, matrix, np.zeros(4),
-        )  # fmt: skip
-        softening = 1.0 + self.drift * state.t
-        implicit = np.zeros((size, size))  # of a step that takes no time
-        hinge_moments(
-            state.q, state.q, state.v, self.hinges, state.hinge_memory, softening, 1e-9, force, implicit
-        )  # fmt: skip
+        force = -work.inverse
+        force[:2] -= self.body.mount_mass * self.body.gravity
+        link_motion(state.q, state.v, np.zeros(size), self.body.links, work.motion)
+        equation = Equation(force, matrix, np.zeros(4))
+        water_forces(work.motion, self.body, self.laws, state.t, 0.0, equation)
+        now = Now(state.t, 1e-9, 1.0 + self.drift * state.t)
+        implicit = Equation(force, np.zeros((size, size)), equation.sums)  # of a step that takes no time
+        hinge_moments(Midpoint(state.q, state.q, state.v), self.laws.hinges, state.hinge_memory, now, implicit)
         return matrix, force

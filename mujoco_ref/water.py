@@ -11,6 +11,7 @@ import numpy as np
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.influence import Fields
+from mujoco_ref.step_arguments import Body, Equation, Laws
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
@@ -82,12 +83,15 @@ def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, fl
 
 @njit(cache=True)
 def beside_wall(
-    x: float, half_width: float, cosine: float, sine: float, u_n: float, u_t: float, water: Fields
+    x: float, half_width: float, direction: tuple[float, float], speed: tuple[float, float], water: Fields
 ) -> tuple[float, float, float, float]:
     """What a wall at wall_x adds: drag coefficient, inertia along the normal [kg/m], force along n and t [N/m].
 
-    The forces are those by which a body whose added mass grows towards the wall is drawn to it, and slowed.
+    direction: cosine and sine of the section's angle; speed: along its normal and tangent [m/s]. The
+    forces are those by which a body whose added mass grows towards the wall is drawn to it, and slowed.
     """
+    cosine, sine = direction
+    u_n, u_t = speed
     squared = half_width * half_width
     distance = water.wall_x - x
     diameters = (np.sqrt(distance * distance + squared) - half_width) / (2.0 * half_width)
@@ -126,12 +130,19 @@ def shed_lift(width: float, t: float, water: Fields) -> float:
 
 @njit(cache=True)
 def _add_tensor(
-    composite: Array, x: float, y: float, a_n: float, a_t: float, turning: float, c: float, s: float
+    composite: Array,
+    place: tuple[float, float],
+    inertia: tuple[float, float, float],
+    direction: tuple[float, float],
 ) -> None:
-    """Add a normal and a tangential inertia (or resistance) at (x, y), and one against turning, to the composite.
+    """Add a normal and a tangential inertia (or resistance) at a place, and one against turning, to the composite.
 
     composite: S0 = sum T (xx, xy, yy), S1 = sum T p' (x, y), S2 = sum p'T p' + turning, with p' = (-y, x).
+    direction: cosine and sine of the section's angle.
     """
+    x, y = place
+    a_n, a_t, turning = inertia
+    c, s = direction
     xx, xy, yy = a_n * c * c + a_t * s * s, (a_n - a_t) * c * s, a_n * s * s + a_t * c * c
     wx, wy = -xx * y + xy * x, -xy * y + yy * x
     composite[0] += xx
@@ -143,27 +154,16 @@ def _add_tensor(
 
 
 @njit(cache=True)
-def water_forces(
-    motion: Array,
-    links: Array,
-    nodes: Array,
-    water: Fields,
-    tip: Fields,
-    rest: Fields,
-    bodies: Array,
-    t: float,
-    half_step: float,
-    force: Array,
-    matrix: Array,
-    sums: Array,
-) -> None:
+def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: float, equation: Equation) -> None:
     """Add the water's generalised force to force (n + 3,), and to matrix (n + 3, n + 3) its added mass plus
-    half_step times its resistance: what an implicit step needs.
+    half_step times its resistance: what an implicit step needs. Writes sums.
 
-    sums (4,): fluid force without the reaction to acceleration (eq. 17, N) x, y; the rest of what pulls, x, y.
     motion as from link_motion, with the accelerations of the prediction: the added mass reacts to them here, and
     only their change is left to the matrix.
     """
+    links, nodes, bodies = body.links, body.nodes, body.bodies
+    water, tip, rest = laws.water[0], laws.tip[0], laws.rest[0]
+    force, matrix, sums = equation.force, equation.matrix, equation.sums
     count = links.shape[0]
     composite = np.zeros(6)
     wet = water.density > 0.0 or water.c_n != 0.0  # a viscous resistance may be air's
@@ -206,7 +206,7 @@ def water_forces(
             sums[3] += gy
             gx, gy = gx + flow_x - carries * ax, gy + flow_y - carries * ay
             fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
-            _add_tensor(composite, px, py, carries, carries, 0.0, c, s)
+            _add_tensor(composite, (px, py), (carries, carries, 0.0), (c, s))
     length = 0.0
     for k in range(count):
         length += links[k, LENGTH]
@@ -233,7 +233,7 @@ def water_forces(
                 speed = np.sqrt(u_n * u_n + u_t * u_t)
                 C_perp, squeezed, wall_n, wall_t = water.C_perp, 0.0, 0.0, 0.0
                 if water.wall_B != 0.0:
-                    more, squeezed, wall_n, wall_t = beside_wall(px, 0.5 * width, c, s, u_n, u_t, water)
+                    more, squeezed, wall_n, wall_t = beside_wall(px, 0.5 * width, (c, s), (u_n, u_t), water)
                     C_perp += more
                 felt = felt_speed(speed, u_n, width, C_perp, water)
                 across = 0.5 * water.density * C_perp * width
@@ -259,7 +259,7 @@ def water_forces(
                     gx, gy = f_n * c - f_t * s, f_n * s + f_t * c
                     fx, fy = fx + gx, fy + gy
                     moment += px * gy - py * gx + weight * squeezed * u_n * u_t
-                    _add_tensor(composite, px, py, weight * squeezed, 0.0, 0.0, c, s)
+                    _add_tensor(composite, (px, py), (weight * squeezed, 0.0, 0.0), (c, s))
                 slope = weight * (2.0 * across * speed + water.c_n)
                 resist_n += slope
                 resist_t += weight * (2.0 * skin * speed + 0.5 * water.c_n)
@@ -269,7 +269,7 @@ def water_forces(
                 reach = resist_x / resist_n
                 turning = half_step * (resist_xx - resist_n * reach * reach)
                 px, py = x0 - reach * s, y0 + reach * c
-                _add_tensor(composite, px, py, half_step * resist_n, half_step * resist_t, turning, c, s)
+                _add_tensor(composite, (px, py), (half_step * resist_n, half_step * resist_t, turning), (c, s))
             if water.C_a != 0.0:
                 carried = water.C_a * water.density * links[k, CARRIED]
                 turning = water.C_a * water.density * links[k, CARRIED_TURNING]
@@ -288,7 +288,7 @@ def water_forces(
                 gx, gy = f_n * c - f_t * s, f_n * s + f_t * c
                 fx, fy = fx + gx, fy + gy
                 moment += px * gy - py * gx + across * u_n * u_t - turning * acceleration
-                _add_tensor(composite, px, py, carried, round_it, turning, c, s)
+                _add_tensor(composite, (px, py), (carried, round_it, turning), (c, s))
         if rest.acts != 0.0:
             for g in range(nodes.shape[1]):
                 reach = nodes[k, g, ALONG]

@@ -10,18 +10,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rig.board import Board
 from rig.camera import Camera
 from rig.fault import Fault
-from rig.interrupts import Interrupts
 from rig.journal import set_aside
 from rig.motion import Motion, described, motion_of
-from rig.record import RunResult, record
+from rig.record import UNATTENDED, Attendance, RunResult, record
 from rig.run_file import iterate_frames, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
@@ -88,10 +87,7 @@ def run_campaign(
     camera: Camera | None,
     campaign: Campaign,
     folder: Path,
-    *,
-    interrupts: Interrupts | None = None,
-    progress: Callable[[str, float], None] = lambda _phase, _share: None,
-    viewer: str | None = None,
+    attendance: Attendance = UNATTENDED,
 ) -> Iterator[RunResult]:
     """Makes the runs that are not complete in `folder` yet, yielding each; a run that ended otherwise is set aside
     first.
@@ -102,11 +98,17 @@ def run_campaign(
         path = folder / f"{run.name}.rrd"
         if path.exists() and _set_aside(path) is None:
             continue
-        if interrupts is not None and interrupts.pause:
+        if attendance.interrupts is not None and attendance.interrupts.pause:
             return
         name = f"{campaign.name} {run.name}"
-        result = record(setup, board, camera, run.motion, path, name=name, interrupts=interrupts, progress=progress,
-                        viewer=viewer)  # fmt: skip
+        result = record(
+            setup,
+            board,
+            camera,
+            run.motion,
+            path,
+            replace(attendance, name=name),
+        )
         yield result
         if result.outcome == "interrupted":
             return

@@ -25,10 +25,6 @@ class ClockFit:
     sigma: float
     round_trip: float
 
-    def to_host(self, board_s: float) -> float:
-        """Board time [s] as host time [s]."""
-        return self.host_zero + (1.0 + self.skew) * (board_s - self.board_zero)
-
     def to_board(self, host_s: float) -> float:
         """Host time [s] as board time [s]."""
         return self.board_zero + (host_s - self.host_zero) / (1.0 + self.skew)

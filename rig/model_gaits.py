@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from affine_model.arm import arm_of, parameter_vector
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from rig.gait_space import GaitSpace, TrialPlan
 from tentacle.model import Model
 from tentacle.signals import Array
@@ -32,7 +32,7 @@ def predicted_propulsion(
         t = STEP * (np.arange(steps) + 0.5)
         base = np.stack([space.gait(points[k])(t) for k in part], axis=-1)
         parameters = np.repeat(row[:, None], len(part), axis=1)
-        batch = simulate(arm, parameters, base, STEP)
+        batch = simulate(arm, parameters, base, Timing(STEP))
         for place, k in enumerate(part):
             begin, end = (round(x / STEP) for x in plan.window(points[k]["frequency_hz"]))
             if np.isnan(batch.diverged[place]):

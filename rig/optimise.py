@@ -68,20 +68,31 @@ class StudyPlan:
             raise InputError(f"{self.trials!r} is not usable", field="trials", expected="at least 1")
 
 
+@dataclass(frozen=True)
+class Suggestions:
+    """first: points to try first (a model's best). propose: given the recordings so far, points of a model identified
+    anew, every study.reidentify_every trials (None: never).
+    """
+
+    first: Sequence[Mapping[str, float]] = ()
+    propose: Proposer | None = None
+
+
+NO_SUGGESTIONS = Suggestions()
+
+
 def optimise(
     folder: Path,
     study: StudyPlan,
     run_trial: TrialRunner,
-    first: Sequence[Mapping[str, float]] = (),
+    suggestions: Suggestions = NO_SUGGESTIONS,
     *,
-    propose: Proposer | None = None,
     interrupts: Interrupts | None = None,
     told: Callable[[str], None] = lambda _words: None,
 ) -> Iterator[Trial]:
     """Runs trials until `study.trials` are finished, yielding each; those of an earlier start are yielded first.
 
-    first: points to try first (a model's best). propose: given the recordings so far, points of a model identified
-    anew, every study.reidentify_every trials. told hears of a journal that had to be made again. Fault after
+    told hears of a journal that had to be made again. Fault after
     FAULTS_IN_A_ROW trials that did not complete; InputError
     where the folder is in use or holds another study.
     """
@@ -92,15 +103,16 @@ def optimise(
         finished = _finished(opened, folder)
         yield from finished
         if not opened.trials:
-            for point in first:
+            for point in suggestions.first:
                 opened.enqueue_trial(dict(point), user_attrs={"source": "model"})
         done, faults = len(finished), 0
         while done < study.trials:
             if interrupts is not None and interrupts.pause:
                 return
+            propose = suggestions.propose
             if propose is not None and study.reidentify_every and done and done % study.reidentify_every == 0:
                 _enqueue_proposals(opened, propose, [t.recording for t in _finished(opened, folder)], done)
-            if done > max(len(first), STARTUP) and done % 2:
+            if done > max(len(suggestions.first), STARTUP) and done % 2:
                 _enqueue_near_best(opened, study, done)
             trial = _one_trial(opened, folder, study, run_trial)
             if trial is None:

@@ -40,18 +40,29 @@ class RunResult:
     lost: int
 
 
+@dataclass(frozen=True)
+class Attendance:
+    """name: of the recording, the file's where empty. interrupts: what asks it to stop; progress hears of a phase and
+    its share; viewer: address of a live viewer; free_bytes: measures the disk's free space (None: the system's).
+    """
+
+    name: str = ""
+    interrupts: Interrupts | None = None
+    viewer: str | None = None
+    progress: Progress = lambda _phase, _share: None
+    free_bytes: Callable[[Path], int] | None = None
+
+
+UNATTENDED = Attendance()
+
+
 def record(
     setup: RigSetup,
     board: Board,
     camera: Camera | None,
     motion: Motion,
     path: Path,
-    *,
-    name: str,
-    interrupts: Interrupts | None = None,
-    viewer: str | None = None,
-    progress: Progress = lambda _phase, _share: None,
-    free_bytes: Callable[[Path], int] | None = None,
+    attendance: Attendance = UNATTENDED,
 ) -> RunResult:
     """Settles, runs and records into `path`. A fault of the rig ends the run safely and is the result's outcome.
 
@@ -60,9 +71,10 @@ def record(
     if path.exists():
         raise InputError("is there already", file=path, expected="a path that is free")
     check_set_points(motion.points, motion.period, setup.limits)
-    run = LiveRun(setup, board, camera, motion, progress, interrupts)
-    with Recorder(path, _start_record(setup, board, motion, name), setup.load_cell.to_newtons, viewer=viewer,
-                  free_bytes=free_bytes) as recorder:  # fmt: skip
+    run = LiveRun(setup, board, camera, motion, attendance.progress, attendance.interrupts)
+    start = _start_record(setup, board, motion, attendance.name or path.stem)
+    to_newtons, viewer = setup.load_cell.to_newtons, attendance.viewer
+    with Recorder(path, start, to_newtons, viewer=viewer, free_bytes=attendance.free_bytes) as recorder:
         try:
             end = run.perform(recorder)
         except Fault as fault:
@@ -91,7 +103,14 @@ def trial_runner(
     def run_trial(gait: Waveform, duration: float, path: Path, description: dict[str, Any]) -> None:
         connect_again(setup, board)
         motion = motion_of(gait, duration, setup.limits, description)
-        record(setup, board, camera, motion, path, name=path.stem, interrupts=interrupts, progress=progress)
+        record(
+            setup,
+            board,
+            camera,
+            motion,
+            path,
+            Attendance(interrupts=interrupts, progress=progress),
+        )
 
     return run_trial
 

@@ -19,6 +19,7 @@ from tentacle.model import Model
 from tentacle.recording import Recording
 from vision.track import track
 
+PROPOSED = 2  # gaits of a model identified anew
 MOST_RECORDINGS = 3  # what one diagnosis takes; it costs minutes
 
 
@@ -37,7 +38,6 @@ def proposer(
     plan: TrialPlan,
     *,
     believed: Model | None = None,
-    count: int = 2,
     seed: int = 0,
     told: Callable[[str], None] = lambda _: None,
     progress: Callable[[str], None] = lambda _: None,
@@ -66,7 +66,7 @@ def proposer(
         if not models:
             return []
         misses = [np.square(predicted_propulsion(m, space, points, plan) - measured).mean() for m in models]
-        return best_gaits(models[int(np.argmin(np.nan_to_num(misses, nan=np.inf)))], space, plan, count, seed)
+        return best_gaits(models[int(np.argmin(np.nan_to_num(misses, nan=np.inf)))], space, plan, PROPOSED, seed)
 
     return propose
 

@@ -11,7 +11,7 @@ import numpy as np
 from rig.board import Board
 from rig.interrupts import Interrupts
 from rig.motion import Motion
-from rig.record import RunResult, record
+from rig.record import Attendance, RunResult, record
 from rig.run_file import Run, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
@@ -65,7 +65,12 @@ def drive(
     """
     motion = logged_motion(path)
     result = record(
-        setup, board, None, motion, out, name=f"replay of {path.stem}", interrupts=interrupts, progress=progress
+        setup,
+        board,
+        None,
+        motion,
+        out,
+        Attendance(name=f"replay of {path.stem}", interrupts=interrupts, progress=progress),
     )
     try:
         return result, compare(path, read_run(out))

@@ -84,9 +84,9 @@ def simulate(
     hide: effects that act and that the recording does not declare, name -> "visible", "faint" or {parameter: value}.
     seed: of the measurement noise and of what is drawn.
     """
-    from mujoco_ref.undeclared import make
+    from mujoco_ref.undeclared import Scenario, make
 
-    recording, _ = make(hide or {}, _model(model), waveform, seed, duration, fps, name="simulated")
+    recording, _ = make(hide or {}, Scenario(_model(model), waveform, duration, fps), seed, name="simulated")
     return recording
 
 
@@ -114,14 +114,14 @@ def optimise(
     objective: "thrust", "speed" or "transport" (energy per way). method: "cmaes", "ga" (the paper's),
     "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
-    from affine_model.swim import OBJECTIVES, trial_of
+    from affine_model.swim import OBJECTIVES, SearchPlan, trial_of
     from affine_model.swim import optimise as search
     from affine_model.swim.device import chosen_device
 
     if objective not in OBJECTIVES:
         raise InputError(f"{objective!r} is not known", field="objective", expected=", ".join(OBJECTIVES))
     trial = replace(trial_of(_model(model)), device=chosen_device(device))
-    return search(trial, OBJECTIVES[objective], method=method, evaluations=evaluations, seed=seed)
+    return search(trial, OBJECTIVES[objective], SearchPlan(method, evaluations, seed))
 
 
 def seen(recording: Recording) -> Recording:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import median_abs_deviation
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
@@ -53,7 +54,7 @@ def refuse_slips(recording: Recording) -> None:
 def find_slips(recording: Recording) -> list[Slip]:
     """All slips of a recording; none where too little was measured to tell."""
     found = [_slow_clock(recording), _small_picture(recording)]
-    root = _root_direction(recording)
+    root = root_direction(recording)
     if root is not None:
         found += [_root_slip(*root), _servo_slip(recording, *root)]
     found += [_length_slip(recording), *_marker_slips(recording)]
@@ -82,7 +83,7 @@ def _small_picture(recording: Recording) -> Slip | None:
     return Slip("recording.toml", "camera.m_per_px", seen, "metres a pixel, some 0.0002 to 0.001", True)
 
 
-def _root_direction(recording: Recording) -> tuple[Array, Array] | None:
+def root_direction(recording: Recording) -> tuple[Array, Array] | None:
     """Times (T,) and direction (T,) [rad] of the midline near the clamp, phi = atan2(-x, y); None without a midline."""
     midline = recording.midline
     if midline is None:
@@ -95,6 +96,15 @@ def _root_direction(recording: Recording) -> tuple[Array, Array] | None:
         return None
     vectors = points[whole].sum(axis=1)
     return midline.t[whole], np.unwrap(np.arctan2(-vectors[:, 0], vectors[:, 1]))
+
+
+def root_turning(theta: Array, direction: Array) -> float | None:
+    """How far the root turns for a radian of the servo, d direction / d theta: 1 as declared, 0 in a frame that turns
+    with the servo, -1 where the two count in opposite senses. None where the servo hardly turns or few frames tell.
+    """
+    if theta.size < 10 or np.ptp(theta) < LEAST_TURN:
+        return None
+    return float(np.polyfit(theta - theta.mean(), direction, 1)[0])
 
 
 def _root_slip(t: Array, direction: Array) -> Slip | None:
@@ -117,12 +127,10 @@ def _servo_slip(recording: Recording, t: Array, direction: Array) -> Slip | None
     if motor is None:
         return None
     within = (t >= motor.t[0]) & (t <= motor.t[-1])
-    if within.sum() < 10:
-        return None
     theta, phi = np.interp(t[within], motor.t, motor.angle), direction[within]
-    if np.ptp(theta) < LEAST_TURN:
+    slope = root_turning(theta, phi)
+    if slope is None:
         return None
-    slope = float(np.polyfit(theta - theta.mean(), phi, 1)[0])
     agreement = float(np.corrcoef(theta, phi)[0, 1])
     seen = f"the root turns {slope:.3g} rad for a radian of the servo (correlation {agreement:.2f})"
     if agreement > 0.8 and 0.3 * DEGREE < slope < 3.0 * DEGREE:
@@ -142,7 +150,7 @@ def _length_slip(recording: Recording) -> Slip | None:
     measured = steps[np.isfinite(steps)] / max(share, 1e-9)
     if measured.size < 10:
         return None
-    if np.median(np.abs(measured - np.median(measured))) > STEADY * np.median(measured):
+    if median_abs_deviation(measured) > STEADY * np.median(measured):
         return None
     ratio = float(np.median(measured)) / length
     spread = next((n.spread for n in recording.declaration.uncertain if n.field == "specimen.length_m"), 0.0)

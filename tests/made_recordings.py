@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
-from affine_model.base_signal import base_table
+from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import midline
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from inference.base_fit import Setting, fit_base
 from inference.hypothesis import Hypothesis, hypothesis
 from inference.prepare import prepare
@@ -27,7 +27,7 @@ S = np.linspace(0.0, 1.0, 21)
 STEP = 1.0 / 600.0
 
 
-def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, name="made", wave=WAVE) -> Recording:
+def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, wave=WAVE) -> Recording:
     """A recording of the reduced model with these base parameters and hidden effects (effect, parameter) -> value."""
     arm = arm_of(Model(SPECIMEN, WATER, order=order))
     parameters = neutral_parameters()
@@ -35,13 +35,13 @@ def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, name="made"
         parameters[parameter_index(effect, parameter)] = value
     steps = round(seconds / STEP)
     lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
-    base = base_table(wave, 0.0, STEP, steps, lag, play)
-    batch = simulate(arm, parameters[:, None], base, STEP, stride=round(1.0 / STEP / FPS))
+    base = base_table(wave, Steps(0.0, STEP, steps), lag, play)
+    batch = simulate(arm, parameters[:, None], base, Timing(STEP, round(1.0 / STEP / FPS)))
     theta = wave(batch.t)[0]  # as commanded
     points = midline(batch.q[:, :, 0], batch.theta[:, 0], SPECIMEN.length, S)
     points = points + noise * np.random.default_rng(seed).standard_normal(points.shape)
     seen = Midline(batch.t, S, points, np.full(points.shape[:2], noise))
-    return Recording(name, Declaration(SPECIMEN, WATER), motor=MotorSignal(batch.t, theta, theta), midline=seen)
+    return Recording("made", Declaration(SPECIMEN, WATER), motor=MotorSignal(batch.t, theta, theta), midline=seen)
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vision.render import Filming
+
 if TYPE_CHECKING:
     from tentacle.recording import Recording
 
@@ -37,7 +39,7 @@ def filmed(recording: Recording, file: Path, look_name: str, size: tuple[int, in
         write_video(file, film(midline, specimen, camera, size), midline.t, crf=CRF)
     else:
         look = look_named(look_name)
-        frames = render(midline, specimen, camera, size, look, seed)
+        frames = render(midline, specimen, camera, Filming(size, look, seed))
         write_video(file, frames, frame_times(midline.t, look, seed), crf=CRF)
     declaration = replace(recording.declaration, camera=camera)
     return replace(recording, declaration=declaration, midline=None, video=Video(file))

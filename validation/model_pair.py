@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from affine_model.simulate import Start, Timing
+
 if TYPE_CHECKING:
     from tentacle.model import Model
     from tentacle.signals import Array
@@ -43,10 +45,10 @@ def reference_twin(
     model: Model, waveform: Waveform, duration: float, fps: float, links: int = 20, start: Array | None = None
 ) -> Twin:
     """The MuJoCo reference, from the shape start (K,) at rest (default: straight)."""
-    from mujoco_ref.simulate import simulate
+    from mujoco_ref.simulate import Initial, Setup, simulate
 
     initial = np.zeros(2) if start is None else start
-    run = simulate(model, waveform, duration, fps, links=links, s=S, initial_q=initial)
+    run = simulate(model, waveform, duration, fps, setup=Setup(links=links, s=S, initial=Initial(initial)))
     q = reduced(run.angles - run.theta[:, None])
     # Whatever shape it started from, the load is told less that of the straight arm at rest.
     return Twin(run.t, run.theta, run.midline.xy, q, run.load_cell)
@@ -76,7 +78,7 @@ def affine_twin(
     q = np.zeros((order, 1))
     if start is not None:
         q[: min(order, start.size), 0] = start[:order]
-    run = simulate(arm, parameters[:, None], waveform(middles)[:, :, None], step, q=q, stride=stride)
+    run = simulate(arm, parameters[:, None], waveform(middles)[:, :, None], Timing(step, stride), start=Start(q=q))
     frames = len(run.t) - 1
     load = run.load[:frames, 0]
     # A reading at a frame is the mean of those over the intervals beside it.

@@ -19,8 +19,8 @@ from vision.encode import write_video
 from vision.lens import Lens
 from vision.lens_file import format_lens
 from vision.looks import look_named
-from vision.render import frame_times, render
-from vision.scene import swaying
+from vision.render import Filming, frame_times, render
+from vision.scene import Swing, swaying
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def swaying_subject(name: str, sway: Sway, options: RenderOptions) -> Subject:
     """A cone that sways smoothly; its coordinates are part of the truth."""
     frames = max(round(sway.seconds * sway.fps), 1)
     scene = swaying(
-        options.seed, frames, sway.fps, options.size, sway.order, sway.amplitude, sway.frequency, sway.exposure
+        options.seed, frames, sway.fps, options.size, Swing(sway.order, sway.amplitude, sway.frequency), sway.exposure
     )
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
     recording = Recording(name, Declaration(scene.specimen, camera=scene.camera), motor=motor)
@@ -92,7 +92,7 @@ def write_test_video(subject: Subject, options: RenderOptions, out: Path) -> int
 
             pictures = film(midline, specimen, camera, options.size)
         else:
-            pictures = render(midline, specimen, camera, options.size, look, options.seed, subject.theta)
+            pictures = render(midline, specimen, camera, Filming(options.size, look, options.seed), subject.theta)
         count = write_video(video, pictures, frame_times(midline.t, look, options.seed), options.compress)
         filmed = replace(recording, name=out.name, midline=None, markers=None, shape=None, video=Video(video))
         write_folder(filmed, out)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.arm import arm_of, parameter_vector
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from tentacle.model import Model
 from tentacle.signals import Array, LoadCellSignal, MotorSignal
 from tentacle.waveform import Sine
@@ -49,5 +49,5 @@ def sine_thrust(model: Model, recordings: Sequence[Measured]) -> SineThrust:
     grid = [(a, f) for a in amplitude for f in frequency]
     base = np.stack([Sine(a, f)(middles) for a, f in grid], axis=-1)
     parameters = np.repeat(parameter_vector(model)[:, None], len(grid), axis=1)
-    batch = simulate(arm_of(model), parameters, base, STEP, stride=0)
+    batch = simulate(arm_of(model), parameters, base, Timing(STEP, 0))
     return SineThrust(amplitude, frequency, -batch.mean_thrust.reshape(len(amplitude), len(frequency)), measured)

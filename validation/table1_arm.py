@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from affine_model.simulate import Start, Timing
+from inference.measured_motion import MeasuredCourse
 from tentacle.waveform import Chirp, Sine
 
 if TYPE_CHECKING:
@@ -67,12 +69,14 @@ def arm_result(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def _film(task: Mapping[str, Any], wave: Waveform, seconds: float, file: Path) -> tuple[Recording, dict[str, Any]]:
     """A video of the reference's arm under that base motion, and what is known about it."""
-    from mujoco_ref.undeclared import Noise, make
+    from mujoco_ref.undeclared import Noise, Scenario, make
     from validation.film import filmed
     from validation.paper_arms import arm
 
     model = arm(task["length"], task["silicone"])
-    recording, truth = make({}, model, wave, task["seed"], seconds, FPS, Noise(), name="table1", clean_midline=True)
+    recording, truth = make(
+        {}, Scenario(model, wave, seconds, FPS), task["seed"], Noise(), name="table1", clean_midline=True
+    )
     return filmed(recording, file, task["look"], SIZE, task["seed"]), truth
 
 
@@ -108,7 +112,7 @@ def _paper_route(
     arm = Arm(replace(declared.specimen, stiffness="affine"), declared.fluid, declared.gravity, 2)
     free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1"), ("drag", "C_perp")]
     t, q = _seen(contours[0])
-    fitted = regression(arm, neutral_parameters(), free, t, q, chirp(t))
+    fitted = regression(arm, neutral_parameters(), free, MeasuredCourse(t, q, chirp(t)))
     result: dict[str, float | None] = {"paper_q1_rad2": None, "paper_q2_rad2": None}
     result |= {f"paper_{name}": float(value) for (_, name), value in zip(free, fitted.values, strict=True)}
     t, q = _seen(contours[1])
@@ -116,7 +120,9 @@ def _paper_route(
     step = 1.0 / 500.0
     middles = t[0] + (np.arange(int((t[-1] - t[0]) / step) + 1) + 0.5) * step
     base = sine(middles)[:, :, None]
-    batch = simulate(arm, fitted.parameters[:, None], base, step, q=smooth[0][:, None], q_rate=rate[0][:, None])
+    batch = simulate(
+        arm, fitted.parameters[:, None], base, Timing(step), start=Start(q=smooth[0][:, None], q_rate=rate[0][:, None])
+    )
     if np.isfinite(batch.diverged[0]):
         return result
     at = t - t[0]

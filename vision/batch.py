@@ -15,7 +15,7 @@ from vision.lens_file import read_lens
 from vision.midline_file import write_midline
 from vision.proofread import file_beside, read_verdicts
 from vision.shape_file import write_shape
-from vision.track import motor_angle, track_fully
+from vision.track import Following, motor_angle, track_fully
 
 VERSION = "1"
 FILMS = (*VIDEO_SUFFIXES, ".gif", ".m4v", ".mpg", ".ts", ".wmv")
@@ -86,8 +86,8 @@ def track_one(task: Mapping[str, Any]) -> dict[str, Any]:
             raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
         video = recording.video.path
         verdicts = read_verdicts(video)
-        arm = (recording.declaration, recording.motor, task["order"], lens)
-        shape = track_fully(video, *arm, verdicts=verdicts).shape
+        following = Following(task["order"], lens, verdicts=verdicts)
+        shape = track_fully(video, recording.declaration, recording.motor, following=following).shape
         write_shape(shape, out / f"{name}.csv")
         angle = motor_angle(recording.motor, shape.t)
         write_midline(shape, angle, recording.declaration.specimen, out / f"{name}.midline.csv")

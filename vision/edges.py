@@ -11,10 +11,10 @@ from tentacle.compiled import njit
 from tentacle.signals import Array
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
-from vision.levels import count_strange, side_greys
+from vision.levels import KnownLight, count_strange, side_greys
 from vision.light import Light
 from vision.motion import Sweep
-from vision.profiles import fit_profiles, gather, level_sums, measure_profiles, plateaus
+from vision.profiles import Bars, Pixels, Stations, fit_profiles, gather, level_sums, measure_profiles, plateaus
 from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST = 256  # samples that a searched profile may have
@@ -44,15 +44,34 @@ class Edges:
     plateaus: Array
 
 
+@dataclass(frozen=True)
+class Optics:
+    """How edges look in the picture: the lens, its and the pixel's blur [px], polarity (+1 for an arm darker than its
+    ground, -1 for a lighter one)."""
+
+    lens: Lens
+    blur: float
+    polarity: float
+
+
+@dataclass(frozen=True)
+class Before:
+    """What is known of the edges: alone, each fitted by itself; sound (E,), those of them that tell the greys; light,
+    what earlier pictures told of them."""
+
+    alone: Edges
+    sound: NDArray[np.bool_]
+    light: Light | None
+
+
 def search_edges(image: NDArray[np.uint8], expected: Outline, lens: Lens, reach: float, polarity: float) -> Edges:
     """The strongest step, to a pixel, along each edge's normal, from anywhere within reach [px].
 
     polarity is +1 for an arm darker than its ground, -1 for a lighter one.
     """
     count = len(expected.points)
-    offset, contrast, found = np.zeros(count), np.zeros(count), np.zeros(count, dtype=np.bool_)
-    place = (image, lens.packed, expected.points, expected.normals, expected.depth)
-    _search(*place, float(reach), float(polarity), offset, contrast, found)
+    lines = (expected.points, expected.normals, expected.depth)
+    offset, contrast, found = _search(image, lens.packed, lines, float(reach), float(polarity))
     return Edges(
         offset,
         np.zeros(count),
@@ -64,95 +83,65 @@ def search_edges(image: NDArray[np.uint8], expected: Outline, lens: Lens, reach:
     )
 
 
-def fit_edges(
-    image: NDArray[np.uint8],
-    expected: Outline,
-    lens: Lens,
-    reach: float,
-    polarity: float,
-    blur: float,
-    swept: Sweep,
-) -> Edges:
+def fit_edges(image: NDArray[np.uint8], expected: Outline, optics: Optics, reach: float, swept: Sweep) -> Edges:
     """Each edge to a part of a pixel with its own greys; right where it is within about 2 px of its place.
 
-    blur [px] is the lens' and the pixel's; swept tells how the edges move while the shutter is open.
+    swept tells how the edges move while the shutter is open.
     """
-    count = len(expected.points)
-    half = 0.5 * swept.width
-    offset, contrast, information, misfit, level = (np.zeros(count) for _ in range(5))
-    found = np.zeros(count, dtype=np.bool_)
-    pixels = _pixels(image, expected, lens, blur, half, reach)
-    out = (offset, contrast, information, misfit, level, found)
-    fit_profiles(*pixels, expected.depth, blur, half, reach, *out)
-    found &= polarity * contrast > 0
+    bars = Bars(expected.depth, optics.blur, 0.5 * swept.width)
+    fitted = fit_profiles(_pixels(image, expected, optics.lens, bars, reach), bars, float(reach))
     return Edges(
-        offset + _inward(expected, blur) - swept.shift,
-        level,
-        contrast,
-        information,
-        misfit,
-        found,
-        *_not_measured(count),
+        fitted.offset + _inward(expected, optics.blur) - swept.shift,
+        fitted.level,
+        fitted.contrast,
+        fitted.information,
+        fitted.misfit,
+        fitted.found & (optics.polarity * fitted.contrast > 0),
+        *_not_measured(len(expected.points)),
     )
 
 
 def measure_edges(
     image: NDArray[np.uint8],
     expected: Outline,
-    lens: Lens,
+    optics: Optics,
     reach: float,
-    polarity: float,
-    blur: float,
     swept: Sweep,
-    alone: Edges,
-    sound: NDArray[np.bool_],
-    light: Light | None,
+    before: Before,
 ) -> Edges:
-    """Each edge about a place that is right to a small part of the blur, its greys from its neighbours' pixels.
-
-    alone: the same edges, fitted each by itself; sound (E,): those of them that tell the greys. light: what earlier
-    pictures told of them.
-    """
+    """Each edge about a place that is right to a small part of the blur, its greys from its neighbours' pixels."""
     count = len(expected.points)
-    half = 0.5 * swept.width
-    offset, information, misfit = (np.zeros(count) for _ in range(3))
-    found, softer = np.zeros(count, dtype=np.bool_), np.zeros((count, 2))
+    alone, sound, light = before.alone, before.sound, before.light
+    bars = Bars(expected.depth, optics.blur, 0.5 * swept.width)
     inside = float(np.median(alone.level[sound])) if sound.any() else 0.0
     ratio = inside / max(inside + float(np.median(alone.contrast[sound])), 1.0) if sound.any() else 1.0
-    pixels = _pixels(image, expected, lens, blur, half, LEVEL_REACH)
-    tell = sound & ~_beside_something(pixels, expected, blur, half, alone, sound)
-    lit, known = np.zeros((count, 4)), np.zeros(count, dtype=np.bool_)
+    pixels = _pixels(image, expected, optics.lens, bars, LEVEL_REACH)
+    tell = sound & ~_beside_something(pixels, bars, expected, alone, sound)
+    lit = KnownLight(np.zeros((count, 4)), np.zeros(count, dtype=np.bool_))
     if light is not None:
-        lit, known = light.beside(expected.points, expected.normals, lens)
-    profile = (*pixels, expected.depth, blur, half)
-    sums = level_sums(*profile, ratio, np.zeros((count, 2)))
-    beside = (expected.kind, tell, sums, ratio, lit, known)
+        lit = KnownLight(*light.beside(expected.points, expected.normals, optics.lens))
+    sums = level_sums(pixels, bars, ratio, np.zeros((count, 2)))
+    beside = (expected.kind, tell, sums, ratio, lit)
     greys, known, contradicted = side_greys(*beside, np.zeros((0, 16)))
     if contradicted > FEW:
-        outside = level_sums(*profile, 0.0, np.ascontiguousarray(lit[:, ::3]))
+        outside = level_sums(pixels, bars, 0.0, np.ascontiguousarray(lit.greys[:, ::3]))
         greys, known, _ = side_greys(*beside, outside)
     contrast = greys[:, 1] - greys[:, 0]
-    measure_profiles(*profile, greys, reach, offset, information, misfit, found, softer)
-    found &= known & (polarity * contrast > 0)
+    measured = measure_profiles(pixels, bars, greys, float(reach))
     return Edges(
-        offset + _inward(expected, blur) - swept.shift,
+        measured.offset + _inward(expected, optics.blur) - swept.shift,
         greys[:, 0],
         contrast,
-        information,
-        misfit,
-        found,
-        softer,
-        plateaus(*profile, contrast, tell & known),
+        measured.information,
+        measured.misfit,
+        measured.found & known & (optics.polarity * contrast > 0),
+        measured.softer,
+        plateaus(pixels, bars, contrast, tell & known),
     )
 
 
 def _beside_something(
-    pixels: tuple[NDArray[np.int64], Array, Array],
-    expected: Outline,
-    blur: float,
-    half: Array,
-    alone: Edges,
-    sound: NDArray[np.bool_],
+    pixels: Pixels, bars: Bars, expected: Outline, alone: Edges, sound: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Edges (E,) that are sound, but with a bubble close by: within the pixels that would tell the greys."""
     if not sound.any():
@@ -161,7 +150,7 @@ def _beside_something(
     inside, told = neighbours_mean(expected.kind, alone.level, weight, AROUND)
     contrast, _ = neighbours_mean(expected.kind, alone.contrast, weight, AROUND)
     usual = max(float(np.median(alone.misfit[sound])), PLAIN * float(np.median(np.abs(alone.contrast[sound]))))
-    return (told > 0.5) & (count_strange(*pixels, blur, half, inside, inside + contrast, STRANGE * usual) > 1)
+    return (told > 0.5) & (count_strange(pixels, bars, inside, inside + contrast, STRANGE * usual) > 1)
 
 
 def _not_measured(count: int) -> tuple[Array, Array]:
@@ -174,9 +163,9 @@ def _inward(expected: Outline, blur: float) -> Array:
     return 0.5 * expected.bulge * blur**2
 
 
-def _pixels(image: NDArray[np.uint8], expected: Outline, lens: Lens, blur: float, half: Array, reach: float):
-    outline = (expected.points, expected.normals, expected.depth, expected.span, expected.bulge)
-    return gather(image, lens.packed, *outline, float(blur), half, float(reach))
+def _pixels(image: NDArray[np.uint8], expected: Outline, lens: Lens, bars: Bars, reach: float) -> Pixels:
+    stations = Stations(expected.points, expected.normals, expected.span, expected.bulge)
+    return gather(image, lens.packed, stations, bars, float(reach))
 
 
 @njit(cache=True, inline="always")
@@ -194,18 +183,16 @@ def _grey(image: NDArray[np.uint8], u: float, v: float) -> float:
 
 @njit(cache=True, nogil=True)
 def _search(
-    image: NDArray[np.uint8],
-    lens: Array,
-    points: Array,
-    normals: Array,
-    depth: Array,
-    reach: float,
-    polarity: float,
-    offset: Array,
-    contrast: Array,
-    found: NDArray[np.bool_],
-) -> None:
-    """The strongest step of the right sign along each profile; a nearer one is preferred among equals."""
+    image: NDArray[np.uint8], lens: Array, lines: tuple[Array, Array, Array], reach: float, polarity: float
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """The strongest step of the right sign along each profile: offset, contrast, whether there is one (E,).
+
+    A nearer step is preferred among equals. lines: points, normals (E, 2) and depth (E,).
+    """
+    points, normals, depth = lines
+    count_of_edges = points.shape[0]
+    offset, contrast = np.zeros(count_of_edges), np.zeros(count_of_edges)
+    found = np.zeros(count_of_edges, dtype=np.bool_)
     grey = np.empty(LONGEST)
     for e in range(points.shape[0]):
         found[e] = False
@@ -228,6 +215,7 @@ def _search(
             value = polarity * step * (1.0 - 0.4 * (d / (reach + 1.0)) ** 2)
             if value > best:
                 best, offset[e], contrast[e], found[e] = value, d, step, True
+    return offset, contrast, found
 
 
 @njit(cache=True, nogil=True)

@@ -53,7 +53,7 @@ class Field:
     def adding(self, place: Array, grey: Array, pixels: Array) -> Field:
         """Told by greys (P,) at places (P, 2) [px] too, each the mean of so many pixels (P,); not yet settled."""
         normal, right, count = self.normal.copy(), self.right.copy(), self.count.copy()
-        _add(*self._grid, np.ascontiguousarray(place), grey, pixels, normal, right, count)
+        _add(self._grid, (np.ascontiguousarray(place), grey, pixels), (normal, right, count))
         return replace(self, normal=normal, right=right, count=count, power=self.power + float(pixels @ grey**2))
 
     def joined(self, other: Field) -> Field:
@@ -138,17 +138,11 @@ def _values(cell: float, columns: int, rows: int, field: Array, place: Array) ->
 
 
 @njit(cache=True, nogil=True)
-def _add(
-    cell: float,
-    columns: int,
-    rows: int,
-    place: Array,
-    grey: Array,
-    pixels: Array,
-    normal: Array,
-    right: Array,
-    count: Array,
-) -> None:
+def _add(grid: tuple[float, int, int], told: tuple[Array, Array, Array], sums: tuple[Array, Array, Array]) -> None:
+    """Add pixels (place, grey, number of them) to the sums (normal, right, count) of a field's nodes."""
+    cell, columns, rows = grid
+    place, grey, pixels = told
+    normal, right, count = sums
     for k in range(len(place)):
         node, a, b = _hats(place[k, 0], place[k, 1], cell, columns, rows)
         nodes = (node, node + 1, node + rows, node + rows + 1)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.fft import dct
 
 from tentacle.signals import Array
-from vision.edges import Edges, fit_edges, measure_edges, search_edges
+from vision.edges import Before, Edges, Optics, fit_edges, measure_edges, search_edges
 from vision.kinematics import CORNER, SHARED, Geometry, Outline, outline
 from vision.light import Light
 from vision.motion import Motion, Sweep, sweep
@@ -84,30 +84,49 @@ class FrameFit:
     own_contrast: Array
 
 
+@dataclass(frozen=True)
+class Exposure:
+    """A picture whose middle of exposure is at t [s]: over span [s] the motion smears the edges, and the profile that
+    is looked for is smeared alike. light: as earlier frames told it."""
+
+    image: NDArray[np.uint8]
+    t: float
+    span: float
+    motion: Motion
+    light: Light | None = None
+
+
+@dataclass(frozen=True)
+class Arm:
+    """The declared arm at the motor's angle theta [rad], with what all frames share (G,)."""
+
+    geometry: Geometry
+    theta: float
+    shared: Array
+
+    def outline(self, x: Array, stride: int = 1) -> Outline:
+        """The edges that a shape has."""
+        return outline(self.geometry, self.theta, x, self.shared, stride)
+
+
 def refine(
-    image: NDArray[np.uint8],
-    geometry: Geometry,
-    theta: float,
+    picture: Exposure,
+    arm: Arm,
     x: Array,
-    shared: Array,
     sight: Sight,
-    t: float,
-    motion: Motion,
-    exposure: float,
     reaches: tuple[float, ...] = (10.0, 5.0),
     ends: float = ENDS,
-    light: Light | None = None,
 ) -> FrameFit | None:
     """Fit x from a start that is within about the first reach [px]; None where too few edges are found.
 
-    motion tells the speed at time t [s]: over the exposure [s] it smears the edge, and the profile that is looked for
-    is smeared alike. ends [px]: how far along the arm its two ends are looked for. light: as earlier frames
-    told it.
+    ends [px]: how far along the arm its two ends are looked for.
     """
+    image, geometry = picture.image, arm.geometry
+    optics = Optics(geometry.lens, sight.blur, sight.polarity)
     x = np.array(x, dtype=float)
     order = len(x)
     for reach in reaches:
-        expected = outline(geometry, theta, x, shared, stride=4)
+        expected = arm.outline(x, stride=4)
         edges = search_edges(image, expected, geometry.lens, reach, sight.polarity)
         base = _usable(edges, expected, sight).astype(float)
         if np.count_nonzero(base) < 4 * order:
@@ -117,16 +136,16 @@ def refine(
         if _wild(geometry, x):
             return None
     sound, first = np.zeros(0, dtype=np.bool_), None
-    total = x + theta * (np.arange(order) == 0)
-    expected = outline(geometry, theta, x, shared)
+    total = x + arm.theta * (np.arange(order) == 0)
+    expected = arm.outline(x)
     # swept once: the second time the place differs by far too little to be swept otherwise
-    swept = sweep(geometry, total, shared, expected, *motion.at(t, total), exposure)
+    swept = sweep(geometry, total, arm.shared, expected, picture.motion.at(picture.t, total), picture.span)
     for reach in (NARROW, FINAL):
-        expected = expected if first is None else outline(geometry, theta, x, shared)
+        expected = expected if first is None else arm.outline(x)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
-        place = (image, expected, geometry.lens, reach, sight.polarity, sight.blur, swept)
-        edges = fit_edges(*place) if first is None else measure_edges(*place, first, sound, light)
-        usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, shared, expected, swept)
+        place = (image, expected, optics, reach, swept)
+        edges = fit_edges(*place) if first is None else measure_edges(*place, Before(first, sound, picture.light))
+        usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, arm.shared, expected, swept)
         floor = max(0.5 * ordinary_misfit(edges, usable), PLAIN * sight.contrast)
         usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
         usable &= True if first is None else sound
@@ -135,7 +154,13 @@ def refine(
         base = _trust(edges, expected.kind, usable)
         step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02, np.zeros(order))
         if first is not None:
-            fit = _summary(image, geometry, x + step, expected, edges, weight, base, sight, step, ends, swept)
+            most, find = base.max(), EndSearch(optics, sight, ends, ordinary_misfit(edges, weight > 0))
+            for kind in (2, 3):
+                end, offset = _end(image, expected, kind, find, swept)
+                # A real end is no perfect cut: all of its edges together weigh no more than their common error allows.
+                weight[end] = most * (offset != 0.0) / (1.0 + np.count_nonzero(offset) * END_ERROR)
+                edges.offset[end] = offset
+            fit = _summary(x + step, expected, edges, weight, step)
             return replace(fit, own_contrast=np.where(first.found, first.contrast, 0.0))
         x, first, sound = x + step, edges, weight > 0
         if _wild(geometry, x):
@@ -183,27 +208,9 @@ def _trust(edges: Edges, kind: Array, usable: NDArray[np.bool_]) -> Array:
     return np.where(usable, edges.information / np.maximum(around, top), 0.0)
 
 
-def _summary(
-    image: NDArray[np.uint8],
-    geometry: Geometry,
-    x: Array,
-    expected: Outline,
-    edges: Edges,
-    weight: Array,
-    base: Array,
-    sight: Sight,
-    step: Array,
-    ends: float,
-    swept: Sweep,
-) -> FrameFit:
+def _summary(x: Array, expected: Outline, edges: Edges, weight: Array, step: Array) -> FrameFit:
     """Normal equations in (x, g), with weights by what each profile tells and by how well it fits."""
     order = len(x)
-    usual = ordinary_misfit(edges, weight > 0)
-    for kind in (2, 3):
-        end, offset = _end(image, geometry, expected, kind, sight, ends, usual, swept)
-        seen = np.count_nonzero(offset)
-        # a real end is no perfect cut: all of its edges together weigh no more than their common error allows
-        weight[end], edges.offset[end] = base.max() * (offset != 0.0) / (1.0 + seen * END_ERROR), offset
     residual = edges.offset - expected.jacobian[:, :order] @ step
     information, gradient = normal_matrix(expected.jacobian, weight, residual)
     sway = _sway(np.sqrt(weight) * residual, weight, expected.kind)
@@ -222,18 +229,22 @@ def _summary(
     )
 
 
+@dataclass(frozen=True)
+class EndSearch:
+    """How an end is looked for: up to reach [px] along the arm, with the profile's usual rms [grey] of the sides."""
+
+    optics: Optics
+    sight: Sight
+    reach: float
+    usual: float
+
+
 def _end(
-    image: NDArray[np.uint8],
-    geometry: Geometry,
-    expected: Outline,
-    kind: int,
-    sight: Sight,
-    ends: float,
-    usual: float,
-    swept: Sweep,
+    image: NDArray[np.uint8], expected: Outline, kind: int, find: EndSearch, swept: Sweep
 ) -> tuple[NDArray[np.intp], Array]:
     """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do (a
     clamp hides it), or moves sideways (its corners pass)."""
+    optics, sight = find.optics, find.sight
     index = np.flatnonzero(expected.kind == kind)
     names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge", "span")
     rows = Outline(*(getattr(expected, name)[index] for name in names))
@@ -241,7 +252,7 @@ def _end(
     if swept.slip[index].max() > SIDEWAYS * 2.0 * expected.span[index].sum():
         return index, nothing
     swept = Sweep(swept.width[index], swept.shift[index], swept.slip[index])
-    coarse = search_edges(image, rows, geometry.lens, ends, sight.polarity)
+    coarse = search_edges(image, rows, optics.lens, find.reach, optics.polarity)
     like = sight.polarity * coarse.contrast
     usually = sight.contrast_at(rows.s)
     alike = coarse.found & (like > 0.5 * usually) & (like < 1.6 * usually)
@@ -249,9 +260,9 @@ def _end(
         return index, nothing
     shift = float(np.median(coarse.offset[alike]))
     rows = replace(rows, points=rows.points + shift * rows.normals)
-    sharp = fit_edges(image, rows, geometry.lens, NARROW, sight.polarity, sight.blur, swept)
+    sharp = fit_edges(image, rows, optics, NARROW, swept)
     middle = float(np.median(sharp.offset[sharp.found])) if sharp.found.any() else 0.0
-    agree = sharp.found & (np.abs(sharp.offset - middle) < 0.5) & (sharp.misfit < MISFIT * usual)
+    agree = sharp.found & (np.abs(sharp.offset - middle) < 0.5) & (sharp.misfit < MISFIT * find.usual)
     if np.count_nonzero(agree) < max(0.7 * len(index), 1):
         return index, nothing
     return index, np.asarray(np.where(agree, shift + sharp.offset, 0.0))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.fit import ENDS, FrameFit, Sight, contrast_along, drawing, ordinary_misfit, refine
+from vision.fit import ENDS, Arm, Exposure, FrameFit, Sight, contrast_along, drawing, ordinary_misfit, refine
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
@@ -163,8 +163,9 @@ class Follower:
         self, frame: Frame, x: Array, motion: Motion, reaches: tuple[float, ...], ends: float = ENDS
     ) -> FrameFit | None:
         assert self.sight is not None
-        arm = (self.geometry, self.theta(frame.t), x, self.shared)
-        return refine(frame.image, *arm, self.sight, frame.t, motion, self.exposure, reaches, ends, self._light)
+        picture = Exposure(frame.image, frame.t, self.exposure, motion, self._light)
+        arm = Arm(self.geometry, self.theta(frame.t), self.shared)
+        return refine(picture, arm, x, self.sight, reaches, ends)
 
     def _learn(self, frame: Frame, fit: FrameFit) -> None:
         """What a fitted frame tells of the light."""

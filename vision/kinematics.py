@@ -80,7 +80,7 @@ def _midline(geometry: Geometry, theta: float, x: Array, shared: Array) -> tuple
     base = geometry.base + shared[:2]
     length = geometry.length * (1.0 + shared[2])
     stations = len(geometry.radius) - 1
-    return _integrate(base, geometry.normal, geometry.arm, length, theta, np.asarray(x, dtype=float), stations)
+    return _integrate(base, (geometry.normal, geometry.arm), length, theta, np.asarray(x, dtype=float), stations)
 
 
 @njit(cache=True)
@@ -94,9 +94,10 @@ def _corrected(radius: Array, shared: Array) -> Array:
 
 @njit(cache=True)
 def _integrate(
-    base: Array, normal: Array, arm: Array, length: float, theta: float, x: Array, stations: int
+    base: Array, axes: tuple[Array, Array], length: float, theta: float, x: Array, stations: int
 ) -> tuple[Array, Array, Array]:
     """Centre (S + 1, 2), phi (S + 1,) and dcentre/dx (S + 1, K, 2), by Simpson's rule between stations (eq. 3)."""
+    normal, arm = axes
     order = x.shape[0]
     centre = np.empty((stations + 1, 2))
     phi = np.empty(stations + 1)
@@ -142,38 +143,36 @@ def _integrate(
 def outline(geometry: Geometry, theta: float, x: Array, shared: Array, stride: int = 1) -> Outline:
     """The edges to look for, every stride-th station of both sides, then the tip's end and the base's end."""
     x = np.asarray(x, dtype=float)
-    centre, phi, slope = _midline(geometry, theta, x, shared)
+    course = _midline(geometry, theta, x, shared)
     relative = 1.0 + shared[2]
     radius, axes = geometry.radius_at(shared), (geometry.normal, geometry.arm)
     length = geometry.length * relative
-    return Outline(*_edges(centre, phi, slope, radius, *axes, length, relative, x, stride, SHARED, CORNER))
+    return Outline(*_edges(course, radius, axes, (length, relative), x, stride))
 
 
 @njit(cache=True)
 def _edges(
-    centre: Array,
-    phi: Array,
-    slope: Array,
+    course: tuple[Array, Array, Array],
     radius: Array,
-    normal: Array,
-    arm: Array,
-    length: float,
-    relative: float,
+    axes: tuple[Array, Array],
+    sizes: tuple[float, float],
     x: Array,
     stride: int,
-    shared: int,
-    corner: float,
 ) -> tuple[Array, Array, Array, Array, Array, Array, Array, Array]:
+    """An Outline's fields; course as of _integrate, axes: normal and arm, sizes: length [px], and over the declared."""
+    centre, phi, slope = course
+    normal, arm = axes
+    length, relative = sizes
     stations, order = phi.shape[0] - 1, x.shape[0]
-    first = int(np.ceil(max(corner / length, 0.02) * stations))
-    last = int(np.floor((1.0 - corner / length) * stations))
+    first = int(np.ceil(max(CORNER / length, 0.02) * stations))
+    last = int(np.floor((1.0 - CORNER / length) * stations))
     rows = (last - first) // stride + 1
     tip_rows = max(int(radius[stations] / stride), 1)
     base_rows = max(int(radius[0] / stride), 1)
     count = 2 * rows + tip_rows + base_rows
     points, normals = np.empty((count, 2)), np.empty((count, 2))
     depth, at, kind, bulge, span = np.empty(count), np.empty(count), np.empty(count), np.zeros(count), np.empty(count)
-    jacobian = np.zeros((count, order + shared))
+    jacobian = np.zeros((count, order + SHARED))
     for e in range(count):
         if e < 2 * rows:  # the sides: centre + sigma radius N (eq. 4)
             kind[e] = e // rows

@@ -35,14 +35,6 @@ class Lens:
         x = np.sum(offset**2, axis=-1, keepdims=True) / self.reference**2
         return np.asarray(self.centre) + offset * (1.0 + x * (self.k1 + x * self.k2))
 
-    def unbend(self, px: Array) -> Array:
-        """The inverse of bend, by fixed-point steps; 1e-9 px for bends of a few per cent."""
-        seen = np.asarray(px, dtype=float)
-        ideal = seen
-        for _ in range(30):
-            ideal = ideal - (self.bend(ideal) - seen)
-        return ideal
-
 
 @njit(cache=True, inline="always")
 def bend_point(u: float, v: float, lens: Array) -> tuple[float, float]:

@@ -10,11 +10,14 @@ stretch that puts the edge where the shorter ones put it, but for what noise exp
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
+from vision.profiles import Bars, Pixels
 
 STRETCHES = np.array([16, 45, 130, 400])  # stations to either side
 DIFFERENT = 2.0  # standard deviations
@@ -26,19 +29,19 @@ HELD = 1e-6  # prior information on each unknown, so that a stretch without an o
 TAKEN = 1e9  # prior information on the grey inside where it is taken off
 
 
+class KnownLight(NamedTuple):
+    """Greys (E, 4) beside the edges as earlier pictures tell them, and where they do (E,)."""
+
+    greys: Array
+    known: NDArray[np.bool_]
+
+
 @njit(cache=True, nogil=True)
-def count_strange(
-    start: NDArray[np.int64],
-    grey: Array,
-    place: Array,
-    blur: float,
-    half: Array,
-    inside: Array,
-    outside: Array,
-    limit: float,
-) -> NDArray[np.int64]:
+def count_strange(pixels: Pixels, bars: Bars, inside: Array, outside: Array, limit: float) -> NDArray[np.int64]:
     """How many of each edge's pixels (E,), those within the blur apart, differ by more than limit from inside and
     outside (E,) [grey]."""
+    start, grey, place = pixels
+    _, blur, half = bars
     strange = np.zeros(len(start) - 1, dtype=np.int64)
     for e in range(len(start) - 1):
         fuzzy = 2.0 * blur + half[e]
@@ -50,23 +53,18 @@ def count_strange(
 
 @njit(cache=True, nogil=True)
 def side_greys(
-    kind: Array,
-    sound: NDArray[np.bool_],
-    packed: Array,
-    ratio: float,
-    lit: Array,
-    known_light: NDArray[np.bool_],
-    packed_outside: Array,
+    kind: Array, sound: NDArray[np.bool_], packed: Array, ratio: float, known: KnownLight, packed_outside: Array
 ) -> tuple[Array, NDArray[np.bool_], float]:
     """Greys (E, 4) along both sides, at the edge: inside, outside, slopes outward of ground and arm; which are known.
 
-    packed (E, 16): profiles.level_sums; the sound edges (E,) tell. ratio: the arm's grey over the ground's. lit (E, 4):
-    the same greys as earlier pictures tell them, where the light is known (E,); packed_outside (E, 16): sums without
-    the arm's grey that they tell, or (0, 16), for they are used only where the picture contradicts them: in a share of
-    the places, which is returned too.
+    packed (E, 16): profiles.level_sums; the sound edges (E,) tell. ratio: the arm's grey over the ground's. known: the
+    same greys as earlier pictures tell them; packed_outside (E, 16): sums without the arm's grey that they tell, or
+    (0, 16), because they are used only where the picture contradicts them: in a share of the places, which is returned
+    too.
     """
+    lit, known_light = known
     count, contradicted, places = len(kind), 0, 1
-    greys, known = np.zeros((count, 4)), np.zeros(count, dtype=np.bool_)
+    greys, sure = np.zeros((count, 4)), np.zeros(count, dtype=np.bool_)
     window, answer = np.empty(SUMS), np.empty(6)
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
@@ -88,7 +86,7 @@ def side_greys(
         for knot in range(knots):
             k = min(knot * KNOT, stations - 1)
             e = index[k]
-            there[knot], middle, variance = _longest(total, k, stations, ratio, HELD, noise, answer)
+            there[knot], middle, variance = _longest(total, k, ratio, HELD, noise, answer)
             told[knot, :3], told[knot, 3] = answer[:3], ratio * answer[2]
             if not known_light[e]:
                 continue
@@ -100,16 +98,16 @@ def side_greys(
             if not without:
                 continue
             # something stands beside the arm, as a mirror image does: the arm's own grey is known all the same
-            found, half_way, _ = _longest(outside, k, stations, 0.0, TAKEN, noise, answer)
+            found, half_way, _ = _longest(outside, k, 0.0, TAKEN, noise, answer)
             if found and (half_way + 0.5 * lit[e, 0] - middle) ** 2 <= BELIEVED**2 * noise * variance:
                 told[knot, 0], told[knot, 1:3], told[knot, 3] = lit[e, 0], answer[1:3], lit[e, 3]
         for k in range(stations):
             e, knot = index[k], k // KNOT
             part = (k - knot * KNOT) / KNOT
-            known[e] = there[knot] and there[knot + 1]
+            sure[e] = there[knot] and there[knot + 1]
             for i in range(4):
                 greys[e, i] = (1.0 - part) * told[knot, i] + part * told[knot + 1, i]
-    return greys, known, contradicted / places
+    return greys, sure, contradicted / places
 
 
 @njit(cache=True, nogil=True)
@@ -129,13 +127,12 @@ def _running_sums(index: NDArray[np.int64], sound: NDArray[np.bool_], packed: Ar
 
 
 @njit(cache=True, nogil=True)
-def _longest(
-    total: Array, k: int, stations: int, ratio: float, held: float, noise: float, answer: Array
-) -> tuple[bool, float, float]:
+def _longest(total: Array, k: int, ratio: float, held: float, noise: float, answer: Array) -> tuple[bool, float, float]:
     """Into answer (6,) what the longest stretch about station k says that the shorter ones do not contradict.
 
     Returns whether any stretch has edges enough, the half-way grey, its variance per squared grey of noise.
     """
+    stations = total.shape[0] - 1
     there, middle, variance = False, 0.0, np.inf
     window, longer = np.empty(SUMS), np.empty(6)
     answer[:] = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -12,7 +13,7 @@ from tentacle.compiled import njit
 from tentacle.signals import Array
 from vision.kinematics import Geometry
 from vision.lens import bend_point
-from vision.trace import trace
+from vision.trace import Reduced, trace
 
 COARSE_LENGTH = 120.0  # px that the arm is long in the reduced picture
 STATIONS = 20
@@ -32,22 +33,25 @@ class Located:
     score: float
 
 
+class View(NamedTuple):
+    """The picture reduced shrink times, its lens, and the arm in it: base (2,) [px], unit vectors normal and arm (2,),
+    length [px], radius (STATIONS,) [px], base angle theta [rad]."""
+
+    image: NDArray[np.float32]
+    shrink: float
+    lens: Array
+    base: Array
+    normal: Array
+    arm: Array
+    length: float
+    radius: Array
+    theta: float
+
+
 @njit(cache=True)
-def _score(
-    image: NDArray[np.float32],
-    shrink: float,
-    lens: Array,
-    base: Array,
-    normal: Array,
-    arm: Array,
-    length: float,
-    radius: Array,
-    theta: float,
-    shape: Array,
-    scale: float,
-    polarity: float,
-) -> float:
+def _score(view: View, shape: Array, scale: float, polarity: float) -> float:
     """Mean over stations of the weaker side's contrast, each squashed by tanh; and of the ground beyond the tip."""
+    image, shrink, lens, base, normal, arm, length, radius, theta = view
     height, width = image.shape
     count = radius.shape[0]
     u, v = base[0], base[1]
@@ -97,23 +101,10 @@ def _score(
 
 
 @njit(cache=True)
-def _search(
-    image: NDArray[np.float32],
-    shrink: float,
-    lens: Array,
-    base: Array,
-    normal: Array,
-    arm: Array,
-    length: float,
-    radius: Array,
-    theta: float,
-    shapes: Array,
-    scale: float,
-    polarity: float,
-) -> Array:
+def _search(view: View, shapes: Array, scale: float, polarity: float) -> Array:
     scores = np.empty(shapes.shape[0])
     for k in range(shapes.shape[0]):
-        scores[k] = _score(image, shrink, lens, base, normal, arm, length, radius, theta, shapes[k], scale, polarity)
+        scores[k] = _score(view, shapes[k], scale, polarity)
     return scores
 
 
@@ -137,7 +128,7 @@ def locate(
     low, high = np.percentile(small, [2.0, 98.0])
     s = (np.arange(STATIONS) + 0.5) / STATIONS
     radius = np.interp(s, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))
-    place = (
+    view = View(
         small, shrink, geometry.lens.packed, geometry.base + shared[:2], geometry.normal, geometry.arm,
         geometry.length * (1.0 + shared[2]), radius, theta or 0.0,
     )  # fmt: skip
@@ -147,7 +138,7 @@ def locate(
     shapes = np.column_stack([grid[:, 0], grid[:, 1] - 0.5 * grid[:, 2], grid[:, 2]]).astype(float)
     best = Located(shapes[0], polarities[0], -1.0)
     for polarity in polarities:
-        scores = _search(*place, shapes, contrast, polarity)
+        scores = _search(view, shapes, contrast, polarity)
         start = shapes[np.argsort(scores)[::-1][:12]]
         width = np.array([0.05, 0.15, 0.6])
         rng = np.random.default_rng(0)
@@ -155,14 +146,15 @@ def locate(
             cloud = np.concatenate(
                 [start, (start[:, None] + width * rng.standard_normal((len(start), 40, 3))).reshape(-1, 3)]
             )
-            scores = _search(*place, cloud, contrast, polarity)
+            scores = _search(view, cloud, contrast, polarity)
             start = cloud[np.argsort(scores)[::-1][:8]]
             width *= 0.6
         if scores.max() > best.score:
             best = Located(start[0], polarity, float(scores.max()))
         if coordinates > 3 and scores.max() < CERTAIN:
-            traced = trace(small, shrink, geometry, shared, theta, contrast, polarity, coordinates)
-            score = float(_search(*place, traced[None], contrast, polarity)[0])
+            picture = Reduced(small, shrink, geometry.lens.packed)
+            traced = trace(picture, geometry, shared, theta, (contrast, polarity), coordinates)
+            score = float(_search(view, traced[None], contrast, polarity)[0])
             if score > best.score:
                 best = Located(traced, polarity, score)
     return best

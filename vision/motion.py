@@ -48,12 +48,13 @@ class Sweep:
 
 
 def sweep(
-    geometry: Geometry, total: Array, shared: Array, expected: Outline, speed: Array, acceleration: Array, span: float
+    geometry: Geometry, total: Array, shared: Array, expected: Outline, rates: tuple[Array, Array], span: float
 ) -> Sweep:
     """The edges' motion over an exposure of span [s] about the shape total (K,), the motor's angle in its first entry.
 
-    speed, acceleration (K,) [rad/s, rad/s^2]: see Motion.at. expected: the outline of that shape.
+    rates: speed and acceleration (K,) [rad/s, rad/s^2], see Motion.at. expected: the outline of that shape.
     """
+    speed, acceleration = rates
     if span == 0.0 or not speed.any():
         still = np.zeros(len(expected.s))
         return Sweep(still, still, still)

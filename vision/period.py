@@ -36,14 +36,3 @@ def period_average(shape: ShapeTrack, frequency: float, bins: int = 50) -> Perio
         if count[k] >= LEAST_FRAMES:
             mean[k], spread[k] = values[index == k].mean(axis=0), values[index == k].std(axis=0, ddof=1)
     return PeriodAverage((np.arange(bins) + 0.5) / bins, mean, spread, count.astype(float))
-
-
-def base_frequency(t: Array, angle: Array) -> float:
-    """The strongest frequency [Hz] of a base motion angle (N,) [rad] at times t (N,) [s], refined between bins."""
-    if len(t) < 8:
-        raise InputError("the motor's signal is too short", field="motor", expected="8 samples or more")
-    even = np.linspace(t[0], t[-1], len(t))
-    wave = np.interp(even, t, angle)
-    wave = (wave - wave.mean()) * np.hanning(len(wave))
-    power = np.abs(np.fft.rfft(wave, 8 * len(wave)))
-    return float(np.fft.rfftfreq(8 * len(wave), even[1] - even[0])[int(np.argmax(power))])

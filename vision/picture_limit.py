@@ -7,6 +7,7 @@ cosine coefficients; a normal coefficient that is seen rounded to steps tells su
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.special import ndtr
 
 from tentacle.signals import Array
 from vision.looks import Look
-from vision.render import Renderer
+from vision.render import Filming, Renderer
 from vision.scene import Scene, exact_midline
 
 STEP = 2e-3  # rad, of the central differences
@@ -48,8 +49,8 @@ def picture_information(scene: Scene, look: Look, seed: int, order: int, frames:
     pairs = []
     for dq, common in changes:
         back = {name: -step for name, step in common.items()}
-        pairs.append((_renderer(scene, q + dq, look, seed, **common), _renderer(scene, q - dq, look, seed, **back)))
-    still = _renderer(scene, q, look, seed)
+        pairs.append((_renderer(scene, q + dq, look, seed, common), _renderer(scene, q - dq, look, seed, back)))
+    still = _renderer(scene, q, look, seed, {})
     information = []
     for frame in frames:
         time = float(scene.t[frame])
@@ -81,20 +82,14 @@ def recording_limit(information: Array, order: int, count: int) -> Array:
     return np.sqrt(np.mean(np.diagonal(variance, axis1=1, axis2=2), axis=0))
 
 
-def _renderer(
-    scene: Scene,
-    q: Array,
-    look: Look,
-    seed: int,
-    offset: float = 0.0,
-    u: float = 0.0,
-    v: float = 0.0,
-    length: float = 0.0,
-) -> Renderer:
+def _renderer(scene: Scene, q: Array, look: Look, seed: int, changes: Mapping[str, float]) -> Renderer:
+    """The scene drawn with shapes q and small changes: offset [rad] of the base angle, u and v [px] of the base, length
+    (relative)."""
+    offset, u, v, length = (changes.get(name, 0.0) for name in ("offset", "u", "v", "length"))
     base = (scene.camera.base_px[0] + u, scene.camera.base_px[1] + v)
     camera = replace(scene.camera, base_px=base)
     midline = exact_midline(scene.t, scene.theta + scene.offset + offset, q, scene.specimen.length * (1.0 + length))
-    return Renderer(midline, scene.specimen, camera, scene.size, look, seed, scene.theta)
+    return Renderer(midline, scene.specimen, camera, Filming(scene.size, look, seed), scene.theta)
 
 
 def _information(mean: Array, slopes: Array, look: Look) -> Array:

@@ -3,84 +3,81 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
+from vision.blurred_step import rise, softening, steepness
 from vision.lens import bend_point
 
 MOST_PIXELS = 160  # that one edge may have
 BEYOND = 2.0  # blurs from an edge to where its plateaus begin
 CHORD = 4.0  # px over which the lens is taken as straight
-TABLE_END, TABLE_STEPS = 5.0, 100  # of the normal distribution: to so many sigmas, so many steps a sigma
-TABLE = ndtr(np.linspace(-TABLE_END, TABLE_END, round(2 * TABLE_END * TABLE_STEPS) + 1))
 
 
-@njit(cache=True, inline="always")
-def _below(x: float) -> float:
-    """The normal distribution function, from a table; good to 3e-6."""
-    place = (x + TABLE_END) * TABLE_STEPS
-    if not place > 0.0:
-        return 0.0
-    if place >= len(TABLE) - 1:
-        return 1.0
-    index = int(place)
-    return TABLE[index] + (place - index) * (TABLE[index + 1] - TABLE[index])
+class Stations(NamedTuple):
+    """Where edges are expected: points (E, 2) [px], outward unit normals (E, 2), span (E,) [px] of the outline to
+    either side, bulge (E,) [1/px]."""
+
+    points: Array
+    normals: Array
+    span: Array
+    bulge: Array
 
 
-@njit(cache=True, inline="always")
-def _bell(x: float) -> float:
-    """The normal density."""
-    return 0.3989422804014327 * math.exp(-0.5 * x * x)
+class Bars(NamedTuple):
+    """How each edge looks: depth (E,) [px] to the opposite edge, blur [px] of the lens, half (E,) [px] the width of the
+    smear."""
+
+    depth: Array
+    blur: float
+    half: Array
 
 
-@njit(cache=True, inline="always")
-def rise(d: float, blur: float, half: float) -> float:
-    """A step from 0 to 1 at d = 0, through a normal blur and a box of half width half: the smear of a moving edge."""
-    if half < 0.15 * blur:
-        return _below(d / blur)
-    a, b = (d + half) / blur, (d - half) / blur
-    return (a * _below(a) + _bell(a) - b * _below(b) - _bell(b)) * blur / (2.0 * half)
+class Pixels(NamedTuple):
+    """Each edge's pixels, rows start (E + 1,) into grey (N,) and place (N,) [px], how far outward of it they lie."""
+
+    start: NDArray[np.int64]
+    grey: Array
+    place: Array
 
 
-@njit(cache=True, inline="always")
-def steepness(d: float, blur: float, half: float) -> float:
-    """The derivative of rise by d."""
-    if half < 0.15 * blur:
-        return _bell(d / blur) / blur
-    return (_below((d + half) / blur) - _below((d - half) / blur)) / (2.0 * half)
+class Fitted(NamedTuple):
+    """Offset [px], contrast [grey], information, misfit [grey], grey inside of each edge (E,), and whether it was
+    found."""
+
+    offset: Array
+    contrast: Array
+    information: Array
+    misfit: Array
+    level: Array
+    found: NDArray[np.bool_]
 
 
-@njit(cache=True, inline="always")
-def softening(d: float, blur: float, half: float) -> float:
-    """The derivative of rise by blur."""
-    if half < 0.15 * blur:
-        return -d / (blur * blur) * _bell(d / blur)
-    return (_bell((d + half) / blur) - _bell((d - half) / blur)) / (2.0 * half)
+class Measured(NamedTuple):
+    """Offset [px], information, misfit [grey] of each edge (E,), whether it was found, and softer (E, 2): the normal
+    equation for more blur, right side and left."""
+
+    offset: Array
+    information: Array
+    misfit: Array
+    found: NDArray[np.bool_]
+    softer: Array
 
 
 @njit(cache=True, nogil=True)
-def gather(
-    image: NDArray[np.uint8],
-    lens: Array,
-    points: Array,
-    normals: Array,
-    depth: Array,
-    span: Array,
-    bulge: Array,
-    blur: float,
-    half: Array,
-    reach: float,
-) -> tuple[NDArray[np.int64], Array, Array]:
-    """Rows start (E + 1,) into grey (N,) and place (N,) [px]: each edge's pixels, and how far outward of it they lie.
+def gather(image: NDArray[np.uint8], lens: Array, stations: Stations, bars: Bars, reach: float) -> Pixels:
+    """Each edge's pixels, up to reach [px] beyond its blur.
 
     A pixel belongs to the edge whose stretch of the outline, span (E,) [px] to either side, faces it: none is counted
     twice, and each stands at its true distance, so that noise stays independent from edge to edge. An edge with a part
     of its profile outside the picture has none.
     """
+    points, normals, span, bulge = stations
+    depth, blur, half = bars
     height, width = image.shape
     count = points.shape[0]
     start = np.zeros(count + 1, dtype=np.int64)
@@ -128,7 +125,7 @@ def gather(
                 grey[total], place[total] = image[y, x], d
                 total += 1
         start[e + 1] = total
-    return start, grey[:total], place[:total]
+    return Pixels(start, grey[:total], place[:total])
 
 
 @njit(cache=True, inline="always")
@@ -137,22 +134,13 @@ def _within(u: float, v: float, width: int, height: int) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def fit_profiles(
-    start: NDArray[np.int64],
-    grey: Array,
-    place: Array,
-    depth: Array,
-    blur: float,
-    half: Array,
-    reach: float,
-    offset: Array,
-    contrast: Array,
-    information: Array,
-    misfit: Array,
-    level: Array,
-    found: NDArray[np.bool_],
-) -> None:
-    """Fit level inside, contrast and offset of a blurred bar's edge to each edge's own pixels, by Gauss-Newton."""
+def fit_profiles(pixels: Pixels, bars: Bars, reach: float) -> Fitted:
+    """Fit level inside, contrast and offset of a blurred bar's edge to an edge's own pixels, by Gauss-Newton."""
+    start, grey, place = pixels
+    depth, blur, half = bars
+    edges = len(start) - 1
+    offset, contrast, information = np.zeros(edges), np.zeros(edges), np.zeros(edges)
+    misfit, level, found = np.zeros(edges), np.zeros(edges), np.zeros(edges, dtype=np.bool_)
     share = np.empty(MOST_PIXELS)
     for e in range(len(start) - 1):
         found[e] = False
@@ -197,6 +185,7 @@ def fit_profiles(
         offset[e] = delta
         misfit[e] = math.sqrt(total / count)
         found[e] = solved and abs(delta) <= reach
+    return Fitted(offset, contrast, information, misfit, level, found)
 
 
 @njit(cache=True, inline="always")
@@ -215,16 +204,7 @@ def _share(d: float, depth: float, blur: float, half: float, thin: bool) -> floa
 
 
 @njit(cache=True, nogil=True)
-def level_sums(
-    start: NDArray[np.int64],
-    grey: Array,
-    place: Array,
-    depth: Array,
-    blur: float,
-    half: Array,
-    ratio: float,
-    inside: Array,
-) -> Array:
+def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array) -> Array:
     """Normal equations of each edge's greys about its expected place, packed for levels.side_greys: (E, 16).
 
     Unknowns: grey inside and outside at the edge, slope of the ground outward [grey/px] (inside it is ratio times
@@ -232,6 +212,8 @@ def level_sums(
     grey and slope of the arm that are taken off first. Packed: lower triangle of the matrix (10), right side (4), sum
     of squares, number of pixels.
     """
+    start, grey, place = pixels
+    depth, blur, half = bars
     packed = np.zeros((len(start) - 1, 16))
     row = np.empty(4)
     for e in range(len(start) - 1):
@@ -253,21 +235,14 @@ def level_sums(
 
 
 @njit(cache=True, nogil=True)
-def plateaus(
-    start: NDArray[np.int64],
-    grey: Array,
-    place: Array,
-    depth: Array,
-    blur: float,
-    half: Array,
-    contrast: Array,
-    tell: NDArray[np.bool_],
-) -> Array:
+def plateaus(pixels: Pixels, bars: Bars, contrast: Array, tell: NDArray[np.bool_]) -> Array:
     """What the edges that tell (E,) have inside and outside, beyond the blur: (E, 2, 3).
 
     Number of pixels, mean grey, mean distance outward [px]; what the blur still brings over, by contrast (E,) [grey],
     is taken off.
     """
+    start, grey, place = pixels
+    depth, blur, half = bars
     found = np.zeros((len(start) - 1, 2, 3))
     for e in range(len(start) - 1):
         if not tell[e]:
@@ -287,28 +262,18 @@ def plateaus(
 
 
 @njit(cache=True, nogil=True)
-def measure_profiles(
-    start: NDArray[np.int64],
-    grey: Array,
-    place: Array,
-    depth: Array,
-    blur: float,
-    half: Array,
-    greys: Array,
-    reach: float,
-    offset: Array,
-    information: Array,
-    misfit: Array,
-    found: NDArray[np.bool_],
-    softer: Array,
-) -> None:
+def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> Measured:
     """How far each edge lies outward of its expected place, by one linear step with the greys beside it known.
 
-    greys (E, 4): inside and outside at the edge, the slopes outward of ground and arm. softer
-    (E, 2): the normal equation for more blur, right side and left. Pixels further than reach [px] beyond the blur are
-    left out.
-    Linear, since the expected place is right to a small part of the blur: so a faint edge's noise is not bent.
+    greys (E, 4): inside and outside at the edge, the slopes outward of ground and arm. Pixels further than reach [px]
+    beyond the blur are left out. The step is linear because the expected place is right to a small part of the blur: so
+    a faint edge's noise is not bent.
     """
+    start, grey, place = pixels
+    depth, blur, half = bars
+    edges = len(start) - 1
+    offset, information, misfit = np.zeros(edges), np.zeros(edges), np.zeros(edges)
+    found, softer = np.zeros(edges, dtype=np.bool_), np.zeros((edges, 2))
     for e in range(len(start) - 1):
         thin = _thin(depth[e], blur, half[e])
         g_g, r_g, total = 0.0, 0.0, 0.0
@@ -333,3 +298,4 @@ def measure_profiles(
         information[e] = g_g
         offset[e] = r_g / max(g_g, 1e-9)
         misfit[e] = math.sqrt(total / max(used, 1))
+    return Measured(offset, information, misfit, found, softer)

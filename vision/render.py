@@ -7,6 +7,7 @@ Coverage is exact on the pixel grid, smear is the mean over the exposure: a fram
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -101,6 +102,15 @@ class _Arm:
         return blurred_coverage([outline(instant) for instant in instants], self.size, min(self.look.blur, AHEAD))
 
 
+@dataclass(frozen=True)
+class Filming:
+    """size (width, height) [px], look of the tank, seed of noise and scenery."""
+
+    size: tuple[int, int]
+    look: Look
+    seed: int
+
+
 class Renderer:
     """Arm and tank together: what a frame shows on average, and what noise and coding make of it.
 
@@ -108,18 +118,11 @@ class Renderer:
     """
 
     def __init__(
-        self,
-        midline: Midline,
-        specimen: Specimen,
-        camera: Camera,
-        size: tuple[int, int],
-        look: Look,
-        seed: int,
-        theta: Array | None = None,
+        self, midline: Midline, specimen: Specimen, camera: Camera, filming: Filming, theta: Array | None = None
     ) -> None:
-        self.look = look
-        self._arm = _Arm(midline, specimen, camera, size, look, theta)
-        self._scenery = Scenery(look, size, seed)
+        self.look = filming.look
+        self._arm = _Arm(midline, specimen, camera, filming.size, filming.look, theta)
+        self._scenery = Scenery(filming.look, filming.size, filming.seed)
 
     def coverage(self, time: float) -> Array:
         """The arm's mean coverage over the exposure (height, width), through a first share of the lens' blur."""
@@ -154,27 +157,21 @@ class Renderer:
 
 
 def render(
-    midline: Midline,
-    specimen: Specimen,
-    camera: Camera,
-    size: tuple[int, int],
-    look: Look,
-    seed: int,
-    theta: Array | None = None,
+    midline: Midline, specimen: Specimen, camera: Camera, filming: Filming, theta: Array | None = None
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield a grey frame (height, width) for each time of frame_times(midline.t, look, seed).
 
-    midline is the truth, in the base frame; size is (width, height) [px]; theta (T,) [rad] turns the clamp (absent: the
+    midline is the truth, in the base frame; theta (T,) [rad] turns the clamp (absent: the
     clamp follows the midline's first tangent). A frame's time is the middle of its
     exposure. A duplicated frame shows the one before under its own time stamp. The same seed gives the same frames,
     each of its own stream. Raises InputError on a midline with gaps or one that does not reach from base to tip.
     """
-    renderer = Renderer(midline, specimen, camera, size, look, seed, theta)
-    dropped, duplicated = frame_faults(len(midline.t), look, seed)
+    renderer = Renderer(midline, specimen, camera, Filming(filming.size, filming.look, filming.seed), theta)
+    dropped, duplicated = frame_faults(len(midline.t), filming.look, filming.seed)
     image: NDArray[np.uint8] | None = None
     for index, time in enumerate(midline.t):
         if dropped[index]:
             continue
         if image is None or not duplicated[index]:
-            image = renderer.frame(float(time), np.random.default_rng([seed, index]))
+            image = renderer.frame(float(time), np.random.default_rng([filming.seed, index]))
         yield image

@@ -28,6 +28,20 @@ class Scene:
     midline: Midline
 
 
+@dataclass(frozen=True)
+class Swing:
+    """order: curvature coordinates; amplitude of curvature [rad]; frequency [Hz] of the motor."""
+
+    order: int = 2
+    amplitude: float = 0.9
+    frequency: float = 0.6
+
+
+USUAL_SWING = Swing()
+OFFSET = 0.01  # rad, of the base angle against the motor's
+TIP_RADIUS = 1.5e-3  # m
+
+
 def exact_midline(t: Array, angle: Array, q: Array, length: float, points: int = 41) -> Midline:
     """Midline (T, points) of shapes q (T, n) on base angles angle (T,) [rad], by Simpson's rule (eq. 3)."""
     v = np.linspace(0.0, 1.0, FINE)
@@ -45,24 +59,20 @@ def swaying(
     frames: int = 60,
     fps: float = 60.0,
     size: tuple[int, int] = (1280, 720),
-    order: int = 2,
-    amplitude: float = 0.9,
-    frequency: float = 0.6,
+    swing: Swing = USUAL_SWING,
     exposure: float = 0.0,
-    offset: float = 0.01,
-    tip_radius: float = 1.5e-3,
 ) -> Scene:
-    """A cone that a motor sways at frequency [Hz], with curvature of about amplitude [rad]; phases by the seed."""
+    """A cone that a motor sways in a swing; phases by the seed."""
     rng = np.random.default_rng(seed)
-    specimen = Specimen(Cone(0.0125, tip_radius), length=0.14, density=1070.0)
+    specimen = Specimen(Cone(0.0125, TIP_RADIUS), length=0.14, density=1070.0)
     length_px = 0.66 * size[1]
     base = (0.5 * size[0] + rng.uniform(-3, 3), 0.14 * size[1] + rng.uniform(-3, 3))
     camera = Camera(fps, specimen.length / length_px, base_px=base, arm_px=(0.0, 1.0), exposure=exposure)
     t = np.arange(frames) / fps
-    omega = 2.0 * np.pi * frequency
+    omega = 2.0 * np.pi * swing.frequency
     theta = 0.5 * np.sin(omega * t + rng.uniform(0, 2 * np.pi))
-    sizes = amplitude * np.array([1.0, 0.8, 0.5, 0.4, 0.3])[:order]
-    phases = rng.uniform(0.0, 2.0 * np.pi, (2, order))
+    sizes = swing.amplitude * np.array([1.0, 0.8, 0.5, 0.4, 0.3])[: swing.order]
+    phases = rng.uniform(0.0, 2.0 * np.pi, (2, swing.order))
     q = sizes * (np.sin(omega * t[:, None] + phases[0]) + 0.3 * np.sin(2.0 * omega * t[:, None] + phases[1]))
-    midline = exact_midline(t, theta + offset, q, specimen.length)
-    return Scene(specimen, camera, size, t, theta, q, offset, midline)
+    midline = exact_midline(t, theta + OFFSET, q, specimen.length)
+    return Scene(specimen, camera, size, t, theta, q, OFFSET, midline)

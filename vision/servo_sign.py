@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from tentacle.errors import InputError
-from vision.fit import Sight, refine
+from vision.fit import Arm, Exposure, Sight, refine
 from vision.frames import Frame
 from vision.kinematics import SHARED, Geometry
 from vision.locate import locate
@@ -54,9 +54,8 @@ def check_sign(frames: Iterable[Frame], geometry: Geometry, theta: Callable[[flo
         sight = Sight(blur=1.2, polarity=where.polarity, contrast=8.0)
         begin = np.append(where.x, 0.0)
         reach = 3.0 * max(geometry.length / 120.0, 1.0) + 6.0
-        fit = refine(
-            frame.image, geometry, 0.0, begin, np.zeros(SHARED), sight, frame.t, Motion(), 0.0, (reach, 8.0, 5.0)
-        )
+        picture, arm = Exposure(frame.image, frame.t, 0.0, Motion()), Arm(geometry, 0.0, np.zeros(SHARED))
+        fit = refine(picture, arm, begin, sight, (reach, 8.0, 5.0))
         if fit is not None:
             logged.append(theta(frame.t))
             seen.append(float(fit.x[0]))

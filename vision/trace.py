@@ -7,6 +7,8 @@ same cell of the picture, heading alike, the best is kept (a beam search: dynami
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,11 +25,29 @@ CELL, HEADING = 1.5, 0.25  # reduced px, rad: chains closer than that are one
 HELD = 1e-4  # prior information on each coordinate, against the squares of STEPS headings
 
 
+class Reduced(NamedTuple):
+    """A picture reduced shrink times, and the lens of the whole one."""
+
+    image: NDArray[np.float32]
+    shrink: float
+    lens: Array
+
+
+class Bar(NamedTuple):
+    """What a chain follows: from base (2,) [px], with unit vectors axes (2, 2), normal and arm, in steps [px], with
+    radius (STEPS,) [px]."""
+
+    base: Array
+    axes: Array
+    step: float
+    radius: Array
+
+
 @njit(cache=True, nogil=True)
-def _beside(
-    image: NDArray[np.float32], shrink: float, lens: Array, u: float, v: float, n: Array, r: float, polarity: float
-) -> float:
-    """The weaker side's contrast [grey] of a bar at (u, v) whose normal is n; NaN outside the picture."""
+def _beside(picture: Reduced, place: tuple[float, float], n: Array, r: float, polarity: float) -> float:
+    """The weaker side's contrast [grey] of a bar at a place [px] whose normal is n; NaN outside the picture."""
+    image, shrink, lens = picture
+    u, v = place
     height, width = image.shape
     levels = np.empty(3)
     for k in range(3):
@@ -42,28 +62,15 @@ def _beside(
 
 
 @njit(cache=True, nogil=True)
-def _chains(
-    image: NDArray[np.float32],
-    shrink: float,
-    lens: Array,
-    base: Array,
-    axes: Array,
-    step: float,
-    radius: Array,
-    first: Array,
-    turns: Array,
-    bent: float,
-    cell: tuple[float, float],
-    scale: float,
-    polarity: float,
-    widest: int,
-) -> Array:
-    """Headings (STEPS,) [rad] of the best chain."""
+def _chains(picture: Reduced, bar: Bar, first: Array, scale: float, polarity: float) -> Array:
+    """Headings (STEPS,) [rad] of the best chain; first (F,) [rad]: headings that its first step may have."""
+    base, axes, step, radius = bar
+    turns, shrink = TURNS, picture.shrink
     steps = len(radius)
-    room = widest * len(turns) + len(first) * len(turns)
+    room = WIDEST * len(turns) + len(first) * len(turns)
     place, heading, merit = np.empty((room, 2)), np.empty(room), np.empty(room)
-    history = np.zeros((steps, widest), dtype=np.int64)
-    headings = np.zeros((steps, widest))
+    history = np.zeros((steps, WIDEST), dtype=np.int64)
+    headings = np.zeros((steps, WIDEST))
     count = len(first)
     now_place, now_heading, now_merit = np.empty((room, 2)), np.empty(room), np.zeros(room)
     parent = np.empty(room, dtype=np.int64)
@@ -82,10 +89,10 @@ def _chains(
                 v = now_place[k, 1] + step * (-sine * axes[0, 1] + cosine * axes[1, 1])
                 normal[0] = cosine * axes[0, 0] + sine * axes[1, 0]
                 normal[1] = cosine * axes[0, 1] + sine * axes[1, 1]
-                seen = _beside(image, shrink, lens, u, v, normal, radius[level], polarity)
+                seen = _beside(picture, (u, v), normal, radius[level], polarity)
                 gain = -0.3 if np.isnan(seen) else np.tanh(seen / scale)
                 place[made, 0], place[made, 1], heading[made] = u, v, angle
-                merit[made] = now_merit[k] + gain - bent * abs(turn) ** 1.5
+                merit[made] = now_merit[k] + gain - BENT * abs(turn) ** 1.5
                 parent[made] = k
                 made += 1
         order = np.argsort(-merit[:made])
@@ -95,7 +102,7 @@ def _chains(
             alike = False
             for other in range(kept):
                 far = max(abs(now_place[other, 0] - place[k, 0]), abs(now_place[other, 1] - place[k, 1]))
-                if far < cell[0] * shrink and abs(now_heading[other] - heading[k]) < cell[1]:
+                if far < CELL * shrink and abs(now_heading[other] - heading[k]) < HEADING:
                     alike = True
                     break
             if alike:
@@ -103,7 +110,7 @@ def _chains(
             now_place[kept], now_heading[kept], now_merit[kept] = place[k], heading[k], merit[k]
             history[level, kept], headings[level, kept] = parent[k], heading[k]
             kept += 1
-            if kept == widest:
+            if kept == WIDEST:
                 break
         count = kept
     course = np.empty(steps)
@@ -115,25 +122,23 @@ def _chains(
 
 
 def trace(
-    small: NDArray[np.float32],
-    shrink: float,
+    picture: Reduced,
     geometry: Geometry,
     shared: Array,
     theta: float | None,
-    scale: float,
-    polarity: float,
+    contrast: tuple[float, float],
     size: int,
 ) -> Array:
     """The shape x (size,) [rad], offset first, of the best chain from the base; theta None: it may point anywhere.
 
-    small: the picture, reduced shrink times; scale [grey]: contrast that counts as much.
+    contrast: a scale [grey] at which a contrast counts as much, and the polarity (+1 dark arm).
     """
     s = (np.arange(STEPS) + 0.5) / STEPS
     radius = np.interp(s + 0.5 / STEPS, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))
     first = np.linspace(-0.5, 0.5, 9) + theta if theta is not None else np.linspace(-np.pi, np.pi, 48, endpoint=False)
     axes, step = np.array([geometry.normal, geometry.arm]), geometry.length * (1.0 + shared[2]) / STEPS
-    place = (small, shrink, geometry.lens.packed, geometry.base + shared[:2], axes, step, radius)
-    headings = _chains(*place, first, TURNS, BENT, (CELL, HEADING), scale, polarity, WIDEST)
+    bar = Bar(geometry.base + shared[:2], axes, step, radius)
+    headings = _chains(picture, bar, first, *contrast)
     design = np.array([np.ones(STEPS), *(s**k / k for k in range(1, size))]).T
     right = design.T @ (headings - (theta or 0.0))
     return np.asarray(np.linalg.solve(design.T @ design + HELD * np.eye(size), right), dtype=float)

@@ -37,28 +37,37 @@ class Tracking:
     remarks: tuple[str, ...]
 
 
-def stream(
-    video: Path,
-    declaration: Declaration,
-    motor: MotorSignal | None,
-    order: int | None = None,
-    lens: Lens | None = None,
-    patience: float = 0.0,
-    verdicts: Mapping[int, bool] | None = None,
-) -> tuple[Follower, Iterator[Seen]]:
-    """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far.
-
-    patience [s]: how long to wait for more of a file that is still being written; see frames.read_frames.
+@dataclass(frozen=True)
+class Following:
+    """How a film is tracked. order: curvature coordinates, 2 to 5, as many as the data can show where None. lens: None
+    for none. patience [s]: how long to wait for more of a file that is still being written; see frames.read_frames.
+    verdicts: frames that a person accepted or rejected (proofread). outlines: keep each frame's outline for an overlay;
+    without them a frame's result is 2 kB, all that memory grows by.
     """
+
+    order: int | None = None
+    lens: Lens | None = None
+    patience: float = 0.0
+    verdicts: Mapping[int, bool] | None = None
+    outlines: bool = False
+
+
+USUAL = Following()
+
+
+def stream(
+    video: Path, declaration: Declaration, motor: MotorSignal | None, following: Following = USUAL
+) -> tuple[Follower, Iterator[Seen]]:
+    """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far."""
     if declaration.camera is None:
         raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
-    if order is not None and order not in ORDERS:
-        raise InputError(f"order {order} is not known", field="order", expected="1 to 5")
+    if following.order is not None and following.order not in ORDERS:
+        raise InputError(f"order {following.order} is not known", field="order", expected="1 to 5")
     camera = declaration.camera
-    geometry = Geometry.declared(declaration.specimen, camera, lens)
-    fitted = ORDERS[-1] if order is None else min(order + 1, ORDERS[-1])
-    follower = Follower(geometry, camera.exposure, fitted, _angle(motor), verdicts)
-    return follower, follow(read_ahead(read_frames(Path(video), camera.fps, patience)), follower)
+    geometry = Geometry.declared(declaration.specimen, camera, following.lens)
+    fitted = ORDERS[-1] if following.order is None else min(following.order + 1, ORDERS[-1])
+    follower = Follower(geometry, camera.exposure, fitted, _angle(motor), following.verdicts)
+    return follower, follow(read_ahead(read_frames(Path(video), camera.fps, following.patience)), follower)
 
 
 def track(
@@ -75,38 +84,35 @@ def track(
     None: 2 to 5 curvature coordinates, as many as the data can show. A frame's time is the middle of its exposure.
     progress is called with each frame's result. Raises InputError where the video cannot be read or shows no such arm.
     """
-    return track_fully(video, declaration, motor, order, lens, progress).shape
+    return track_fully(video, declaration, motor, Following(order, lens), progress).shape
 
 
 def track_fully(
     video: Path,
     declaration: Declaration,
     motor: MotorSignal | None,
-    order: int | None = None,
-    lens: Lens | None = None,
+    following: Following = USUAL,
     progress: Callable[[Seen], None] | None = None,
-    patience: float = 0.0,
-    outlines: bool = False,
     warn: Callable[[str], None] | None = None,
-    verdicts: Mapping[int, bool] | None = None,
 ) -> Tracking:
     """As track, with every frame's own result, the pooled estimate and remarks.
 
-    outlines: keep each frame's outline for an overlay; without them a frame's result is 2 kB, all that memory grows by.
-    verdicts: frames that a person accepted or rejected (proofread). warn is told at once where most of the first frames
+    warn is told at once where most of the first frames
     are lost, or where the work is slow, and what may help. Raises InputError too where the servo's log turns against
     the arm's root.
     """
-    follower, results = stream(video, declaration, motor, order, lens, patience, verdicts)
+    follower, results = stream(
+        video, declaration, motor, Following(following.order, following.lens, following.patience, following.verdicts)
+    )
     seen: list[Seen] = []
     watch = Watch()
     try:
         angle = _angle(motor)
-        if angle is not None and not patience and not Path(video).is_char_device():
+        if angle is not None and not following.patience and not Path(video).is_char_device():
             assert declaration.camera is not None
             check_sign(read_frames(Path(video), declaration.camera.fps), follower.geometry, angle)
         for result in results:
-            seen.append(result if outlines else replace(result, outline_px=NO_OUTLINE))
+            seen.append(result if following.outlines else replace(result, outline_px=NO_OUTLINE))
             if progress is not None:
                 progress(result)
             said = watch.look(time.monotonic(), result.reason)
@@ -115,7 +121,7 @@ def track_fully(
     except InputError as error:
         problem = error.problem if error.file else "; ".join([error.problem, *follower.remedies()])
         raise InputError(problem, file=error.file or video, field=error.field, expected=error.expected) from error
-    pooled = pool(seen, follower.shared, order, prior_of(follower.geometry))
+    pooled = pool(seen, follower.shared, following.order, prior_of(follower.geometry))
     shape = _shape(seen, pooled, follower.geometry, declaration)
     remarks = (*_remarks(seen, pooled), *_scale_finding(shape, declaration), *_slowed(follower.shown_again, shape))
     return Tracking(shape, tuple(seen), pooled, remarks)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +18,9 @@ from vision.lens import Lens
 from vision.looks import LOOKS, Look
 from vision.paper_pipeline import paper_track
 from vision.picture_limit import picture_information, pose_known_limit, recording_limit
-from vision.render import frame_times, render
+from vision.render import Filming, frame_times, render
 from vision.scene import Scene, swaying
-from vision.track import Tracking, track_fully
+from vision.track import Following, Tracking, track_fully
 
 FALSE_SIGMAS, FALSE_ANGLE = 6.0, 0.02  # an accepted q1 this far off, in its own sigmas and in rad, is a false accept
 
@@ -64,7 +64,7 @@ class Filmed:
 
 def film(scene: Scene, look: Look, seed: int, folder: Path, disturb: str = "") -> Filmed:
     """Render a scene to folder/video.mp4; disturb "hand" or "second_arm" puts that into the picture."""
-    frames = render(scene.midline, scene.specimen, scene.camera, scene.size, look, seed, scene.theta)
+    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, look, seed), scene.theta)
     times = frame_times(scene.t, look, seed)
     if disturb:
         frames = _disturbed(frames, scene, look, disturb)
@@ -139,7 +139,7 @@ def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int,
         scene = swaying(seed, frames, size=size, exposure=exposure)
         with tempfile.TemporaryDirectory() as folder:
             filmed = film(scene, look, seed, Path(folder))
-            tracked = track_fully(filmed.video, filmed.declaration, filmed.motor, lens=filmed.lens)
+            tracked = track_fully(filmed.video, filmed.declaration, filmed.motor, following=Following(lens=filmed.lens))
             baseline = paper_track(filmed.video, filmed.declaration, filmed.motor) if seed == seeds[0] else None
         shape = tracked.shape
         error, covariance = errors(scene, shape)
@@ -180,14 +180,6 @@ def judge_disturbed(disturb: str, seed: int, frames: int, size: tuple[int, int])
         filmed = film(scene, LOOKS["clean"], seed, Path(folder), disturb)
         tracked = track_fully(filmed.video, filmed.declaration, filmed.motor)
     return tracked, false_accepts(scene, tracked.shape)
-
-
-def validate(
-    seeds: tuple[int, ...] = (1, 2), frames: int = 120, size: tuple[int, int] = (1280, 720)
-) -> Iterator[LookResult]:
-    """Every look in turn."""
-    for look in LOOKS.values():
-        yield judge_look(replace(look), seeds, frames, size)
 
 
 def table(results: list[LookResult]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from tentacle.model import Model
 from tentacle.recording import Recording
@@ -12,39 +13,47 @@ from viz.scene import Scene
 from viz.words import number
 
 
+@dataclass(frozen=True)
+class Told:
+    """What was found: the headline, sentences, the paper's values (effect.parameter -> value; empty where its
+    regression could not be done), the bootstrap's intervals (effect.parameter -> low, high; empty if not asked for).
+    """
+
+    headline: str
+    words: Sequence[str]
+    regression: Mapping[str, float]
+    drawn: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
 def model_report(
     model: Model,
-    headline: str,
-    words: Sequence[str],
-    regression: Mapping[str, float],
+    told: Told,
     scenes: Sequence[Scene],
     recordings: Sequence[Recording],
     origin: Origin,
-    drawn: Mapping[str, tuple[float, float]] | None = None,
 ) -> str:
     """report.html of an identified model: its parameters with intervals, and every run beside its recording.
 
-    regression: the paper's values (effect.parameter -> value), empty where it could not be done. A recording a scene.
-    drawn: the bootstrap's intervals (effect.parameter -> low, high), where it was asked for.
+    A recording a scene.
     """
     rows = [row[:5] for row in parameter_rows(model, None)]
     header: tuple[str, ...] = ("effect", "parameter", "value", "95 % interval", "unit")
     names = [f"{effect}.{name}" for effect, values in model.parameters.items() for name in values]
-    if drawn:
-        ends = [drawn.get(name) for name in names]
+    if told.drawn:
+        ends = [told.drawn.get(name) for name in names]
         shown = ["" if pair is None else f"{number(pair[0])} to {number(pair[1])}" for pair in ends]
         rows = [(*row, interval) for row, interval in zip(rows, shown, strict=True)]
         header = (*header, "by the bootstrap")
-    if regression:
-        rows = [(*row, number(regression.get(name))) for row, name in zip(rows, names, strict=True)]
+    if told.regression:
+        rows = [(*row, number(told.regression.get(name))) for row, name in zip(rows, names, strict=True)]
         header = (*header, "by the paper's regression")
-    numeric = (2, len(header) - 1) if regression else (2,)
+    numeric = (2, len(header) - 1) if told.regression else (2,)
     arm = f"The arm is described by {model.order} curvature coordinates."
     sections = [
-        Section("Parameters", [arm, *words], [Table("Parameters of the model", header, rows, numeric=numeric)]),
+        Section("Parameters", [arm, *told.words], [Table("Parameters of the model", header, rows, numeric=numeric)]),
         runs_section(scenes),
         *(run_section(scene, recording) for scene, recording in zip(scenes, recordings, strict=True)),
     ]
     errors = [scene.judged_rms_mm(scene.models[0]) for scene in scenes if scene.models]
     merits = [("largest error", f"{number(max(errors))} mm")] if errors else []
-    return render(Report("identify", "Identified model", headline, sections, origin, merits))
+    return render(Report("identify", "Identified model", told.headline, sections, origin, merits))

@@ -15,7 +15,7 @@ from tentacle.specimen import Specimen
 from viz.blueprints.views import lines_view, page
 from viz.palette import AUGMENTED, BASE, MEASURED, NEUTRAL, Role
 from viz.session import session_file, session_id, set_layout
-from viz.topics.arms import log_tube
+from viz.topics.arms import Course, log_tube
 from viz.topics.lines import log_line
 
 ROLES = (AUGMENTED, BASE, MEASURED)
@@ -33,24 +33,32 @@ class Swimmer:
     xy: Array
 
 
+@dataclass(frozen=True)
+class SearchCourse:
+    """The best value (G,) over evaluations (G,)."""
+
+    evaluations: Array
+    best: Array
+
+
 def write_swimming(
-    swimmers: Sequence[Swimmer], t: Array, s: Array, arm: Specimen, evaluations: Array, best: Array, path: Path | str
+    swimmers: Sequence[Swimmer], t: Array, s: Array, arm: Specimen, search: SearchCourse, path: Path | str
 ) -> Path:
-    """Up to three swimmers at t (T,) [s], s (P,), and the search's course best (G,) over evaluations (G,)."""
+    """Up to three swimmers at t (T,) [s], s (P,), and the search's course."""
     path = Path(path)
     with session_file(path, session_id("swimming", *(swimmer.name for swimmer in swimmers))) as session:
         width = LANE * arm.length
         for lane, (swimmer, role) in enumerate(zip(swimmers, ROLES, strict=False)):
             key, party = rr.escape_entity_path_part(swimmer.name), Role(swimmer.name, role.colour, role.dash)
             beside = swimmer.xy + np.array([(lane - 0.5 * (len(swimmers) - 1)) * width, 0.0])
-            log_tube(session, f"swim/arms/{key}", party, t, s, beside, arm, full=True)
+            log_tube(session, f"swim/arms/{key}", party, Course(t, s, beside), arm, full=True)
             log_line(session, f"swim/theta/{key}", party, t, swimmer.theta)
             log_line(session, f"swim/travel/{key}", party, t, 100.0 * swimmer.travel)
         furthest = max(float(np.max(swimmer.travel)) for swimmer in swimmers)
         _log_lanes(session, len(swimmers), width, arm.length, furthest)
         session.log("search/best", rr.SeriesLines(colors=[AUGMENTED.colour], names=["best so far"]), static=True)
-        trials = rr.TimeColumn(TRIAL, sequence=np.asarray(evaluations, dtype=np.int64))
-        session.send_columns("search/best", [trials], rr.Scalars.columns(scalars=best))
+        trials = rr.TimeColumn(TRIAL, sequence=np.asarray(search.evaluations, dtype=np.int64))
+        session.send_columns("search/best", [trials], rr.Scalars.columns(scalars=search.best))
         set_layout(session, _layout(arm.length, furthest, width * len(swimmers)))
     return path
 

@@ -28,11 +28,6 @@ def catalogue() -> dict[str, Effect]:
     return dict(sorted(found.items(), key=lambda item: (item[1].family != "base", item[0])))
 
 
-def base_effects() -> tuple[Effect, ...]:
-    """The effects of the paper's model (eq. 8): inertia, elasticity, damping, weight and buoyancy, drag."""
-    return tuple(effect for effect in catalogue().values() if effect.family == "base")
-
-
 def absent_effects() -> tuple[Effect, ...]:
     """The effects that the paper's model may lack, and that the loop seeks."""
     return tuple(effect for effect in catalogue().values() if effect.family not in ("base", "option", "rest"))

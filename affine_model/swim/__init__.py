@@ -6,7 +6,7 @@ from affine_model.swim.objectives import OBJECTIVES, Objective, cost_of_transpor
 from affine_model.swim.optimise import Promise, Swimming, optimise, promises
 from affine_model.swim.pareto import Front, pareto_front
 from affine_model.swim.robust import parameter_samples, robust_trial
-from affine_model.swim.search import Generation, search
+from affine_model.swim.search import Generation, SearchPlan, search
 from affine_model.swim.silicones import SILICONES, assumed_model, paper_cone
 from affine_model.swim.thrust_map import SineMap, best_sine, sine_gaits, sine_map
 from affine_model.swim.trial import PAPER_RAIL, Outcome, Trial, run, trial_of, within_limits
@@ -18,6 +18,7 @@ __all__ = [
     "OBJECTIVES",
     "PAPER_RAIL",
     "SILICONES",
+    "SearchPlan",
     "Box",
     "Front",
     "Generation",

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from affine_model.advance import Drive
 from affine_model.curvature import Array, midline
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from affine_model.swim.trial import Trial
 from tentacle.waveform import Waveform
 
@@ -30,7 +31,7 @@ def film(trial: Trial, motion: Waveform, seconds: float = 10.0, frames_per_secon
     middles = (np.arange(round(seconds / step)) + 0.5) * step
     arm = replace(trial.arm, nodes=max(8, trial.arm.nodes))
     base = motion(middles)[:, :, None]
-    batch = simulate(arm, trial.parameters[:, :1], base, step, rail=trial.rail, stride=substeps)
+    batch = simulate(arm, trial.parameters[:, :1], base, Timing(step, substeps), drive=Drive(rail=trial.rail))
     s = np.linspace(0.0, 1.0, points)
     xy = midline(batch.q[:, :, 0], batch.theta[:, 0], arm.specimen.length, s)
     xy[:, :, 1] += batch.rail

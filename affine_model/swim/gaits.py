@@ -7,6 +7,8 @@ it vectorises.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from affine_model.curvature import Array
@@ -18,26 +20,34 @@ _RENEW = 512  # steps after which phasors are computed anew, so that rounding st
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 
 
+class Harmonics(NamedTuple):
+    """strength [rad], omega [rad/s] and phase [rad] of each harmonic, (H, B) each."""
+
+    strength: Array
+    omega: Array
+    phase: Array
+
+
 @njit(cache=True, parallel=True, fastmath=FAST, error_model="numpy")
-def _fill(strength, omega, phase, start, step, table, peaks):
-    harmonics, count = strength.shape
+def _fill(harmonics: Harmonics, start, step, table, peaks):
+    terms, count = harmonics.strength.shape
     steps = table.shape[1]
     for block in prange((count + _BLOCK - 1) // _BLOCK):
         first = block * _BLOCK
         width = min(_BLOCK, count - first)
-        sine = np.empty((harmonics, _BLOCK))
-        cosine = np.empty((harmonics, _BLOCK))
-        turn_sine = np.empty((harmonics, _BLOCK))
-        turn_cosine = np.empty((harmonics, _BLOCK))
-        weight = np.zeros((harmonics, _BLOCK))
-        rate = np.zeros((harmonics, _BLOCK))
-        used = np.empty(harmonics, np.int64)
+        sine = np.empty((terms, _BLOCK))
+        cosine = np.empty((terms, _BLOCK))
+        turn_sine = np.empty((terms, _BLOCK))
+        turn_cosine = np.empty((terms, _BLOCK))
+        weight = np.zeros((terms, _BLOCK))
+        rate = np.zeros((terms, _BLOCK))
+        used = np.empty(terms, np.int64)
         uses = 0
-        for h in range(harmonics):
+        for h in range(terms):
             largest = 0.0
             for b in range(width):
-                weight[h, b] = strength[h, first + b]
-                rate[h, b] = omega[h, first + b]
+                weight[h, b] = harmonics.strength[h, first + b]
+                rate[h, b] = harmonics.omega[h, first + b]
                 turn_sine[h, b] = np.sin(rate[h, b] * step)
                 turn_cosine[h, b] = np.cos(rate[h, b] * step)
                 largest = max(largest, abs(weight[h, b]))
@@ -49,7 +59,7 @@ def _fill(strength, omega, phase, start, step, table, peaks):
                 for index in range(uses):
                     h = used[index]
                     for b in range(width):
-                        angle = rate[h, b] * (start + k * step) + phase[h, first + b]
+                        angle = rate[h, b] * (start + k * step) + harmonics.phase[h, first + b]
                         sine[h, b] = np.sin(angle)
                         cosine[h, b] = np.cos(angle)
             theta = np.zeros(_BLOCK)
@@ -85,7 +95,7 @@ def gait_tables(alpha: Array, steps: int, step: float, bandwidth: float, start: 
     weights = harmonic_weights(omega / (2.0 * np.pi), bandwidth)
     strength = amplitude[TERM] * COEFFICIENT[:, None] * weights
     table, peaks = np.empty((3, steps, alpha.shape[1])), np.zeros((3, alpha.shape[1]))
-    _fill(strength, MULTIPLE[:, None] * omega[TERM], phase[TERM], start, step, table, peaks)
+    _fill(Harmonics(strength, MULTIPLE[:, None] * omega[TERM], phase[TERM]), start, step, table, peaks)
     return table, peaks
 
 

@@ -8,7 +8,7 @@ end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from affine_model.swim.gaits import gait_of, gait_tables
 from affine_model.swim.limits import Box, search_box
 from affine_model.swim.objectives import IDLE_POWER, Objective, scores
 from affine_model.swim.polish import polish
-from affine_model.swim.search import Generation, search
+from affine_model.swim.search import USUAL_SEARCH, Generation, SearchPlan, search
 from affine_model.swim.thrust_map import best_sine
 from affine_model.swim.trial import PAPER_RAIL, Trial, run, within_limits
 from affine_model.swim.waves import best_wave
@@ -142,20 +142,16 @@ def for_objective(trial: Trial, objective: Objective, rail: Rail = PAPER_RAIL) -
 def optimise(
     trial: Trial,
     objective: Objective,
+    plan: SearchPlan = USUAL_SEARCH,
     *,
-    method: str = "cmaes",
-    evaluations: int = 5000,
-    seed: int = 0,
     rail: Rail = PAPER_RAIL,
     box: Box | None = None,
-    noted: Iterable[Array] = (),
     watch: Callable[[Generation], None] | None = None,
 ) -> Swimming:
     """Find the best gait of eq. 20 for the objective, within the servo's limits. The trial is clamped (trial_of); rail
     serves the objectives that swim, and the promises.
 
-    watch is called after every generation. noted: scores of an interrupted run's generations (see search). Raises
-    InputError where nothing swims forward at all.
+    watch is called after every generation. Raises InputError where nothing swims forward at all.
     """
     box = box or search_box(trial.limits)
     ready = for_objective(trial, objective, rail)
@@ -164,7 +160,7 @@ def optimise(
     top, highest = climb(ready, objective, box, box.unit(wave[:, None])[:, 0])
     judged = [sure_of_limits(ready, sine[:, None]), top]  # a sine is a gait of eq. 20 too
     climbed_from, milestone, course = highest, _MILESTONE, list[Generation]()
-    for generation in search(ready, objective, box, method, evaluations=evaluations, seed=seed, noted=noted):
+    for generation in search(ready, objective, box, plan):
         course.append(generation)
         # Two bars: a beat whose good half the trial saw promises more than its climb keeps.
         due = generation.evaluations >= milestone
@@ -185,8 +181,8 @@ def optimise(
     bandwidth = trial.limits.bandwidth
     return Swimming(
         objective=objective.name,
-        method=method,
-        seed=seed,
+        method=plan.method,
+        seed=plan.seed,
         origin=ORIGINS[min((leader + 1) // 2, 2)],
         gait=gait_of(winner, bandwidth),
         sine=gait_of(candidates[:, 0], bandwidth),

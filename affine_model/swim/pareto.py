@@ -11,7 +11,7 @@ from affine_model.curvature import Array
 from affine_model.swim.limits import Box, search_box
 from affine_model.swim.objectives import scores, weighted
 from affine_model.swim.polish import polish
-from affine_model.swim.search import search
+from affine_model.swim.search import SearchPlan, search
 from affine_model.swim.trial import PAPER_RAIL, Trial, run
 from tentacle.gait import Gait
 
@@ -53,7 +53,7 @@ def pareto_front(trial: Trial, box: Box, *, known: Array, evaluations: int, seed
     for number, exponent in enumerate(EXPONENTS):
         objective, share = weighted(exponent), evaluations // len(EXPONENTS)
         best_unit = np.full(9, 0.5)
-        for generation in search(trial, objective, box, "cmaes", evaluations=share, seed=seed + number):
+        for generation in search(trial, objective, box, SearchPlan("cmaes", evaluations=share, seed=seed + number)):
             best_unit = generation.best_unit
             tried.append(box.alpha(generation.unit))
         polished, _ = polish(trial, objective, box, best_unit)

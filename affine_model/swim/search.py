@@ -33,27 +33,31 @@ class Generation:
     power: Array
 
 
-def search(
-    trial: Trial,
-    objective: Objective,
-    box: Box,
-    method: str,
-    *,
-    evaluations: int,
-    seed: int,
-    noted: Iterable[Array] = (),
-) -> Iterator[Generation]:
-    """Yield generation after generation until `evaluations` gaits have been tried.
+@dataclass(frozen=True)
+class SearchPlan:
+    """method: a name of METHODS; evaluations: gaits to try; seed; noted: scores of the first generations from an
+    interrupted run of the same search. They are told, not tried again, and the search goes on exactly as it would have.
+    """
 
-    noted: scores of the first generations from an interrupted run of the same search; they are told, not tried again,
-    and the search goes on exactly as it would have.
+    method: str = "cmaes"
+    evaluations: int = 5000
+    seed: int = 0
+    noted: Iterable[Array] = ()
+
+
+USUAL_SEARCH = SearchPlan()
+
+
+def search(trial: Trial, objective: Objective, box: Box, plan: SearchPlan) -> Iterator[Generation]:
+    """Yield generation after generation until plan.evaluations gaits have been tried.
+
     Raises InputError where the method is unknown or every gait of a generation diverges.
     """
-    if method not in METHODS:
-        raise InputError(f"{method!r} is not known", field="method", expected=f"one of {', '.join(METHODS)}")
-    searcher, remaining = METHODS[method](seed), iter(noted)
+    if plan.method not in METHODS:
+        raise InputError(f"{plan.method!r} is not known", field="method", expected=f"one of {', '.join(METHODS)}")
+    searcher, remaining = METHODS[plan.method](plan.seed), iter(plan.noted)
     best_unit, best_score, tried, number = np.full(9, 0.5), -np.inf, 0, 0
-    while tried < evaluations:
+    while tried < plan.evaluations:
         unit = searcher.ask()
         values = next(remaining, None)
         speed = power = np.full(unit.shape[1], np.nan)

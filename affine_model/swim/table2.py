@@ -18,6 +18,7 @@ from affine_model.swim.gaits import gait_of
 from affine_model.swim.limits import HOBBY_SERVO, GaitLimits
 from affine_model.swim.objectives import OBJECTIVES
 from affine_model.swim.optimise import Swimming, for_objective, optimise, promises
+from affine_model.swim.search import SearchPlan
 from affine_model.swim.silicones import assumed_model, paper_cone
 from affine_model.swim.thrust_map import sine_gaits, sine_map
 from affine_model.swim.trial import PAPER_RAIL, trial_of
@@ -92,7 +93,7 @@ def table2(
 
     def best(model: Model, limits: GaitLimits) -> Swimming:
         trial = replace(trial_of(model, limits), device=device)
-        return optimise(trial, OBJECTIVES[objective], evaluations=evaluations, seed=seed)
+        return optimise(trial, OBJECTIVES[objective], SearchPlan(evaluations=evaluations, seed=seed))
 
     return [_row(length, best, reference) for length in lengths]
 

@@ -15,6 +15,7 @@ from affine_model.curvature import Array
 from affine_model.simulate import Rail
 from affine_model.swim.objectives import OBJECTIVES
 from affine_model.swim.optimise import optimise
+from affine_model.swim.search import SearchPlan
 from affine_model.swim.silicones import assumed_model, paper_cone
 from affine_model.swim.table2 import MAP_LIMITS, PRINTED, SILICONE
 from affine_model.swim.trial import PAPER_RAIL, trial_of
@@ -41,7 +42,7 @@ def gain(length: float, edge: float, friction: float, *, evaluations: int, seed:
     limits = replace(MAP_LIMITS, highest_frequency=edge)
     trial = replace(trial_of(assumed_model(paper_cone(length), SILICONE), limits), device=device)
     rail = Rail(PAPER_RAIL.mass, friction)
-    return optimise(trial, OBJECTIVES["speed"], evaluations=evaluations, seed=seed, rail=rail).gain
+    return optimise(trial, OBJECTIVES["speed"], SearchPlan(evaluations=evaluations, seed=seed), rail=rail).gain
 
 
 def ratio_curves(

@@ -17,35 +17,36 @@ from affine_model.swim.evaluate import ROWS, Bounds, evaluate
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 
 
+def _timing(numbers: list[float]) -> tuple[float, tuple[Pace, int]]:
+    """The servo's bandwidth [Hz], and the pace with the number of steps, of a row of numbers."""
+    bandwidth, step, steps, average_from = numbers
+    return bandwidth, (Pace(step, 2, int(average_from)), int(steps))
+
+
 @torch.library.custom_op("tentacle::swim", mutates_args=(), device_types="cpu")
-def _swim(
-    arm: Tensor, drive: Tensor, genes: Tensor, parameters: Tensor, kinematic: Tensor,
-    bandwidth: float, step: float, steps: int, average_from: int,
-) -> Tensor:  # fmt: skip
-    bounds, timing = Bounds(kinematic.numpy(), bandwidth), (Pace(step, 2, average_from), steps)
-    given = genes.numpy(), parameters.numpy()
-    return torch.from_numpy(evaluate(arm_from_row(arm), drive_from_row(drive), *given, bounds, timing))
+def _swim(rows: list[Tensor], genes: Tensor, parameters: Tensor, kinematic: Tensor, numbers: list[float]) -> Tensor:
+    bandwidth, timing = _timing(numbers)
+    own, given = (arm_from_row(rows[0]), drive_from_row(rows[1])), (genes.numpy(), parameters.numpy())
+    return torch.from_numpy(evaluate(*own, *given, Bounds(kinematic.numpy(), bandwidth), timing))
 
 
 @_swim.register_kernel("cuda")
 def _swim_cuda(
-    arm: Tensor, drive: Tensor, genes: Tensor, parameters: Tensor, kinematic: Tensor,
-    bandwidth: float, step: float, steps: int, average_from: int,
-) -> Tensor:  # fmt: skip
+    rows: list[Tensor], genes: Tensor, parameters: Tensor, kinematic: Tensor, numbers: list[float]
+) -> Tensor:
     from affine_model.gpu import swim_on_device
 
-    own, pace = (arm_from_row(arm), drive_from_row(drive)), Pace(step, 2, average_from)
-    limits = kinematic.to(genes.device), bandwidth
-    columns = [swim_on_device(*own, sample, genes, limits, (pace, steps)) for sample in parameters.unbind(1)]
+    bandwidth, timing = _timing(numbers)
+    own, limits = (arm_from_row(rows[0]), drive_from_row(rows[1])), (kinematic.to(genes.device), bandwidth)
+    columns = [swim_on_device(*own, sample, genes, limits, timing) for sample in parameters.unbind(1)]
     return torch.stack(columns, dim=2)
 
 
 @_swim.register_fake
 def _swim_shape(
-    arm: Tensor, drive: Tensor, genes: Tensor, parameters: Tensor, kinematic: Tensor,
-    bandwidth: float, step: float, steps: int, average_from: int,
-) -> Tensor:  # fmt: skip
-    del arm, drive, kinematic, bandwidth, step, steps, average_from
+    rows: list[Tensor], genes: Tensor, parameters: Tensor, kinematic: Tensor, numbers: list[float]
+) -> Tensor:
+    del rows, kinematic, numbers
     return genes.new_empty(ROWS, genes.shape[0], parameters.shape[1])
 
 
@@ -58,5 +59,5 @@ def swum(arm: Arm, drive: Drive, genes: Tensor, parameters: Tensor, bounds: Boun
     """affine_model.swim.evaluate.evaluate of a population (B, 9), on the device where it lies."""
     pace, steps = timing
     kinematic = torch.from_numpy(bounds.kinematic)
-    rows = arm_row(arm), drive_row(drive)
-    return _swim(*rows, genes, parameters, kinematic, bounds.bandwidth, pace.step, steps, pace.average_from)
+    numbers = [bounds.bandwidth, pace.step, float(steps), float(pace.average_from)]
+    return _swim([arm_row(arm), drive_row(drive)], genes, parameters, kinematic, numbers)

@@ -141,10 +141,13 @@ def _arm_of(source: Any, chain: _HingeChain, fluid_density: float | None) -> Imp
     stiffness = source.jnt_stiffness[chain.joints] * spacing
     damping = source.dof_damping[source.jnt_dofadr[chain.joints]] * spacing
     second = section.second_moment(s)
-    law, elastic = _law("elasticity", stiffness, second, s, chain.length, words)
+    hinges = np.array([s, second])
+    law, elastic, told = _law("elasticity", stiffness, hinges, chain.length)
+    words.append(told)
     effects = {"elasticity": elastic}
     if np.any(damping > 0.0):
-        effects["damping"] = _law("damping", damping, second, s, chain.length, words, law)[1]
+        _, effects["damping"], told = _law("damping", damping, hinges, chain.length, law)
+        words.append(told)
     density_of_fluid = float(source.opt.density) if fluid_density is None else fluid_density
     fluid = Fluid(density_of_fluid)
     if own and fluid.density > 0.0:
@@ -194,20 +197,24 @@ def _section(source: Any, chain: _HingeChain) -> tuple[Section, Array]:
 
 
 def _law(
-    effect: str, bending: Array, second: Array, s: Array, length: float, words: list[str], law: str | None = None
-) -> tuple[Any, dict[str, Estimate]]:
-    """The section's law, or the affine one where it does not fit; bending (n,) = k l [N m^2] at s."""
+    effect: str, bending: Array, hinges: Array, length: float, law: str | None = None
+) -> tuple[Any, dict[str, Estimate], str]:
+    """The section's law, or the affine one where it does not fit, with a sentence on how well it does.
+
+    bending (n,) = k l [N m^2] at the hinges (2, n): s and the section's second moment [m^4] there.
+    """
+    s, second = hinges
     names = ("E", "Pa", "k0", "k1", "N m/rad") if effect == "elasticity" else ("eta", "Pa s", "d0", "d1", "N m s/rad")
     modulus = float(np.exp(np.mean(np.log(bending / second)))) if np.all(bending > 0.0) else 0.0
     misfit = float(np.abs(bending / (modulus * second) - 1.0).max()) if modulus > 0.0 else np.inf
     if law == "section" or (law is None and misfit <= SECTION_FITS):
-        words.append(f"{effect}: {names[0]} = {modulus:.4g} {names[1]}, the hinges within {100 * misfit:.2g} % of it")
-        return "section", {names[0]: Estimate.exact(modulus, names[1])}
+        told = f"{effect}: {names[0]} = {modulus:.4g} {names[1]}, the hinges within {100 * misfit:.2g} % of it"
+        return "section", {names[0]: Estimate.exact(modulus, names[1])}, told
     slope, start = np.polyfit(s, bending / length, 1)
     left = float(np.abs(bending / length - start - slope * s).max() / np.abs(bending / length).max())
-    words.append(f"{effect}: does not follow the section ({100 * misfit:.0f} %); affine law, {100 * left:.2g} % off")
+    told = f"{effect}: does not follow the section ({100 * misfit:.0f} %); affine law, {100 * left:.2g} % off"
     values = {names[2]: Estimate.exact(float(start), names[4]), names[3]: Estimate.exact(float(slope), names[4])}
-    return "affine", values
+    return "affine", values, told
 
 
 def _exported(source: Any) -> dict[str, Array]:

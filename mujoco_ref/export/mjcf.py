@@ -70,7 +70,7 @@ def export_mjcf(model: Model, links: int = 20) -> Mjcf:
 
 def _spec(stepper: Stepper) -> Any:
     """The chain with the clamp's drive and MuJoCo's own water."""
-    chain, water = stepper.chain, stepper.water[0]
+    chain, water = stepper.chain, stepper.laws.water[0]
     source = chain.model
     spec = mujoco.MjSpec()
     spec.modelname, spec.compiler.degree = "tentacle", False
@@ -97,7 +97,7 @@ def _add_joint(body: Any, stepper: Stepper, k: int) -> None:
     if k == 0:
         joint.armature = FLYWHEEL
         return
-    hinge = stepper.hinges[k - 1]
+    hinge = stepper.laws.hinges[k - 1]
     stiffness = float(hinge["stiffness"])
     shares = (1.0 + float(hinge["stiff_tip"]), float(hinge["one_sided"]), float(hinge["cubic"]))
     joint.stiffness = [stiffness * share for share in shares]  # of the bend, its square and its cube
@@ -107,8 +107,8 @@ def _add_joint(body: Any, stepper: Stepper, k: int) -> None:
 
 def _set_mass(body: Any, stepper: Stepper, k: int) -> None:
     """Mass, centre and inertia with the carried water put in; gravcomp leaves the weight as it was."""
-    own, water = own_link(stepper, k), stepper.water[0]
-    link = stepper.links[k]
+    own, water = own_link(stepper, k), stepper.laws.water[0]
+    link = stepper.body.links[k]
     added = float(water["C_a"] * water["density"] * link[CARRIED])
     mass = own.mass + added
     centre = (own.mass * own.centre + added * link[CARRIED_CENTRE]) / mass
@@ -177,7 +177,7 @@ def _add_points(tip: Any, stepper: Stepper) -> None:
         at = mujoco.mj_name2id(source, mujoco.mjtObj.mjOBJ_BODY, name)
         if at < 0:
             continue
-        own, carries = float(source.body_mass[at]), SPHERE * float(stepper.water[0]["density"]) * float(body[3])
+        own, carries = float(source.body_mass[at]), SPHERE * float(stepper.laws.water[0]["density"]) * float(body[3])
         point = tip.add_body(name=name, pos=source.body_pos[at])
         point.mass, point.inertia, point.explicitinertial = own + carries, source.body_inertia[at], True
         point.ipos = source.body_ipos[at]
@@ -187,7 +187,7 @@ def _add_points(tip: Any, stepper: Stepper) -> None:
 def _tip_bodies(stepper: Stepper) -> dict[str, Array]:
     """Where the bodies at the tip are, and how much of the swaying water's acceleration moves them [kg]."""
     bodies = stepper.chain.bodies
-    moved = (1.0 + SPHERE) * float(stepper.water[0]["density"]) * bodies[:, 3]
+    moved = (1.0 + SPHERE) * float(stepper.laws.water[0]["density"]) * bodies[:, 3]
     return {"body_reach": bodies[:, 1], "body_drop": bodies[:, 2], "body_moved": moved}
 
 
@@ -206,7 +206,7 @@ def _add_drive(spec: Any) -> None:
 def _add_numbers(spec: Any, stepper: Stepper) -> None:
     """What arm_forces.py reads, under <custom>."""
     own = [own_link(stepper, k) for k in range(stepper.chain.links + 1)]
-    links, nodes, hinges, water = stepper.links, stepper.nodes, stepper.hinges, stepper.water[0]
+    links, nodes, hinges, water = stepper.body.links, stepper.body.nodes, stepper.laws.hinges, stepper.laws.water[0]
     fluid = float(water["C_a"] * water["density"])
     numbers: dict[str, Array] = {
         "length": stepper.chain.length,
@@ -226,7 +226,7 @@ def _add_numbers(spec: Any, stepper: Stepper) -> None:
         "water": np.array([float(water[name]) for name in WATER_FIELDS]),
         "drift": np.array([stepper.drift]),
         "from_base": stepper.chain.start,
-        "rest": np.array([float(stepper.rest[0][name]) for name in REST_FIELDS]),
+        "rest": np.array([float(stepper.laws.rest[0][name]) for name in REST_FIELDS]),
         **_tip_bodies(stepper),
         **{f"hinge_{name}": np.array(hinges[name]) for name in HINGE_FIELDS},
     }  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mujoco_ref.influence import refuse_unknown, value
-from mujoco_ref.simulate import DEFAULT_LINKS, LONGEST_STEP, Simulation, simulate
+from mujoco_ref.simulate import DEFAULT_LINKS, LONGEST_STEP, Initial, Setup, Simulation, simulate
 from mujoco_ref.undeclared.strength import SCALED, SIZES, is_catalogued, scaled, typical
 from tentacle.errors import InputError
 from tentacle.model import Model
@@ -50,21 +50,24 @@ class Shifted:
 
 
 @dataclass(frozen=True)
-class Scene:
-    """What all runs of one recording share."""
+class Scenario:
+    """What all runs of one recording share: the model and its base motion, duration [s], frames a second, where the
+    midline is sampled, s (P,) (None: 41 points), hinges of the chain; and of a free decay the shape of eq. 1, q (K,),
+    that the arm is held in until release_t [s].
+    """
 
     model: Model
     waveform: Waveform
     duration: float
     fps: float
-    s: Array
-    links: int
-    initial_q: Array | None
-    release_t: float | None
+    s: Array | None = None
+    links: int = DEFAULT_LINKS
+    initial_q: Array | None = None
+    release_t: float | None = None
 
 
 def _run(
-    scene: Scene, hidden: Mapping[str, Mapping[str, float]], offset: float = 0.0, duration: float = 0.0
+    scene: Scenario, hidden: Mapping[str, Mapping[str, float]], offset: float = 0.0, duration: float = 0.0
 ) -> Simulation:
     decay = scene.initial_q is not None
     return simulate(
@@ -73,16 +76,19 @@ def _run(
         duration or scene.duration,
         scene.fps,
         hidden=hidden,
-        links=max(scene.links, DECAY_LINKS) if decay else scene.links,
-        s=scene.s,
-        initial_q=scene.initial_q,
-        release_t=None if scene.release_t is None else max(0.0, scene.release_t - offset),
-        lead_in=0.0 if decay else LEAD_IN,
-        longest_step=DECAY_STEP if decay else LONGEST_STEP,
+        setup=Setup(
+            links=max(scene.links, DECAY_LINKS) if decay else scene.links,
+            s=scene.s,
+            lead_in=0.0 if decay else LEAD_IN,
+            longest_step=DECAY_STEP if decay else LONGEST_STEP,
+            initial=Initial(
+                scene.initial_q, release_t=None if scene.release_t is None else max(0.0, scene.release_t - offset)
+            ),
+        ),
     )
 
 
-def seen_midline(scene: Scene, hidden: Mapping[str, Mapping[str, float]], duration: float = 0.0) -> Array:
+def seen_midline(scene: Scenario, hidden: Mapping[str, Mapping[str, float]], duration: float = 0.0) -> Array:
     """Midline points (F, P, 2) [m] as the camera has them: late, rolled and scaled where it is."""
     points = _run(scene, hidden, value(hidden, "time_offset", "offset"), duration).midline.xy
     roll = value(hidden, "camera_roll", "roll")
@@ -90,13 +96,13 @@ def seen_midline(scene: Scene, hidden: Mapping[str, Mapping[str, float]], durati
     return (1.0 + value(hidden, "camera_scale", "excess")) * points @ turn.T
 
 
-def shown_mm(scene: Scene, hidden: Mapping[str, Mapping[str, float]], bare: Array, duration: float) -> float:
+def shown_mm(scene: Scenario, hidden: Mapping[str, Mapping[str, float]], bare: Array, duration: float) -> float:
     """How far the effects move the midline, rms over points and frames [mm]."""
     change = seen_midline(scene, hidden, duration) - bare
     return 1e3 * float(np.sqrt(np.mean(np.sum(change**2, axis=2))))
 
 
-def _sized(scene: Scene, effect: str, wanted_mm: float, random: np.random.Generator) -> dict[str, float]:
+def _sized(scene: Scenario, effect: str, wanted_mm: float, random: np.random.Generator) -> dict[str, float]:
     """Typical parameters scaled until the midline moves by wanted_mm; as near as the effect's own limits let it."""
     drawn = typical(effect, scene.model, random)
     duration = min(scene.duration, 8.0)
@@ -123,7 +129,7 @@ def _sized(scene: Scene, effect: str, wanted_mm: float, random: np.random.Genera
 
 
 def resolve(
-    scene: Scene, effects: Mapping[str, Strength], noise: Noise, random: np.random.Generator
+    scene: Scenario, effects: Mapping[str, Strength], noise: Noise, random: np.random.Generator
 ) -> dict[str, dict[str, float]]:
     """Each effect's parameters: as given, typical times a factor, or sized to be "visible" or "faint"."""
     hidden: dict[str, dict[str, float]] = {}
@@ -157,18 +163,11 @@ def reduction_mm(simulation: Simulation, length: float, orders: tuple[int, ...] 
 
 def make(
     effects: Mapping[str, Strength],
-    model: Model,
-    waveform: Waveform,
+    scene: Scenario,
     seed: int,
-    duration: float,
-    fps: float,
     noise: Noise = USUAL_NOISE,
     *,
     name: str = "trial",
-    s: Array | None = None,
-    links: int = DEFAULT_LINKS,
-    initial_q: Array | None = None,
-    release_t: float | None = None,
     clean_midline: bool = False,
 ) -> tuple[Recording, dict[str, Any]]:
     """A recording whose declaration is the model's own, made with further effects, and the truth about them.
@@ -180,8 +179,6 @@ def make(
     simulate does, and for an effect that is not known.
     """
     random = np.random.default_rng(seed)
-    sampled = np.linspace(0.0, 1.0, 41) if s is None else np.asarray(s, dtype=float)
-    scene = Scene(model, waveform, duration, fps, sampled, links, initial_q, release_t)
     hidden = resolve(scene, effects, noise, random)
     run = _run(scene, hidden)
     points = seen_midline(scene, hidden)
@@ -190,16 +187,18 @@ def make(
     spread = 0.0 if clean_midline else noise.midline
     observed = points + spread * random.standard_normal(points.shape)
     motor = None
-    if initial_q is None or np.any(run.command):  # a decay at rest needs no log
+    if scene.initial_q is None or np.any(run.command):  # a decay at rest needs no log
         angle = run.command + noise.angle * random.standard_normal(run.t.size)
         motor = MotorSignal(run.t, run.command, angle)
     load = run.load_cell + noise.load_cell * random.standard_normal(run.t.size)
     recording = Recording(
         name=name,
-        declaration=Declaration(model.specimen, model.fluid, model.gravity, release_t=release_t),
+        declaration=Declaration(
+            scene.model.specimen, scene.model.fluid, scene.model.gravity, release_t=scene.release_t
+        ),
         motor=motor,
         load_cell=LoadCellSignal(run.t, load),
-        midline=Midline(run.t, sampled, observed, np.full(points.shape[:2], spread if spread > 0.0 else np.nan)),
+        midline=Midline(run.t, run.midline.s, observed, np.full(points.shape[:2], spread if spread > 0.0 else np.nan)),
     )
     known = all(is_catalogued(effect) for effect in hidden)
     truth = {
@@ -209,7 +208,7 @@ def make(
         "catalogued": known,
         "moved_mm": moved,
         "noise_mm": 1e3 * noise.midline,
-        "reduction_mm": reduction_mm(run, model.specimen.length),
+        "reduction_mm": reduction_mm(run, scene.model.specimen.length),
         "mean_thrust_n": float(np.mean(run.thrust)),
     }
     return recording, truth

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared.make import USUAL_NOISE, Noise, Strength, make
+from mujoco_ref.undeclared.make import USUAL_NOISE, Noise, Scenario, Strength, make
 from mujoco_ref.undeclared.strength import SCALED
 from tentacle.model import Model
 from tentacle.recording import Recording
@@ -60,11 +60,8 @@ class Plan:
         effects = draw_effects(random, self.uncatalogued, self.nothing, self.most)
         recording, truth = make(
             effects,
-            self.model,
-            self.waveform,
+            Scenario(self.model, self.waveform, self.duration, self.fps),
             int(random.integers(2**31)),
-            self.duration,
-            self.fps,
             self.noise,
             name=trial_name(k),
             clean_midline=clean_midline,

@@ -28,9 +28,9 @@ def run(arguments: argparse.Namespace) -> int:
     from affine_model.swim.device import chosen_device
     from affine_model.swim.table2_curves import ratio_curves
     from tentacle.cli._progress import stages
-    from tentacle.cli._swimming import reference_speed
     from tentacle.cli.pages.table2 import curves_table, row_table, write_page
     from tentacle.io.result_folder import written
+    from validation.reference_swim import reference_speed
 
     rows, device = [], chosen_device(arguments.device)
     with stages() as stage:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from rig.optimise import Suggestions
 from tentacle.errors import InputError
 
 
@@ -53,7 +54,9 @@ def optimise(arguments: argparse.Namespace) -> int:
                 space, plan.plan, believed=model, seed=arguments.seed, progress=diagnosing,
                 told=lambda words: print(words, flush=True),
             )  # fmt: skip
-        for trial in trials_of(arguments.out, plan, runner, first, propose=propose, interrupts=interrupts, told=say):
+        for trial in trials_of(
+            arguments.out, plan, runner, Suggestions(first, propose=propose), interrupts=interrupts, told=say
+        ):
             trials.append(trial)
             top = best(trials)
             print(

@@ -30,9 +30,13 @@ def record(arguments: argparse.Namespace) -> int:
         Interrupts(say) as interrupts,
     ):
         result = rig_record.record(
-            setup, board, camera, motion, arguments.out,
-            name=arguments.out.stem, interrupts=interrupts, viewer=address, progress=progress,
-        )  # fmt: skip
+            setup,
+            board,
+            camera,
+            motion,
+            arguments.out,
+            rig_record.Attendance(name=arguments.out.stem, interrupts=interrupts, viewer=address, progress=progress),
+        )
     print(f"{result.outcome}: {result.samples} samples, {result.lost} lost, wrote {result.path}")
     if result.words:
         print(result.words)
@@ -44,6 +48,7 @@ def campaign(arguments: argparse.Namespace) -> int:
     from rig.campaign import read_campaign, run_campaign
     from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
+    from rig.record import Attendance
     from rig.setup_file import read_setup
     from tentacle.cli._rig_terminal import progress_bar, say
 
@@ -55,7 +60,9 @@ def campaign(arguments: argparse.Namespace) -> int:
         progress_bar() as progress,
         Interrupts(say) as interrupts,
     ):
-        for result in run_campaign(setup, board, camera, runs, arguments.out, interrupts=interrupts, progress=progress):
+        for result in run_campaign(
+            setup, board, camera, runs, arguments.out, attendance=Attendance(interrupts=interrupts, progress=progress)
+        ):
             print(f"{result.path.name}: {result.outcome}, {result.samples} samples, {result.lost} lost")
         paused = interrupts.pause
     print(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
     """What MuJoCo gives for the gait and the best sine: speeds on the rail, mean thrust clamped, and the gains."""
-    from tentacle.cli._swimming import reference_speed, reference_thrust
+    from validation.reference_swim import reference_speed, reference_thrust
 
     speed, sine_speed = reference_speed(model, found.gait), reference_speed(model, found.sine)
     thrust, sine_thrust = reference_thrust(model, found.gait), reference_thrust(model, found.sine)

@@ -30,10 +30,10 @@ def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Mod
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
-    from affine_model.swim import optimise
+    from affine_model.swim import SearchPlan, optimise
     from tentacle.cli._swim_work import VERSION
-    from tentacle.cli._swimming import SearchNotes
     from tentacle.io.model_file import model_tables
+    from tentacle.io.search_notes import SearchNotes
 
     settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
     inputs = {"version": VERSION, "model": model_tables(model), "limits": asdict(trial.limits), **settings}
@@ -49,9 +49,6 @@ def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Mod
         return optimise(
             trial,
             OBJECTIVE_TABLE[arguments.objective],
-            method=arguments.method,
-            evaluations=arguments.evaluations,
-            seed=arguments.seed,
-            noted=notes.scores(),
+            SearchPlan(arguments.method, arguments.evaluations, arguments.seed, notes.scores()),
             watch=watch,
         )

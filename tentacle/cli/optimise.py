@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     from affine_model.swim.pareto import front_around
     from tentacle.cli._swim_answer import check_on_reference, summary, write_answer
     from tentacle.cli._swim_search import searched
-    from tentacle.cli._swimming import result_tables
+    from tentacle.cli._swim_tables import result_tables
     from tentacle.errors import InputError
     from tentacle.io.result_folder import written
     from tentacle.io.waveform_file import waveform_table

@@ -22,7 +22,7 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import track
 
-    from mujoco_ref.undeclared import Noise, Plan, make
+    from mujoco_ref.undeclared import Noise, Plan, Scenario, make
     from tentacle.errors import InputError
     from tentacle.io.model_file import read_model
     from tentacle.units import from_mm
@@ -47,14 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("lies in the recording itself", file=truth_file, field="--truth", expected="a file elsewhere")
     recording, truth = make(
         hidden_effects(arguments.hide, arguments.seed, model),
-        model,
-        waveform,
+        Scenario(model, waveform, arguments.duration, arguments.fps, links=arguments.links),
         arguments.seed,
-        arguments.duration,
-        arguments.fps,
         noise,
         name=arguments.out.stem,
-        links=arguments.links,
         clean_midline=arguments.video is not None,
     )
     write_simulated(recording, film, arguments.out, arguments.seed)

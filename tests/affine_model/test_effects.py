@@ -11,11 +11,11 @@ import torch
 
 import affine_model.effects as folder
 from affine_model.arm import Arm, active_effects, parameter_index, parameter_rows
-from affine_model.dynamics import advanced_memory, balance, parameters_of
+from affine_model.dynamics import Instant, advanced_memory, balance, parameters_of
 from affine_model.effect import QUANTITIES, Effect
-from affine_model.effects import absent_effects, base_effects, catalogue
+from affine_model.effects import absent_effects, catalogue
 from affine_model.kernel.trace import symbols_for, traced
-from affine_model.simulate import simulate
+from affine_model.simulate import Start, Timing, simulate
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Sine
 
@@ -30,6 +30,7 @@ LAWS = (
     "water_velocity", "hung_mass", "gravity_tilt", "relaxation_time", "yield_curvature",
 )  # fmt: skip
 EFFECTS = list(catalogue().values())
+BASE_EFFECTS = tuple(effect for effect in catalogue().values() if effect.family == "base")
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=3, nodes=8)
 BASE = {"elasticity__E": 2e5, "damping__eta": 1.5e3, "drag__C_perp": 1.1}
 
@@ -53,7 +54,7 @@ def random_state(seed):
 def test_the_catalogue_holds_the_contract_and_nothing_unnamed():
     names = {effect.name for effect in absent_effects()}
     assert names >= CONTRACT
-    assert {effect.name for effect in base_effects()} == {"inertia", "elasticity", "damping", "weight", "drag"}
+    assert {effect.name for effect in BASE_EFFECTS} == {"inertia", "elasticity", "damping", "weight", "drag"}
 
 
 def test_one_file_is_one_effect_of_the_same_name():
@@ -134,12 +135,12 @@ def test_neutral_effect_changes_nothing(effect, parameters):
     p = parameters(**BASE)
     for parameter in effect.shapes:  # shapes mean nothing while the strengths are zero
         p[parameter_index(effect.name, parameter.name)] = parameter.nominal
-    base = base_effects()
+    base = BASE_EFFECTS
     for seed in range(3):
         u, v, memory = random_state(seed)
-        without = balance(ARM, base, p, u, v, 0.3, memory)
+        without = balance(ARM, base, p, u, v, Instant(0.3, memory))
         acting = base if effect in base else (*base, effect)
-        present = balance(ARM, acting, p, u, v, 0.3, memory)
+        present = balance(ARM, acting, p, u, v, Instant(0.3, memory))
         # Not one bit: every law is a multiple of its strengths, and a sum with zero is exact.
         assert np.array_equal(without.force, present.force)
         assert np.array_equal(without.mass_matrix, present.mass_matrix)
@@ -151,8 +152,8 @@ def test_nominal_effect_changes_something(effect, parameters):
     p = parameters(**BASE, **nominal(effect))
     assert effect in active_effects(p)
     u, v, memory = random_state(0)
-    a = balance(ARM, base_effects(), p, u, v, 0.3, memory)
-    b = balance(ARM, active_effects(p), p, u, v, 0.3, memory)
+    a = balance(ARM, BASE_EFFECTS, p, u, v, Instant(0.3, memory))
+    b = balance(ARM, active_effects(p), p, u, v, Instant(0.3, memory))
     assert not np.array_equal(a.force, b.force) or not np.array_equal(a.mass_matrix, b.mass_matrix)
 
 
@@ -167,8 +168,8 @@ def test_dissipative_effect_takes_energy(effect, parameters):
         c_rate = ARM.curvature_basis @ v[: ARM.order]
         if effect.yield_curvature is not None:
             memory = advanced_memory(ARM, (effect,), with_it, memory, 0.0 * c_rate, 0.0)  # never beyond the yield
-        force = balance(ARM, active_effects(with_it), with_it, u, v, 0.3, memory).force
-        power = v @ (force - balance(ARM, active_effects(without), without, u, v, 0.3).force)
+        force = balance(ARM, active_effects(with_it), with_it, u, v, Instant(0.3, memory)).force
+        power = v @ (force - balance(ARM, active_effects(without), without, u, v, Instant(0.3)).force)
         if effect.remembers:  # stored: half the moment times the memory, both linear in it
             h = 1e-6
             memory_rate = (advanced_memory(ARM, (effect,), with_it, memory, c_rate, h) - memory)[0] / h
@@ -184,7 +185,13 @@ def test_the_same_call_gives_the_same_bits(effect, parameters):
     p = parameters(**BASE, **({} if effect.family == "base" else nominal(effect)))
     t = (np.arange(60) + 0.5) / 250
     runs = [
-        simulate(ARM, np.repeat(p[:, None], 3, axis=1), Sine(0.5, 1.3)(t)[:, :, None], 1 / 250, q=np.full((3, 3), 0.2))
+        simulate(
+            ARM,
+            np.repeat(p[:, None], 3, axis=1),
+            Sine(0.5, 1.3)(t)[:, :, None],
+            Timing(1 / 250),
+            start=Start(q=np.full((3, 3), 0.2)),
+        )
         for _ in range(2)
     ]
     assert np.all(np.isnan(runs[0].diverged))

@@ -5,7 +5,7 @@ import pytest
 
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.from_model import simulate_model
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
@@ -21,7 +21,7 @@ MODEL = (
 def test_a_model_moves_as_its_parts_do():
     wave = Sine(0.5, 1.3)
     times = (np.arange(100) + 0.5) / 500
-    parts = simulate(arm_of(MODEL), parameter_vector(MODEL)[:, None], wave(times)[:, :, None], 1 / 500)
+    parts = simulate(arm_of(MODEL), parameter_vector(MODEL)[:, None], wave(times)[:, :, None], Timing(1 / 500))
     # Times are summed in another order: rounding.
     np.testing.assert_allclose(simulate_model(MODEL, wave, 0.2).q, parts.q, atol=1e-13)
 

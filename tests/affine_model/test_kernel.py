@@ -5,9 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from affine_model.arm import Arm, active_effects, neutral_parameters, parameter_index, parameter_rows
-from affine_model.dynamics import advanced_memory, balance, remembering
+from affine_model.dynamics import Instant, advanced_memory, balance, remembering
 from affine_model.effects import catalogue
-from affine_model.simulate import simulate
+from affine_model.simulate import Start, Timing, simulate
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Sine
 
@@ -26,7 +26,9 @@ def base_parameters():
 def kernel_state(parameters, step, q0):
     steps = round(DURATION / step)
     middles = (np.arange(steps) + 0.5) * step
-    batch = simulate(ARM, parameters[:, None], WAVE(middles)[:, :, None], step, q=q0[:, None], iterations=3)
+    batch = simulate(
+        ARM, parameters[:, None], WAVE(middles)[:, :, None], Timing(step, iterations=3), start=Start(q=q0[:, None])
+    )
     return np.concatenate([batch.q[-1, :, 0], batch.q_rate[-1, :, 0]])
 
 
@@ -34,7 +36,7 @@ def accelerations(parameters, t, z, z_rate, memory):
     theta, theta_rate, theta_acceleration = WAVE(t)
     n = ARM.order
     u, v = np.concatenate([z, [theta, 0.0]]), np.concatenate([z_rate, [theta_rate, 0.0]])
-    b = balance(ARM, active_effects(parameters), parameters, u, v, t, memory)
+    b = balance(ARM, active_effects(parameters), parameters, u, v, Instant(t, memory))
     given = np.array([theta_acceleration, 0.0])
     return np.linalg.solve(b.mass_matrix[:n, :n], b.force[:n] - b.mass_matrix[:n, n:] @ given)
 
@@ -115,7 +117,11 @@ def test_a_maxwell_branch_begins_with_what_it_is_given():
     for step in (1 / 2000, 1 / 4000):
         middles = (np.arange(round(DURATION / step)) + 0.5) * step
         batch = simulate(
-            ARM, p[:, None], WAVE(middles)[:, :, None], step, q=q0[:, None], memory=remembered, iterations=3
+            ARM,
+            p[:, None],
+            WAVE(middles)[:, :, None],
+            Timing(step, iterations=3),
+            start=Start(q=q0[:, None], memory=remembered),
         )
         states.append(np.concatenate([batch.q[-1, :, 0], batch.q_rate[-1, :, 0]]))
     truth = reference_state(p, q0, 0.2)

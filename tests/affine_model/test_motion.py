@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from affine_model.advance import Drive
 from affine_model.arm import Arm
 from affine_model.modes import modes
-from affine_model.simulate import Rail, Servo, simulate
+from affine_model.simulate import Rail, Servo, Start, Timing, simulate
 from tentacle.specimen import AIR, WATER, Cone, Fluid, Gravity, Rectangle, Specimen
 
 CONE = Specimen(Cone(0.0125, 0.001), 0.14, 1070.0)
@@ -40,7 +41,9 @@ def test_energy_is_constant_over_ten_seconds(parameters, order):
     q0 = np.zeros((order, 1))
     q0[0] = 0.3
     h = 1 / 8000
-    batch = simulate(arm, p[:, None], np.repeat(STILL, round(10 / h), 1), h, q=q0, stride=800, iterations=2)
+    batch = simulate(
+        arm, p[:, None], np.repeat(STILL, round(10 / h), 1), Timing(h, 800, iterations=2), start=Start(q=q0)
+    )
     total, kinetic = energy(arm, p, batch.q[..., 0], batch.q_rate[..., 0])
     exchanged = kinetic.max()
     assert exchanged > 1e-5  # joule: it does move
@@ -58,12 +61,12 @@ def test_added_mass_in_all_directions_only_rescales_an_arm(parameters):
     carried = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1, added_mass__C_a=0.8,
                          added_mass__tangential=1.0)  # fmt: skip
     softer = parameters(elasticity__E=2e5 * share, damping__eta=2e3 * share, drag__C_perp=1.1 * share)
-    one, other = (simulate(arm, p[:, None], base, h).q[..., 0] for p in (carried, softer))
+    one, other = (simulate(arm, p[:, None], base, Timing(h)).q[..., 0] for p in (carried, softer))
     assert np.ptp(one[:, 0]) > 0.2
     # Left: rotary inertia, which the water has none of: (r / L)^2 / 4, some thousandths of the motion.
     np.testing.assert_allclose(one, other, atol=2e-3 * np.ptp(one[:, 1]))
     along_normal = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1, added_mass__C_a=0.8)
-    assert np.max(np.abs(simulate(arm, along_normal[:, None], base, h).q[..., 0] - other)) > 5e-3
+    assert np.max(np.abs(simulate(arm, along_normal[:, None], base, Timing(h)).q[..., 0] - other)) > 5e-3
 
 
 def test_terminal_speed_on_the_rail(parameters):
@@ -74,7 +77,7 @@ def test_terminal_speed_on_the_rail(parameters):
     h, steps = 0.01, 2000
     base = np.zeros((3, steps, 1))
     base[0] = np.pi / 2
-    batch = simulate(arm, p[:, None], base, h, rail=Rail(mass=0.1, slip_speed=1.0), stride=steps)
+    batch = simulate(arm, p[:, None], base, Timing(h, steps), drive=Drive(rail=Rail(mass=0.1, slip_speed=1.0)))
     net = (1070 - 998) * 0.02 * 0.01 * 0.2 * arm.gravity.magnitude
     # 1e-4: the arm, stiff as it is, bends a little.
     assert batch.rail_rate[-1, 0] == pytest.approx(np.sqrt(net / (0.5 * 998 * 1.25 * 0.02 * 0.2)), rel=1e-4)
@@ -88,7 +91,7 @@ def test_quadratic_drag_slows_as_one_over_time(parameters):
     p = parameters(elasticity__E=1e9, damping__eta=1e6, drag__C_perp=1.25, current__U_y=U)
     base = np.zeros((3, steps, 1))
     base[0] = np.pi / 2
-    batch = simulate(arm, p[:, None], base, h, rail=Rail(mass=0.1, slip_speed=1.0), stride=100)
+    batch = simulate(arm, p[:, None], base, Timing(h, 100), drive=Drive(rail=Rail(mass=0.1, slip_speed=1.0)))
     mass, b = 0.1 + arm.specimen.mass, 0.5 * 998 * 1.25 * 0.02 * 0.2
     np.testing.assert_allclose(1 / (U - batch.rail_rate[1:, 0]), 1 / U + b * batch.t[1:] / mass, rtol=2e-3)
 
@@ -102,7 +105,14 @@ def test_momentum_on_a_frictionless_rail(parameters):
     ramp = 0.5 * (1 - np.cos(np.pi * t)) ** 2  # starts at rest
     base = np.stack([ramp, np.gradient(ramp, h), np.gradient(np.gradient(ramp, h), h)])[:, :, None]
     q0 = np.array([[0.8], [-0.3]])
-    batch = simulate(arm, p[:, None], base, h, q=q0, rail=Rail(mass=0.05, slip_speed=1.0), stride=40, iterations=3)
+    batch = simulate(
+        arm,
+        p[:, None],
+        base,
+        Timing(h, 40, iterations=3),
+        start=Start(q=q0),
+        drive=Drive(rail=Rail(mass=0.05, slip_speed=1.0)),
+    )
     from affine_model.arm import active_effects
     from affine_model.dynamics import balance
 
@@ -123,7 +133,7 @@ def test_free_decay_rings_at_the_mode_s_frequency(parameters):
     found = modes(arm, p)
     h, steps = 1 / 2000, 8000
     q0 = 0.01 * found.shapes[:, :1] / found.shapes[0, 0]
-    batch = simulate(arm, p[:, None], np.repeat(STILL, steps, 1), h, q=q0)
+    batch = simulate(arm, p[:, None], np.repeat(STILL, steps, 1), Timing(h), start=Start(q=q0))
     q1 = batch.q[:, 0, 0]
     crossings = np.flatnonzero((q1[:-1] < 0) & (q1[1:] >= 0))
     exact = batch.t[crossings] - q1[crossings] * h / (q1[crossings + 1] - q1[crossings])
@@ -139,10 +149,10 @@ def test_torque_limit_is_reached_and_kept(parameters):
     base[0] = 0.8  # a step command: the servo starts there, so turn the command at once
     base[0, 10:] = -0.8
     servo = Servo(stiffness=5.0, damping=0.05, torque_limit=0.02)
-    batch = simulate(arm, p[:, None], base, 1 / 500, servo=servo)
+    batch = simulate(arm, p[:, None], base, Timing(1 / 500), drive=Drive(servo=servo))
     assert np.max(np.abs(batch.torque)) == pytest.approx(0.02, rel=1e-12)
     assert np.mean(np.isclose(np.abs(batch.torque), 0.02)) > 0.05
-    unlimited = simulate(arm, p[:, None], base, 1 / 500, servo=Servo(5.0, 0.05, 10.0))
+    unlimited = simulate(arm, p[:, None], base, Timing(1 / 500), drive=Drive(servo=Servo(5.0, 0.05, 10.0)))
     assert np.max(np.abs(unlimited.torque)) > 0.1
 
 
@@ -152,8 +162,8 @@ def test_a_diverging_individual_says_when_and_disturbs_no_other(parameters):
     mad = parameters(elasticity__E=2e5, damping__eta=-5e5)
     t = (np.arange(500) + 0.5) / 250
     base = np.stack([0.3 * np.sin(8 * t), 2.4 * np.cos(8 * t), -19.2 * np.sin(8 * t)])[:, :, None]
-    alone = simulate(arm, np.repeat(sound[:, None], 5, 1), base, 1 / 250)
-    mixed = simulate(arm, np.stack([sound, sound, mad, sound, sound], 1), base, 1 / 250)
+    alone = simulate(arm, np.repeat(sound[:, None], 5, 1), base, Timing(1 / 250))
+    mixed = simulate(arm, np.stack([sound, sound, mad, sound, sound], 1), base, Timing(1 / 250))
     assert np.isfinite(mixed.diverged[2])
     assert np.isnan(mixed.mean_thrust[2])
     for b in (0, 1, 3, 4):

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from affine_model.advance import Drive
 from affine_model.arm import Arm, active_effects
-from affine_model.dynamics import balance
-from affine_model.simulate import Rail, Servo, simulate
+from affine_model.dynamics import Instant, balance
+from affine_model.simulate import Rail, Servo, Start, Timing, simulate
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Sine
 
@@ -26,7 +27,7 @@ def reference(p, servo, rail):
         command, command_rate, command_acceleration = WAVE(t)
         if servo is None:
             u[n], v[n] = command, command_rate
-        b = balance(ARM, effects, p, u, v, t)
+        b = balance(ARM, effects, p, u, v, Instant(t))
         M, F, given = b.mass_matrix.copy(), b.force.copy(), np.zeros(n + 2)
         given[n] = 0.0 if servo is not None else command_acceleration
         if servo is not None:
@@ -53,7 +54,14 @@ def reference(p, servo, rail):
 
 def kernel(p, servo, rail, h):
     base = WAVE((np.arange(round(DURATION / h)) + 0.5) * h)[:, :, None]
-    batch = simulate(ARM, p[:, None], base, h, q=np.array([[0.2], [-0.1]]), servo=servo, rail=rail, iterations=3)
+    batch = simulate(
+        ARM,
+        p[:, None],
+        base,
+        Timing(h, iterations=3),
+        start=Start(q=np.array([[0.2], [-0.1]])),
+        drive=Drive(servo=servo, rail=rail),
+    )
     parts = (
         batch.q,
         batch.theta[:, None],
@@ -85,7 +93,7 @@ def test_prescribed_torque_turns_a_free_base_alike(parameters):
     p = parameters(elasticity__E=2e5, drag__C_perp=1.1, damping__eta=1e3)
     h = 1 / 2000
     t = (np.arange(4000) + 0.5) * h
-    batch = simulate(ARM, p[:, None], WAVE(t)[:, :, None], h, iterations=2)
+    batch = simulate(ARM, p[:, None], WAVE(t)[:, :, None], Timing(h, iterations=2))
     u = np.concatenate([batch.q[..., 0] @ ARM.from_monomial.T, batch.theta, batch.rail], 1)
     v = np.concatenate([batch.q_rate[..., 0] @ ARM.from_monomial.T, batch.theta_rate, batch.rail_rate], 1)
     middle, rate = 0.5 * (u[1:] + u[:-1]), 0.5 * (v[1:] + v[:-1])
@@ -101,7 +109,7 @@ def test_mean_load_is_mean_thrust_when_the_motion_repeats(parameters):
     p = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1)
     h, period = 1 / 1300, 1 / 1.3
     steps = round(12 * period / h)
-    batch = simulate(ARM, p[:, None], WAVE((np.arange(steps) + 0.5) * h)[:, :, None], h)
+    batch = simulate(ARM, p[:, None], WAVE((np.arange(steps) + 0.5) * h)[:, :, None], Timing(h))
     last = batch.force_t > 8 * period
     load, thrust = batch.load[last, 0], batch.fluid_force[last, 1, 0]
     weight = (1070 - 998) / 1070 * ARM.specimen.mass * ARM.gravity.magnitude * np.cos(0.2)

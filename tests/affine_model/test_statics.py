@@ -5,7 +5,7 @@ import pytest
 
 from affine_model.arm import Arm
 from affine_model.curvature import midline, monomial_angle
-from affine_model.statics import equilibrium
+from affine_model.statics import TipLoad, equilibrium
 from tentacle.specimen import AIR, Cone, Fluid, Gravity, Rectangle, Specimen
 
 WEIGHTLESS = Gravity(0.0, 0.0)
@@ -28,7 +28,7 @@ def test_elastica_under_a_dead_tip_load(parameters, load, drop, shortening, angl
     # the curvature is steepest at the clamp, to five.
     arm = Arm(BEAM, AIR, WEIGHTLESS, order=6, nodes=16)
     P = load * BENDING / 0.2**2
-    q = equilibrium(arm, parameters(elasticity__E=E), tip_force=(-P, 0.0))
+    q = equilibrium(arm, parameters(elasticity__E=E), load=TipLoad(force=(-P, 0.0)))
     x, y = midline(q, 0.0, 0.2, [1.0])[0] / 0.2
     tolerance = 1e-5 if load < 10 else 5e-5
     assert -x == pytest.approx(drop, abs=tolerance)
@@ -38,7 +38,9 @@ def test_elastica_under_a_dead_tip_load(parameters, load, drop, shortening, angl
 
 def test_a_tip_moment_bends_the_beam_into_an_arc(parameters):
     # An arc is in every order's space: exact to Newton's tolerance, c = M L / EI, through more than half a turn.
-    q = equilibrium(Arm(BEAM, AIR, WEIGHTLESS, order=3), parameters(elasticity__E=E), tip_moment=4.0 * BENDING / 0.2)
+    q = equilibrium(
+        Arm(BEAM, AIR, WEIGHTLESS, order=3), parameters(elasticity__E=E), load=TipLoad(moment=4.0 * BENDING / 0.2)
+    )
     np.testing.assert_allclose(q, [4.0, 0.0, 0.0], atol=1e-9)
 
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from affine_model.simulate import simulate
+from affine_model.advance import Drive
+from affine_model.simulate import Timing, simulate
 from affine_model.swim import HOBBY_SERVO, PAPER_RAIL, assumed_model, paper_cone
 from affine_model.swim.swimmers import Swimmers
 from tentacle.errors import InputError
@@ -67,9 +68,12 @@ def test_commands_one_by_one_are_the_simulation_in_one_piece():
         tables.append(swimmers.filter.follow(swimmers.servo_state, target, swimmers.substeps)[0])
         swimmers.command(np.array([share]))
     whole = simulate(
-        swimmers.arm, swimmers.parameters, np.concatenate(tables, axis=1), swimmers.interval / swimmers.substeps,
-        rail=PAPER_RAIL, iterations=2,
-    )  # fmt: skip
+        swimmers.arm,
+        swimmers.parameters,
+        np.concatenate(tables, axis=1),
+        Timing(swimmers.interval / swimmers.substeps, iterations=2),
+        drive=Drive(rail=PAPER_RAIL),
+    )
     n = swimmers.arm.order
     swing = np.abs(whole.q).max()
     np.testing.assert_allclose(swimmers.arm.to_monomial @ swimmers.state.u[:n], whole.q[-1], atol=2e-3 * swing)

@@ -5,7 +5,17 @@ cannot do.
 import numpy as np
 import pytest
 
-from affine_model.swim import METHODS, OBJECTIVES, GaitLimits, assumed_model, paper_cone, search, search_box, trial_of
+from affine_model.swim import (
+    METHODS,
+    OBJECTIVES,
+    GaitLimits,
+    SearchPlan,
+    assumed_model,
+    paper_cone,
+    search,
+    search_box,
+    trial_of,
+)
 from affine_model.swim.pareto import not_dominated
 from tentacle.errors import InputError
 
@@ -70,7 +80,7 @@ def test_batches_are_seeded_and_fill_the_kernel(method):
 @pytest.mark.parametrize("method", METHODS)
 def test_an_interrupted_search_goes_on_as_if_it_had_not_been(method):
     def run(evaluations, noted=()):
-        return list(search(TRIAL, OBJECTIVES["thrust"], BOX, method, evaluations=evaluations, seed=3, noted=noted))
+        return list(search(TRIAL, OBJECTIVES["thrust"], BOX, SearchPlan(method, evaluations, 3, noted)))
 
     whole, part = run(200), run(100)
     resumed = run(200, [generation.scores for generation in part])
@@ -83,9 +93,9 @@ def test_an_interrupted_search_goes_on_as_if_it_had_not_been(method):
 
 def test_unknown_method_and_foreign_notes_are_one_line():
     with pytest.raises(InputError, match="'hillclimb' is not known"):
-        next(search(TRIAL, OBJECTIVES["thrust"], BOX, "hillclimb", evaluations=50, seed=0))
+        next(search(TRIAL, OBJECTIVES["thrust"], BOX, SearchPlan("hillclimb", 50)))
     with pytest.raises(InputError, match="another search"):
-        next(search(TRIAL, OBJECTIVES["thrust"], BOX, "ga", evaluations=50, seed=0, noted=[np.zeros(48)]))
+        next(search(TRIAL, OBJECTIVES["thrust"], BOX, SearchPlan("ga", 50, noted=[np.zeros(48)])))
 
 
 def test_front_is_what_no_other_beats():

@@ -10,6 +10,7 @@ from affine_model.swim import (
     OBJECTIVES,
     PAPER_RAIL,
     GaitLimits,
+    SearchPlan,
     assumed_model,
     best_sine,
     best_wave,
@@ -123,13 +124,13 @@ def test_the_best_wave_keeps_the_servo_and_beats_the_sine():
 
 def test_more_evaluations_never_give_less():
     # A climb starts wherever the search rises above all before it, so fewer evaluations judge a part of the same gaits.
-    values = [optimise(TRIAL, THRUST, evaluations=count, seed=1, method="random").value for count in (50, 100, 400)]
+    values = [optimise(TRIAL, THRUST, SearchPlan("random", count, 1)).value for count in (50, 100, 400)]
     assert values == sorted(values)
     assert values[0] > 0.0
 
 
 def test_the_optimised_gait_obeys_the_servo_and_beats_the_sine():
-    result = optimise(TRIAL, THRUST, evaluations=192, seed=4)
+    result = optimise(TRIAL, THRUST, SearchPlan(evaluations=192, seed=4))
     t = np.arange(0.0, 120.0, 1e-3)
     peaks = np.max(np.abs(result.gait(t)), axis=1)
     assert np.all(
@@ -193,7 +194,7 @@ def test_torch_and_numpy_pick_the_same_gait():
     box = search_box(TRIAL.limits)
     brief = replace(TRIAL, settle=0.5, window=1.0)
     courses = [
-        [g.scores for g in search(replace(brief, device=device), THRUST, box, "ga", evaluations=150, seed=3)]
+        [g.scores for g in search(replace(brief, device=device), THRUST, box, SearchPlan("ga", 150, 3))]
         for device in (None, "cpu")
     ]
     np.testing.assert_array_equal(*courses)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import torch
 
-from affine_model.advance import Drive
+from affine_model.advance import PRESCRIBED, Drive, Pace
 from affine_model.arm import Arm, parameter_index
-from affine_model.simulate import Rail, Servo, simulate
+from affine_model.simulate import Rail, Servo, Start, Timing, simulate
+from affine_model.torch_adjoint import numbers_of
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 from affine_model.torch_operator import mean_thrust
 from affine_model.torch_simulation import PENALTY, torch_simulate
@@ -24,13 +25,14 @@ def base_motion(steps=STEPS):
     return Sine(0.5, 1.3, 0.4)((np.arange(steps) + 0.5) * H)[:, :, None]
 
 
-@pytest.mark.parametrize("drive", [{}, {"servo": SERVO, "rail": RAIL}])
+@pytest.mark.parametrize("drive", [PRESCRIBED, Drive(SERVO, RAIL)])
 def test_forward_is_the_kernels_own(parameters, drive):
-    p = np.repeat(parameters(**BASE, added_mass__C_a=1.0)[:, None], 2, axis=1)
+    p = np.repeat(parameters(**BASE, added_mass__C_a=1.0, viscoelasticity__g=0.2)[:, None], 2, axis=1)
     p[parameter_index("elasticity", "E"), 1] *= 1.3
-    truth = simulate(ARM, p, base_motion(), H, q=Q0, stride=5, average_from=0.1, **drive)
+    truth = simulate(ARM, p, base_motion(), Timing(H, 5, 0.1), start=Start(Q0, memory=0.5 * Q0), drive=drive)
     given = map(torch.from_numpy, (p, base_motion()))
-    found = torch_simulate(ARM, *given, H, q=torch.from_numpy(Q0), stride=5, average_from=0.1, **drive)
+    start = Start(torch.from_numpy(Q0), memory=torch.from_numpy(0.5 * Q0))
+    found = torch_simulate(ARM, *given, Timing(H, 5, 0.1), start=start, drive=drive)
     for name in ("t", "q", "q_rate", "theta", "rail", "fluid_force", "load", "torque", "mean_thrust", "mean_power"):
         np.testing.assert_allclose(getattr(found, name).numpy(), getattr(truth, name), rtol=1e-9, atol=1e-15)
 
@@ -38,9 +40,9 @@ def test_forward_is_the_kernels_own(parameters, drive):
 @pytest.mark.parametrize(
     ("extra", "drive"),
     [
-        ({"added_mass__C_a": 0.8, "viscoelasticity__g": 0.3, "current__U_x": 0.05}, {}),
-        ({"added_mass__C_a": 1.0, "sloshing__U_cos": 0.05, "stiffness_drift__rate": 0.05}, {"servo": SERVO}),
-        ({"tip_mass__mass": 1e-3, "skin_drag__C_t": 0.05}, {"rail": RAIL}),
+        ({"added_mass__C_a": 0.8, "viscoelasticity__g": 0.3, "current__U_x": 0.05}, PRESCRIBED),
+        ({"added_mass__C_a": 1.0, "sloshing__U_cos": 0.05, "stiffness_drift__rate": 0.05}, Drive(servo=SERVO)),
+        ({"tip_mass__mass": 1e-3, "skin_drag__C_t": 0.05}, Drive(rail=RAIL)),
     ],
 )
 def test_gradients_at_the_default_of_one_iteration(parameters, extra, drive):
@@ -49,7 +51,7 @@ def test_gradients_at_the_default_of_one_iteration(parameters, extra, drive):
     inputs = [torch.from_numpy(x.copy()).requires_grad_(True) for x in (p, base_motion(), Q0[:, :1])]
 
     def outcome(row, base, q):
-        batch = torch_simulate(ARM, row, base, H, q=q, average_from=0.1, stride=2, **drive)
+        batch = torch_simulate(ARM, row, base, Timing(H, 2, 0.1), start=Start(q), drive=drive)
         forces = batch.fluid_force[7].sum() + 10.0 * batch.torque[20].sum() + batch.mean_power.sum()
         return 100.0 * batch.mean_thrust.sum() + batch.q[-1].sum() + 3.0 * batch.rail_rate[-1].sum() + forces
 
@@ -69,9 +71,11 @@ def test_gradients_at_the_default_of_one_iteration(parameters, extra, drive):
 
 def test_a_diverging_individual_gets_the_penalty_and_disturbs_no_other(parameters):
     sound, mad = parameters(**BASE), parameters(**{**BASE, "damping__eta": -5e5})
-    alone = torch_simulate(ARM, torch.from_numpy(np.stack([sound, sound], 1)), torch.from_numpy(base_motion()), H)
+    alone = torch_simulate(
+        ARM, torch.from_numpy(np.stack([sound, sound], 1)), torch.from_numpy(base_motion()), Timing(H)
+    )
     row = torch.from_numpy(np.stack([sound, mad], 1)).requires_grad_(True)
-    mixed = torch_simulate(ARM, row, torch.from_numpy(base_motion()), H)
+    mixed = torch_simulate(ARM, row, torch.from_numpy(base_motion()), Timing(H))
     assert mixed.mean_thrust[1].item() == PENALTY
     assert mixed.reasons[0] == ""
     assert "at t = " in mixed.reasons[1]
@@ -85,15 +89,15 @@ def test_the_operator_is_the_kernel(parameters):
     p = np.repeat(parameters(**BASE)[:, None], 3, axis=1)
     p[parameter_index("damping", "eta"), 1] = -5e5
     found = mean_thrust(ARM, torch.from_numpy(p), torch.from_numpy(base_motion()), H, average_from=0.2)
-    truth = simulate(ARM, p, base_motion(), H, average_from=0.2).mean_thrust
+    truth = simulate(ARM, p, base_motion(), Timing(H, average_from=0.2)).mean_thrust
     assert found[0].item() == truth[0]
     assert found[1].item() == PENALTY
     still = [torch.zeros(*shape, 3, dtype=torch.float64) for shape in ((), (4,), (4,), (9,), (2, 8))]
     torch.library.opcheck(
         torch.ops.tentacle.advance.default,
         (
-            arm_row(ARM), drive_row(Drive()), torch.from_numpy(p), torch.from_numpy(base_motion()), *still,
-            H, 5, 20, 1, 0, True,
+            [arm_row(ARM), drive_row(Drive())], torch.from_numpy(p), torch.from_numpy(base_motion()), still,
+            numbers_of(Pace(H, 5, 20, complete=True)),
         ),
         test_utils=("test_schema", "test_faketensor"),
     )  # fmt: skip
@@ -111,7 +115,7 @@ def test_arm_and_drive_survive_their_rows():
 def test_the_gpu_gives_what_the_cpu_gives(parameters):
     p = torch.from_numpy(np.repeat(parameters(**BASE, added_mass__C_a=1.0)[:, None], 64, axis=1))
     base = torch.from_numpy(base_motion())
-    cpu, gpu = torch_simulate(ARM, p, base, H), torch_simulate(ARM, p.cuda(), base.cuda(), H)
+    cpu, gpu = torch_simulate(ARM, p, base, Timing(H)), torch_simulate(ARM, p.cuda(), base.cuda(), Timing(H))
     torch.testing.assert_close(gpu.q.cpu(), cpu.q, rtol=1e-9, atol=1e-11)
     torch.testing.assert_close(gpu.mean_thrust.cpu(), cpu.mean_thrust, rtol=1e-9, atol=1e-13)
     rows = [t.clone().requires_grad_(True) for t in (p, p.cuda())]

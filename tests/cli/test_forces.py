@@ -11,7 +11,7 @@ from affine_model.arm import arm_of, parameter_vector
 from affine_model.drag_along import drag_along
 from affine_model.run_forces import rest_load
 from mujoco_ref.drag_along import drag_along as reference_drag
-from mujoco_ref.simulate import simulate
+from mujoco_ref.simulate import Setup, simulate
 from tentacle.midline_motion import midline_motion
 from tentacle.model import Estimate, Model
 from tentacle.specimen import AIR, WATER, Cone, Gravity, Specimen
@@ -59,7 +59,7 @@ def test_drag_of_a_turning_rod_is_equation_15():
 
 
 def test_both_rooms_agree_on_the_same_motion_and_with_the_references_own_thrust():
-    run = simulate(MODEL, Sine(0.4, 1.0), 2.0, 60.0, s=S)
+    run = simulate(MODEL, Sine(0.4, 1.0), 2.0, 60.0, setup=Setup(s=S))
     one = drag_along(arm_of(MODEL), parameter_vector(MODEL), run.t, S, run.midline.xy)
     other = reference_drag(MODEL, run.t, S, run.midline.xy)
     np.testing.assert_allclose(one, other, atol=1e-9)  # the affine law smooths |u| by 1e-8 m/s

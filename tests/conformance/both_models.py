@@ -8,7 +8,7 @@ import numpy as np
 
 from affine_model.arm import Arm, active_effects, neutral_parameters, parameter_index
 from affine_model.curvature import curvature_basis
-from affine_model.dynamics import balance, remembering
+from affine_model.dynamics import Instant, balance, remembering
 from affine_model.effects import catalogue
 from mujoco_ref.simulate import make_stepper
 from mujoco_ref.step import State, Stepper
@@ -64,7 +64,7 @@ def reduced(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray, Arm, 
     v = np.concatenate([motion.z_rate, [motion.theta_rate, 0.0]])
     effects = active_effects(p)
     memory = np.array([remembered(effect, p, arm.curvature_basis @ motion.memory) for effect in remembering(effects)])
-    found = balance(arm, effects, p, u, v, motion.t, memory if memory.size else None)
+    found = balance(arm, effects, p, u, v, Instant(motion.t, memory if memory.size else None))
     return found.mass_matrix, found.force, arm, p, u
 
 
@@ -85,7 +85,7 @@ def bent(model: Model, motion: Motion, links: int) -> tuple[np.ndarray, np.ndarr
     state.q[3:], state.v[2], state.v[3:] = columns @ motion.z, motion.theta_rate, columns @ motion.z_rate
     state.t = motion.t
     held = columns @ motion.memory
-    limit = 0.9 * stepper.hinges["yield_angle"]
+    limit = 0.9 * stepper.laws.hinges["yield_angle"]
     state.hinge_memory[:, 0] = np.clip(held, -limit, limit)
     state.hinge_memory[:, 1] = state.q[3:] - held
     matrix, force = stepper.balance(state)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from affine_model.arm import active_effects
-from affine_model.dynamics import balance
+from affine_model.dynamics import Instant, balance
 from affine_model.statics import equilibrium
 from mujoco_ref.simulate import make_stepper
 from mujoco_ref.statics import equilibrium as rest_of_chain
@@ -52,7 +52,7 @@ def test_swaying_water_pushes_a_fixed_arm_with_what_it_displaces_and_what_is_car
 def model_force(model, motion):
     """Fluid force along x [N] of the reduced model."""
     _, _, arm, p, u = reduced(model, motion)
-    return float(balance(arm, active_effects(p), p, u, 0.0 * u, motion.t).fluid_force[0])
+    return float(balance(arm, active_effects(p), p, u, 0.0 * u, Instant(motion.t)).fluid_force[0])
 
 
 def test_a_steel_weight_loses_an_eighth_of_its_weight_in_water():

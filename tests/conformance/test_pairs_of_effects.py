@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from affine_model.arm import active_effects
-from affine_model.dynamics import balance
+from affine_model.dynamics import Instant, balance
 from affine_model.effects import absent_effects, catalogue
 from affine_model.statics import equilibrium
-from mujoco_ref.simulate import make_stepper, simulate
+from mujoco_ref.simulate import Setup, make_stepper, simulate
 from mujoco_ref.statics import equilibrium as rest_of_chain
 from tentacle.specimen import AIR, Gravity
 from tentacle.waveform import Sine
@@ -60,19 +60,19 @@ def test_energy_momentum_and_symmetry_of_the_reduced_model(first):
             continue
         # Energy: what the rates add to the force does the work -v M' v / 2 of the moving mass, and takes the rest.
         v = np.concatenate([motion.z_rate, [motion.theta_rate, 0.0]])
-        still = balance(arm, effects, p, u, 0.0 * v, motion.t).force
-        moving = balance(arm, effects, p, u, v, motion.t).force
+        still = balance(arm, effects, p, u, 0.0 * v, Instant(motion.t)).force
+        moving = balance(arm, effects, p, u, v, Instant(motion.t)).force
         step = 1e-6
         places = (u + step * v, u - step * v)
-        ahead, behind = (balance(arm, effects, p, place, 0.0 * v, motion.t).mass_matrix for place in places)
+        ahead, behind = (balance(arm, effects, p, place, 0.0 * v, Instant(motion.t)).mass_matrix for place in places)
         work = v @ (moving - still) + 0.5 * v @ ((ahead - behind) / (2.0 * step)) @ v
         assert work < 0.0, pair  # material damping and drag act in every pair
         # What depends on the shape alone is a potential's: the slopes of its forces are symmetric.
         moves = 1e-5 * np.eye(ORDER, ORDER + 2)
         slopes = np.array(
             [
-                (balance(arm, effects, p, u + d, 0.0 * v, motion.t).force
-                 - balance(arm, effects, p, u - d, 0.0 * v, motion.t).force)[:ORDER] / 2e-5
+                (balance(arm, effects, p, u + d, 0.0 * v, Instant(motion.t)).force
+                 - balance(arm, effects, p, u - d, 0.0 * v, Instant(motion.t)).force)[:ORDER] / 2e-5
                 for d in moves
             ]
         )  # fmt: skip
@@ -113,5 +113,5 @@ def test_effects_beside_the_loop_s_agree_too():
 def test_a_model_of_every_effect_runs_in_the_reference(name):
     base = name in ("inertia", "elasticity", "damping", "drag", "weight")
     model = model_with({} if base else nominal((name,)))
-    run = simulate(model, Sine(0.3, 1.0), 0.2, 50.0, links=8)
+    run = simulate(model, Sine(0.3, 1.0), 0.2, 50.0, setup=Setup(links=8))
     assert np.all(np.isfinite(run.midline.xy))

@@ -8,7 +8,7 @@ from tentacle.waveform import Ramped, Sine
 
 def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):
     hidden = {("servo_lag", "tau"): 0.012}
-    sine = recorded(hidden, wave=Ramped(Sine(0.3, 1.1), 2.0), noise=1e-3, name="sine")
+    sine = recorded(hidden, wave=Ramped(Sine(0.3, 1.1), 2.0), noise=1e-3)
     first = diagnose([sine])
     assert first.verdict == "group"
     assert {"servo_lag", "time_offset"} <= set(first.effects)
@@ -17,7 +17,7 @@ def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):
     assert first.next_experiment is not None
 
     proposed = waveform_from_table(first.next_experiment)
-    second = recorded(hidden, wave=proposed, noise=1e-3, name="proposed", seconds=DURATION, seed=1)
+    second = recorded(hidden, wave=proposed, noise=1e-3, seconds=DURATION, seed=1)
     both = diagnose([sine, second])
     assert both.verdict == "effect"
     assert both.effects == ("servo_lag",)

@@ -15,6 +15,7 @@ from inference.compare import unexplained_share
 from inference.hypothesis import hypothesis, looseness, material_gain, parameter_interval
 from inference.prepare import prepare
 from inference.score import score
+from inference.solver_result import RESULTS
 from inference.trajectory import fit
 from tentacle.servo_limits import ServoLimits
 from tests.made_recordings import FPS
@@ -123,6 +124,17 @@ def test_a_hidden_current_is_named_and_measured(found):
     assert half < 0.003
     assert structure_share(found, found.chosen) < 0.12
     assert looseness(found.chosen) == pytest.approx(1.0, abs=0.3)
+
+
+def test_an_explanation_whose_fit_did_not_converge_is_no_verdict_alone(found):
+    stopped = replace(found.chosen, fitted=replace(found.chosen.fitted, result=RESULTS.MAX_STEPS))
+    decision = decide(replace(found, chosen=stopped))
+    assert decision.verdict == "group"
+    assert "current" in decision.effects
+    assert len(decision.effects) > 1
+    assert RESULTS.MAX_STEPS.message in decision.words[-1]
+    alone = decide(replace(found, chosen=stopped, rivals=(), single=(stopped,)))
+    assert (alone.verdict, alone.effects) == ("unknown", ())
 
 
 def test_an_account_that_leaves_next_to_nothing_in_millimetres_stands(found, with_current):

@@ -11,11 +11,11 @@ from discovery.diagnose import REMAINS
 from inference.base_fit import Setting, fit_base
 from inference.compare import errors, floor_errors, restricted, run_comparison
 from inference.hypothesis import hypothesis
-from inference.observation import POSE, fit_shapes
+from inference.observation import POSE, Tracker, fit_shapes
 from inference.prepare import prepare
 from inference.reduction import reduction_error, without_reduction
 from inference.trajectory import fit
-from mujoco_ref.simulate import simulate
+from mujoco_ref.simulate import Setup, simulate
 from tentacle.model import Estimate, Model
 from tentacle.signals import Midline, MotorSignal, ShapeTrack
 from tests.made_recordings import WAVE
@@ -29,7 +29,7 @@ def test_a_third_coordinate_aliases_into_the_two_that_are_kept():
     q = np.array([[2e-3, -1e-3, 1e-3]])
     t, theta = np.zeros(1), np.zeros(1)
     seen = Midline(t, s, midline(q, theta, 0.14, s), np.full((1, s.size), 1e-4))
-    observation = fit_shapes(seen, theta, 0.14, 5, 1e-4)
+    observation = fit_shapes(seen, theta, 0.14, 5, Tracker(1e-4))
     two = restricted(observation, observation.coefficients, 2) @ legendre_to_monomial(2).T
     change = (two - q[:, :2])[0] / q[0, 2]
     # 401 points stand for the integral, to 1/401 of each entry.
@@ -72,7 +72,9 @@ def test_the_chain_s_error_taken_off_leaves_little_of_it(recorded):
     values = {"elasticity": {"E": 2e5}, "damping": {"eta": 1.5e3}, "drag": {"C_perp": 1.1}}
     tables = {effect: {n: Estimate.exact(v) for n, v in table.items()} for effect, table in values.items()}
     d = made.declaration
-    chain = simulate(Model(d.specimen, d.fluid, d.gravity, 3, tables), WAVE, 8.0, 60.0, s=made.midline.s).midline
+    chain = simulate(
+        Model(d.specimen, d.fluid, d.gravity, 3, tables), WAVE, 8.0, 60.0, setup=Setup(s=made.midline.s)
+    ).midline
     noise = 1e-5
     points = chain.xy + noise * np.random.default_rng(0).standard_normal(chain.xy.shape)
     seen = replace(chain, xy=points, sigma=np.full(points.shape[:2], noise))
@@ -99,11 +101,11 @@ def test_the_chain_is_seen_as_a_tracker_sees(recorded, rigid):
     tables = {effect: {n: Estimate.exact(v) for n, v in table.items()} for effect, table in values.items()}
     d = made.declaration
     s = np.linspace(0.01, 0.99, 99)
-    chain = simulate(Model(d.specimen, d.fluid, d.gravity, 3, tables), WAVE, 8.0, 60.0, s=s).midline
+    chain = simulate(Model(d.specimen, d.fluid, d.gravity, 3, tables), WAVE, 8.0, 60.0, setup=Setup(s=s)).midline
     theta = WAVE(chain.t)[0]
     noise = 2e-5  # m: of an edge's place; a hundred of them tell the shape to a few micrometres
     sharp = replace(chain, sigma=np.full(chain.xy.shape[:2], noise))
-    exact = fit_shapes(sharp, theta, d.specimen.length, 4, noise, by_edges=True, rigid=rigid)
+    exact = fit_shapes(sharp, theta, d.specimen.length, 4, Tracker(noise, True, rigid))
     kept = [0, *range(POSE, POSE + 4)]
     transform = np.eye(5)
     transform[1:, 1:] = legendre_to_monomial(4)

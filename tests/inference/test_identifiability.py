@@ -7,7 +7,7 @@ import pytest
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index
 from affine_model.base_signal import step_middles
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from inference.bootstrap import bootstrap
 from inference.experiment import Experiment
 from inference.identifiability import identifiability
@@ -29,7 +29,7 @@ def problem_of(delay):
     p = neutral_parameters()
     for name, value in zip(FREE, VALUES, strict=True):
         p[parameter_index(*name)] = value
-    batch = simulate(ARM, p[:, None], WAVE(step_middles(0.0, STEP, 1600))[:, :, None], STEP, stride=10)
+    batch = simulate(ARM, p[:, None], WAVE(step_middles(0.0, STEP, 1600))[:, :, None], Timing(STEP, 10))
     s, d = np.array([0.5, 0.8, 1.0]), np.zeros(3)
     blind = MarkerObservation(batch.t, batch.theta[:, 0], 0.14, s, d, np.zeros((batch.t.size, 3, 2)), 1.0)
     shape = -blind.predict(batch.q, batch.theta, np.zeros(1), np.zeros(1), np.zeros((2, 1)))[:, :, 0]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from affine_model.curvature import Array, legendre_to_monomial, midline
-from inference.observation import POSE, fit_shapes
+from inference.observation import POSE, Tracker, fit_shapes
 from tentacle.signals import Midline
 
 LENGTH, SIGMA = 0.14, 1e-4
@@ -27,7 +27,7 @@ def test_along_their_tangents_points_may_lie_anywhere_for_edges():
     s, phi = S, THETA[:, None] + (np.array([q]) @ np.stack([S, S**2 / 2.0, S**3 / 3.0]))
     tangent = np.stack([-np.sin(phi), np.cos(phi)], axis=-1)
     moved = seen(shape(q) + 1e-6 * np.cos(3.0 * s)[None, :, None] * tangent)
-    by_points, by_edges = (fit_shapes(moved, THETA, LENGTH, 3, SIGMA, by_edges=edges) for edges in (False, True))
+    by_points, by_edges = (fit_shapes(moved, THETA, LENGTH, 3, Tracker(SIGMA, edges)) for edges in (False, True))
     truth = np.linalg.solve(legendre_to_monomial(3), np.array(q))
     assert np.all(by_edges.coefficients[:, 1:POSE] == 0.0)
     np.testing.assert_allclose(by_edges.coefficients[0, POSE:], truth, atol=1e-7)
@@ -42,7 +42,7 @@ def test_a_coordinate_too_many_is_bent_into_the_others_as_edges_from_a_known_bas
     bent = seen(shape([0.0, 0.0, small]))
     kept = np.stack([S, S**2 / 2.0, S**3 / 6.0], axis=1)  # what offset, q1 and q2 displace, over L
     for rigid in (False, True):  # the base angle told by each frame, or known
-        found = fit_shapes(bent, THETA, LENGTH, 2, SIGMA, by_edges=True, rigid=rigid).coefficients[0]
+        found = fit_shapes(bent, THETA, LENGTH, 2, Tracker(SIGMA, True, rigid)).coefficients[0]
         expected = np.linalg.lstsq(kept[:, int(rigid) :], small * S**4 / 12.0, rcond=None)[0]
         q = legendre_to_monomial(2) @ found[POSE:]
         np.testing.assert_allclose([*([] if rigid else [found[0]]), *q], expected, rtol=5e-3)

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from affine_model.arm import Arm
-from affine_model.simulate import simulate
-from inference.measured_motion import local_polynomials
+from affine_model.simulate import Timing, simulate
+from inference.linear_fit import fit_linear
+from inference.measured_motion import MeasuredCourse, local_polynomials
 from inference.regression import regression
-from inference.weak_form import weak_form
+from inference.weak_form import Bumps, weak_system
 from tentacle.errors import InputError
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp
@@ -20,12 +21,18 @@ TRUTH = np.array([3.5e-2, -2.9e-2, 3e-4, -2e-4, 1.1])  # the paper's pi
 WAVE = Chirp(0.6, 0.4, 2.5, 12.0)
 
 
+def weak_form(arm, parameters, free, course, width):
+    """The fit of the weak form's residual, overlapping bumps counted once."""
+    bumps = Bumps(width)
+    return fit_linear(weak_system(arm, course, bumps), parameters, free, independent=1.0 / bumps.overlap)
+
+
 def motion(parameters, per_second=120, **more):
     values = {f"{effect}__{name}": value for (effect, name), value in zip(FREE, TRUTH, strict=True)}
     p = parameters(**values, **more)
     steps = 12 * 960
     t = (np.arange(steps) + 0.5) / 960
-    batch = simulate(ARM, p[:, None], WAVE(t)[:, :, None], 1 / 960, stride=960 // per_second)
+    batch = simulate(ARM, p[:, None], WAVE(t)[:, :, None], Timing(1 / 960, 960 // per_second))
     return p, batch.t, batch.q[..., 0], WAVE(batch.t)
 
 
@@ -48,7 +55,7 @@ def test_local_polynomials_are_exact_on_quartics_at_uneven_times():
 
 def test_regression_recovers_the_paper_s_parameters_without_noise(parameters):
     _, t, q, base = motion(parameters, per_second=240)
-    found = regression(ARM, start(parameters), FREE, t, q, base, window=7)
+    found = regression(ARM, start(parameters), FREE, MeasuredCourse(t, q, base), window=7)
     # What is left is the quartics' smoothing of motion at up to 20 Hz (the second mode rings after the start): 2 %.
     np.testing.assert_allclose(found.values, TRUTH, rtol=0.02)
     assert found.condition < 100
@@ -57,7 +64,7 @@ def test_regression_recovers_the_paper_s_parameters_without_noise(parameters):
 
 def test_weak_form_recovers_them_too(parameters):
     _, t, q, base = motion(parameters)
-    found = weak_form(ARM, start(parameters), FREE, t, q, base, width=0.3)
+    found = weak_form(ARM, start(parameters), FREE, MeasuredCourse(t, q, base), 0.3)
     np.testing.assert_allclose(found.values, TRUTH, rtol=0.02)
 
 
@@ -67,9 +74,10 @@ def test_weak_form_recovers_them_too(parameters):
 def test_any_effect_is_a_column_at_once(parameters, effect, name, value):
     _, t, q, base = motion(parameters, 240, **{f"{effect}__{name}": value})
     free = (*FREE, (effect, name))
-    for method, options in ((regression, {}), (weak_form, {"width": 0.3})):
+    course = MeasuredCourse(t, q, base)
+    for method, weights in ((regression, ()), (weak_form, (0.3,))):
         given = start(parameters, **({f"{effect}__{name}": value} if effect == "current" else {}))
-        found = method(ARM, given, free, t, q, base, **options)
+        found = method(ARM, given, free, course, *weights)
         assert found.values[-1] == pytest.approx(value, rel=0.05)
 
 
@@ -80,8 +88,8 @@ def test_noise_biases_the_regression_and_more_data_do_not_help(parameters):
     strong, weak = [], []
     for seed in range(5):
         noisy = q + np.random.default_rng(seed).normal(size=q.shape) * sigma
-        strong.append(regression(ARM, start(parameters), FREE, t, noisy, base).values)
-        weak.append(weak_form(ARM, start(parameters), FREE, t, noisy, base, width=0.3).values)
+        strong.append(regression(ARM, start(parameters), FREE, MeasuredCourse(t, noisy, base)).values)
+        weak.append(weak_form(ARM, start(parameters), FREE, MeasuredCourse(t, noisy, base), 0.3).values)
     bias, scatter = np.mean(strong, 0) / TRUTH - 1, np.std(strong, 0) / np.abs(TRUTH)
     print("regression: bias", bias, "scatter", scatter)
     print("weak form:  bias", np.mean(weak, 0) / TRUTH - 1, "scatter", np.std(weak, 0) / np.abs(TRUTH))
@@ -95,6 +103,6 @@ def test_noise_biases_the_regression_and_more_data_do_not_help(parameters):
 def test_a_window_or_width_that_cannot_work_is_refused(parameters):
     _, t, q, base = motion(parameters)
     with pytest.raises(InputError, match="width"):
-        weak_form(ARM, start(parameters), FREE, t, q, base, width=0.01)
+        weak_form(ARM, start(parameters), FREE, MeasuredCourse(t, q, base), 0.01)
     with pytest.raises(InputError, match="window"):
-        regression(ARM, start(parameters), FREE, t, q, base, window=3)
+        regression(ARM, start(parameters), FREE, MeasuredCourse(t, q, base), window=3)

@@ -8,12 +8,12 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index
-from affine_model.base_signal import base_table, play_operator, step_middles
+from affine_model.base_signal import Steps, base_table, play_operator, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
-from affine_model.simulate import simulate
+from affine_model.simulate import Start, Timing, simulate
 from inference.experiment import Experiment
 from inference.levenberg_marquardt import minimise
-from inference.observation import POSE, ShapeObservation, fit_shapes, from_track
+from inference.observation import POSE, ShapeObservation, Tracker, fit_shapes, from_track
 from inference.solver_result import RESULTS
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import RAN_AWAY, Problem, evaluate, fit
@@ -37,7 +37,7 @@ def true_parameters():
 def seen_midline(seed):
     step = 1 / 600
     base = WAVE(step_middles(0.0, step, 3600))[:, :, None]
-    batch = simulate(ARM, true_parameters()[:, None], base, step, q=np.array([[0.1], [0.05]]))
+    batch = simulate(ARM, true_parameters()[:, None], base, Timing(step), start=Start(q=np.array([[0.1], [0.05]])))
     t = np.arange(0.0, 5.8, 1 / 40)
     q = CubicSpline(batch.t, batch.q[:, :, 0])(t)
     s = np.linspace(0.0, 1.0, 21)
@@ -47,7 +47,7 @@ def seen_midline(seed):
 
 
 def experiment_of(data):
-    shapes = fit_shapes(data, WAVE(data.t)[0], ARM.specimen.length, 4, SIGMA)
+    shapes = fit_shapes(data, WAVE(data.t)[0], ARM.specimen.length, 4, Tracker(SIGMA))
     used = np.ones(data.t.size, dtype=bool)
     return Experiment("run", shapes, WAVE, 0.0, 5.8, None, used, np.ones(POSE + 4))
 
@@ -60,7 +60,7 @@ def problem_of(experiment, E=2.0e5):
 
 def test_shapes_are_found_without_loss_or_bias():
     data, q = seen_midline(1)
-    shapes = fit_shapes(data, WAVE(data.t)[0], ARM.specimen.length, 4, SIGMA)
+    shapes = fit_shapes(data, WAVE(data.t)[0], ARM.specimen.length, 4, Tracker(SIGMA))
     z = np.zeros((q.shape[0], POSE + 4))
     z[:, POSE : POSE + 2] = q @ np.linalg.inv(legendre_to_monomial(2)).T
     whitened = np.einsum("tkl,tl->tk", shapes.root, shapes.coefficients - z)
@@ -149,7 +149,7 @@ def test_a_tracks_covariance_is_passed_on_whole():
 def test_lag_is_the_exact_first_order_lag():
     step, tau, omega = 1 / 400, 0.05, 2 * np.pi * 1.3
     wave = lambda t: np.stack([np.sin(omega * t), omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t)])  # noqa: E731
-    table = base_table(wave, 0.0, step, 1200, np.array([tau]), np.array([0.0]))[:, :, 0]
+    table = base_table(wave, Steps(0.0, step, 1200), np.array([tau]), np.array([0.0]))[:, :, 0]
     t = step_middles(0.0, step, 1200)
     late = t > 10 * tau  # the transient has died to e^-10
     gain, phase = 1 / np.hypot(1, omega * tau), np.arctan(omega * tau)
@@ -163,11 +163,11 @@ def test_a_lag_and_a_gear_begin_with_what_they_went_through(tau, play):
     step, omega = 1 / 400, 2 * np.pi * 0.7
     wave = lambda t: np.stack([np.sin(omega * t), omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t)])  # noqa: E731
     both = np.array([tau]), np.array([play])
-    whole = base_table(wave, 0.0, step, 1200, *both)[:, :, 0]
-    late = base_table(wave, 2.0, step, 400, *both, known_from=0.0)[:, :, 0]
+    whole = base_table(wave, Steps(0.0, step, 1200), *both)[:, :, 0]
+    late = base_table(wave, Steps(2.0, step, 400), *both, known_from=0.0)[:, :, 0]
     assert np.allclose(late, whole[:, 800:], atol=1e-12)
     # Without its past a run begins elsewhere: a gear in its middle, a lag along the tangent.
-    assert abs(base_table(wave, 2.0, step, 400, *both)[0, 0, 0] - late[0, 0]) > 1e-4
+    assert abs(base_table(wave, Steps(2.0, step, 400), *both)[0, 0, 0] - late[0, 0]) > 1e-4
 
 
 def test_a_step_at_which_the_motion_runs_away_is_not_taken_for_one_that_suffices():

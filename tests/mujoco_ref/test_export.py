@@ -11,7 +11,7 @@ from mujoco_ref.export.imported import import_arm
 from mujoco_ref.export.mjcf import export_mjcf
 from mujoco_ref.export.write import write_mjcf
 from mujoco_ref.midline import midline_points
-from mujoco_ref.simulate import simulate
+from mujoco_ref.simulate import Initial, Setup, simulate
 from tentacle.errors import InputError
 from tentacle.waveform import Ramped, Sine
 from tests.mujoco_ref.arms import swimming_model
@@ -64,7 +64,9 @@ def run(xml, *, exact, seconds=1.5):
 
 def away_mm(model, xy, t):
     """Distance of a midline from the reference's, and the reference's own motion at the tip, rms [mm]."""
-    wanted = simulate(model, WAVE, t[-1], 60.0, links=LINKS, s=S, initial_q=np.zeros(2), longest_step=1e-3).midline.xy
+    wanted = simulate(
+        model, WAVE, t[-1], 60.0, setup=Setup(links=LINKS, s=S, longest_step=1e-3, initial=Initial(np.zeros(2)))
+    ).midline.xy
     apart = np.sqrt(np.mean(np.sum((xy[: len(wanted)] - wanted) ** 2, axis=2)))
     swing = np.sqrt(np.mean(np.sum((wanted[:, -1] - wanted[:, -1].mean(axis=0)) ** 2, axis=1)))
     return 1e3 * apart, 1e3 * swing

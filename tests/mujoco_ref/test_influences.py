@@ -142,7 +142,7 @@ def test_a_swaying_tank_carries_a_neutral_arm_with_it():
     stepper = make_stepper(model, {"sloshing": {"U_cos": 0.0, "U_sin": 0.1, "f": 1.0}}, links=10)
     state = State.at_rest(10)
     stepper.step(state, HELD, 1e-4, 6)
-    displaced = 998.0 * float(stepper.links[:, 1].sum())
+    displaced = 998.0 * float(stepper.body.links[:, 1].sum())
     acceleration = 2 * np.pi * 0.1  # of the water at t = 0
     # Froude-Krylov on the whole arm at the first instant, before it moves.
     assert stepper.reading[0] == pytest.approx(displaced * acceleration, rel=1e-3)

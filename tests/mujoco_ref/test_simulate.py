@@ -8,7 +8,7 @@ import pytest
 import mujoco_ref
 from mujoco_ref.modes import natural_frequencies
 from mujoco_ref.mount import Rail, Servo
-from mujoco_ref.simulate import make_stepper, simulate, state_of_shape
+from mujoco_ref.simulate import Initial, Setup, make_stepper, simulate, state_of_shape
 from mujoco_ref.step import State
 from tentacle.errors import InputError
 from tentacle.specimen import AIR, WATER, Gravity, Specimen
@@ -37,7 +37,9 @@ def test_same_input_gives_the_same_bits():
 
 def test_second_order_in_the_step():
     model = swimming_model(added_mass={"C_a": 1.0})
-    runs = [simulate(model, WAVE, 1.0, 50.0, longest_step=step, lead_in=0.5) for step in (4e-3, 2e-3, 1e-3)]
+    runs = [
+        simulate(model, WAVE, 1.0, 50.0, setup=Setup(lead_in=0.5, longest_step=step)) for step in (4e-3, 2e-3, 1e-3)
+    ]
     coarse, fine = (np.abs(a.midline.xy - b.midline.xy).max() for a, b in pairwise(runs))
     assert np.log2(coarse / fine) > 1.8
     assert coarse < 5e-6  # 5 micrometres of a motion of 50 mm
@@ -47,7 +49,9 @@ def test_agrees_with_mujocos_own_integrator_in_air():
     # The chain's MjModel is complete, so MuJoCo can step it alone. `discrete` is of first order (.5 mm off at .1 ms);
     # two steps extrapolated to zero come to ours.
     model = model_of(CONE, gravity=HANGING, damping={"eta": 300.0})
-    run = simulate(model, Rest(), 0.2, 50.0, initial_q=np.array([0.8, -0.4]), links=10, longest_step=5e-4)
+    run = simulate(
+        model, Rest(), 0.2, 50.0, setup=Setup(links=10, longest_step=5e-4, initial=Initial(np.array([0.8, -0.4])))
+    )
     stepper = make_stepper(model, links=10)
     compiled = stepper.chain.model
     compiled.jnt_stiffness[:3] = 1e9  # hold the mount
@@ -82,7 +86,7 @@ def test_momentum_closes(base):
     state = State.at_rest(chain.links)
     momentum, forces = [], []
     weight = chain.model.body_mass[2:].sum() * chain.model.opt.gravity[:2]  # a stand carries the mount
-    buoyancy = -model.fluid.density * stepper.links[:, 1].sum() * chain.model.opt.gravity[:2]
+    buoyancy = -model.fluid.density * stepper.body.links[:, 1].sum() * chain.model.opt.gravity[:2]
     for i in range(400):
         data.qpos[:], data.qvel[:] = state.q, state.v
         mujoco.mj_kinematics(chain.model, data)
@@ -106,14 +110,14 @@ def test_load_cell_and_thrust_agree_over_a_period():
 
 
 def test_an_arm_that_swings_pushes_itself_forward():
-    run = simulate(level_model(), Sine(0.5, 1.25), 6.0, 50.0, rail=Rail(0.1, viscous=0.02))
+    run = simulate(level_model(), Sine(0.5, 1.25), 6.0, 50.0, setup=Setup(rail=Rail(0.1, viscous=0.02)))
     assert np.mean(run.thrust[-80:]) < 0.0  # towards -y, where the base is
     assert run.mount[-1, 1] < -0.01
     assert np.ptp(run.mount[:, 0]) == 0.0
 
 
 def test_dry_rail_holds_against_a_weak_thrust():
-    run = simulate(level_model(), Sine(0.1, 0.5), 2.0, 50.0, rail=Rail(0.1, dry=0.5))
+    run = simulate(level_model(), Sine(0.1, 0.5), 2.0, 50.0, setup=Setup(rail=Rail(0.1, dry=0.5)))
     assert np.ptp(run.mount[:, 1]) < 2e-5  # the bristle's own stretch
 
 
@@ -162,7 +166,7 @@ def test_rigid_arm_turning_steadily_feels_the_integral_of_eq_15():
 
 def test_drag_converges_with_links():
     model = swimming_model(skin_drag={"C_t": 0.05}, added_mass={"C_a": 1.0})
-    runs = [simulate(model, Sine(0.5, 1.0), 1.5, 50.0, links=n, lead_in=0.5) for n in (10, 20, 40, 80)]
+    runs = [simulate(model, Sine(0.5, 1.0), 1.5, 50.0, setup=Setup(links=n, lead_in=0.5)) for n in (10, 20, 40, 80)]
     steps = [np.abs(a.midline.xy - b.midline.xy).max() for a, b in pairwise(runs)]
     orders = np.log2(np.array(steps[:-1]) / np.array(steps[1:]))
     assert np.all(orders > 1.6), orders
@@ -171,7 +175,7 @@ def test_drag_converges_with_links():
 
 def test_free_decay_is_held_and_then_swings_at_its_frequency():
     model = model_of(CONE, gravity=HORIZONTAL, damping={"eta": 100.0})
-    run = simulate(model, Rest(), 2.0, 200.0, initial_q=np.zeros(2), release_t=0.4)
+    run = simulate(model, Rest(), 2.0, 200.0, setup=Setup(initial=Initial(np.zeros(2), release_t=0.4)))
     held = run.t < 0.4
     assert np.ptp(run.midline.xy[held], axis=0).max() == 0.0
     tip = run.midline.xy[:, -1, 0] - run.midline.xy[-1, -1, 0]
@@ -201,9 +205,9 @@ def test_undamped_arm_keeps_its_energy():
 
 
 def test_servo_follows_within_its_torque_and_stalls_beyond():
-    strong = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, servo=Servo(2.0, 0.02, 1.0))
+    strong = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, setup=Setup(servo=Servo(2.0, 0.02, 1.0)))
     assert np.abs(strong.theta - strong.command).max() < 0.03
-    weak = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, servo=Servo(2.0, 0.02, 2e-3))
+    weak = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, setup=Setup(servo=Servo(2.0, 0.02, 2e-3)))
     assert np.abs(weak.torque).max() <= 2e-3 * (1 + 1e-12)
     assert np.abs(weak.theta - weak.command).max() > 0.1
 
@@ -223,7 +227,7 @@ def test_backlash_lets_the_base_trail_by_half_the_play():
 
 
 def test_length_of_the_midline_is_kept():
-    run = simulate(swimming_model(), WAVE, 1.0, 20.0, s=np.linspace(0, 1, 400))
+    run = simulate(swimming_model(), WAVE, 1.0, 20.0, setup=Setup(s=np.linspace(0, 1, 400)))
     arc = np.sum(np.hypot(*np.moveaxis(np.diff(run.midline.xy, axis=1), -1, 0)), axis=1)
     np.testing.assert_allclose(arc, 0.14, rtol=1e-5)  # chords of 1/400 are shorter than arcs by 1e-6
 
@@ -233,9 +237,16 @@ def test_unusable_runs_are_refused():
         with pytest.raises(InputError, match="positive"):
             simulate(swimming_model(), WAVE, duration, fps)
     with pytest.raises(InputError, match=r"\[0, 1\]"):
-        simulate(swimming_model(), WAVE, 0.1, 60.0, s=np.array([0.0, 1.2]))
+        simulate(swimming_model(), WAVE, 0.1, 60.0, setup=Setup(s=np.array([0.0, 1.2])))
     with pytest.raises(InputError, match="prescribed"):
-        simulate(swimming_model(), WAVE, 0.1, 60.0, hidden={"backlash": {"play": 0.1}}, servo=Servo(2.0, 0.02, 1.0))
+        simulate(
+            swimming_model(),
+            WAVE,
+            0.1,
+            60.0,
+            hidden={"backlash": {"play": 0.1}},
+            setup=Setup(servo=Servo(2.0, 0.02, 1.0)),
+        )
 
 
 def test_in_air_the_water_does_nothing():

@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 from scipy.optimize import curve_fit
 
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared import Noise, Plan, make
+from mujoco_ref.undeclared import Noise, Plan, Scenario, make
 from mujoco_ref.undeclared.strength import SCALED
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
@@ -25,7 +25,7 @@ WAVE = Chirp(0.5, 0.3, 2.2, 3.0)
 
 
 def made(effects, seed=1, noise=QUIET, duration=3.0):
-    return make(effects, swimming_model(), WAVE, seed, duration, 30.0, noise)
+    return make(effects, Scenario(swimming_model(), WAVE, duration, 30.0), seed, noise)
 
 
 def test_every_catalogue_effect_can_be_hidden():
@@ -115,7 +115,7 @@ def test_noise_is_as_stated():
 def test_free_decay_with_a_hidden_payload():
     model = model_of(CONE, gravity=HORIZONTAL, damping={"eta": 300.0})
     recording, truth = make(
-        {"tip_mass": {"mass": 2e-3}}, model, Rest(), 3, 1.5, 60.0, QUIET, initial_q=np.zeros(2), release_t=0.3
+        {"tip_mass": {"mass": 2e-3}}, Scenario(model, Rest(), 1.5, 60.0, initial_q=np.zeros(2), release_t=0.3), 3, QUIET
     )
     assert recording.motor is None
     assert recording.declaration.release_t == 0.3
@@ -135,7 +135,7 @@ def test_a_stiff_arm_s_decay_has_the_frequency_of_rayleigh_s_beam():
         {"elasticity": {"E": Estimate.exact(modulus, "Pa")}, "damping": {"eta": Estimate.exact(100.0, "Pa s")}},
     )  # fmt: skip
     recording, _ = make(
-        {}, model, Rest(), 0, 2.0, 400.0, QUIET, initial_q=np.zeros(2), release_t=0.0, clean_midline=True
+        {}, Scenario(model, Rest(), 2.0, 400.0, initial_q=np.zeros(2), release_t=0.0), 0, QUIET, clean_midline=True
     )
     assert recording.midline is not None
     t, tip = recording.midline.t, recording.midline.xy[:, -1, 0]

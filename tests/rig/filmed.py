@@ -23,6 +23,7 @@ from tentacle.waveform import Waveform
 CELL = LoadCellCalibration(52000.0, 180000.0)
 NOISE = 60.0  # counts
 STEP = 0.01  # s
+SEED = 1  # of the load cell's noise
 
 
 def filmed_run(
@@ -32,13 +33,12 @@ def filmed_run(
     seconds: float,
     path: Path,
     description: dict[str, Any],
-    seed: int = 1,
 ) -> None:
     """Plays the waveform on the arm, which is at rest before, and writes the run as `tentacle rig record` does.
 
     Board and host share one clock here, and the camera has no delay: their fits are tested where there are two.
     """
-    plant, optics, source = ArmPlant(model, hidden), EmulatedOptics.of(DECLARED), np.random.default_rng(seed)
+    plant, optics, source = ArmPlant(model, hidden), EmulatedOptics.of(DECLARED), np.random.default_rng(SEED)
     camera = {"source": "emulated", "offset_s": 0.0, "offset_sigma_s": 1e-4}
     start = {
         "name": path.stem, "recording": declaration_tables(DECLARED), "lead_s": 0.0, "waveform": description,

@@ -11,6 +11,7 @@ import pytest
 from rig.camera import CameraFrame, compressed
 from rig.clock import ClockFit
 from rig.live_feed import PREVIEW_EVERY, PREVIEW_WIDTH, LiveFeed, preview
+from rig.record import Attendance
 
 
 @pytest.mark.parametrize("width", [160, 640, 3840])
@@ -54,6 +55,8 @@ def test_a_viewer_that_is_not_there_leaves_the_file_whole(emulator, tmp_path: Pa
     setup, path = setup_for(emulator), tmp_path / "run.rrd"
     with connected(setup) as board:
         motion = motion_of(WAVE, 0.5, setup.limits, TABLE)
-        result = record(setup, board, None, motion, path, name="seen", viewer="rerun+http://127.0.0.1:1/proxy")
+        result = record(
+            setup, board, None, motion, path, Attendance(name="seen", viewer="rerun+http://127.0.0.1:1/proxy")
+        )
     assert result.outcome == read_run(path).outcome == "complete"
     assert result.lost == 0

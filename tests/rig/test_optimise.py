@@ -13,7 +13,7 @@ import pytest
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.journal import JOURNAL, cut_torn_line
-from rig.optimise import NEAR, StudyPlan, Trial, best, optimise, propulsion
+from rig.optimise import NEAR, StudyPlan, Suggestions, Trial, best, optimise, propulsion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
 from rig.run_file import read_run
@@ -83,7 +83,7 @@ def test_the_search_climbs_and_every_trial_is_a_recording(space: GaitSpace, tmp_
     bench = Bench(noise=2e-4)
     study = StudyPlan(space, trials=16, plan=TrialPlan(3, 1), seed=4)
     first = [{"frequency_hz": 2.4, "effort": 0.9}]  # a wrong model's best
-    trials = list(optimise(tmp_path, study, bench, first))
+    trials = list(optimise(tmp_path, study, bench, Suggestions(first)))
     assert len(trials) == 16
     assert trials[0].source == "model"
     assert trials[0].point == pytest.approx(first[0])
@@ -193,7 +193,7 @@ def test_the_model_is_asked_anew_after_every_k_trials(space: GaitSpace, tmp_path
         return [{"frequency_hz": TOP, "effort": 1.0}]
 
     study = StudyPlan(space, trials=7, plan=TrialPlan(3, 1), reidentify_every=3)
-    trials = list(optimise(tmp_path, study, Bench(), propose=propose))
+    trials = list(optimise(tmp_path, study, Bench(), suggestions=Suggestions(propose=propose)))
     assert asked == [3, 6]
     assert [t.source for t in trials][3] == "model after 3"
 

@@ -16,7 +16,7 @@ from rig.connection import connected, opened_camera
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator
 from rig.motion import Motion, motion_of
-from rig.record import RunResult, record
+from rig.record import Attendance, RunResult, record
 from rig.run_file import read_run, to_recording
 from rig.settle import SettleRule
 from rig.setup_file import CameraSettings, RigSetup, read_setup, write_setup
@@ -51,7 +51,7 @@ def test_a_run_with_a_camera_becomes_a_recording(setup: RigSetup, tmp_path: Path
     setup = replace(setup, camera=CameraSettings("emulated"))
     path = tmp_path / "run.rrd"
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
-        result = record(setup, board, camera, motion_of(WAVE, 2.0, setup.limits, TABLE), path, name="swim")
+        result = record(setup, board, camera, motion_of(WAVE, 2.0, setup.limits, TABLE), path, Attendance(name="swim"))
     assert result.outcome == "complete"
     assert result.lost == 0
     run = read_run(path)
@@ -78,7 +78,7 @@ def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path) -
     setup = replace(setup, camera=CameraSettings("emulated"))
     path = tmp_path / "run.rrd"
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
-        record(setup, board, camera, motion_of(WAVE, 1.0, setup.limits, TABLE), path, name="swim")
+        record(setup, board, camera, motion_of(WAVE, 1.0, setup.limits, TABLE), path, Attendance(name="swim"))
     recording = read_rrd(path)
     assert recording.name == "swim"
     assert recording.notes["outcome"] == "complete"
@@ -109,9 +109,13 @@ def test_a_disk_that_fills_ends_the_run_safely(setup: RigSetup, emulator: Emulat
     path = tmp_path / "run.rrd"
     with connected(setup) as board:
         result = record(
-            setup, board, None, motion_of(WAVE, 20.0, setup.limits, TABLE), path, name="full",
-            free_bytes=lambda _: 0 if time.monotonic() - begun > 3.0 else 10**9,
-        )  # fmt: skip
+            setup,
+            board,
+            None,
+            motion_of(WAVE, 20.0, setup.limits, TABLE),
+            path,
+            Attendance(name="full", free_bytes=lambda _: 0 if time.monotonic() - begun > 3.0 else 10**9),
+        )
         time.sleep(0.3)
         assert emulator.truth().pulse_us == 1500
     assert result.outcome == "disk"
@@ -126,7 +130,7 @@ def test_a_stalled_camera_is_written_down_and_the_rest_is_whole(
     path = tmp_path / "run.rrd"
     with connected(setup) as board:
         camera = Camera(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
-        result = record(setup, board, camera, motion_of(WAVE, 4.0, setup.limits, TABLE), path, name="stall")
+        result = record(setup, board, camera, motion_of(WAVE, 4.0, setup.limits, TABLE), path, Attendance(name="stall"))
         camera.close()
     run = read_run(path)
     assert result.outcome == "complete"
@@ -140,7 +144,12 @@ def test_water_that_does_not_settle_ends_before_anything_moves(setup: RigSetup, 
     setup = replace(setup, settle=SettleRule(threshold=1e-5, samples=60, timeout=1.5))  # below the cell's own noise
     with connected(setup) as board:
         result = record(
-            setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), tmp_path / "run.rrd", name="restless"
+            setup,
+            board,
+            None,
+            motion_of(WAVE, 2.0, setup.limits, TABLE),
+            tmp_path / "run.rrd",
+            Attendance(name="restless"),
         )
     assert result.outcome == "not_settled"
     run = read_run(tmp_path / "run.rrd")
@@ -151,7 +160,7 @@ def test_a_taken_path_is_refused_before_anything_moves(setup: RigSetup, tmp_path
     path = tmp_path / "run.rrd"
     path.write_bytes(b"mine")
     with connected(setup) as board, pytest.raises(InputError, match="is there already"):
-        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), path, name="again")
+        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), path, Attendance(name="again"))
     assert path.read_bytes() == b"mine"
 
 
@@ -167,7 +176,14 @@ def test_a_replayed_run_is_the_run(setup: RigSetup, tmp_path: Path) -> None:
     from rig.replay import drive
 
     with connected(setup) as board:
-        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), tmp_path / "run.rrd", name="first")
+        record(
+            setup,
+            board,
+            None,
+            motion_of(WAVE, 2.0, setup.limits, TABLE),
+            tmp_path / "run.rrd",
+            Attendance(name="first"),
+        )
         result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert result.outcome == "complete"
     assert difference is not None
@@ -187,11 +203,18 @@ def test_a_replay_that_a_fault_cut_short_is_a_fault_and_no_bad_input(
     from rig.replay import drive
 
     def cut(setup: RigSetup, board: Board, camera: None, _: Motion, path: Path, **__: object) -> RunResult:
-        done = record(setup, board, camera, motion_of(WAVE, 0.5, setup.limits, TABLE), path, name="cut")
+        done = record(setup, board, camera, motion_of(WAVE, 0.5, setup.limits, TABLE), path, Attendance(name="cut"))
         return replace(done, outcome="watchdog")
 
     with connected(setup) as board:
-        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), tmp_path / "run.rrd", name="first")
+        record(
+            setup,
+            board,
+            None,
+            motion_of(WAVE, 2.0, setup.limits, TABLE),
+            tmp_path / "run.rrd",
+            Attendance(name="first"),
+        )
         monkeypatch.setattr("rig.replay.record", cut)
         result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert (result.outcome, difference) == ("watchdog", None)

@@ -108,7 +108,7 @@ def test_what_the_reference_lacks_leaves_out_its_check_alone(tmp_path, monkeypat
     def lacks(*_):
         raise InputError("no such parameter", field="tip_mass.reach", expected="one of mass")
 
-    monkeypatch.setattr("tentacle.cli._swimming.reference_speed", lacks)
+    monkeypatch.setattr("validation.reference_swim.reference_speed", lacks)
     model = assumed_model(paper_cone(0.21), "dragon-skin-10")
     model = model.with_effect("current", U_x=Estimate.exact(0.02, "m/s"), U_y=Estimate.exact(-0.03, "m/s"))
     model = model.with_effect("viscoelasticity", g=Estimate.exact(0.3, "1"), tau=Estimate.exact(0.5, "s"))

@@ -1,6 +1,7 @@
 """Blind trials like a recording of one's own, and a diagnosis whose confidence is theirs."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,7 +20,7 @@ FLAT = "".join(
 @pytest.fixture(scope="module")
 def own(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("own") / "own.rrd"
-    write_rrd(record({("current", "U_x"): 0.03}, seconds=6.0, name="own"), file)
+    write_rrd(replace(record({("current", "U_x"): 0.03}, seconds=6.0), name="own"), file)
     return file
 
 

@@ -8,7 +8,7 @@ import pytest
 from tentacle.errors import InputError
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import ShapeTrack
-from validation.trials.design import DURATIONS, FASTEST, KINDS, VIDEO_NOISE, Design, designs
+from validation.trials.design import DURATIONS, FASTEST, KINDS, VIDEO_NOISE, Design, Hideable, designs
 from validation.trials.recording import _tracked_size, trial_recording
 from validation.trials.sight import Sight
 from validation.trials.sizing import bare_problem, sized, visible_size
@@ -17,19 +17,19 @@ INSIDE, OUTSIDE = ("wall", "current", "buoyancy", "added_mass"), ("magnet", "thr
 
 
 def test_a_longer_series_begins_with_the_shorter_one():
-    assert designs(40, 5, INSIDE, OUTSIDE)[:17] == designs(17, 5, INSIDE, OUTSIDE)
-    assert designs(5, 5, INSIDE, OUTSIDE) != designs(5, 6, INSIDE, OUTSIDE)
+    assert designs(40, 5, Hideable(INSIDE, OUTSIDE))[:17] == designs(17, 5, Hideable(INSIDE, OUTSIDE))
+    assert designs(5, 5, Hideable(INSIDE, OUTSIDE)) != designs(5, 6, Hideable(INSIDE, OUTSIDE))
 
 
 def test_a_design_survives_json():
     import json
 
-    for design in designs(8, 1, INSIDE, OUTSIDE):
+    for design in designs(8, 1, Hideable(INSIDE, OUTSIDE)):
         assert Design.of(json.loads(json.dumps(design.table()))) == design
 
 
 def test_kinds_effects_and_videos_come_in_their_shares():
-    found = designs(160, 2, INSIDE, OUTSIDE)
+    found = designs(160, 2, Hideable(INSIDE, OUTSIDE))
     kinds = Counter(design.kind for design in found)
     assert kinds == {"single": 90, "null": 20, "unknown": 20, "pair": 30}
     singles = Counter(design.effects[0] for design in found if design.kind == "single")
@@ -39,11 +39,14 @@ def test_kinds_effects_and_videos_come_in_their_shares():
     assert all(
         len(set(design.effects)) == {"single": 1, "pair": 2, "null": 0, "unknown": 1}[design.kind] for design in found
     )
-    assert {design.kind for design in designs(6, 2, INSIDE, OUTSIDE, kinds=["null", "pair"])} == {"null", "pair"}
+    assert {design.kind for design in designs(6, 2, Hideable(INSIDE, OUTSIDE), kinds=["null", "pair"])} == {
+        "null",
+        "pair",
+    }
 
 
 def test_motions_keep_within_the_servo_s_speed():
-    for design in designs(30, 3, INSIDE, OUTSIDE):
+    for design in designs(30, 3, Hideable(INSIDE, OUTSIDE)):
         theta, rate, _ = design.waveform()(np.linspace(0.0, design.duration, 20001))
         assert np.abs(rate).max() <= FASTEST * 1.001
         assert np.abs(theta).max() > 0.05
@@ -56,11 +59,11 @@ def test_motions_keep_within_the_servo_s_speed():
 )
 def test_bad_options_are_refused(field, options):
     with pytest.raises(InputError, match=field):
-        designs(3, 0, INSIDE, OUTSIDE, **options)
+        designs(3, 0, Hideable(INSIDE, OUTSIDE), **options)
 
 
 def of_kind(effect, **changed):
-    design = designs(1, 4, (effect,), OUTSIDE, kinds=["single"], video_share=0.0)[0]
+    design = designs(1, 4, Hideable((effect,), OUTSIDE), kinds=["single"], video_share=0.0)[0]
     return Design.of({**design.table(), "duration": 12.0, **changed})
 
 

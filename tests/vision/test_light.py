@@ -7,9 +7,9 @@ from scipy.special import ndtr
 
 from vision.field import Field
 from vision.lens import Lens
-from vision.levels import side_greys
+from vision.levels import KnownLight, side_greys
 from vision.light import Light
-from vision.profiles import level_sums
+from vision.profiles import Bars, Pixels, level_sums
 
 SIZE = (640, 360)
 
@@ -125,12 +125,12 @@ def profiles(inside: float, outside: float, slope: float, seed: int):
 @pytest.mark.parametrize("shadow", [0.0, 8.0])
 def test_greys_are_the_lights_unless_the_picture_contradicts_it(shadow):
     kind, start, grey, place = profiles(60.0, 180.0 - shadow, 0.4 if shadow else 0.0, seed=4)
-    shape = (start, grey, place, np.full(240, 40.0), 1.0, np.zeros(240))
+    shape = Pixels(start, grey, place), Bars(np.full(240, 40.0), 1.0, np.zeros(240))
     lit = np.tile([60.2, 179.9, 0.0, 0.0], (240, 1))
-    known_light = np.ones(240, dtype=bool)
+    light = KnownLight(lit, np.ones(240, dtype=bool))
     sums = level_sums(*shape, 1.0 / 3.0, np.zeros((240, 2)))
     without = level_sums(*shape, 0.0, np.ascontiguousarray(lit[:, ::3]))
-    greys, known, contradicted = side_greys(kind, np.ones(240, dtype=bool), sums, 1.0 / 3.0, lit, known_light, without)
+    greys, known, contradicted = side_greys(kind, np.ones(240, dtype=bool), sums, 1.0 / 3.0, light, without)
     assert known.all()
     if not shadow:
         assert contradicted == 0.0

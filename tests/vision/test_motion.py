@@ -11,7 +11,7 @@ from vision.encode import write_video
 from vision.kinematics import SHARED, Geometry, outline
 from vision.looks import CLEAN
 from vision.motion import Motion, sweep
-from vision.render import render
+from vision.render import Filming, render
 from vision.scene import swaying
 from vision.track import track
 
@@ -36,7 +36,7 @@ def test_mean_place_of_a_turning_straight_arm():
     x, shared = np.zeros(3), np.zeros(SHARED)
     expected = outline(geometry, 0.0, x, shared)
     speed, span = np.array([6.0, 0.0, 0.0]), 0.01
-    swept = sweep(geometry, x, shared, expected, speed, np.zeros(3), span)
+    swept = sweep(geometry, x, shared, expected, (speed, np.zeros(3)), span)
     tip = np.flatnonzero(expected.kind == 0)[-1]
     # the edge is a straight line at a distance from the base that turning keeps: at angle b its crossing with the
     # profile through a point at along, across is across (1 / cos b - 1) - along tan b; even in b: across b^2 / 2
@@ -52,7 +52,7 @@ def test_mean_place_of_a_turning_straight_arm():
 def test_a_long_exposure_does_not_bias_the_shape(tmp_path):
     scene = swaying(seed=5, frames=24, size=(960, 540), exposure=0.006)  # the tip moves by up to 7 px
     quiet = replace(CLEAN, noise=0.5)
-    frames = render(scene.midline, scene.specimen, scene.camera, scene.size, quiet, 5)
+    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, quiet, 5))
     write_video(tmp_path / "video.mp4", frames, scene.t)
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
     shape = track(tmp_path / "video.mp4", Declaration(scene.specimen, camera=scene.camera), motor)

@@ -19,25 +19,25 @@ from vision.midline_file import midline_columns, write_midline
 from vision.pick import pick, write_pick
 from vision.proofread import decided, parse_frames, read_verdicts
 from vision.remedy import Watch
-from vision.render import render
-from vision.scene import swaying
+from vision.render import Filming, render
+from vision.scene import Swing, swaying
 from vision.silhouette import Axis
-from vision.track import track_fully
+from vision.track import Following, track_fully
 
 
 @pytest.fixture(scope="module")
 def filmed(tmp_path_factory):
     """A swaying arm with a scene's truth: (video, scene, declaration)."""
-    scene = swaying(seed=2, frames=45, size=(240, 180), frequency=1.2)
+    scene = swaying(seed=2, frames=45, size=(240, 180), swing=Swing(frequency=1.2))
     video = tmp_path_factory.mktemp("film") / "film.mp4"
-    write_video(video, render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1), scene.t)
+    write_video(video, render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)), scene.t)
     return video, scene, Declaration(scene.specimen, camera=scene.camera)
 
 
 def test_a_log_of_the_wrong_sign_is_said_and_one_of_the_right_sign_is_not(filmed):
     video, scene, declaration = filmed
     right = MotorSignal(scene.t, scene.theta, scene.theta)
-    assert track_fully(video, declaration, right, order=2).shape.accepted.all()
+    assert track_fully(video, declaration, right, following=Following(order=2)).shape.accepted.all()
     with pytest.raises(InputError, match="root turns -1"):
         track_fully(video, declaration, MotorSignal(scene.t, -scene.theta, -scene.theta))
 
@@ -46,7 +46,7 @@ def test_a_length_that_is_not_the_declared_one_is_a_finding_in_words(filmed):
     video, scene, declaration = filmed
     shorter = replace(declaration, specimen=replace(scene.specimen, length=0.97 * scene.specimen.length))
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
-    remarks = track_fully(video, shorter, motor, order=2).remarks
+    remarks = track_fully(video, shorter, motor, following=Following(order=2)).remarks
     assert any("longer than declared" in remark and "tip of the silicone" in remark for remark in remarks)
 
 
@@ -76,7 +76,7 @@ def test_what_a_person_decides_is_kept_and_holds_in_the_next_run(filmed):
     decided(video, [], ["4"])
     verdicts = read_verdicts(video)
     assert verdicts == {3: False, 4: True, 5: False, 40: False}
-    shape = track_fully(video, declaration, None, order=2, verdicts=verdicts).shape
+    shape = track_fully(video, declaration, None, following=Following(order=2, verdicts=verdicts)).shape
     by_hand = [k for k, reason in enumerate(shape.reason) if reason == "rejected by hand"]
     assert by_hand == [3, 5, 40]
 
@@ -84,7 +84,7 @@ def test_what_a_person_decides_is_kept_and_holds_in_the_next_run(filmed):
 def test_midlines_read_back_as_an_import_folders_own(filmed, tmp_path):
     video, scene, declaration = filmed
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
-    shape = track_fully(video, declaration, motor, order=2).shape
+    shape = track_fully(video, declaration, motor, following=Following(order=2)).shape
     write_midline(shape, scene.theta, scene.specimen, tmp_path / "midline.csv")
     home = write_pick(video, pick(video, Numbers(length=0.14)))
     recording_toml = (home / "recording.toml").read_text(encoding="utf-8")

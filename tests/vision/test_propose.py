@@ -9,7 +9,7 @@ from tentacle.errors import InputError
 from vision.encode import write_video
 from vision.looks import CLEAN, LIGHT_ARM, TANK
 from vision.propose import picture, propose
-from vision.render import render
+from vision.render import Filming, render
 from vision.scene import swaying
 
 
@@ -18,7 +18,7 @@ from vision.scene import swaying
 )
 def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity, near):
     scene = swaying(seed=3, frames=30, size=(320, 240))
-    film = list(render(scene.midline, scene.specimen, scene.camera, scene.size, look, 1, scene.theta))
+    film = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, look, 1), scene.theta))
     write_video(tmp_path / "film.mp4", film, scene.t)
     found = propose(tmp_path / "film.mp4")
     assert found.polarity == polarity

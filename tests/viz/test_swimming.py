@@ -6,7 +6,7 @@ from rerun.chunk import RrdReader
 from tentacle.specimen import Cone, Specimen
 from viz.figures.front import front_figure
 from viz.figures.style import svg
-from viz.swimming import Swimmer, write_swimming
+from viz.swimming import SearchCourse, Swimmer, write_swimming
 
 ARM = Specimen(Cone(0.0125, 0.001), 0.21, 1070.0)
 
@@ -16,7 +16,9 @@ def test_swimmers_are_drawn_frame_by_frame(tmp_path):
     xy = np.zeros((30, 11, 2))
     xy[:, :, 1] = 0.21 * s - 0.1 * t[:, None]
     swimmers = [Swimmer(name, np.sin(t), 0.1 * t, xy) for name in ("gait", "best sine")]
-    path = write_swimming(swimmers, t, s, ARM, np.array([50, 100]), np.array([0.01, 0.02]), tmp_path / "s.rrd")
+    path = write_swimming(
+        swimmers, t, s, ARM, SearchCourse(np.array([50, 100]), np.array([0.01, 0.02])), tmp_path / "s.rrd"
+    )
     rows: dict[str, int] = {}
     for chunk in RrdReader(str(path)).stream():
         if not chunk.is_static:

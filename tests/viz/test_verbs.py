@@ -11,7 +11,7 @@ import pytest
 from affine_model.arm import Arm, neutral_parameters, parameter_index
 from affine_model.curvature import midline
 from affine_model.run_forces import rest_load
-from affine_model.simulate import simulate
+from affine_model.simulate import Timing, simulate
 from inference.measured_coordinates import beside_model, coordinates, regression_sides
 from tentacle.cli import main
 from tentacle.cli.pages.paper_figures import thrust
@@ -39,7 +39,7 @@ def swing() -> Recording:
         parameters[parameter_index(effect, name)] = value
     wave, step, count = Sine(0.4, 1 / PERIOD), 1 / 400, 3000
     base = wave((np.arange(count) + 0.5) * step)[:, :, None]
-    moved = simulate(Arm(ARM, WATER, Gravity()), parameters[:, None], base, step, stride=10)
+    moved = simulate(Arm(ARM, WATER, Gravity()), parameters[:, None], base, Timing(step, 10))
     s = np.linspace(0.0, 1.0, 21)
     xy = midline(moved.q[:, :, 0], moved.theta[:, 0], ARM.length, s)
     xy += 2e-5 * np.random.default_rng(0).standard_normal(xy.shape)

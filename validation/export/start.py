@@ -14,9 +14,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from affine_model.arm import arm_of, parameter_index, parameter_vector
-from affine_model.base_signal import base_table, step_middles
+from affine_model.base_signal import Steps, base_table, step_middles
 from affine_model.curvature import points_beside
-from affine_model.simulate import simulate
+from affine_model.simulate import Start, Timing, simulate
 from tentacle.base_motion import BaseMotion, fit_base_motion
 from tentacle.errors import InputError
 from tentacle.model import Model
@@ -113,7 +113,7 @@ def _clamp(recording: Recording, model: Model, start: float, stop: float) -> Wav
     if lag[0] <= 0.0 and play[0] <= 0.0:
         return motion
     steps = int(np.ceil((stop + MARGIN - start) / STEP)) + 2
-    table = base_table(motion, start - STEP, STEP, steps, lag, play)[:, :, 0]
+    table = base_table(motion, Steps(start - STEP, STEP, steps), lag, play)[:, :, 0]
     return _Table(step_middles(start - STEP, STEP, steps), table)
 
 
@@ -152,9 +152,12 @@ class _Ours:
         q, rate, shift = self.parts(unknowns)
         count = unknowns.shape[1]
         run = simulate(
-            self.arm, np.repeat(self.parameters[:, None], count, axis=1), self.table, STEP, q=q, q_rate=rate,
-            t0=self.start, stride=1,
-        )  # fmt: skip
+            self.arm,
+            np.repeat(self.parameters[:, None], count, axis=1),
+            self.table,
+            Timing(STEP, 1),
+            start=Start(q=q, q_rate=rate, t0=self.start),
+        )
         place = np.clip((self.t - run.t[0]) / STEP, 0.0, len(run.t) - 1.001)
         index, share = place.astype(int), (place - place.astype(int))[:, None, None]
         bend = (1.0 - share) * run.q[index] + share * run.q[index + 1]

@@ -13,7 +13,7 @@ from typing import Any
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from validation.plants.chain import run as run_chain
-from validation.plants.draw import Trial, drawn
+from validation.plants.draw import USUAL_FILMING, Filming, Trial, drawn
 from validation.plants.stranger import run as run_stranger
 
 PLANTS = {"stranger": run_stranger, "chain": run_chain}
@@ -25,21 +25,19 @@ def make(
     *,
     effects: Sequence[str] | None = None,
     laws: dict[str, str] | None = None,
-    seconds: float = 20.0,
-    fps: float = 50.0,
-    sigma: float = 1.5e-4,
+    filming: Filming = USUAL_FILMING,
     size: tuple[float, float] = (6.0, 15.0),
 ) -> tuple[Recording, dict[str, Any]]:
     """A recording of that plant, and its truth (plain data for a JSON file).
 
     effects: what is hidden (names of validation.plants.laws.LAWS and OUTSIDE, none: ()); drawn where None. laws: of an
-    effect the law that acts, drawn where not given. seconds, fps: of film. sigma [m]: noise of each midline coordinate.
+    effect the law that acts, drawn where not given.
     size: how far the hidden effects move the midline, rms, in standard deviations of its noise (drawn between).
     The truth holds: plant, seed, verdict ("nothing_missing", "effect" or "unknown"), effects (name -> numbers), laws
     (name -> law), arm, motion, moved_mm, noise_mm. InputError for a plant, effect or law that is not known.
     """
     if plant not in PLANTS:
         raise InputError(f"{plant!r} is not known", field="plant", expected=f"one of {', '.join(PLANTS)}")
-    trial: Trial = drawn(seed, effects, laws or {}, seconds, fps, sigma, size)
+    trial: Trial = drawn(seed, effects, laws or {}, Filming(filming.seconds, filming.fps, filming.sigma), size)
     recording, truth = PLANTS[plant](trial)
     return recording, {"plant": plant, **truth}

@@ -62,7 +62,7 @@ def mover(links: int) -> Mover:
             mujoco.mj_comVel(model, data)
             mujoco.mj_rne(model, data, 1, bias)
             full[lower] = data.M
-            points, pull, hinge = _accelerated(laws[0], state, turn, bias, full, memory, mass, centre, k * h, h)
+            points, pull, hinge = _accelerated(laws[0], state, (turn, bias, full), memory, (mass, centre), (k * h, h))
             if k % (2 * every) == 0:
                 places.append(points)
                 pulls.append(pull)
@@ -106,8 +106,15 @@ def _compiled(laws: np.void, links: int) -> tuple[Any, Array, Array]:
 
 
 @njit(cache=True)
-def _accelerated(laws, state: Array, turn: float, bias: Array, full: Array, memory: Array, mass, centre, t, h):
-    """Nodes (n + 1, 2) [m], the force along y on the mount [N], accelerations of the hinges (n,). Memory is carried."""
+def _accelerated(laws, state: Array, drive, memory: Array, links, times):
+    """Nodes (n + 1, 2) [m], the force along y on the mount [N], accelerations of the hinges (n,). Memory is carried.
+
+    drive: the base's acceleration, MuJoCo's bias forces and mass matrix; links: mass and centre (n,); times: t and half
+    the step [s].
+    """
+    turn, bias, full = drive
+    mass, centre = links
+    t, h = times
     n = mass.size
     long = laws.length / n
     matrix, force = np.zeros((n, n)), np.zeros(n)
@@ -141,7 +148,7 @@ def _accelerated(laws, state: Array, turn: float, bias: Array, full: Array, memo
         vx, vy = 0.5 * (speed[i, 0] + speed[i + 1, 0]), 0.5 * (speed[i, 1] + speed[i + 1, 1])
         ax, ay = 0.5 * (swing[i, 0] + swing[i + 1, 0]), 0.5 * (swing[i, 1] + swing[i + 1, 1])
         push_n, push_t, couple, inertia, slope = on_piece(
-            laws, (i + 0.5) / n, radius, px, py, nx, ny, vx, vy, ax, ay, rate, t
+            laws, ((i + 0.5) / n, radius), (px, py, nx, ny), (vx, vy, ax, ay), rate, t
         )
         sunk = -laws.water * (1.0 + laws.saltier) * np.pi * radius * radius
         fx = long * (push_n * nx + push_t * tx + sunk * down_x)
@@ -163,7 +170,7 @@ def _accelerated(laws, state: Array, turn: float, bias: Array, full: Array, memo
         unit = n if i else 2.0 * n
         second = 0.25 * np.pi * (laws.base_radius + (laws.tip_radius - laws.base_radius) * s) ** 4
         ahead = unit * (state[0, i + 1] + h * state[1, i + 1])
-        moment, stiff = bending(laws, s, second, ahead, unit * state[1, i + 1], memory[i], kept, t + h, 2.0 * h)
+        moment, stiff = bending(laws, (s, second), (ahead, unit * state[1, i + 1]), (memory[i], kept), t + h, 2.0 * h)
         memory[i] = kept
         force[i] -= moment
         matrix[i, i] += h * stiff * unit

@@ -72,14 +72,20 @@ class Trial:
 SETTLED = 2.0  # s of motion before the first frame
 
 
+@dataclass(frozen=True)
+class Filming:
+    """seconds, frames a second, and the noise of each midline coordinate, sigma [m]."""
+
+    seconds: float = 20.0
+    fps: float = 50.0
+    sigma: float = 1.5e-4
+
+
+USUAL_FILMING = Filming()
+
+
 def drawn(
-    seed: int,
-    effects: Sequence[str] | None,
-    laws: Mapping[str, str],
-    seconds: float,
-    fps: float,
-    sigma: float,
-    size: tuple[float, float],
+    seed: int, effects: Sequence[str] | None, laws: Mapping[str, str], filming: Filming, size: tuple[float, float]
 ) -> Trial:
     """The trial of a seed; what is given is not drawn."""
     random = np.random.default_rng([seed, 20])
@@ -96,7 +102,7 @@ def drawn(
     sizes = tuple(float(np.exp(random.uniform(*np.log(size)))) for _ in hidden)
     if "added_mass" in names:
         carries = False
-    return Trial(seed, arm, carries, motion, chirps, hidden, sizes, seconds, fps, sigma)
+    return Trial(seed, arm, carries, motion, chirps, hidden, sizes, filming.seconds, filming.fps, filming.sigma)
 
 
 def _arm(random: np.random.Generator) -> Numbers:

@@ -36,9 +36,20 @@ def softening(laws, s: float, t: float) -> float:
 
 @njit(cache=True)
 def bending(
-    laws, s: float, second: float, c: float, c_rate: float, memory: Array, middle: Array, t: float, step: float
+    laws,
+    section: tuple[float, float],
+    bend: tuple[float, float],
+    memories: tuple[Array, Array],
+    t: float,
+    step: float,
 ):
-    """Moment [N m] at mid-step, and step/2 d moment/dc + d moment/d c_rate; memory at mid-step goes into middle."""
+    """Moment [N m] at mid-step, and step/2 d moment/dc + d moment/d c_rate.
+
+    section: s and second moment; bend: c and c_rate; memories: at the step's start, and written, at mid-step.
+    """
+    s, second = section
+    c, c_rate = bend
+    memory, middle = memories
     half = 0.5 * step
     plain = laws.E * second / laws.length
     k = plain * softening(laws, s, t)

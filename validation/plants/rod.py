@@ -52,8 +52,9 @@ def _solve(band: Array, right: Array) -> None:
 
 
 @njit(cache=True)
-def _add(band: Array, node_a: int, node_b: int, xx: float, xy: float, yx: float, yy: float) -> None:
-    """Add a 2 x 2 block of nodes a >= b (node 0 is held, and has no rows)."""
+def _add(band: Array, node_a: int, node_b: int, block: tuple[float, float, float, float]) -> None:
+    """Add a 2 x 2 block (xx, xy, yx, yy) of nodes a >= b (node 0 is held, and has no rows)."""
+    xx, xy, yx, yy = block
     if node_b == 0:
         return
     row, column = 2 * (node_a - 1), 2 * (node_b - 1)
@@ -99,7 +100,7 @@ def _moved(laws, theta: Array, step: float, every: int):
             force[:] = 0.0
             band[:] = 0.0
             for i in range(1, n + 1):
-                _add(band, i, i, 2.0 * mass[i] / step, 0.0, 0.0, 2.0 * mass[i] / step)
+                _add(band, i, i, (2.0 * mass[i] / step, 0.0, 0.0, 2.0 * mass[i] / step))
                 force[i] -= 2.0 * mass[i] / step * (v_mid[i] - v[i])
             for i in range(n):
                 ax, ay = x[i] + 0.5 * step * v_mid[i], x[i + 1] + 0.5 * step * v_mid[i + 1]
@@ -119,7 +120,7 @@ def _moved(laws, theta: Array, step: float, every: int):
                 s = (i + 0.5) / n
                 px, py = 0.5 * (ax[0] + ay[0]), 0.5 * (ax[1] + ay[1])
                 push_n, push_t, couple, inertia, slope = on_piece(
-                    laws, s, radius[i], px, py, nx, ny, ux, uy, wx, wy, spin, t
+                    laws, (s, radius[i]), (px, py, nx, ny), (ux, uy, wx, wy), spin, t
                 )
                 fx = piece * (push_n * nx + push_t * tx)
                 fy = piece * (push_n * ny + push_t * ty)
@@ -137,9 +138,9 @@ def _moved(laws, theta: Array, step: float, every: int):
                 weighted = 0.25 * piece * (2.0 / step * inertia + slope)
                 mxx, mxy, myy = weighted * nx * nx, weighted * nx * ny, weighted * ny * ny
                 mxx, myy = mxx + 0.5 * extra / step, myy + 0.5 * extra / step
-                _add(band, i, i, sxx + mxx, sxy + mxy, sxy + mxy, syy + myy)
-                _add(band, i + 1, i + 1, sxx + mxx, sxy + mxy, sxy + mxy, syy + myy)
-                _add(band, i + 1, i, mxx - sxx, mxy - sxy, mxy - sxy, myy - syy)
+                _add(band, i, i, (sxx + mxx, sxy + mxy, sxy + mxy, syy + myy))
+                _add(band, i + 1, i + 1, (sxx + mxx, sxy + mxy, sxy + mxy, syy + myy))
+                _add(band, i + 1, i, (mxx - sxx, mxy - sxy, mxy - sxy, myy - syy))
             # The payload, and what pulls at the tip.
             end = x[n] + 0.5 * step * v_mid[n]
             for node in range(2):
@@ -151,7 +152,7 @@ def _moved(laws, theta: Array, step: float, every: int):
                     turn_o = beside if other else -beside
                     same, cross = real * real_o + turn * turn_o, real * turn_o - turn * real_o
                     heavy = 2.0 / step * carried
-                    _add(band, n - 1 + node, n - 1 + other, heavy * same, heavy * cross, -heavy * cross, heavy * same)
+                    _add(band, n - 1 + node, n - 1 + other, (heavy * same, heavy * cross, -heavy * cross, heavy * same))
             qx = 2.0 / step * (v_mid[n, 0] - v[n, 0] + ahead * (v_mid[n, 0] - v[n, 0] - v_mid[n - 1, 0] + v[n - 1, 0])
                                + beside * (v_mid[n, 1] - v[n, 1] - v_mid[n - 1, 1] + v[n - 1, 1]))  # fmt: skip
             qy = 2.0 / step * (v_mid[n, 1] - v[n, 1] + ahead * (v_mid[n, 1] - v[n, 1] - v_mid[n - 1, 1] + v[n - 1, 1])
@@ -188,7 +189,7 @@ def _moved(laws, theta: Array, step: float, every: int):
                 turn = np.arctan2(a_x * b_y - a_y * b_x, a_x * b_x + a_y * b_y)
                 unit = length / span  # curvature per unit of s
                 moment, stiff = bending(
-                    laws, joint_s[i], second[i], unit * turn, unit * rate, memory[i], kept[i], t, step
+                    laws, (joint_s[i], second[i]), (unit * turn, unit * rate), (memory[i], kept[i]), t, step
                 )
                 stiff *= unit
                 for node, gx_, gy_ in ((i + 1, up_x, up_y), (i, -up_x - low_x, -up_y - low_y), (i - 1, low_x, low_y)):
@@ -196,21 +197,55 @@ def _moved(laws, theta: Array, step: float, every: int):
                         continue
                     force[node, 0] -= moment * gx_
                     force[node, 1] -= moment * gy_
-                _add(band, i + 1, i + 1, stiff * up_x * up_x, stiff * up_x * up_y, stiff * up_x * up_y,
-                     stiff * up_y * up_y)  # fmt: skip
+                _add(
+                    band,
+                    i + 1,
+                    i + 1,
+                    (stiff * up_x * up_x, stiff * up_x * up_y, stiff * up_x * up_y, stiff * up_y * up_y),
+                )
                 if i > 0:
                     mid_x, mid_y = -up_x - low_x, -up_y - low_y
-                    _add(band, i, i, stiff * mid_x * mid_x, stiff * mid_x * mid_y, stiff * mid_x * mid_y,
-                         stiff * mid_y * mid_y)  # fmt: skip
-                    _add(band, i + 1, i, stiff * up_x * mid_x, stiff * up_x * mid_y, stiff * up_y * mid_x,
-                         stiff * up_y * mid_y)  # fmt: skip
+                    _add(
+                        band,
+                        i,
+                        i,
+                        (stiff * mid_x * mid_x, stiff * mid_x * mid_y, stiff * mid_x * mid_y, stiff * mid_y * mid_y),
+                    )
+                    _add(
+                        band,
+                        i + 1,
+                        i,
+                        (stiff * up_x * mid_x, stiff * up_x * mid_y, stiff * up_y * mid_x, stiff * up_y * mid_y),
+                    )
                     if i > 1:
-                        _add(band, i - 1, i - 1, stiff * low_x * low_x, stiff * low_x * low_y, stiff * low_x * low_y,
-                             stiff * low_y * low_y)  # fmt: skip
-                        _add(band, i, i - 1, stiff * mid_x * low_x, stiff * mid_x * low_y, stiff * mid_y * low_x,
-                             stiff * mid_y * low_y)  # fmt: skip
-                        _add(band, i + 1, i - 1, stiff * up_x * low_x, stiff * up_x * low_y, stiff * up_y * low_x,
-                             stiff * up_y * low_y)  # fmt: skip
+                        _add(
+                            band,
+                            i - 1,
+                            i - 1,
+                            (
+                                stiff * low_x * low_x,
+                                stiff * low_x * low_y,
+                                stiff * low_x * low_y,
+                                stiff * low_y * low_y,
+                            ),
+                        )
+                        _add(
+                            band,
+                            i,
+                            i - 1,
+                            (
+                                stiff * mid_x * low_x,
+                                stiff * mid_x * low_y,
+                                stiff * mid_y * low_x,
+                                stiff * mid_y * low_y,
+                            ),
+                        )
+                        _add(
+                            band,
+                            i + 1,
+                            i - 1,
+                            (stiff * up_x * low_x, stiff * up_x * low_y, stiff * up_y * low_x, stiff * up_y * low_y),
+                        )
             for i in range(n):
                 right[2 * i], right[2 * i + 1] = force[i + 1, 0], force[i + 1, 1]
             _solve(band, right)

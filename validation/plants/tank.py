@@ -43,9 +43,12 @@ def wall_growth(laws, x: float, radius: float) -> float:
 
 
 @njit(cache=True)
-def on_piece(laws, s, radius, x, y, nx, ny, vx, vy, ax, ay, spin, t):
+def on_piece(laws, section, place, motion, spin: float, t: float):
     """Force per length along n and t, couple, the inertia that it carries along n, and how fast its force falls with
-    the speed along n."""
+    the speed along n. section: s and radius; place: x, y and the normal; motion: velocity and acceleration."""
+    s, radius = section
+    x, y, nx, ny = place
+    vx, vy, ax, ay = motion
     if laws.water == 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0
     tx, ty = -ny, nx

@@ -17,11 +17,11 @@ from affine_model.effect import Effect
 from affine_model.effects import absent_effects
 from inference.compare import restricted
 from inference.linear_fit import ParameterName, linear_columns
-from inference.measured_motion import measured_motion
+from inference.measured_motion import MeasuredCourse, measured_motion
 from inference.observation import ShapeObservation
 from inference.prepare import prepare
 from inference.regression import motion_residual
-from inference.weak_form import weak_system
+from inference.weak_form import Bumps, weak_system
 from tentacle.model import Model
 from tentacle.recording import Recording
 
@@ -134,6 +134,6 @@ def baselines(recording: Recording) -> dict[str, tuple[str, ...]]:
     inside = slice(WINDOW // 2, data.t.size - WINDOW // 2)
     strong = _system(lambda vector: motion_residual(arm, vector, motion)[inside].ravel(), 1.0)
     # Rows of a weak form: OVERLAP bumps cover every instant, so that many rows count as one.
-    weak = _system(weak_system(arm, data.t, data.q, data.base, WIDTH, overlap=OVERLAP), 1.0 / OVERLAP)
+    weak = _system(weak_system(arm, MeasuredCourse(data.t, data.q, data.base), Bumps(WIDTH, OVERLAP)), 1.0 / OVERLAP)
     sparse = {"pysindy": _sparse(weak)} if find_spec("pysindy") else {}
     return {"regression": _best_column(strong), "weak_form": _best_column(weak), **sparse}

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from mujoco_ref.undeclared import Plan, make, trial_name
+from mujoco_ref.undeclared import Plan, Scenario, make, trial_name
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Recording
@@ -46,9 +46,13 @@ def write_trials(plan: Plan, count: int, film: Film, out: Path, sealed: Path) ->
     sealed.parent.mkdir(parents=True, exist_ok=True)
     if not (out / "baseline").exists():
         base, _ = make(
-            {}, plan.model, plan.waveform, plan.seed, plan.duration, plan.fps, plan.noise,
-            name="baseline", clean_midline=clean,
-        )  # fmt: skip
+            {},
+            Scenario(plan.model, plan.waveform, plan.duration, plan.fps),
+            plan.seed,
+            plan.noise,
+            name="baseline",
+            clean_midline=clean,
+        )
         write_simulated(base, film, out / "baseline", plan.seed)
     for k in range(count):
         folder = out / trial_name(k)

@@ -148,11 +148,18 @@ def _is_video(index: int, turns: int, share: float) -> bool:
     return bool(np.floor((place + 0.5) * share + 0.5) > np.floor((place - 0.5) * share + 0.5))
 
 
+@dataclass(frozen=True)
+class Hideable:
+    """Names of the effects that can be hidden, in the catalogue and out of it."""
+
+    catalogued: Sequence[str]
+    outside: Sequence[str]
+
+
 def designs(
     count: int,
     seed: int,
-    catalogued: Sequence[str],
-    outside: Sequence[str],
+    effects: Hideable,
     *,
     kinds: Sequence[str] = KINDS,
     video_share: float = 0.25,
@@ -160,7 +167,7 @@ def designs(
 ) -> list[Design]:
     """The first `count` trials of a seed; each depends on the seed, its index and the kinds alone, so more may follow.
 
-    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. like: all are runs of
+    like: all are runs of
     that arm under that motion, seen in that way. InputError where a kind is not known, a share is none, or nothing can
     be hidden.
     """
@@ -175,7 +182,7 @@ def designs(
     for index in range(count):
         kind = turns[index % len(turns)]
         random = np.random.default_rng([seed, index])
-        effects = _hidden(kind, places[kind], seed, catalogued, outside, random)
+        effects = _hidden(kind, places[kind], seed, effects.catalogued, effects.outside, random)
         places[kind] += 1
         duration = float(np.round(random.uniform(*DURATIONS), 1))
         noise, sizes = _log_uniform(random, *NOISE), tuple(_log_uniform(random, *R_RANGE) for _ in effects)

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from affine_model.curvature import Array, legendre_to_monomial
-from inference.observation import POSE, fit_shapes, from_track
+from inference.observation import POSE, Tracker, fit_shapes, from_track
 from mujoco_ref.influence import value
 from mujoco_ref.simulate import DEFAULT_LINKS
-from mujoco_ref.undeclared.make import Noise, Scene, make, seen_midline
+from mujoco_ref.undeclared.make import Noise, Scenario, make, seen_midline
 from mujoco_ref.undeclared.strength import is_catalogued
 from tentacle.model import Model
 from tentacle.recording import Camera, Recording
@@ -22,6 +22,7 @@ from tentacle.signals import Markers
 from validation.trials.design import Design
 from validation.trials.sight import EVERYWHERE, Sight, track_noise, track_of
 from validation.trials.sizing import bare_problem, refitted_size, sized, track_root
+from vision.render import Filming
 
 PICTURE = (960, 540)
 ASIDE = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
@@ -36,16 +37,18 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
     hidden, reached = sized(design, track_root(design) if sight.kind == "track" else None)
     recording, truth = make(
         hidden,
-        model,
-        design.waveform(),
+        Scenario(
+            model,
+            design.waveform(),
+            design.duration,
+            design.fps,
+            _places(sight),
+            initial_q=None if design.initial_q is None else np.array(design.initial_q),
+            release_t=design.release_t,
+        ),
         design.seed,
-        design.duration,
-        design.fps,
         Noise(midline=sight.noise, angle=sight.angle_noise),
         name=f"trial_{design.index:04d}",
-        s=_places(sight),
-        initial_q=None if design.initial_q is None else np.array(design.initial_q),
-        release_t=design.release_t,
         clean_midline=sight.kind in ("track", "markers"),
     )
     random = np.random.default_rng([design.seed, 2])
@@ -81,9 +84,9 @@ def _tracked(recording: Recording, sight: Sight, random: np.random.Generator) ->
     assert midline is not None
     theta = np.zeros(midline.t.size) if recording.motor is None else recording.motor.command
     length = recording.declaration.specimen.length
-    free = fit_shapes(midline, theta, length, order, sight.noise)
+    free = fit_shapes(midline, theta, length, order, Tracker(sight.noise))
     scale = float(np.exp(np.median(free.coefficients[:, 3])))
-    seen = fit_shapes(replace(midline, xy=midline.xy / scale), theta, length, order, sight.noise, by_edges=True)
+    seen = fit_shapes(replace(midline, xy=midline.xy / scale), theta, length, order, Tracker(sight.noise, True))
     q = seen.coefficients[:, POSE:] @ legendre_to_monomial(order).T
     coefficients = np.column_stack([seen.coefficients[:, 0], q]) + track_noise(sight, midline.t.size, random)
     measured = scale * (1.0 + (sight.scale_sigma or 0.0) * float(random.standard_normal()))
@@ -128,13 +131,15 @@ def _filmed(recording: Recording, model: Model, design: Design, hidden: dict[str
 
     assert recording.midline is not None
     assert recording.motor is not None
-    scene = Scene(model, design.waveform(), design.duration, design.fps, recording.midline.s, DEFAULT_LINKS, None, None)
+    scene = Scenario(
+        model, design.waveform(), design.duration, design.fps, recording.midline.s, DEFAULT_LINKS, None, None
+    )
     exact = replace(recording.midline, xy=seen_midline(scene, hidden))
     scale = model.specimen.length / (0.62 * PICTURE[1])
     camera = Camera(design.fps, scale, (0.5 * PICTURE[0], 0.16 * PICTURE[1]), (0.0, 1.0), exposure=0.002)
     declaration = replace(recording.declaration, camera=camera)
     look = LOOKS[("clean", "uneven", "bubbles")[design.index % 3]]
-    frames = render(exact, model.specimen, camera, PICTURE, look, design.seed, recording.motor.angle)
+    frames = render(exact, model.specimen, camera, Filming(PICTURE, look, design.seed), recording.motor.angle)
     with tempfile.TemporaryDirectory(prefix="tentacle-trial-") as folder:
         file = Path(folder) / "video.mp4"
         write_video(file, frames, exact.t)

@@ -15,7 +15,7 @@ from mujoco_ref.undeclared.strength import SCALED
 from tentacle.errors import InputError
 from tentacle.runner import Runner
 from validation.trials.baselines import baselines
-from validation.trials.design import Design, designs
+from validation.trials.design import Design, Hideable, designs
 from validation.trials.likeness import Likeness
 from validation.trials.outcome import Outcome, answer_table, outcome
 from validation.trials.recording import trial_recording
@@ -42,7 +42,7 @@ def series(
     """The designs of a series over effects in the catalogue and out of it; all that the reference can hide, unless
     given.
     """
-    return designs(count, seed, *effects, kinds=kinds, video_share=video_share, like=like)
+    return designs(count, seed, Hideable(Hideable(*effects)), kinds=kinds, video_share=video_share, like=like)
 
 
 @cache

@@ -11,15 +11,15 @@ import numpy as np
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 from inference.experiment import Experiment, predict
-from inference.observation import POSE, MarkerObservation, ShapeObservation, fit_shapes, from_track
+from inference.observation import POSE, MarkerObservation, ShapeObservation, Tracker, fit_shapes, from_track
 from inference.score import absorbed_basis
 from inference.trajectory import Problem, evaluate, fit_multistart
 from mujoco_ref.simulate import DEFAULT_LINKS
-from mujoco_ref.undeclared.make import Scene, seen_midline, shown_mm
+from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
 from mujoco_ref.undeclared.strength import LARGEST, SCALED, SIZES, is_catalogued, scaled, typical
 from tentacle.errors import InputError
 from tentacle.signals import Midline
-from validation.trials.design import Design, designs
+from validation.trials.design import Design, Hideable, designs
 from validation.trials.likeness import Likeness
 from validation.trials.sight import EVERYWHERE, Sight, track_of
 
@@ -82,7 +82,9 @@ def _observation(
         return MarkerObservation(t, theta, length, s, d, points_beside(q, theta, length, s, d), sight.noise)
     order = min(SEEN_ORDER, s.size - POSE) if root is None else root.shape[0] - POSE
     points = midline(q, theta, length, s)
-    seen = fit_shapes(Midline(t, s, points, np.full(points.shape[:2], sight.noise)), theta, length, order, sight.noise)
+    seen = fit_shapes(
+        Midline(t, s, points, np.full(points.shape[:2], sight.noise)), theta, length, order, Tracker(sight.noise)
+    )
     return seen if root is None else replace(seen, root=np.repeat(root[None], t.size, axis=0))
 
 
@@ -170,7 +172,7 @@ def shown_effects(
 
     InputError where none can.
     """
-    (null,) = designs(1, 0, catalogued, outside, kinds=["null"], like=like)
+    (null,) = designs(1, 0, Hideable(catalogued, outside), kinds=["null"], like=like)
     model = like.model
     problem, nuisances = bare_problem(null, track_root(null) if like.sight.kind == "track" else None)
     random = np.random.default_rng(0)
@@ -187,7 +189,7 @@ def shown_effects(
     initial = None if like.initial_q is None else np.array(like.initial_q)
     seconds = min(like.duration, SEEN_FOR + (like.release_t or 0.0))
     places = np.array(EVERYWHERE)
-    scene = Scene(model, null.waveform(), seconds, like.fps, places, DEFAULT_LINKS, initial, like.release_t)
+    scene = Scenario(model, null.waveform(), seconds, like.fps, places, DEFAULT_LINKS, initial, like.release_t)
     bare = seen_midline(scene, {})
     wanted = 1e3 * SIZES["visible"][0] * like.sight.noise
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import rerun as rr
 
@@ -16,14 +18,25 @@ from viz.tube import planar_to_space, tube
 CORE = 0.3  # a model's arm is drawn this thick, in front of the measured one: both are seen where they agree
 
 
-def log_tube(
-    session: rr.RecordingStream, path: str, role: Role, t: Array, s: Array, xy: Array, arm: Specimen, full: bool
-) -> None:
-    """An arm over time: midline xy (T, P, 2) [m] at s (P,); in full thickness, or its core in front of it."""
-    drawn = tube(xy, s, arm) if full else tube(xy, s, arm, thickness=CORE, lift=float(arm.section.half_thickness(0.0)))
+@dataclass(frozen=True)
+class Course:
+    """A midline over time: t (T,) [s], s (P,), xy (T, P, 2) [m]."""
+
+    t: Array
+    s: Array
+    xy: Array
+
+
+def log_tube(session: rr.RecordingStream, path: str, role: Role, course: Course, arm: Specimen, full: bool) -> None:
+    """An arm over time, in full thickness, or its core in front of it."""
+    drawn = (
+        tube(course.xy, course.s, arm)
+        if full
+        else tube(course.xy, course.s, arm, thickness=CORE, lift=float(arm.section.half_thickness(0.0)))
+    )
     session.log(path, rr.LineStrips3D.from_fields(colors=[role.colour]), static=True)
     columns = rr.LineStrips3D.columns(strips=drawn.ends, radii=drawn.radius)
-    session.send_columns(path, [seconds(t)], columns.partition(drawn.lengths))
+    session.send_columns(path, [seconds(course.t)], columns.partition(drawn.lengths))
 
 
 def log_markers(session: rr.RecordingStream, path: str, role: Role, t: Array, xy: Array, radius: float) -> None:
@@ -71,7 +84,7 @@ def log_arms(session: rr.RecordingStream, path: str, scene: Scene, declaration: 
     for party in scene.parties:
         where = f"{path}/arms/{party.key}"
         if scene.points == "midline":
-            log_tube(session, where, party.role, scene.t, scene.s, party.xy, arm, full=party is scene.subject)
+            log_tube(session, where, party.role, Course(scene.t, scene.s, party.xy), arm, full=party is scene.subject)
             continue
         log_markers(session, where, party.role, scene.t, party.xy, arm.length / 60)
         if party is not scene.subject:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import rerun as rr
 
-from tentacle.recording import Camera, Recording
+from tentacle.recording import Recording
 from tentacle.signals import Array, ShapeTrack
 from viz.palette import WARNING, Role
 from viz.scene import Scene
@@ -15,10 +17,10 @@ from viz.video import SmallVideo, small_video
 
 
 def log_overlay(
-    session: rr.RecordingStream, path: str, role: Role, t: Array, xy: Array, camera: Camera, scale: float
+    session: rr.RecordingStream, path: str, role: Role, t: Array, xy: Array, to_pixels: Callable[[Array], Array]
 ) -> None:
     """A line xy (T, P, 2) [m, base frame] over the video; instants with missing points show what is present."""
-    pixels = scale * camera.to_pixels(xy[:, thin(xy.shape[1], 32)])
+    pixels = to_pixels(xy[:, thin(xy.shape[1], 32)])
     present = np.asarray(np.isfinite(pixels).all(axis=-1))
     strips = [row[kept].astype(np.float32) for row, kept in zip(pixels, present, strict=True)]
     enough = present.sum(axis=1) > 1
@@ -54,8 +56,12 @@ def log_camera(session: rr.RecordingStream, path: str, scene: Scene, recording: 
     session.log(f"{path}/camera", asset, static=True)
     frames = rr.VideoFrameReference.columns_nanos(asset.read_frame_timestamps_nanos())
     session.send_columns(f"{path}/camera", [seconds(video.t)], frames)
+
+    def shown(points: Array) -> Array:
+        return video.scale * camera.to_pixels(points)
+
     for party in scene.parties:
-        log_overlay(session, f"{path}/camera/{party.key}", party.role, scene.t, party.xy, camera, video.scale)
+        log_overlay(session, f"{path}/camera/{party.key}", party.role, scene.t, party.xy, shown)
     if recording.shape is not None:
         log_rejected(session, f"{path}/camera/rejected", recording.shape, video)
     return True

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import rerun as rr
 
@@ -22,18 +24,25 @@ def thrust_of(drag: Array, s: Array, length: float) -> Array:
     return np.asarray(length * np.trapezoid(drag[..., 1], s, axis=1))
 
 
-def log_arrows(
-    session: rr.RecordingStream, path: str, role: Role, t: Array, origins: Array, vectors: Array, thickness: float
-) -> None:
-    """Arrows over time: origins, vectors (T, A, 2), thickness [m as drawn]; missing (NaN) ones are left out."""
-    present = np.isfinite(origins).all(axis=-1) & np.isfinite(vectors).all(axis=-1)
+@dataclass(frozen=True)
+class Arrows:
+    """Arrows over time t (T,) [s]: origins, vectors (T, A, 2)."""
+
+    t: Array
+    origins: Array
+    vectors: Array
+
+
+def log_arrows(session: rr.RecordingStream, path: str, role: Role, arrows: Arrows, thickness: float) -> None:
+    """Arrows over time, thickness [m as drawn]; missing (NaN) ones are left out."""
+    present = np.isfinite(arrows.origins).all(axis=-1) & np.isfinite(arrows.vectors).all(axis=-1)
     session.log(path, rr.Arrows3D.from_fields(colors=[role.colour]), static=True)
     columns = rr.Arrows3D.columns(
-        vectors=planar_to_space(vectors)[present],
-        origins=planar_to_space(origins)[present],
+        vectors=planar_to_space(arrows.vectors)[present],
+        origins=planar_to_space(arrows.origins)[present],
         radii=np.full(int(present.sum()), thickness),
     )
-    session.send_columns(path, [seconds(t)], columns.partition(present.sum(axis=1)))
+    session.send_columns(path, [seconds(arrows.t)], columns.partition(present.sum(axis=1)))
 
 
 def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specimen) -> str:
@@ -51,8 +60,12 @@ def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specim
     for lane, ((party, drag), thrust) in enumerate(zip(known, thrusts, strict=True), start=1):
         arrows = LONGEST * arm.length / strongest * drag[:, keep]
         where = party.xy[:, keep]
-        log_arrows(session, f"{path}/arms/drag/{party.key}", party.role, scene.t, where, arrows, arm.length / 200)
+        log_arrows(
+            session, f"{path}/arms/drag/{party.key}", party.role, Arrows(scene.t, where, arrows), arm.length / 200
+        )
         start = np.broadcast_to([lane * beside, 0.0], (len(thrust), 1, 2))
         whole = LONGEST * arm.length / hardest * np.stack([np.zeros_like(thrust), thrust], axis=-1)[:, None]
-        log_arrows(session, f"{path}/arms/thrust/{party.key}", party.role, scene.t, start, whole, arm.length / 80)
+        log_arrows(
+            session, f"{path}/arms/thrust/{party.key}", party.role, Arrows(scene.t, start, whole), arm.length / 80
+        )
     return f"longest arrows: drag {strongest:.2g} N/m, thrust {1e3 * hardest:.2g} mN"

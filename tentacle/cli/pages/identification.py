@@ -14,7 +14,7 @@ from inference.identify import Identification
 from tentacle.io.model_file import write_model
 from tentacle.recording import Recording
 from viz.compare import model_markdown, write_comparison
-from viz.identify_report import model_report
+from viz.identify_report import Told, model_report
 from viz.report import Origin, write_report
 from viz.scene import model_scene
 
@@ -24,8 +24,8 @@ def write_identification(found: Identification, judges: Sequence[Recording], ori
     scenes = [model_scene(run) for run in with_forces(found.runs, found.model, found.model)]
     (folder / "identification.json").write_text(json.dumps(identification_table(found), indent=1) + "\n")
     write_model(found.model, folder / "model.toml")
-    told = (found.model, found.headline, found.words, found.regression)
-    write_report(model_report(*told, scenes, judges, origin, found.bootstrap), folder / "report.html")
+    told = Told(found.headline, found.words, found.regression, found.bootstrap)
+    write_report(model_report(found.model, told, scenes, judges, origin), folder / "report.html")
     text = model_markdown(found.model, (found.headline, *found.words))
     write_comparison(scenes[0], judges[0], text, folder / "session.rrd")
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viz.swimming import SearchCourse
+
 if TYPE_CHECKING:
     from affine_model.swim import Front, Swimming, Trial
     from viz.report import Origin, Picture, Section, Table
@@ -23,7 +25,7 @@ def write_film(trial: Trial, found: Swimming, path: Path) -> None:
     films = [film(level, gait, FILM_S) for gait in (found.gait, found.sine)]
     swimmers = [Swimmer(name, one.theta, one.travel, one.xy) for name, one in zip(NAMES, films, strict=True)]
     specimen = trial.arm.specimen
-    write_swimming(swimmers, films[0].t, films[0].s, specimen, found.evaluations, found.best, path)
+    write_swimming(swimmers, films[0].t, films[0].s, specimen, SearchCourse(found.evaluations, found.best), path)
 
 
 def write_page(

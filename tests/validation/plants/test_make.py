@@ -7,12 +7,12 @@ import pytest
 
 from tentacle.errors import InputError
 from validation.plants import make
-from validation.plants.draw import drawn
+from validation.plants.draw import Filming, drawn
 from validation.plants.filmed import COARSE, film
 from validation.plants.laws import LAWS, OUTSIDE
 from validation.plants.rod import move
 
-QUICK = {"seconds": 0.8, "fps": 25.0}
+QUICK = {"filming": Filming(0.8, 25.0)}
 
 
 def xy(made):
@@ -30,7 +30,7 @@ def test_the_same_seed_gives_the_same_recording_and_another_another():
 def test_every_effect_shows_by_each_of_its_laws(effect):
     seen = {}
     for law in LAWS.get(effect, (None,)):
-        trial = drawn(3, (effect,), {effect: law} if law else {}, 0.6, 25.0, 1e-4, (6.0, 15.0))
+        trial = drawn(3, (effect,), {effect: law} if law else {}, Filming(0.6, 25.0, 1e-4), (6.0, 15.0))
         bare, seen[law] = (film(trial, move, hidden, COARSE)[0] for hidden in ((), trial.hidden))
         assert np.abs(seen[law] - bare).max() > 2e-5  # m, at a typical strength
     first, *rest = seen.values()
@@ -53,12 +53,14 @@ def test_what_is_declared_is_the_arm_and_not_what_is_hidden():
 
 
 def test_about_half_of_the_declarations_hold_the_added_mass():
-    carried = [drawn(seed, (), {}, 1.0, 25.0, 1e-4, (6.0, 15.0)).carries for seed in range(60)]
+    carried = [drawn(seed, (), {}, Filming(1.0, 25.0, 1e-4), (6.0, 15.0)).carries for seed in range(60)]
     assert 20 < sum(carried) < 40
 
 
 def test_drawn_trials_hold_every_kind():
-    kinds = [tuple(h.effect for h in drawn(s, None, {}, 1.0, 25.0, 1e-4, (6.0, 15.0)).hidden) for s in range(80)]
+    kinds = [
+        tuple(h.effect for h in drawn(s, None, {}, Filming(1.0, 25.0, 1e-4), (6.0, 15.0)).hidden) for s in range(80)
+    ]
     assert () in kinds
     assert any(kind and kind[0] in OUTSIDE for kind in kinds)
     assert {len(kind) for kind in kinds} == {0, 1, 2}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mujoco_ref.simulate import simulate
+from mujoco_ref.simulate import Setup, simulate
 from tentacle.model import Estimate, Model
 from tentacle.specimen import Cone, Fluid, Gravity, Specimen
 from tentacle.waveform import Sine
@@ -54,7 +54,9 @@ def test_the_plants_swim_as_the_reference_does(hidden, numbers):
         {name: {key: Estimate.exact(value) for key, value in table.items()} for name, table in exact.items()},
     )  # fmt: skip
     angle = WAVE(half_steps(SECONDS))[0]
-    chain = simulate(model, WAVE, SECONDS, 50.0, hidden=hidden, links=40, s=np.linspace(0.0, 1.0, PIECES + 1))
+    chain = simulate(
+        model, WAVE, SECONDS, 50.0, hidden=hidden, setup=Setup(links=40, s=np.linspace(0.0, 1.0, PIECES + 1))
+    )
     swum = slice(60, 100)  # the plants start straight, the reference as it hangs
     for plant in (move, mover(PIECES)):
         places, pulls = plant(record(**ARM, **numbers), angle, STEP, 10)

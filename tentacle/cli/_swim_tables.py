@@ -1,0 +1,39 @@
+"""The result of `optimise` as plain data."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from affine_model.swim import Promise, Swimming
+
+
+def promise_table(promise: Promise) -> dict[str, Any]:
+    """A promise as plain data, units in the names; a gait that does not swim has no cost of transport."""
+    table = {
+        "thrust_n": promise.thrust,
+        "speed_m_s": promise.speed,
+        "power_w": promise.power,
+        "peak_torque_n_m": promise.torque,
+    }
+    return table if promise.speed <= 0.0 else {**table, "transport_j_m": promise.transport}
+
+
+def result_tables(found: Swimming, waveform_table: Any) -> dict[str, Any]:
+    """result.toml's tables: the gait as a [waveform] that every command reads, its promise, the sine, the search."""
+    return {
+        "waveform": waveform_table(found.gait),
+        "promise": promise_table(found.promise),
+        "sine": {"waveform": waveform_table(found.sine), "promise": promise_table(found.sine_promise)},
+        "peaks": dict(zip(("angle_rad", "speed_rad_s", "acceleration_rad_s2"), found.peaks.tolist(), strict=True)),
+        "search": {
+            "objective": found.objective,
+            "method": found.method,
+            "seed": found.seed,
+            "origin": found.origin,
+            "evaluations": int(found.evaluations[-1]),
+            "value": found.value,
+            "sine_value": found.sine_value,
+            "gain": found.gain,
+        },
+    }
