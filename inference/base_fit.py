@@ -15,7 +15,7 @@ from inference.noise_floor import noise_deviation
 from inference.observation import POSE, MarkerObservation, ShapeObservation
 from inference.prepare import RELEASE, recalibrated
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import Fit, ParameterName, Problem, RAN_AWAY, evaluate, finished, fit, fit_multistart
+from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, finished, fit, fit_multistart
 from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration
@@ -23,7 +23,10 @@ from tentacle.recording import Declaration
 STEP = 1.0 / 150.0  # s: where a fit begins; how fine it ends is found (inference.sufficient_step)
 SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 VISIBLE = 0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
-FIRST_FRAMES, PLACED = 6, 0.003  # frames of a start; arm lengths to which a marker shows the shape beside 1 rad of prior
+FIRST_FRAMES, PLACED = (
+    6,
+    0.003,
+)  # frames of a start; arm lengths to which a marker shows the shape beside 1 rad of prior
 MOST_FOR_MARKERS, FOLLOWED = 4, 0.2  # coordinates; noise sigmas to which fewer of them are to follow those
 
 
@@ -180,7 +183,7 @@ def _shape_of_markers(experiment: Experiment, markers: MarkerObservation, order:
     Where they do not tell a coordinate, it stays near zero.
     """
     seen = np.flatnonzero(np.isfinite(markers.xy).all(axis=(1, 2)))
-    until = experiment.release if experiment.release is not None else markers.t[seen[: FIRST_FRAMES][-1]]
+    until = experiment.release if experiment.release is not None else markers.t[seen[:FIRST_FRAMES][-1]]
     early = seen[markers.t[seen] <= until]
     early = early if early.size else seen[:1]
     there, theta = markers.xy[early].mean(axis=0), markers.theta[early].mean()

@@ -3,13 +3,14 @@
     y(t_k) = h(x(t_k); parameters, effects) + H_k (z + b + e) + noise_k,        noise_k white, unit after whitening
     M z'' + D z' + K z = a F (f(t) + f_0) + Q(t) c - (M_b b'' + D_b b' + K_b b)
 
-f: forces and bending moments along the arm, in units of those that act there and then, correlated over REACH arm lengths and,
-in time, a Matern-3/2 process of ELL times the motion's own time; f_0 the same, constant. c: the laws' coefficients are known up to a slow
-variation along the arm, and Q(t) c is what it does. b: a slow error of the base's angle, a times the base's motion; e: slow and constant
-errors of the measured shape, of size a times the shape's motion, and of where the markers sit. All are Gaussian, of unit size but for what is said
-here. a, the share of the acting forces that is unknown, is the one hyperparameter. M, D, K are those of the model's
-laws, averaged along the fitted motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a
-force so smooth moves them by their stiffness alone. One Kalman pass whitens any number of residual columns
+f: forces and bending moments along the arm, in units of those that act there and then, correlated over REACH arm
+lengths and, in time, a Matern-3/2 process of ELL times the motion's own time; f_0 the same, constant. c: the laws'
+coefficients are known up to a slow variation along the arm, and Q(t) c is what it does. b: a slow error of the base's
+angle, a times the base's motion; e: slow and constant errors of the measured shape, of size a times the shape's motion,
+and of where the markers sit. All are Gaussian, of unit size but for what is said here. a, the share of the acting
+forces that is unknown, is the one hyperparameter. M, D, K are those of the model's laws, averaged along the fitted
+motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a force so smooth moves them by their
+stiffness alone. One Kalman pass whitens any number of residual columns
 alike: the sum of squares of the whitened rows and log_determinant are the marginal likelihood, linear in frames.
 
 Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models); Alvarez, Luengo and Lawrence 2009
@@ -142,8 +143,9 @@ class LatentForce:
         return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
     def state_equation(self, a: float) -> tuple[Array, Array, Array]:
-        """Drift F (N, N) and diffusion G (N, N) of the state [z, z', f', b, b', e, f_0, pose, place, f, c], and its covariance
-        at the start; what f and c, the last, push is not in it. z and z' begin at zero: the initial state is among the fit's own unknowns.
+        """Drift F (N, N) and diffusion G (N, N) of the state [z, z', f', b, b', e, f_0, pose, place, f, c], and its
+        covariance at the start; what f and c, the last, push is not in it. z and z' begin at zero: the initial state is
+        among the fit's own unknowns.
         """
         lin, at = self.linearised, self._places()
         n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / lin.time, at["c"].stop

@@ -88,7 +88,7 @@ def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> Se
 
 
 def _own_time(arm: Arm, run: Prediction) -> float:
-    """The motion's own time [s]: rms of the coordinates and the base angle about their means, over that of the rates."""
+    """The motion's own time [s]: rms of coordinates and base angle about their means, over that of their rates."""
     batch = run.batch
     moved = np.concatenate([batch.q[:, :, 0] @ arm.from_monomial.T, batch.theta], axis=1)
     rates = np.concatenate([batch.q_rate[:, :, 0] @ arm.from_monomial.T, batch.theta_rate], axis=1)

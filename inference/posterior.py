@@ -120,15 +120,31 @@ def hypothesis(rough: Rough) -> Hypothesis:
         fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
 
 
-def with_rest(h: Hypothesis) -> Hypothesis:
+def with_rest(h: Hypothesis, less: Hypothesis | None = None) -> Hypothesis:
     """The hypothesis with the rest that its model alone leaves, fitted to follow the data as well as it goes; what it
-    leaves counts as noise, so that no parameter leaves its prior for it.
+    leaves counts as noise, so that no parameter leaves its prior for it. less: a model that this one holds, with its
+    rest: a fit that ends above it is begun once more from there.
     """
     there = np.concatenate([h.fitted.values, *h.fitted.nuisances])
     plain = replace(h.problem, filters=())
     size = max(_rms(plain, plain.residuals(there[:, None])[1]), 1.0)
+    found = _followed(h, plain, h.fitted.nuisances, size)
+    if less is None or less.alone is None or found.rest <= less.rest:
+        return found
+    parameters, before = plain.parameters.copy(), less.alone.parameters
+    for name in less.problem.free:
+        place = h.problem.rows()[h.problem.free.index(name)]
+        parameters[place] = before[place]
+    kept = all(a.size == b.size for a, b in zip(less.alone.nuisances, h.fitted.nuisances, strict=True))
+    start = less.alone.nuisances if kept else h.fitted.nuisances
+    again = _followed(h, replace(plain, parameters=parameters), start, float(np.sqrt(less.rest + 1.0)))
+    return min(found, again, key=lambda one: one.rest)
+
+
+def _followed(h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float) -> Hypothesis:
+    """The fit from there, with noise of that many of its deviations."""
     louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
-    alone = fit(replace(plain, experiments=louder), h.fitted.nuisances, tolerance=1e-4, most=30)
+    alone = fit(replace(plain, experiments=louder), nuisances, tolerance=1e-4, most=30)
     followed = size * _rms(plain, [rows[:, :, None] for rows in alone.residuals])
     return replace(h, alone=alone, rest=followed**2 - 1.0)
 

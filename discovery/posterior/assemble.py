@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from discovery.assemble import ACCOUNTS, LIMITS, error_budget, proposal_words
+from discovery.answer import ACCOUNTS, LIMITS, error_budget, proposal_words
 from discovery.calibration import Calibration
 from discovery.next_experiment import propose
 from discovery.posterior.decide import Decision, log_masses, missing_of, usable

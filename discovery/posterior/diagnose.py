@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from discovery.assemble import cannot_tell
 from discovery.calibration import Calibration
-from discovery.given import held_out_run, same_arm
+from discovery.given import Given, held_out_run
 from discovery.posterior.assemble import assembled
 from discovery.posterior.decide import decide
 from discovery.posterior.detection import detection_limits
@@ -21,55 +20,19 @@ from inference.base_fit import Setting, fitted_order, known_from_baseline, neede
 from inference.experiment import SPREAD
 from inference.observation import ShapeObservation
 from inference.posterior import Hypothesis, declared_model, with_rest
-from inference.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
+from inference.prepare import MOST_COORDINATES, Prepared, prepare
 from inference.reduction import Reduction, reduction_error, without_reduction
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
-from tentacle.errors import InputError
 from tentacle.progress import Stage
-from tentacle.recording import Recording
 
 FINER = 0.5  # of the step that suffices for the declared model: laws that are added may bend more sharply
 
 
-def _silent(words: str, done: float = 0.0) -> None:
-    """No progress is shown."""
-
-
-def diagnose(
-    recordings: Sequence[Recording],
-    baseline: Sequence[Recording] = (),
-    held_out: Sequence[Recording] = (),
-    *,
-    seed: int = 0,
-    calibration: Calibration | None = None,
-    progress: Stage = _silent,
-) -> Diagnosis:
-    """Find what the declared model lacks, and the error before and after it is added.
-
-    baseline: recordings whose declaration is complete: no absent effect acts there, and they share the arm's parameters
-    with the others, up to the spread between recordings. held_out: recordings that only judge; without any, the last
-    third of each recording does. calibration: of the confidence, by blind trials (None: the posterior mass).
-    Raises InputError on unusable input.
-    """
-    if not recordings:
-        raise InputError("no recording", expected="at least one")
-    same_arm([*recordings, *held_out, *baseline])
-    try:
-        return _diagnosed(recordings, baseline, held_out, seed, calibration, progress)
-    except CannotTellError as reason:
-        return cannot_tell(recordings[0], str(reason), seed)
-
-
-def _diagnosed(
-    recordings: Sequence[Recording],
-    baseline: Sequence[Recording],
-    held_out: Sequence[Recording],
-    seed: int,
-    calibration: Calibration | None,
-    progress: Stage,
-) -> Diagnosis:
+def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress: Stage) -> Diagnosis:
+    """What the recordings tell; CannotTellError where they show too little."""
+    recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
     prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
     prepared += [held_out_run(prepare(recording, hold_out=False)) for recording in held_out]

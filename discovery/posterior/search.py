@@ -9,6 +9,7 @@ import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -62,11 +63,11 @@ def search(base: Hypothesis, origin: Fit, progress: Callable[[float], None] = la
         ]
         fewer = [name for name in centre.effects if frozenset(centre.effects) - {name} not in tried]
         tasks: list[Callable[[], Rough]] = [
-            *(lambda begun=begun: added(centre, begun) for begun in wanted),
-            *(lambda begun=begun: added(centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
-            *(lambda name=name: removed(centre, name) for name in fewer),
+            *(partial(added, centre, begun) for begun in wanted),
+            *(partial(added, centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
+            *(partial(removed, centre, name) for name in fewer),
         ]
-        for h in _side_by_side([lambda one=one: hypothesis(one) for one in _promising(_side_by_side(tasks))]):
+        for h in _side_by_side([partial(hypothesis, one) for one in _promising(_side_by_side(tasks))]):
             known = tried.get(frozenset(h.effects))
             if known is None or h.log_evidence.max() > known.log_evidence.max():
                 tried[frozenset(h.effects)] = h
@@ -84,13 +85,11 @@ def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str],
     """The hypotheses, those that may count with the rest that they leave."""
     missing = missing_of(list(tried.values()))
     reach = max(max(log_masses(h, missing)) for h in tried.values()) - REACH
-    asked = [
-        h
-        for h in tried.values()
-        if h.alone is None and (not h.effects or max(log_masses(h, missing)) > reach)
-    ]
-    found = _side_by_side([lambda h=h: with_rest(h) for h in asked])
-    return tried | {frozenset(h.effects): h for h in found}
+    base = tried[frozenset()]
+    base = base if base.alone is not None else with_rest(base)
+    asked = [h for h in tried.values() if h.effects and h.alone is None and max(log_masses(h, missing)) > reach]
+    found = _side_by_side([partial(with_rest, h, base) for h in asked])
+    return tried | {frozenset(): base} | {frozenset(h.effects): h for h in found}
 
 
 def _promising(roughs: list[Rough]) -> list[Rough]:
@@ -104,7 +103,8 @@ def _side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
     """The results of the tasks that have one: the kernel and the filter let other threads run while they compute."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2
     with ThreadPoolExecutor(workers) as pool:
-        return [result for result in pool.map(_done, tasks) if result is not None]
+        results: list[T | None] = list(pool.map(lambda task: _done(task), tasks))
+    return [result for result in results if result is not None]
 
 
 def _done(task: Callable[[], T]) -> T | None:
@@ -182,9 +182,7 @@ def removed(centre: Hypothesis, effect: str) -> Rough:
     return _refitted(tuple(e for e in centre.effects if e != effect), begun, centre)
 
 
-def _refitted(
-    effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis
-) -> Rough:
+def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis) -> Rough:
     """Fitted roughly from those starts."""
     return rough_fit(effects, [_remembering(effects, *start) for start in begun], centre.forces, centre.share)
 

@@ -103,8 +103,8 @@ def _within(problem: Problem, unknowns: Array) -> Array:
 
 
 def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
-    """Parameter vectors of the grid: the set's linear estimate and shares of it; of a single effect all shapes and sizes
-    too.
+    """Parameter vectors of the grid: the set's linear estimate and shares of it; of a single effect all shapes and
+    sizes too.
     """
     linear = list(zip(chosen.candidates, chosen.strengths, strict=True))
     plan = [_with(centre.fitted.parameters, linear, share) for share in (1.0, 0.4)]
