@@ -93,7 +93,7 @@ def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
 def memory_growth(frames: int) -> float:
     """Growth of the resident memory [MB] while a long stream is followed, from its first tenth to its end."""
     scene = swaying(seed=1, frames=40, size=(160, 120))
-    pictures = list(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)))
     there_and_back = [*range(40), *range(38, 0, -1)]
     order = [there_and_back[k % len(there_and_back)] for k in range(frames)]
     times = np.arange(frames) / scene.camera.fps

@@ -33,7 +33,7 @@ def find_release(t: Array, path: Array) -> Release | None:
     reached = int(np.argmax(_distance(path, path[0]) > 0.5 * SHARE * _distance(path, path[0]).max()))
     held = path[: max(int(0.9 * reached) - FEWEST, 3)]
     away = _distance(path, np.median(held, axis=0))
-    noise = float(np.linalg.norm(median_abs_deviation(held, axis=0, scale="normal")))
+    noise = 1.4826 * float(np.linalg.norm(median_abs_deviation(held, axis=0)))
     farthest = float(away.max())
     last = int(np.argmax(away > SHARE * farthest))
     if last < FEWEST or SHARE * farthest <= 2.0 * NOISE * noise:

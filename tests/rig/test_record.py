@@ -202,7 +202,7 @@ def test_a_replay_that_a_fault_cut_short_is_a_fault_and_no_bad_input(
     """Where the board's watchdog bites in the first second, that is said, and not that the recording is too short."""
     from rig.replay import drive
 
-    def cut(setup: RigSetup, board: Board, camera: None, _: Motion, path: Path, **__: object) -> RunResult:
+    def cut(setup: RigSetup, board: Board, camera: None, _: Motion, path: Path, __: Attendance) -> RunResult:
         done = record(setup, board, camera, motion_of(WAVE, 0.5, setup.limits, TABLE), path, Attendance(name="cut"))
         return replace(done, outcome="watchdog")
 

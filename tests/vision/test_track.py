@@ -179,7 +179,7 @@ def test_a_video_that_a_codec_has_smoothed_is_tracked(tmp_path):
 
 def test_a_long_video_does_not_grow_in_memory(tmp_path):
     scene = swaying(seed=1, frames=20, size=(160, 120))
-    pictures = list(render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)))
     there_and_back = [*range(20), *range(18, 0, -1)]
     order = [there_and_back[k % len(there_and_back)] for k in range(460)]
     times = np.arange(460) / scene.camera.fps
@@ -203,7 +203,7 @@ def test_a_long_video_does_not_grow_in_memory(tmp_path):
 
 def test_tracking_follows_a_file_that_is_still_being_written(tmp_path):
     scene = swaying(seed=1, frames=60, size=(320, 180))
-    frames = render(scene.midline, scene.specimen, scene.camera, scene.size, CLEAN, 1)
+    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1))
     write_video(tmp_path / "whole.mkv", frames, scene.t)
     data = (tmp_path / "whole.mkv").read_bytes()
     growing = tmp_path / "growing.mkv"

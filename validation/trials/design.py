@@ -159,7 +159,7 @@ class Hideable:
 def designs(
     count: int,
     seed: int,
-    effects: Hideable,
+    hideable: Hideable,
     *,
     kinds: Sequence[str] = KINDS,
     video_share: float = 0.25,
@@ -182,7 +182,7 @@ def designs(
     for index in range(count):
         kind = turns[index % len(turns)]
         random = np.random.default_rng([seed, index])
-        effects = _hidden(kind, places[kind], seed, effects.catalogued, effects.outside, random)
+        effects = _hidden(kind, places[kind], seed, hideable.catalogued, hideable.outside, random)
         places[kind] += 1
         duration = float(np.round(random.uniform(*DURATIONS), 1))
         noise, sizes = _log_uniform(random, *NOISE), tuple(_log_uniform(random, *R_RANGE) for _ in effects)

@@ -42,7 +42,7 @@ def series(
     """The designs of a series over effects in the catalogue and out of it; all that the reference can hide, unless
     given.
     """
-    return designs(count, seed, Hideable(Hideable(*effects)), kinds=kinds, video_share=video_share, like=like)
+    return designs(count, seed, Hideable(*effects), kinds=kinds, video_share=video_share, like=like)
 
 
 @cache
