@@ -39,7 +39,10 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made["set_tip"] = value(parameters, "unnamed", "set_tip") * chain.hinge_s / chain.links
     made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.links**2
     c_f = value(parameters, "dry_friction", "c_f")
-    made["yield_moment"] = chain.stiffness / chain.links * c_f
+    sliding = value(parameters, "dry_friction", "sliding")
+    made["yield_moment"] = chain.stiffness / chain.links * c_f * (1.0 - sliding)
+    made["sliding_moment"] = chain.stiffness / chain.links * c_f * sliding
+    made["sliding_rate"] = value(parameters, "dry_friction", "rate", 0.5) / chain.links
     slip = value(parameters, "dry_friction", "slip", PRESLIDING * c_f)  # curvature at which it gives way
     made["yield_angle"] = max(slip, 1e-9) / chain.links
     made["maxwell"] = value(parameters, "viscoelasticity", "g") * chain.stiffness
@@ -89,6 +92,10 @@ def hinge_moments(course: Midpoint, hinges: Fields, memory: Array, now: Now, equ
             slope += softening * sticks * hinge.yield_moment / hinge.yield_angle
         slope += 2.0 * stiffness * hinge.bent_loss * angle * rate[i]
         force[i] -= moment + damping * rate[i]
+        if hinge.sliding_moment != 0.0:
+            grip = np.tanh(rate[i] / hinge.sliding_rate)
+            force[i] -= softening * hinge.sliding_moment * grip
+            damping += softening * hinge.sliding_moment * (1.0 - grip * grip) / hinge.sliding_rate
         matrix[i, i] += half * damping + half * half * slope
 
 

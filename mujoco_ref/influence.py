@@ -34,6 +34,7 @@ WATER = np.dtype(
         ("slosh_f", _F),
         ("wall_B", _F),  # what the wall does, over what is published of a smooth cylinder
         ("wall_x", _F),  # where the wall stands [m]
+        ("wall_carried", _F),  # share of the published added mass that it has
         ("suction_U", _F),  # a port at the clamp draws water along x: velocity [m/s], frequency [Hz], reach [m]
         ("suction_f", _F),
         ("suction_reach", _F),
@@ -81,6 +82,8 @@ HINGE = np.dtype(
         ("yield_moment", _F),  # dry friction [N m]
         ("yield_angle", _F),  # hinge angle at which it yields [rad]
         ("maxwell", _F),  # stiffness of the Maxwell branch [N m/rad]
+        ("sliding_moment", _F),  # dry friction that depends on the rate alone [N m]
+        ("sliding_rate", _F),  # rate of the hinge angle at which it is 3/4 of that [rad/s]
         ("relaxation", _F),  # its relaxation time [s]
         ("bent_loss", _F),  # damping over stiffness, per squared hinge angle [s/rad^2]
         ("loss", _F),  # damping over stiffness [s]
@@ -131,7 +134,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "linear_drag": ("c_n",),
     "current": ("U_x", "U_y"),
     "sloshing": ("U_cos", "U_sin", "f"),
-    "wall": ("B", "distance"),
+    "wall": ("B", "distance", "carried"),
     "cross_flow": ("share",),
     "reynolds_drag": ("share",),
     "vortex_lift": ("C_cos", "C_sin", "U"),
@@ -153,7 +156,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
         "one_sided",
         "slow_tip",
     ),
-    "dry_friction": ("c_f", "slip"),
+    "dry_friction": ("c_f", "slip", "sliding", "rate"),
     "soft_spot": ("depth", "s0"),
     "stiffness_drift": ("rate",),
     "servo_lag": ("tau",),
@@ -211,6 +214,7 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         slosh_f=take("sloshing", "f", 1.2),
         wall_B=take("wall", "B"),
         wall_x=length * take("wall", "distance", 0.6),
+        wall_carried=take("wall", "carried", 1.0),
         suction_U=take("suction", "U"),
         suction_f=take("suction", "f", 0.5),
         suction_reach=take("suction", "reach", 0.3 * length),

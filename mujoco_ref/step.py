@@ -23,6 +23,13 @@ from mujoco_ref.water import MASS, VOLUME, VOLUME_CENTRE, link_motion, link_tabl
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
+STEEP = (
+    "yield_moment",
+    "sliding_moment",
+    "cubic",
+    "bent_loss",
+    "one_sided",
+)  # hinge laws with a corner or a steep curve
 Plain = tuple[Any, ...]  # the fields of a NamedTuple of step_arguments
 
 
@@ -206,9 +213,8 @@ class Stepper:
         base = laws.base[0]
         self.held = np.array([not base[name] for name in ("free_x", "free_y", "free_theta")])
         self.reading = np.zeros(5)
-        # Laws with a corner or a steep curve need Newton's method to converge; the smooth ones are right after one
-        # step.
-        steep = any(np.any(laws.hinges[name] != 0.0) for name in ("yield_moment", "cubic", "bent_loss", "one_sided"))
+        # Steep laws need Newton's method to converge; the smooth ones are right after one step.
+        steep = any(np.any(laws.hinges[name] != 0.0) for name in STEEP)
         loose = any(base[name] > 0.0 for name in ("play", "slip_moment", "hub_friction", "rail_friction"))
         self.corrections = 4 if steep or loose else 1
         # The rail or stand carries the mount's own weight.

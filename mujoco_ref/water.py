@@ -97,7 +97,7 @@ def beside_wall(
     diameters = (np.sqrt(distance * distance + squared) - half_width) / (2.0 * half_width)
     coefficient = water.wall_B * water.C_perp / (2.0 + 10.0 * diameters)
     near = distance * distance + 0.25 * squared
-    inertia = water.wall_B * 0.5 * np.pi * water.density * squared * squared / near
+    inertia = water.wall_carried * water.wall_B * 0.5 * np.pi * water.density * squared * squared / near
     growth = 2.0 * distance * inertia / near
     approach = u_n * cosine - u_t * sine
     push_n = growth * u_n * (0.5 * u_n * cosine - approach)

@@ -2,8 +2,9 @@
 
 With h the axis' distance from the wall, r half the width: added mass per length, along the normal,
 pi rho r^2 (r/h)^2 / 2 beyond that of free water (potential flow, leading order), and C_perp / (2 + 10 e/D) more drag,
-e/D = (h - r) / 2r the gap in diameters. Both are kept finite where the axis would meet the wall. As the added mass m
-depends on the place, momentum and energy ask for the forces -m' x' u_n n + m' u_n^2 / 2 along x.
+e/D = (h - r) / 2r the gap in diameters. `carried` is the share of that added mass which goes with the drag: 1 of a
+smooth wall in still water, 0 of a wall that only brakes. Both are kept finite where the axis would meet the wall. As
+the added mass m depends on the place, momentum and energy ask for the forces -m' x' u_n n + m' u_n^2 / 2 along x.
 """
 
 from typing import Any
@@ -15,7 +16,15 @@ from affine_model.laws import cos, sin, sqrt
 def _inertia(x: Any, p: Any) -> Any:
     """kg/m along the normal."""
     radius_squared, away = 0.25 * x.width**2, p.distance * x.length - x.x
-    return p.B * 0.5 * 3.141592653589793 * x.fluid_density * radius_squared**2 / (away**2 + 0.25 * radius_squared)
+    return (
+        p.carried
+        * p.B
+        * 0.5
+        * 3.141592653589793
+        * x.fluid_density
+        * radius_squared**2
+        / (away**2 + 0.25 * radius_squared)
+    )
 
 
 def _force(x: Any, p: Any) -> tuple[Any, Any]:
@@ -41,6 +50,7 @@ WALL = Effect(
             "where the wall stands, along n at theta = 0; its sign is the side",
             scan=(0.6, -0.6, 0.4, -0.4, 0.9, -0.9),
         ),
+        Parameter("carried", "1", 1.0, (0.0, 1.0), "share of the published added mass that it has", scan=(1.0, 0.0)),
     ),
     source="added mass: Brennen 1982, sec. 4; drag: DNV-RP-F105, proximity to a wall",
     family="fluid",

@@ -197,6 +197,10 @@ class Forces:
         joints, n = self._v[1:], self._n
         given = self.model.dof_damping[joints].copy()  # MuJoCo has counted it in this step
         wanted = n["hinge_damping"] + stiffness * (n["hinge_loss"] + n["hinge_bent_loss"] * bend**2)
+        # Sliding friction M tanh(rate / r) as the damping M tanh(rate / r) / rate.
+        sliding = np.maximum(np.abs(rate), 1e-9) / np.maximum(n["hinge_sliding_rate"], 1e-12)
+        drifted = stiffness / n["hinge_stiffness"]
+        wanted += drifted * n["hinge_sliding_moment"] * np.tanh(sliding) / np.maximum(np.abs(rate), 1e-9)
         self.model.dof_damping[joints] = wanted
         return (wanted - given) * rate
 

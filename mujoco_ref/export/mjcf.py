@@ -45,6 +45,7 @@ FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
 WATER_FIELDS = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f")
 
 HINGE_FIELDS = ("stiffness", "damping", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle",
+                "sliding_moment", "sliding_rate",
                 "stiff_tip", "set_tip", "one_sided", "loss", "bent_loss")  # fmt: skip
 REST_FIELDS = ("push", "tether", "tip_tether", "bowed_tether", "tip_brake", "density")
 BODIES = ("payload", "hung")  # of the reference's chain, at the tip

@@ -8,6 +8,7 @@ from pathlib import Path
 HELP = "make recordings with hidden effects, diagnose them without the answer, and score the loop"
 KINDS = "single,pair,null,unknown"
 VIDEO_SHARE = 0.25
+PLANTS = "stranger,chain"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -34,6 +35,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="SHARE",
         help=f"share of trials that are rendered as video and tracked (default {VIDEO_SHARE})",
     )
+    parser.add_argument(
+        "--plant",
+        metavar="LIST",
+        help=f"simulators that hide the effects, drawn at random for each trial (default {PLANTS})",
+    )
     parser.add_argument("--kinds", default=KINDS, metavar="LIST", help=f"kinds of trials (default {KINDS})")
     parser.add_argument(
         "--only",
@@ -49,30 +55,37 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from discovery.calibration import stored
+    from tentacle.cli._blind_like import like_recording
     from tentacle.cli.pages.blind_trials import page
     from tentacle.errors import InputError
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.result_folder import written
     from tentacle.runner import Runner
     from validation.trials.figures import figures, results
+    from validation.trials.plant_design import plant_designs
     from validation.trials.reliability import AS_STATED, LIKE_OTHERS, Prior, fit_calibration
     from validation.trials.remake import remake
-    from validation.trials.series import run_series, series
+    from validation.trials.series import run_series
     from viz.report import Origin, write_report
 
     if arguments.count < 1:
         raise InputError(f"{arguments.count} is too few", field="N", expected="1 or more")
     if arguments.workers is not None and arguments.workers < 1:
         raise InputError(f"{arguments.workers} is too few", field="--workers", expected="1 or more")
-    kinds = [kind.strip() for kind in arguments.kinds.split(",") if kind.strip()]
+    kinds = _listed(arguments.kinds)
     share = VIDEO_SHARE if arguments.video_share is None else arguments.video_share
     prior, sections, inputs = AS_STATED, [], []
     if arguments.like is None:
-        found = series(arguments.count, arguments.seed, kinds, share)
-        options = f"--video-share {share:g}"
+        plants = _listed(arguments.plant or PLANTS)
+        found = plant_designs(arguments.count, arguments.seed, plants=plants, kinds=kinds, video_share=share)
+        options = f"--plant {','.join(plants)} --video-share {share:g}"
     else:
-        if arguments.video_share is not None:
-            raise InputError("not together with --like", field="--video-share", expected="the recording says how")
+        for field, given, expected in (
+            ("--video-share", arguments.video_share, "the recording says how"),
+            ("--plant", arguments.plant, "the reference makes them"),
+        ):
+            if given is not None:
+                raise InputError("not together with --like", field=field, expected=expected)
         found, sections = like_recording(arguments.like, arguments.count, arguments.seed, kinds)
         prior, inputs = Prior(stored(), LIKE_OTHERS), [arguments.like]
         options = f"--like {arguments.like}"
@@ -95,21 +108,6 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple[list, list]:
-    """Designs of trials like a recording, and the report's section on what they share with it."""
-    from tentacle.cli._progress import stages
-    from tentacle.cli.pages.blind_like import like_section
-    from validation.trials.likeness import likeness
-    from validation.trials.series import CATALOGUED, UNCATALOGUED, series
-    from validation.trials.sizing import shown_effects
-    from vision.tracked_recording import read_tracked
-
-    with stages() as stage:
-        recording = read_tracked(path, stage)
-        stage(f"fitting the declared model to {recording.name}")
-        like = likeness(recording)
-        stage("which effects can show in such a recording")
-        effects = shown_effects(like, CATALOGUED, UNCATALOGUED)
-    silent = sorted({*CATALOGUED, *UNCATALOGUED}.difference(*effects))
-    designs = series(count, seed, kinds, VIDEO_SHARE, effects, like)
-    return designs, [like_section(recording.name, like, effects, silent)]
+def _listed(text: str) -> list[str]:
+    """The words of a list with commas."""
+    return [word.strip() for word in text.split(",") if word.strip()]

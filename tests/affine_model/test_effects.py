@@ -174,7 +174,7 @@ def test_dissipative_effect_takes_energy(effect, parameters):
             h = 1e-6
             memory_rate = (advanced_memory(ARM, (effect,), with_it, memory, c_rate, h) - memory)[0] / h
             k = 2e5 * ARM.node_quantities["second_moment"] / ARM.specimen.length
-            seen = SimpleNamespace(stiffness=k, memory=memory[0])
+            seen = SimpleNamespace(stiffness=k, memory=memory[0], c_rate=0.0 * c_rate)  # what slides stores nothing
             assert effect.bending_moment is not None
             power += ARM.rule.weights @ (effect.bending_moment(seen, parameters_of(effect, with_it)) * memory_rate)
         assert power < 0.0

@@ -42,7 +42,7 @@ EVERYTHING = {
     "cubic_stiffness": {"beta": 0.4},
     "intrinsic_curvature": {"c0": 0.2},
     "viscoelasticity": {"g": 0.3, "tau": 0.2},
-    "dry_friction": {"c_f": 0.1, "slip": 0.03},
+    "dry_friction": {"c_f": 0.1, "slip": 0.03, "sliding": 0.4, "rate": 2.0},
     "stiffness_drift": {"rate": 0.01},
 }
 

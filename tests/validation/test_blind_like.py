@@ -52,7 +52,12 @@ def test_a_confidence_is_that_of_the_trials_given(own: Path, tmp_path: Path, cap
 
 @pytest.mark.parametrize(
     ("more", "named"),
-    [(["--like", "nowhere.rrd"], "nowhere.rrd"), (["--like", "own", "--video-share", "0.5"], "--video-share")],
+    [
+        (["--like", "nowhere.rrd"], "nowhere.rrd"),
+        (["--like", "own", "--video-share", "0.5"], "--video-share"),
+        (["--like", "own", "--plant", "chain"], "--plant"),
+        (["--plant", "tank"], "tank"),
+    ],
 )
 def test_bad_arguments_are_one_line_and_exit_2(own, tmp_path, capsys, more, named):
     more = [str(own) if word == "own" else word for word in more]

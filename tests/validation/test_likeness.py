@@ -8,7 +8,7 @@ import pytest
 from tentacle.errors import InputError
 from tentacle.waveform import Sine
 from tests.made_recordings import FPS, TRUTH, WAVE, S
-from validation.trials.design import NEAR, Design, Hideable, designs
+from validation.trials.design import NEAR, Design, designs
 from validation.trials.likeness import AFTER, BEFORE, likeness, sampled_motion
 from validation.trials.sight import Sight, track_noise
 
@@ -29,12 +29,12 @@ def test_arm_motion_length_and_noise_are_the_recording_s(alike):
     for (effect, name), value in TRUTH.items():
         assert alike.model.value(effect, name) == pytest.approx(value, rel=0.03)
     t = np.linspace(0.0, 7.9, 500)
-    (design,) = designs(1, 0, Hideable(("wall",), ("magnet",)), kinds=["null"], like=alike)
+    (design,) = designs(1, 0, ("wall",), ("magnet",), alike, ["null"])
     np.testing.assert_allclose(design.waveform()(t)[0], WAVE(t)[0], atol=2e-4)  # a log at 60 Hz holds no more
 
 
 def test_designs_share_all_but_the_base_parameters_and_what_is_hidden(alike):
-    found = designs(32, 1, Hideable(("wall", "current"), ("magnet",)), like=alike)
+    found = designs(32, 1, ("wall", "current"), ("magnet",), alike)
     assert {design.sight for design in found} == {alike.sight}
     assert {design.duration for design in found} == {alike.duration}
     ratios = np.array([design.model().value("elasticity", "E") for design in found])

@@ -1,70 +1,79 @@
-"""Designs of blind trials, and how their hidden effects are sized."""
+"""Designs of blind trials in plants and like a recording, and how their hidden effects are sized."""
 
+import json
 from collections import Counter
 
 import numpy as np
 import pytest
 
 from tentacle.errors import InputError
-from tentacle.recording import Declaration, Recording
-from tentacle.signals import ShapeTrack
-from validation.trials.design import DURATIONS, FASTEST, KINDS, VIDEO_NOISE, Design, Hideable, designs
-from validation.trials.recording import _tracked_size, trial_recording
-from validation.trials.sight import Sight
+from tests.validation.made_designs import of_kind
+from validation.plants.draw import FASTEST, SETTLED
+from validation.plants.laws import LAWS, OUTSIDE
+from validation.trials.plant_design import SECONDS, PlantDesign, plant_designs
+from validation.trials.plant_recording import plant_recording
+from validation.trials.recording import trial_recording
+from validation.trials.rounds import KINDS, dealt
 from validation.trials.sizing import bare_problem, sized, visible_size
-
-INSIDE, OUTSIDE = ("wall", "current", "buoyancy", "added_mass"), ("magnet", "thread")
 
 
 def test_a_longer_series_begins_with_the_shorter_one():
-    assert designs(40, 5, Hideable(INSIDE, OUTSIDE))[:17] == designs(17, 5, Hideable(INSIDE, OUTSIDE))
-    assert designs(5, 5, Hideable(INSIDE, OUTSIDE)) != designs(5, 6, Hideable(INSIDE, OUTSIDE))
+    assert plant_designs(40, 5)[:17] == plant_designs(17, 5)
+    assert plant_designs(5, 5) != plant_designs(5, 6)
 
 
 def test_a_design_survives_json():
-    import json
-
-    for design in designs(8, 1, Hideable(INSIDE, OUTSIDE)):
-        assert Design.of(json.loads(json.dumps(design.table()))) == design
+    for design in (*plant_designs(8, 1), of_kind("wall")):
+        assert type(design).of(json.loads(json.dumps(design.table()))) == design
 
 
-def test_kinds_effects_and_videos_come_in_their_shares():
-    found = designs(160, 2, Hideable(INSIDE, OUTSIDE))
+def test_kinds_effects_plants_and_videos_come_in_their_shares():
+    found = plant_designs(160, 2)
     kinds = Counter(design.kind for design in found)
     assert kinds == {"single": 90, "null": 20, "unknown": 20, "pair": 30}
     singles = Counter(design.effects[0] for design in found if design.kind == "single")
     assert max(singles.values()) - min(singles.values()) <= 1  # shuffled decks deal evenly
-    assert sum(design.sight.kind == "video" for design in found) == 40
-    assert {design.kind for design in found if design.sight.kind == "video"} == set(KINDS)  # in turn, none is left out
+    assert set(singles) == set(LAWS)
+    assert sum(design.seen == "video" for design in found) == 40
+    assert {design.kind for design in found if design.seen == "video"} == set(KINDS)  # in turn, none is left out
     assert all(
         len(set(design.effects)) == {"single": 1, "pair": 2, "null": 0, "unknown": 1}[design.kind] for design in found
     )
-    assert {design.kind for design in designs(6, 2, Hideable(INSIDE, OUTSIDE), kinds=["null", "pair"])} == {
-        "null",
-        "pair",
-    }
+    plants = Counter(design.plant for design in found)
+    assert set(plants) == {"stranger", "chain"}
+    assert min(plants.values()) > 50  # of 160 drawn evenly, 4.7 standard deviations below the mean
+    assert {design.plant for design in plant_designs(9, 2, plants=["chain"])} == {"chain"}
+    assert {one.kind for one in dealt(6, 2, tuple(LAWS), OUTSIDE, kinds=["null", "pair"])} == {"null", "pair"}
 
 
 def test_motions_keep_within_the_servo_s_speed():
-    for design in designs(30, 3, Hideable(INSIDE, OUTSIDE)):
-        theta, rate, _ = design.waveform()(np.linspace(0.0, design.duration, 20001))
-        assert np.abs(rate).max() <= FASTEST * 1.001
+    for design in plant_designs(20, 3):
+        t = np.linspace(SETTLED, SETTLED + design.seconds, 20001)
+        theta = design.trial().theta(t)
+        assert np.abs(np.gradient(theta, t)).max() <= FASTEST * 1.001
         assert np.abs(theta).max() > 0.05
-        assert DURATIONS[0] <= design.duration <= DURATIONS[1]
-        assert 0.1 <= design.model().specimen.section.tip_radius / design.model().specimen.section.base_radius <= 0.5
+        assert SECONDS[0] <= design.seconds <= SECONDS[1]
 
 
 @pytest.mark.parametrize(
-    ("field", "options"), [("kinds", {"kinds": ["triple"]}), ("video share", {"video_share": 1.5})]
+    ("field", "options"),
+    [("kinds", {"kinds": ["triple"]}), ("video share", {"video_share": 1.5}), ("plant", {"plants": ["tank"]})],
 )
 def test_bad_options_are_refused(field, options):
     with pytest.raises(InputError, match=field):
-        designs(3, 0, Hideable(INSIDE, OUTSIDE), **options)
+        plant_designs(3, 0, **options)
 
 
-def of_kind(effect, **changed):
-    design = designs(1, 4, Hideable((effect,), OUTSIDE), kinds=["single"], video_share=0.0)[0]
-    return Design.of({**design.table(), "duration": 12.0, **changed})
+def test_a_plant_s_recording_tells_nothing_of_its_truth_and_the_truth_tells_the_law():
+    design = PlantDesign(3, 11, "single", ("camera_scale",), "stranger", "midline", 2.5, 1e-4)
+    (recording, truth), (again, _) = plant_recording(design), plant_recording(design)
+    np.testing.assert_array_equal(recording.midline.xy, again.midline.xy)
+    assert recording.name == "trial_0003"
+    assert set(truth["laws"]) == {"camera_scale"}
+    assert truth["plant"] == "stranger"
+    # A camera's scale is within no base parameter: what stays of it is of the size by which it moves the picture.
+    assert truth["r"][0] > 0.3 * truth["moved_mm"] / truth["noise_mm"]
+    json.dumps(truth)
 
 
 def test_r_is_linear_in_a_faint_effect_and_reached_as_asked():
@@ -96,24 +105,6 @@ def test_an_effect_that_cannot_reach_r_keeps_within_its_limit():
     hidden, reached = sized(design)
     assert hidden["skin_drag"]["C_t"] <= 3.0
     assert reached[0] < 1e3
-
-
-def test_r_of_a_video_goes_by_the_tracker_s_covariance():
-    """A tracker twice as sure shows every effect twice as large; frames that it rejects say nothing."""
-    design = of_kind("buoyancy", sight=Sight("video", VIDEO_NOISE).table())
-    model, t = design.model(), np.arange(0.0, 3.0, 1.0 / 30.0)
-    accepted = np.arange(t.size) % 7 != 3
-    found = []
-    for sigma in (4e-4, 2e-4):
-        coefficients = np.where(accepted[:, None], 0.1 * np.ones((t.size, 5)), np.nan)
-        covariance = np.repeat(sigma**2 * np.eye(5)[None], t.size, axis=0)
-        track = ShapeTrack(
-            t, coefficients, covariance, accepted, ("",) * t.size, 1.0, float("nan"), np.zeros(2)
-        )  # fmt: skip
-        recording = Recording("trial", Declaration(model.specimen, model.fluid), shape=track)
-        found += _tracked_size(recording, design, {"buoyancy": {"density_error": 20.0}})
-    assert found[1] == pytest.approx(2.0 * found[0], rel=0.02)  # the priors' share changes a little
-    assert found[0] > 0.0
 
 
 def test_a_recording_tells_nothing_of_its_truth_and_is_the_same_again():

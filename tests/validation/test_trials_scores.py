@@ -81,7 +81,7 @@ def test_shares_count_the_right_trials():
     assert (found.top1.hits, found.top1.count) == (19, 20)
     assert (found.false_alarm.hits, found.false_alarm.count) == (1, 31)
     assert found.after_over_floor == pytest.approx(1.1)
-    assert [part.count for _, _, part in found.by_r] == [1, 20, 0]
+    assert [part.count for _, _, part in found.by_r] == [1, 20, 0, 0]
     assert math.isnan(found.pairs.value)
 
 

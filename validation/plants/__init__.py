@@ -7,16 +7,18 @@ rigid links in MuJoCo, with other links, hinges and steps than the chain whose e
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
-from validation.plants.chain import run as run_chain
+from validation.plants import chain, stranger
 from validation.plants.draw import USUAL_FILMING, Filming, Trial, drawn
-from validation.plants.stranger import run as run_stranger
+from validation.plants.filmed import Plant, Shown, recorded, shown, truth_of
 
-PLANTS = {"stranger": run_stranger, "chain": run_chain}
+__all__ = ["PLANTS", "Filming", "Plant", "Shown", "Trial", "drawn", "make", "recorded", "shown", "truth_of"]
+
+PLANTS: dict[str, Callable[[Trial], Plant]] = {"stranger": stranger.plant, "chain": chain.plant}
 
 
 def make(
@@ -38,6 +40,7 @@ def make(
     """
     if plant not in PLANTS:
         raise InputError(f"{plant!r} is not known", field="plant", expected=f"one of {', '.join(PLANTS)}")
-    trial: Trial = drawn(seed, effects, laws or {}, Filming(filming.seconds, filming.fps, filming.sigma), size)
-    recording, truth = PLANTS[plant](trial)
-    return recording, {"plant": plant, **truth}
+    trial = drawn(seed, effects, laws or {}, filming, size)
+    made = PLANTS[plant](trial)
+    run = shown(trial, made)
+    return recorded(trial, run), {"plant": plant, **truth_of(trial, made, run)}

@@ -1,8 +1,8 @@
-"""A chain of rigid links in MuJoCo, filmed: other links, other hinges, other steps than the chain that the loop knows.
+"""A chain of rigid links in MuJoCo: other links, other hinges, other steps than the chain that the loop knows.
 
-Hinges stand at the beginnings of equal links, the first at the clamp with half a link's bend; 24 to 60 links, drawn.
-MuJoCo gives M and its bias forces; (M + M_water + h D + h^2 K) a = F at the step's beginning, v += h a, q += h v: the
-implicit Euler rule, linear in the step, of first order.
+Hinges stand at the beginnings of equal links, the first at the clamp with half a link's bend. Drawn: 24 to 60
+links, steps of .25 to .5 ms. MuJoCo gives M and its bias forces; (M + M_water + h D + h^2 K) a = F at the step's
+beginning, v += h a, q += h v: the implicit Euler rule, linear in the step, of first order.
 """
 
 from __future__ import annotations
@@ -13,24 +13,23 @@ from typing import Any
 import numpy as np
 
 from tentacle.compiled import njit
-from tentacle.recording import Recording
 from tentacle.signals import Array
-from validation.plants import filmed
 from validation.plants.draw import Trial
-from validation.plants.filmed import Mover
+from validation.plants.filmed import Mover, Plant
 from validation.plants.material import BRANCHES, bending
 from validation.plants.tank import on_piece
 
 mujoco: Any = import_module("mujoco")  # its names are made at run time
-FEWEST, MOST = 24, 60
+FEWEST, MOST = 24, 60  # links
+STEPS = (5e-4, 1e-3)  # s, at most, of which mover takes halves
 SMALLEST = 1e-14  # kg m^2: MuJoCo takes no inertia below 1e-15
 
 
-def run(trial: Trial) -> tuple[Recording, dict[str, Any]]:
-    """The trial's recording and its truth; it says how many links there are."""
-    links = int(np.random.default_rng([trial.seed, 22]).integers(FEWEST, MOST + 1))
-    recording, truth = filmed.run(trial, mover(links))
-    return recording, {**truth, "links": links}
+def plant(trial: Trial) -> Plant:
+    """The trial's chain: how many links it has and how long its steps are is drawn."""
+    random = np.random.default_rng([trial.seed, 22])
+    links, step = int(random.integers(FEWEST, MOST + 1)), float(random.uniform(*STEPS))
+    return Plant(mover(links), step, {"links": links, "step_s": 0.5 * step})
 
 
 def mover(links: int) -> Mover:

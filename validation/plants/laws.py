@@ -14,7 +14,7 @@ LAWS: dict[str, tuple[str, ...]] = {
     "linear_drag": ("uniform", "radius"),
     "current": ("uniform", "boundary_layer"),
     "sloshing": ("one_frequency", "two_frequencies"),
-    "wall": ("drag_dnv", "drag_inverse_square"),
+    "wall": ("drag_dnv", "drag_inverse_square", "drag_and_added_mass"),
     "buoyancy": ("arm", "water"),
     "gravity_tilt": ("in_plane", "also_out_of_plane"),
     "tip_mass": ("at_tip", "ahead", "below"),

@@ -95,7 +95,8 @@ def bending(
         if laws.dry_friction_law == 0.0:
             grip = np.tanh(c_rate / SLIP_RATE)
             moment += k * laws.c_f * grip
-            over_rate += k * laws.c_f * (1.0 - grip * grip) / SLIP_RATE
+            # The secant, not the tangent: Newton's steps would jump across the steep middle of tanh.
+            over_rate += k * laws.c_f * (grip / c_rate if abs(c_rate) > 1e-9 else 1.0 / SLIP_RATE)
         else:
             limit = laws.slip
             if laws.dry_friction_law == 2.0:

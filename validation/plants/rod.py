@@ -16,7 +16,7 @@ from validation.plants.tank import on_piece
 
 PIECES = 32
 STEP = 5e-4  # s, at most
-ROUNDS = 3
+ROUNDS, ROUNDS_SLIDING = 3, 20  # more where friction is a steep function of the rate
 
 
 def move(laws: np.ndarray, theta: Array, step: float, every: int) -> tuple[Array, Array]:
@@ -88,6 +88,7 @@ def _moved(laws, theta: Array, step: float, every: int):
     sunk = laws.payload * (1.0 - laws.water / laws.payload_density)
     memory, kept = np.zeros((n, BRANCHES + 1)), np.zeros((n, BRANCHES + 1))
     force, band, right = np.zeros((n + 1, 2)), np.zeros((2 * n, 6)), np.zeros(2 * n)
+    rounds = ROUNDS_SLIDING if laws.c_f != 0.0 and laws.dry_friction_law == 0.0 else ROUNDS
     steps = (theta.size - 1) // 2
     found, pulls = np.zeros((steps // every + 1, n + 1, 2)), np.zeros(steps // every + 1)
     down_x, down_y = laws.gravity * np.sin(laws.tilt), laws.gravity * np.cos(laws.tilt)
@@ -96,7 +97,7 @@ def _moved(laws, theta: Array, step: float, every: int):
             found[k // every] = x
         t, angle = (k + 0.5) * step, theta[2 * k + 1]
         turning = (theta[2 * k + 2] - theta[2 * k]) / step
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             force[:] = 0.0
             band[:] = 0.0
             for i in range(1, n + 1):

@@ -37,9 +37,20 @@ def wall_growth(laws, x: float, radius: float) -> float:
     """What a wall adds to the drag, in parts: DNV-RP-F105's curve of the gap in diameters, or (radius/distance)^2."""
     distance = abs(laws.wall_x - x)
     gap = max(distance - radius, TOUCH * radius) / (2.0 * radius)
-    if laws.wall_law == 0.0:
+    if laws.wall_law != 1.0:
         return laws.wall_B * 0.5 / (1.0 + 5.0 * gap)
     return laws.wall_B * (radius / max(distance, radius)) ** 2
+
+
+@njit(cache=True)
+def wall_inertia(laws, x: float, radius: float):
+    """Mass per length that a wall makes the arm carry along its normal, and how fast it grows along x: potential flow
+    round a cylinder and its image, m = rho pi r^2 (r / distance)^2 / 2 to first order (Brennen 1982).
+    """
+    away = laws.wall_x - x
+    near = max(abs(away), radius)
+    mass = laws.wall_B * 0.5 * laws.water * np.pi * radius**4 / near**2
+    return mass, 2.0 * mass / away if abs(away) > radius else 0.0
 
 
 @njit(cache=True)
@@ -80,4 +91,11 @@ def on_piece(laws, section, place, motion, spin: float, t: float):
             push_n -= inertia * spin * u_t
             push_t -= inertia * spin * u_n
             couple = inertia * u_n * u_t
+    if laws.wall_B != 0.0 and laws.wall_law == 2.0:
+        more, growth = wall_inertia(laws, x, radius)
+        lift = 0.5 * growth * u_n * u_n
+        push_n -= more * ((ax - surge) * nx + ay * ny + spin * u_t) + growth * ux * u_n - lift * nx
+        push_t += lift * tx - more * spin * u_n
+        couple += more * u_n * u_t
+        inertia += more
     return push_n, push_t, couple, inertia, slope

@@ -48,9 +48,19 @@ def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, 
             for name in INTERVALS
             for end, value in zip(("low", "high"), _interval(getattr(found, name)), strict=True)
         },
+        **_by_plant(outcomes),
         **{f"{method}_top1": _top1(outcomes, method) for method, _ in METHODS},
     }
     return {name: value if value == value else None for name, value in values.items()}
+
+
+def _by_plant(outcomes: Sequence[Outcome]) -> dict[str, float]:
+    """top1 and false_alarm of every plant."""
+    values = {}
+    for plant in sorted({o.plant for o in outcomes}):
+        found = scores([o for o in outcomes if o.plant == plant])
+        values |= {f"top1_{plant}": found.top1.value, f"false_alarm_{plant}": found.false_alarm.value}
+    return values
 
 
 def _interval(found: Share) -> tuple[float, float]:
@@ -75,7 +85,8 @@ def results(
     trials = [
         {
             "trial": o.index, "kind": o.kind, "hidden": list(o.hidden), "r": [_plain(value) for value in o.r],
-            "seen": o.seen, "verdict": o.verdict, "named": list(o.named), "confidence": o.confidence,
+            "seen": o.seen, "plant": o.plant, "laws": o.laws, "declared_added_mass": o.added_mass,
+            "verdict": o.verdict, "named": list(o.named), "confidence": o.confidence,
             "uncalibrated": o.uncalibrated,
             "right": o.hit, "before_mm": _plain(o.before), "after_mm": _plain(o.after), "floor_mm": _plain(o.floor),
             "baselines": {method: list(names) for method, names in o.baselines.items()},

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from tentacle.diagnosis import Diagnosis, Verdict
-from validation.trials.design import Kind
+from validation.trials.rounds import Kind
 
 SHAPE = "third_curvature"  # in every real arm, and in every trial's: naming it is neither right nor wrong
+REFERENCE = "reference"  # the plant of trials like a recording
 TWINS = 0.9  # |cos| above which a group is an honest answer
 
 
@@ -21,6 +22,7 @@ class Outcome:
     named (third curvature left out), confidence, uncalibrated: the answer. twins: smallest |cos| between the hidden
     effect and those named beside it (1 where it stands alone). before, after, floor: held-out midline errors [mm],
     NaN where not measured. baselines: method -> what it named. seconds: what the diagnosis took, of a processor.
+    plant: what the arm moved in; laws: effect -> the law by which it acts there; added_mass: whether it was declared.
     """
 
     index: int
@@ -38,6 +40,9 @@ class Outcome:
     floor: float
     baselines: dict[str, tuple[str, ...]]
     seconds: float
+    plant: str = REFERENCE
+    laws: dict[str, str] = field(default_factory=dict)
+    added_mass: bool = False
 
     @property
     def hit(self) -> bool:
@@ -128,4 +133,6 @@ def outcome(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str
         confidence=answer["confidence"], uncalibrated=answer["uncalibrated"], twins=min(beside, default=1.0),
         before=error("before"), after=error("after"), floor=error("floor"),
         baselines={method: tuple(names) for method, names in more["baselines"].items()}, seconds=more["seconds"],
+        plant=truth.get("plant", REFERENCE), laws=dict(truth.get("laws", {})),
+        added_mass=bool(truth.get("declared_added_mass", False)),
     )  # fmt: skip

@@ -1,30 +1,22 @@
-"""A blind trial's recording: hidden effects sized by what the data can show of them, then run, and seen."""
+"""A blind trial like a recording: hidden effects sized by what the data can show of them, then run, and seen."""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from affine_model.curvature import Array, legendre_to_monomial
-from inference.observation import POSE, Tracker, fit_shapes, from_track
+from inference.observation import POSE, Tracker, fit_shapes
 from mujoco_ref.influence import value
-from mujoco_ref.simulate import DEFAULT_LINKS
-from mujoco_ref.undeclared.make import Noise, Scenario, make, seen_midline
-from mujoco_ref.undeclared.strength import is_catalogued
-from tentacle.model import Model
-from tentacle.recording import Camera, Recording
+from mujoco_ref.undeclared.make import Noise, Scenario, make
+from tentacle.recording import Recording
 from tentacle.signals import Markers
 from validation.trials.design import Design
 from validation.trials.sight import EVERYWHERE, Sight, track_noise, track_of
-from validation.trials.sizing import bare_problem, refitted_size, sized, track_root
-from vision.render import Filming
+from validation.trials.sizing import sized, track_root
 
-PICTURE = (960, 540)
 ASIDE = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
 
 
@@ -53,10 +45,7 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
     )
     random = np.random.default_rng([design.seed, 2])
     assert recording.midline is not None
-    if sight.kind == "video":
-        recording = _filmed(recording, model, design, truth["effects"])
-        reached = _tracked_size(recording, design, truth["effects"])
-    elif sight.kind == "track":
+    if sight.kind == "track":
         recording = _tracked(recording, sight, random)
     elif sight.kind == "markers":
         recording = _marked(recording, sight, value(truth["effects"], "camera_scale", "excess"), random)
@@ -104,44 +93,3 @@ def _marked(recording: Recording, sight: Sight, excess: float, random: np.random
     names = tuple(f"m{k + 1}" for k in range(len(sight.s)))
     markers = Markers(midline.t, names, np.array(sight.s), np.array(sight.d), xy)
     return replace(recording, midline=None, markers=markers)
-
-
-def _tracked_size(recording: Recording, design: Design, hidden: Mapping[str, Mapping[str, float]]) -> list[float]:
-    """R of each effect by the covariance that the tracker states; NaN outside the catalogue."""
-    track = recording.shape
-    assert track is not None
-    observation = from_track(track, design.waveform()(track.t)[0], recording.declaration.specimen.length)
-    seen = np.flatnonzero(observation.seen)
-    if not seen.size:
-        return [0.0 for _ in hidden]
-    problem, nuisances = bare_problem(design, observation.root[seen[seen.size // 2]])
-    sizes = []
-    for effect, values in hidden.items():
-        known = is_catalogued(effect)
-        sizes.append(refitted_size(problem, nuisances, effect, dict(values)) if known else float("nan"))
-    return sizes
-
-
-def _filmed(recording: Recording, model: Model, design: Design, hidden: dict[str, dict[str, float]]) -> Recording:
-    """The same run as a camera saw it: rendered without the midline's noise, tracked, the midline left out."""
-    from vision.encode import write_video
-    from vision.looks import LOOKS
-    from vision.render import render
-    from vision.track import track
-
-    assert recording.midline is not None
-    assert recording.motor is not None
-    scene = Scenario(
-        model, design.waveform(), design.duration, design.fps, recording.midline.s, DEFAULT_LINKS, None, None
-    )
-    exact = replace(recording.midline, xy=seen_midline(scene, hidden))
-    scale = model.specimen.length / (0.62 * PICTURE[1])
-    camera = Camera(design.fps, scale, (0.5 * PICTURE[0], 0.16 * PICTURE[1]), (0.0, 1.0), exposure=0.002)
-    declaration = replace(recording.declaration, camera=camera)
-    look = LOOKS[("clean", "uneven", "bubbles")[design.index % 3]]
-    frames = render(exact, model.specimen, camera, Filming(PICTURE, look, design.seed), recording.motor.angle)
-    with tempfile.TemporaryDirectory(prefix="tentacle-trial-") as folder:
-        file = Path(folder) / "video.mp4"
-        write_video(file, frames, exact.t)
-        shape = track(file, declaration, recording.motor)
-    return replace(recording, declaration=declaration, midline=None, shape=shape)

@@ -11,8 +11,8 @@ from scipy.optimize import isotonic_regression
 
 from discovery.calibration import Calibration
 from tentacle.signals import Array
-from validation.trials.design import ROUND
 from validation.trials.outcome import Outcome
+from validation.trials.rounds import ROUND
 from validation.trials.scores import Share
 
 BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)

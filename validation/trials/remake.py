@@ -9,17 +9,16 @@ from pathlib import Path
 from tentacle.errors import InputError
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.result_folder import written
-from validation.trials.design import Design
-from validation.trials.recording import trial_recording
+from validation.trials.series import AnyDesign, made
 
 
-def remake(designs: Sequence[Design], chosen: Sequence[int], out: Path) -> Iterator[Path]:
+def remake(designs: Sequence[AnyDesign], chosen: Sequence[int], out: Path) -> Iterator[Path]:
     """Write the chosen trials' recordings for `tentacle diagnose`; the path of each .rrd file as it is there."""
     for index in chosen:
         if not 0 <= index < len(designs):
             expected = f"0 to {len(designs) - 1}"
             raise InputError(f"the series has no trial {index}", field="--only", expected=expected)
-        recording, truth = trial_recording(designs[index])
+        recording, truth = made(designs[index])
         with written(out) as folder:
             write_rrd(recording, folder / f"{recording.name}.rrd")
             (folder / f"{recording.name}.truth.json").write_text(json.dumps(truth, indent=1) + "\n")

@@ -13,7 +13,7 @@ from tentacle.signals import Array
 from validation.trials.outcome import Outcome
 
 VISIBLE = 1.0  # noise sigmas: from this R on a single effect must be named
-R_EDGES = (0.3, 1.0, 3.0, 10.0)
+R_EDGES = (0.0, 1.0, 3.0, 10.0, np.inf)
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ def share(outcomes: Sequence[Outcome], kind: str, right: Callable[[Outcome], boo
 class Scores:
     """Shares of the issue's list. top1, exact: of singles with R >= 1; false_alarm: of nulls; unknown_recall; pairs:
     with R >= 1 each; needless_groups: of all trials. after_over_floor: median over trials that named what was hidden,
-    NaN without any; by_r: (low, high, share of singles) over R_EDGES; by_seen: share of all, midline and video;
-    seconds: median of a diagnosis."""
+    NaN without any; by_r: (low, high, share of singles) over R_EDGES; by_seen, by_plant: shares of all
+    kinds; seconds: median of a diagnosis."""
 
     top1: Share
     exact: Share
@@ -59,6 +59,7 @@ class Scores:
     after_over_floor: float
     by_r: tuple[tuple[float, float, Share], ...]
     by_seen: tuple[tuple[str, Share], ...]
+    by_plant: tuple[tuple[str, Share], ...]
     seconds: float
 
 
@@ -69,10 +70,6 @@ def scores(outcomes: Sequence[Outcome]) -> Scores:
     for low, high in pairwise(R_EDGES):
         within = [o.hit for o in outcomes if o.kind == "single" and low <= o.smallest_r < high]
         by_r.append((low, high, Share(sum(within), len(within))))
-    by_seen = []
-    for seen in sorted({o.seen for o in outcomes}):
-        right = [o.hit for o in outcomes if o.seen == seen]
-        by_seen.append((seen, Share(sum(right), len(right))))
     return Scores(
         top1=share(outcomes, "single", lambda o: o.hit, VISIBLE),
         exact=share(outcomes, "single", lambda o: o.exact, VISIBLE),
@@ -82,9 +79,19 @@ def scores(outcomes: Sequence[Outcome]) -> Scores:
         needless_groups=Share(sum(o.needless_group for o in outcomes), len(outcomes)),
         after_over_floor=float(np.nanmedian(ratios)) if ratios else float("nan"),
         by_r=tuple(by_r),
-        by_seen=tuple(by_seen),
+        by_seen=_right_by(outcomes, lambda o: o.seen),
+        by_plant=_right_by(outcomes, lambda o: o.plant),
         seconds=float(np.median([o.seconds for o in outcomes])) if outcomes else float("nan"),
     )
+
+
+def _right_by(outcomes: Sequence[Outcome], group: Callable[[Outcome], str]) -> tuple[tuple[str, Share], ...]:
+    """Each group's name and its share of right answers, of all kinds."""
+    found = []
+    for name in sorted({group(o) for o in outcomes}):
+        right = [o.hit for o in outcomes if group(o) == name]
+        found.append((name, Share(sum(right), len(right))))
+    return tuple(found)
 
 
 def confusion(outcomes: Sequence[Outcome]) -> tuple[tuple[str, ...], tuple[str, ...], Array]:

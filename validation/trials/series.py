@@ -13,11 +13,13 @@ from discovery.diagnose import diagnose
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
 from mujoco_ref.undeclared.strength import SCALED
 from tentacle.errors import InputError
+from tentacle.recording import Recording
 from tentacle.runner import Runner
 from validation.trials.baselines import baselines
-from validation.trials.design import Design, Hideable, designs
-from validation.trials.likeness import Likeness
+from validation.trials.design import Design
 from validation.trials.outcome import Outcome, answer_table, outcome
+from validation.trials.plant_design import PlantDesign
+from validation.trials.plant_recording import plant_recording
 from validation.trials.recording import trial_recording
 
 ROOMS = (
@@ -31,18 +33,22 @@ ROOMS = (
 CATALOGUED = tuple(name for name in KNOWN if SCALED.get(name) and name not in UNCATALOGUED)
 
 
-def series(
-    count: int,
-    seed: int,
-    kinds: Sequence[str],
-    video_share: float,
-    effects: tuple[Sequence[str], Sequence[str]] = (CATALOGUED, UNCATALOGUED),
-    like: Likeness | None = None,
-) -> list[Design]:
-    """The designs of a series over effects in the catalogue and out of it; all that the reference can hide, unless
-    given.
-    """
-    return designs(count, seed, Hideable(*effects), kinds=kinds, video_share=video_share, like=like)
+AnyDesign = PlantDesign | Design
+
+
+def design_of(table: Mapping[str, Any]) -> AnyDesign:
+    """The design of a table: in a plant, or like a recording."""
+    return PlantDesign.of(table) if "plant" in table else Design.of(table)
+
+
+def made(design: AnyDesign) -> tuple[Recording, dict[str, Any]]:
+    """A design's recording and truth."""
+    return plant_recording(design) if isinstance(design, PlantDesign) else trial_recording(design)
+
+
+def seen_as(design: AnyDesign) -> str:
+    """What is measured of the arm: midline, video, track or markers."""
+    return design.seen if isinstance(design, PlantDesign) else design.sight.kind
 
 
 @cache
@@ -63,11 +69,13 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     Where the arm cannot follow the drawn motion, or what was seen cannot be judged, "refused" holds the line that
     says so.
     """
-    design = Design.of(task)
+    design = design_of(task)
     try:
-        recording, truth = trial_recording(design)
+        recording, truth = made(design)
     except InputError as error:
         return {"refused": error.line()}
+    except FloatingPointError as error:
+        return {"refused": str(error)}
     begin = time.process_time()
     try:
         answer = answer_table(diagnose([recording], seed=design.seed))
@@ -80,7 +88,7 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     return {"truth": truth, "answer": answer, "baselines": {k: list(v) for k, v in others.items()}, "seconds": seconds}
 
 
-def run_series(found: Sequence[Design], runner: Runner) -> tuple[list[Outcome], list[tuple[int, str]]]:
+def run_series(found: Sequence[AnyDesign], runner: Runner) -> tuple[list[Outcome], list[tuple[int, str]]]:
     """Outcomes of the trials, and (index, line) of those that were refused; what the runner's folder holds is not
     done again."""
     results = runner.run(trial, [design.table() for design in found], version=code_version(), words="blind trials")
@@ -90,5 +98,5 @@ def run_series(found: Sequence[Design], runner: Runner) -> tuple[list[Outcome], 
             refused.append((design.index, str(result["refused"])))
             continue
         more = {"baselines": result["baselines"], "seconds": result["seconds"]}
-        outcomes.append(outcome(design.index, result["truth"], design.sight.kind, result["answer"], **more))
+        outcomes.append(outcome(design.index, result["truth"], seen_as(design), result["answer"], **more))
     return outcomes, refused

@@ -19,7 +19,7 @@ from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
 from mujoco_ref.undeclared.strength import LARGEST, SCALED, SIZES, is_catalogued, scaled, typical
 from tentacle.errors import InputError
 from tentacle.signals import Midline
-from validation.trials.design import Design, Hideable, designs
+from validation.trials.design import Design, designs
 from validation.trials.likeness import Likeness
 from validation.trials.sight import EVERYWHERE, Sight, track_of
 
@@ -115,16 +115,25 @@ def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[
         parameters[parameter_index(effect, name)] = value
     base = problem.parameters[problem.rows()]
     start = np.concatenate([base, nuisances])
-    (experiment,) = problem.experiments
     rows = replace(problem, parameters=parameters).residuals(start[:, None])[1][0][:, :, 0]
+    left = left_by_refit(problem, nuisances, rows)
+    return min(left, float(visible_size(problem, nuisances, effect, [values])[0]))
+
+
+def left_by_refit(problem: Problem, nuisances: Array, rows: Array) -> float:
+    """What refitting the base leaves of a change of the data: rms of the whitened residual [noise sigmas].
+
+    rows (T, K): whitened, the bare arm less the changed one.
+    """
+    base = problem.parameters[problem.rows()]
+    (experiment,) = problem.experiments
     measured = replace(experiment, observation=experiment.observation.less(rows))
     stiff, damped = (np.array([name == wanted for name, _ in problem.free]) for wanted in ("elasticity", "damping"))
     starts = np.stack(
         [base * np.where(stiff, E, np.where(damped, eta, 1.0)) for E in STIFFER for eta in MORE_DAMPED], axis=1
     )
     fitted = fit_multistart(replace(problem, experiments=(measured,)), (nuisances,), starts)
-    left = float(np.sqrt(np.mean(fitted.residuals[0][experiment.used] ** 2)))
-    return min(left, float(visible_size(problem, nuisances, effect, [values])[0]))
+    return float(np.sqrt(np.mean(fitted.residuals[0][experiment.used] ** 2)))
 
 
 def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], list[float]]:
@@ -172,7 +181,7 @@ def shown_effects(
 
     InputError where none can.
     """
-    (null,) = designs(1, 0, Hideable(catalogued, outside), kinds=["null"], like=like)
+    (null,) = designs(1, 0, catalogued, outside, like, ["null"])
     model = like.model
     problem, nuisances = bare_problem(null, track_root(null) if like.sight.kind == "track" else None)
     random = np.random.default_rng(0)

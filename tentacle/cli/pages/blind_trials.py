@@ -78,16 +78,22 @@ def _score_section(found: Scores) -> Section:
         _row("effect outside the catalogue: called unknown", found.unknown_recall, ">= 95 %"),
         _row(f"pair, both {visible}: both named", found.pairs, ">= 80 %"),
         _row("group where |cos| <= 0.9", found.needless_groups, "0"),
-        *(_row(f"single effect, R {low:g} to {high:g}", part, "") for low, high, part in found.by_r),
+        *(_row(f"single effect, R {_range(low, high)}", part, "") for low, high, part in found.by_r),
         *(_row(f"right, all kinds, seen as {seen}", part, "") for seen, part in found.by_seen),
+        *(_row(f"right, all kinds, plant {plant}", part, "") for plant, part in found.by_plant),
     ]
     words = (
         "R is the rms of the residual that refitting the base parameters cannot absorb, in standard deviations of the "
-        "noise; every effect of the catalogue is sized to an R drawn between 0.3 and 10. Median time of a diagnosis: "
+        "noise. A plant is a simulator with its own laws; the plant reference is the chain that the loop knows. "
+        "Median time of a diagnosis: "
         f"{number(found.seconds)} s of a processor."
     )
     header = ("trials", "share", "95 % interval", "count", "target")
     return Section("Scores", [words], [Table("Asked and measured", header, rows, numeric=(1, 2, 3))])
+
+
+def _range(low: float, high: float) -> str:
+    return f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
 
 
 def _confusion_section(outcomes: Sequence[Outcome]) -> Section:
@@ -168,7 +174,9 @@ def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str
     rows = []
     for o in outcomes:
         hidden = ", ".join(
-            effect_name(name) + (f" ({value:.1f})" if value == value else "")
+            effect_name(name)
+            + (f", {o.laws[name].replace('_', ' ')}" if name in o.laws else "")
+            + (f" ({value:.1f})" if value == value else "")
             for name, value in zip(o.hidden, o.r, strict=True)
         )
         answer = ", ".join(map(effect_name, o.named)) or o.verdict.replace("_", " ")
@@ -176,6 +184,7 @@ def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str
         rows.append(
             (
                 str(o.index),
+                o.plant,
                 o.seen,
                 hidden or "nothing",
                 answer,
@@ -187,8 +196,9 @@ def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str
     wrong = tuple(k for k, o in enumerate(outcomes) if not o.hit)
     header = (
         "trial",
+        "plant",
         "seen",
-        "hidden (R)",
+        "hidden, by which law (R)",
         "named",
         "verdict",
         "confidence",
@@ -196,7 +206,7 @@ def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str
         "after [mm]",
         "floor [mm]",
     )
-    tables = [Table("Every trial; marked: wrong", header, rows, numeric=(5, 6, 7, 8), warned=wrong)]
+    tables = [Table("Every trial; marked: wrong", header, rows, numeric=(6, 7, 8, 9), warned=wrong)]
     if refused:
         tables.append(Table("Not run", ("trial", "why"), [(str(k), why) for k, why in refused]))
     return Section("Trials", ["`--only N` with the same seed makes trial N again and keeps its recording."], tables)

@@ -8,7 +8,7 @@ import pytest
 from tentacle.errors import InputError
 from validation.plants import make
 from validation.plants.draw import Filming, drawn
-from validation.plants.filmed import COARSE, film
+from validation.plants.filmed import COARSE, Plant, film
 from validation.plants.laws import LAWS, OUTSIDE
 from validation.plants.rod import move
 
@@ -31,7 +31,7 @@ def test_every_effect_shows_by_each_of_its_laws(effect):
     seen = {}
     for law in LAWS.get(effect, (None,)):
         trial = drawn(3, (effect,), {effect: law} if law else {}, Filming(0.6, 25.0, 1e-4), (6.0, 15.0))
-        bare, seen[law] = (film(trial, move, hidden, COARSE)[0] for hidden in ((), trial.hidden))
+        bare, seen[law] = (film(trial, Plant(move, COARSE), hidden)[0] for hidden in ((), trial.hidden))
         assert np.abs(seen[law] - bare).max() > 2e-5  # m, at a typical strength
     first, *rest = seen.values()
     assert all(np.abs(first - other).max() > 0.0 for other in rest)

@@ -43,8 +43,10 @@ def test_a_held_rod_sinks_as_a_cantilever():
          {"depth": 0.4, "s0": 0.4, "c0": 0.3}),
         ({"viscoelasticity": {"g": 0.4, "tau": 0.2}, "cubic_stiffness": {"beta": 0.5}},
          {"g": 0.4, "tau": 0.2, "beta": 0.5}),
+        ({"wall": {"B": 20.0, "distance": 0.6}, "dry_friction": {"c_f": 0.1, "sliding": 1.0, "rate": 0.4}},
+         {"wall_B": 20.0, "wall_x": 0.09, "wall_law": 2.0, "c_f": 0.1}),
     ],
-    ids=("bare", "added mass", "payload", "soft and curved", "Maxwell and hardening"),
+    ids=("bare", "added mass", "payload", "soft and curved", "Maxwell and hardening", "wall and sliding friction"),
 )  # fmt: skip
 def test_the_plants_swim_as_the_reference_does(hidden, numbers):
     """Ways to write the same arm's mechanics down that have no line in common."""
@@ -61,8 +63,8 @@ def test_the_plants_swim_as_the_reference_does(hidden, numbers):
     for plant in (move, mover(PIECES)):
         places, pulls = plant(record(**ARM, **numbers), angle, STEP, 10)
         apart = np.sqrt(np.mean(np.sum((places[swum] - chain.midline.xy[swum]) ** 2, axis=2)))
-        # 32 pieces, 40 links: 17 micrometres of 112 mm of motion bare, 110 with a payload on a lever; of the chain,
-        # whose steps are of first order, 60.
+        # 32 pieces, 40 links: 17 micrometres of 112 mm of motion bare, 40 with a wall and friction, 110 with a payload
+        # on a lever; of the chain, whose steps are of first order, 60 to 100.
         assert apart < 2.5e-4
         load = chain.load_cell[swum] - chain.load_cell[swum].mean()
         assert np.std(pulls[swum] - pulls[swum].mean() - load) < 0.06 * np.std(load)

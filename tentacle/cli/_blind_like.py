@@ -1,0 +1,26 @@
+"""The trials of `tentacle blind-trial --like`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple[list, list]:
+    """Designs of trials like a recording, and the report's section on what they share with it."""
+    from tentacle.cli._progress import stages
+    from tentacle.cli.pages.blind_like import like_section
+    from validation.trials.design import designs
+    from validation.trials.likeness import likeness
+    from validation.trials.series import CATALOGUED, UNCATALOGUED
+    from validation.trials.sizing import shown_effects
+    from vision.tracked_recording import read_tracked
+
+    with stages() as stage:
+        recording = read_tracked(path, stage)
+        stage(f"fitting the declared model to {recording.name}")
+        like = likeness(recording)
+        stage("which effects can show in such a recording")
+        effects = shown_effects(like, CATALOGUED, UNCATALOGUED)
+    silent = sorted({*CATALOGUED, *UNCATALOGUED}.difference(*effects))
+    found = designs(count, seed, *effects, like, kinds)
+    return found, [like_section(recording.name, like, effects, silent)]

@@ -1,0 +1,80 @@
+"""What each blind trial in a plant is: which plant, which effects it hides, how long and how well the arm is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from tentacle.errors import InputError
+from validation.plants import PLANTS, Filming, Trial, drawn
+from validation.plants.laws import LAWS, OUTSIDE
+from validation.trials.rounds import KINDS, Kind, dealt, log_uniform
+
+DRAWN = ("stranger", "chain")  # plants that a series draws from, unless told: those that need no further package
+SECONDS = (12.0, 39.0)
+NOISE = (5e-5, 2e-4)  # m, of each coordinate of a midline point
+VIDEO_NOISE = 2e-5  # m: a midline's noise that tells as little as the tracker's own covariance (some micrometres to 30)
+FPS = 60.0
+# How far the midline moves, in sigmas of its noise: of an effect of the catalogue, faint ones too; of one outside it.
+MOVES, MOVES_VISIBLY = (1.0, 15.0), (6.0, 15.0)
+
+
+@dataclass(frozen=True)
+class PlantDesign:
+    """One trial as plain data: all that its recording depends on.
+
+    index; seed of the plant's arm, motion, laws and noise; kind; effects hidden; plant; seen: as points of the midline
+    or as a video; seconds; sigma [m]: noise of each coordinate of a midline point.
+    """
+
+    index: int
+    seed: int
+    kind: Kind
+    effects: tuple[str, ...]
+    plant: str
+    seen: Literal["midline", "video"]
+    seconds: float
+    sigma: float
+
+    def table(self) -> dict[str, Any]:
+        """The design as JSON holds it."""
+        return {**asdict(self), "effects": list(self.effects)}
+
+    @staticmethod
+    def of(table: Mapping[str, Any]) -> PlantDesign:
+        """The design of a table."""
+        return PlantDesign(**{**table, "effects": tuple(table["effects"])})
+
+    def trial(self) -> Trial:
+        """The plant's arm, motion, hidden effects, and the laws by which they act."""
+        moves = MOVES_VISIBLY if self.kind == "unknown" else MOVES
+        return drawn(self.seed, self.effects, {}, Filming(self.seconds, FPS, self.sigma), moves)
+
+
+def plant_designs(
+    count: int,
+    seed: int,
+    *,
+    plants: Sequence[str] = DRAWN,
+    kinds: Sequence[str] = KINDS,
+    video_share: float = 0.25,
+) -> list[PlantDesign]:
+    """The first `count` trials of a seed in these plants, drawn at random; a longer series begins with a shorter one.
+
+    InputError where a plant or a kind is not known, or a share is none.
+    """
+    unknown = sorted(set(plants) - set(PLANTS))
+    if unknown or not plants:
+        raise InputError(f"{', '.join(unknown) or 'none'}", field="plant", expected=f"some of {', '.join(PLANTS)}")
+    found = []
+    for one in dealt(count, seed, tuple(LAWS), OUTSIDE, kinds=kinds, video_share=video_share):
+        plant = str(one.random.choice(sorted(plants)))
+        seconds = float(np.round(one.random.uniform(*SECONDS), 1))
+        noise = log_uniform(one.random, *NOISE)
+        own_seed = int(one.random.integers(2**31))
+        seen, sigma = ("video", VIDEO_NOISE) if one.video else ("midline", noise)
+        found.append(PlantDesign(one.index, own_seed, one.kind, one.effects, plant, seen, seconds, sigma))
+    return found

@@ -1,0 +1,121 @@
+"""A blind trial's recording in a plant, as points or as a tracked video, and the size that its hidden effects have."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from affine_model.curvature import Array
+from inference.observation import POSE, ShapeObservation, Tracker, fit_shapes, from_track
+from tentacle.io.model_file import model_tables
+from tentacle.model import Estimate, Model
+from tentacle.recording import Camera, Recording
+from tentacle.signals import Midline
+from validation.plants import PLANTS, Plant, Shown, Trial, recorded, shown, truth_of
+from validation.plants.draw import SETTLED
+from validation.plants.filmed import PLACES, declaration_of, film
+from validation.trials.design import Design
+from validation.trials.plant_design import FPS, PlantDesign
+from validation.trials.sight import Sight
+from validation.trials.sizing import bare_problem, left_by_refit
+
+PICTURE = (960, 540)
+SAMPLED_AT = 100.0  # samples/s of the base motion
+AFTER = 1.5  # s of it beyond the last frame
+
+
+def plant_recording(design: PlantDesign) -> tuple[Recording, dict[str, Any]]:
+    """The recording, its name and declaration without a hint, and its sealed truth as plain data.
+
+    The truth says what R each hidden effect has by itself: rms of the whitened residual that refitting the base leaves.
+    FloatingPointError where the plant runs away.
+    """
+    trial = design.trial()
+    plant = PLANTS[design.plant](trial)
+    run = shown(trial, plant)
+    recording, root = recorded(trial, run), None
+    if design.seen == "video":
+        recording = _tracked(recording, run, design)
+        root = _middling_root(recording, run)
+    recording = replace(recording, name=f"trial_{design.index:04d}")
+    unseen = design.seen == "video" and root is None
+    reached = [0.0 for _ in run.hidden] if unseen else _sizes(design, trial, plant, run, root)
+    truth = {"kind": design.kind, "r": reached, "plant": design.plant, **truth_of(trial, plant, run)}
+    return recording, truth
+
+
+def _tracked(recording: Recording, run: Shown, design: PlantDesign) -> Recording:
+    """The same run as a camera saw it: rendered without the midline's noise, tracked, the midline left out."""
+    from vision.encode import write_video
+    from vision.looks import LOOKS
+    from vision.render import Filming, render
+    from vision.track import track
+
+    assert recording.motor is not None
+    specimen = recording.declaration.specimen
+    exact = Midline(run.t, PLACES, run.xy, np.full(run.xy.shape[:2], np.nan))
+    scale = specimen.length / (0.62 * PICTURE[1])
+    camera = Camera(FPS, scale, (0.5 * PICTURE[0], 0.16 * PICTURE[1]), (0.0, 1.0), exposure=0.002)
+    declaration = replace(recording.declaration, camera=camera)
+    look = LOOKS[("clean", "uneven", "bubbles")[design.index % 3]]
+    frames = render(exact, specimen, camera, Filming(PICTURE, look, design.seed), recording.motor.angle)
+    with tempfile.TemporaryDirectory(prefix="tentacle-trial-") as folder:
+        file = Path(folder) / "video.mp4"
+        write_video(file, frames, exact.t)
+        shape = track(file, declaration, recording.motor)
+    return replace(recording, declaration=declaration, midline=None, shape=shape)
+
+
+def _middling_root(recording: Recording, run: Shown) -> Array | None:
+    """Root (K, K) that whitens the middle one of the accepted frames; None where none is accepted."""
+    track = recording.shape
+    assert track is not None
+    theta = np.interp(track.t, run.t, run.command)
+    observation = from_track(track, theta, recording.declaration.specimen.length)
+    seen = np.flatnonzero(observation.seen)
+    return observation.root[seen[seen.size // 2]] if seen.size else None
+
+
+def _sizes(design: PlantDesign, trial: Trial, plant: Plant, run: Shown, root: Array | None) -> list[float]:
+    """R of each hidden effect [noise sigmas]: the base refitted to the change that it alone makes of the picture."""
+    if not run.hidden:
+        return []
+    problem, nuisances = bare_problem(_as_model(design, trial), root)
+    (experiment,) = problem.experiments
+    observation = experiment.observation
+    assert isinstance(observation, ShapeObservation)
+    frames = np.rint(observation.t * FPS).astype(int)
+    theta, length, order = run.command[frames], trial.arm["length"], observation.coefficients.shape[1] - POSE
+
+    tracker = Tracker(trial.sigma, by_edges=root is not None)
+
+    def seen(xy: Array) -> Array:
+        points = Midline(observation.t, PLACES, xy[frames], np.full((frames.size, PLACES.size), trial.sigma))
+        return fit_shapes(points, theta, length, order, tracker).coefficients
+
+    bare, sizes = seen(run.bare), []
+    for one in run.hidden:
+        xy = run.xy if len(run.hidden) == 1 else film(trial, plant, (one,))[0]
+        rows = np.einsum("tkl,tl->tk", observation.root, bare - seen(xy))
+        sizes.append(left_by_refit(problem, nuisances, rows))
+    return sizes
+
+
+def _as_model(design: PlantDesign, trial: Trial) -> Design:
+    """The plant's arm and motion as the reduced model has them, with nothing hidden."""
+    arm, declared = trial.arm, declaration_of(trial)
+    parameters = {
+        "elasticity": {"E": Estimate.exact(arm["E"], "Pa")},
+        "damping": {"eta": Estimate.exact(arm["eta"], "Pa s")},
+        "drag": {"C_perp": Estimate.exact(arm["C_perp"])},
+    }
+    model = Model(declared.specimen, declared.fluid, declared.gravity, parameters=parameters)
+    t = np.arange(-SETTLED, design.seconds + AFTER, 1.0 / SAMPLED_AT)
+    motion = {"kind": "samples", "t_s": t.tolist(), "angle_rad": trial.theta(t + SETTLED).tolist()}
+    sight = Sight(design.seen, design.sigma, s=tuple(PLACES.tolist()))
+    head = (design.index, design.seed, design.kind, (), ())
+    return Design(*head, sight, design.seconds, FPS, model_tables(model), motion)

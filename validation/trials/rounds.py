@@ -1,0 +1,91 @@
+"""Which kind of trial comes when in a series, and which effects it hides: dealt, so that all come equally often."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from tentacle.errors import InputError
+
+Kind = Literal["single", "pair", "null", "unknown"]
+# Of every sixteen trials: singles carry the confusion matrix, nulls and unknowns the two ways of being wrong about it.
+ROUND: tuple[Kind, ...] = (
+    "single", "null", "single", "unknown", "single", "pair", "single", "single",
+    "null", "single", "unknown", "single", "pair", "single", "single", "pair",
+)  # fmt: skip
+KINDS: tuple[Kind, ...] = ("single", "pair", "null", "unknown")
+
+
+@dataclass(frozen=True)
+class Dealt:
+    """A trial's place in its series: index, kind, effects hidden, whether it is a video's turn; random: its numbers."""
+
+    index: int
+    kind: Kind
+    effects: tuple[str, ...]
+    video: bool
+    random: np.random.Generator
+
+
+def dealt(
+    count: int,
+    seed: int,
+    catalogued: Sequence[str],
+    outside: Sequence[str],
+    *,
+    kinds: Sequence[str] = KINDS,
+    video_share: float = 0.0,
+) -> Iterator[Dealt]:
+    """The first `count` trials of a seed; each depends on the seed, its index and the kinds alone, so more may follow.
+
+    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. InputError where a
+    kind is not known or a share is none.
+    """
+    unknown = sorted(set(kinds) - set(KINDS))
+    if unknown or not kinds:
+        raise InputError(f"{', '.join(unknown) or 'none'}", field="kinds", expected=f"some of {', '.join(KINDS)}")
+    if not 0.0 <= video_share <= 1.0:
+        raise InputError(f"{video_share!r} is not usable", field="video share", expected="0 to 1")
+    turns: list[Kind] = [kind for kind in ROUND if kind in kinds]
+    places = dict.fromkeys(KINDS, 0)
+    for index in range(count):
+        kind = turns[index % len(turns)]
+        random = np.random.default_rng([seed, index])
+        effects = _hidden(kind, places[kind], seed, catalogued, outside, random)
+        places[kind] += 1
+        yield Dealt(index, kind, effects, _is_video(index, len(turns), video_share), random)
+
+
+def log_uniform(random: np.random.Generator, low: float, high: float) -> float:
+    """A number whose logarithm is drawn evenly."""
+    return float(np.exp(random.uniform(np.log(low), np.log(high))))
+
+
+def _turn(names: Sequence[str], place: int, seed: int) -> str:
+    """The place-th of an endless row of shuffled decks of names: all come equally often."""
+    deck, card = divmod(place, len(names))
+    return str(np.random.default_rng([seed, 7, deck]).permutation(sorted(names))[card])
+
+
+def _hidden(
+    kind: Kind, place: int, seed: int, catalogued: Sequence[str], outside: Sequence[str], random: np.random.Generator
+) -> tuple[str, ...]:
+    if kind == "null":
+        return ()
+    if kind == "unknown":
+        return (_turn(outside, place, seed + 1),)
+    first = _turn(catalogued, place, seed + 2 if kind == "single" else seed + 3)
+    if kind == "single":
+        return (first,)
+    return first, str(random.choice(sorted(set(catalogued) - {first})))
+
+
+def _is_video(index: int, turns: int, share: float) -> bool:
+    """Every 1/share-th trial is a video, so that a short series holds its share too; one further on in each round, so
+    that every kind is seen both ways.
+    """
+    place = index + index // turns
+    return bool(np.floor((place + 0.5) * share + 0.5) > np.floor((place - 0.5) * share + 0.5))
