@@ -143,7 +143,7 @@ def arm_of(model: Model, nodes: int = 8) -> Arm:
 
 
 def refuse_soft_sections(arm: Arm, parameters: Array) -> None:
-    """InputError where k(s) = E I(s)/L + k0 + k1 s is not positive somewhere on [0, 1], naming the s (physics.md)."""
+    """InputError where k(s) = E I(s)/L + k0 + k1 s is not positive somewhere on [0, 1], naming the s."""
     E, k0, k1 = (parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
     s = np.linspace(0.0, 1.0, 201)
     k = E * arm.specimen.section.second_moment(s) / arm.specimen.length + k0 + k1 * s

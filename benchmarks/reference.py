@@ -62,7 +62,7 @@ def speed(short: bool) -> dict[str, float]:
 
 
 def added_mass_ratio() -> dict[str, float]:
-    """First frequency in water over that in air, C_a = 1, 40 links: .719 without rotary inertia (physics.md)."""
+    """First frequency in water over that in air, C_a = 1, 40 links: .719 without rotary inertia."""
     bare = model_of(CONE, AIR, WEIGHTLESS, elasticity={"E": 2e5})
     wet = replace(bare, fluid=Fluid(1000.0)).with_effect("added_mass", C_a=Estimate.exact(1.0))
     found = [natural_frequencies(make_stepper(model, links=40), count=1)[0] for model in (wet, bare)]

@@ -13,14 +13,10 @@ from discovery.rules.diagnose import diagnosed as by_rules
 from inference.prepare import CannotTellError
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
-from tentacle.progress import Stage
+from tentacle.progress import Stage, silent
 from tentacle.recording import Recording
 
 How = Literal["posterior", "rules"]
-
-
-def _silent(words: str, done: float = 0.0) -> None:
-    """No progress is shown."""
 
 
 def diagnose(
@@ -31,7 +27,7 @@ def diagnose(
     seed: int = 0,
     calibration: Calibration | None = None,
     decide: How | None = None,
-    progress: Stage = _silent,
+    progress: Stage = silent,
 ) -> Diagnosis:
     """Find what the declared model lacks, and the error before and after it is added.
 

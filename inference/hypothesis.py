@@ -14,12 +14,13 @@ from inference.declared_arm import DECLARED
 from inference.trajectory import Fit, Problem
 from tentacle.model import Estimate
 
-NATS_PER_PARAMETER = 7.6  # about 20 candidates at p = .01 (closing_the_loop.md)
+# Half the upper 1e-4 quantile of chi-square(1): a likelihood-ratio test at .01 over 100 variants (Wilks 1938).
+NATS_PER_PARAMETER = 7.6
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model with some absent effects added, refitted. evidence [nats]: log-likelihood of fitted and held-out
+    """A model with some absent effects added, refitted. penalised_log_likelihood [nats]: that of fitted and held-out
     frames, less a penalty for each parameter. reduction: the model's own error on fitted and held-out frames; laws:
     what the effects added may leave there because no law is known exactly; both rms in noise sigmas, and neither is
     called missing physics.
@@ -28,7 +29,7 @@ class Hypothesis:
     effects: tuple[str, ...]
     problem: Problem
     fitted: Fit
-    evidence: float
+    penalised_log_likelihood: float
     train: Adequacy
     judged: Adequacy
     reduction: tuple[float, float] = (0.0, 0.0)
@@ -45,7 +46,7 @@ class Hypothesis:
         return self.fitted.misfit + held_out_misfit(self.problem, self.fitted)
 
     @property
-    def left(self) -> float:
+    def excess_rms(self) -> float:
         """What it leaves that is not noise, on what was fitted or what was held out, the larger [noise sigmas]."""
         return max(self.train.structure, self.judged.structure)
 
@@ -55,7 +56,7 @@ class Hypothesis:
         more = share * self.train.structure, share * self.judged.structure
         return float(np.hypot(self.laws[0], more[0])), float(np.hypot(self.laws[1], more[1]))
 
-    def granted_in(self, problem: Problem) -> tuple[tuple[float, float], tuple[float, float]]:
+    def discrepancy_in(self, problem: Problem) -> tuple[tuple[float, float], tuple[float, float]]:
         """reduction and laws in sigmas of another problem's noise: what they are in millimetres stays."""
         ratio = noise_ratio(self.problem, problem)
         (fitted, held_out), laws = self.reduction, self.laws
@@ -97,11 +98,11 @@ def hypothesis(
 ) -> Hypothesis:
     """A fit judged; reduction, laws: what it may leave and why (see Hypothesis)."""
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
-    evidence = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
+    likelihood = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
     granted = np.hypot(ALLOWANCE * np.array(reduction), laws)
     train = adequacy(problem, fitted, held_out=False, granted=float(granted[0]))
     judged = adequacy(problem, fitted, held_out=True, granted=float(granted[1]))
-    return Hypothesis(effects, problem, fitted, evidence, train, judged, reduction, laws)
+    return Hypothesis(effects, problem, fitted, likelihood, train, judged, reduction, laws)
 
 
 def material_gain(current: Hypothesis) -> float:
@@ -112,7 +113,7 @@ def material_gain(current: Hypothesis) -> float:
     return 0.5 * structure * current.fitted.count
 
 
-def looseness(judged: Hypothesis) -> float:
+def variance_inflation(judged: Hypothesis) -> float:
     """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time
     in frames.
 

@@ -14,7 +14,7 @@ from inference.bootstrap import bootstrap
 from inference.compare import errors, reduced_shape, run_comparison
 from inference.declared_arm import names_of
 from inference.declared_words import declared_words
-from inference.hypothesis import Hypothesis, estimates, hypothesis, looseness
+from inference.hypothesis import Hypothesis, estimates, hypothesis, variance_inflation
 from inference.identifiability import Identifiability, identifiability
 from inference.measured_motion import MeasuredCourse
 from inference.observation import POSE, ShapeObservation
@@ -98,7 +98,7 @@ def identify(
     drawn = bootstrap(problem, fitted, replicates=replicates, seed=seed) if replicates else None
     arm = problem.known(fitted.parameters)[0].arm
     return Identification(
-        model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, estimates(judged, looseness(judged))),
+        model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, estimates(judged, variance_inflation(judged))),
         regression=_paper_regression(replace(arm, order=2), problem, fitted, prepared),
         errors=errors(runs, shown, augmented=False),
         held_out=bool(judges),

@@ -29,7 +29,7 @@ VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by le
 @dataclass(frozen=True)
 class Candidate:
     """An absent effect as the score test sees it: gain [nats], linear estimate of its strengths, the shape values at
-    which the gain is largest, its sensitivity freed of the base (N, S); surveyed: strengths found beyond the linear
+    which the gain is largest, its sensitivity freed of the base (N, S); from_grid: strengths found beyond the linear
     regime, another place to start from (None where that was not asked).
     """
 
@@ -38,7 +38,7 @@ class Candidate:
     strengths: Array
     shapes: tuple[float, ...]
     sensitivity: Array
-    surveyed: Array | None = None
+    from_grid: Array | None = None
 
     @property
     def free(self) -> tuple[ParameterName, ...]:
@@ -111,7 +111,7 @@ def sensitivities(
     return found
 
 
-def survey(problem: Problem, fitted: Fit, candidates: list[Candidate]) -> dict[str, tuple[float, Array]]:
+def strength_grid(problem: Problem, fitted: Fit, candidates: list[Candidate]) -> dict[str, tuple[float, Array]]:
     """Where the residual is large a linear estimate misleads: the best of a coarse grid of strengths, per candidate.
 
     Every strength is tried alone at nominal sizes times SURVEYED (both signs where bounds allow), with the shape

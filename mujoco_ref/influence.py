@@ -1,6 +1,6 @@
 """What acts on the chain, as numbers: records that the compiled kernels read. A field at zero acts not at all.
 
-The parameters of the catalogue's effects keep their names and units (closing_the_loop.md); each is turned here into the
+The parameters of the catalogue's effects keep their names and units (docs/catalogue.md); each is turned here into the
 quantities of this room's own physics. Influences outside the catalogue have fields of their own.
 """
 

@@ -1,6 +1,6 @@
 """One step of time: the implicit midpoint rule on MuJoCo's mass matrix and bias forces.
 
-MuJoCo's own integrators are of first order here (`discrete`: 2.3 % of tip amplitude at 10 ms, physics.md) and cannot
+MuJoCo's own integrators are of first order here (`discrete`: 2.3 % of tip amplitude at 10 ms) and cannot
 carry the anisotropic added mass. So MuJoCo gives kinematics, M(q) and M a + C v + g at the middle of the step, and one
 Newton correction from the previous step's acceleration solves for the new one; elasticity, damping and drag are in its
 matrix, so the step is set by accuracy: second order, stable at 10 ms.

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 ORDERS = (2, 3, 4)
 LINKS = (10, 20, 40, 80)
-# Frequencies over sqrt(E I0 / (rho A0 L^4)), clamped-free, without rotary inertia (physics.md): r_tip / r0 -> two
+# Frequencies over sqrt(E I0 / (rho A0 L^4)), clamped-free, without rotary inertia (Rayleigh-Ritz): r_tip / r0 -> two
 # modes.
 CONES = {0.0: (8.7193, 21.1457), 0.1: (7.2049, 18.68), 0.5: (4.6252, 19.548), 1.0: (3.51602, 22.0345)}
 

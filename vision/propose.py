@@ -159,7 +159,7 @@ def _mask(image: Grey, polarity: float) -> NDArray[np.bool_]:
     ground = cv2.resize(cv2.medianBlur(small, wide), image.shape[::-1], interpolation=cv2.INTER_LINEAR)
     smooth = cv2.GaussianBlur(image, (0, 0), 0.8)
     apart = polarity * (ground.astype(np.float32) - smooth.astype(np.float32))
-    noise = 1.4826 * float(median_abs_deviation(apart, axis=None)) + 0.3
+    noise = 1.4826 * float(median_abs_deviation(apart.ravel())) + 0.3
     out = apart[apart > STANDS_OUT * noise]
     level = max(STANDS_OUT * noise, HALF_WAY * float(np.quantile(out, CONTRAST))) if out.size else np.inf
     if grow > 1:

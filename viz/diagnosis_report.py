@@ -32,7 +32,7 @@ def error_section(diagnosis: Diagnosis) -> Section:
     """The errors before and after, the floor, and where the error comes from."""
     judged = "held-out data, on which nothing was fitted" if diagnosis.held_out else "the data that were fitted"
     paragraph = (
-        f"Root mean square over {judged}. Before: the model as declared, refitted as well as it goes. After: with what "
+        f"Root mean square over {judged}. Before: the declared model after its own refit. After: with what "
         "the verdict adds. Floor: what measurement noise and the reduction to few coordinates alone would leave."
     )
     rows = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)

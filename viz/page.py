@@ -1,23 +1,28 @@
-"""Recordings as a web page on this machine only: Rerun's own page, and a server that gives it the files.
+"""Recordings as a web page on this machine only: Rerun's own page and the recordings, behind a door of ours.
 
-Rerun's program would give them itself, but once it has read them it asks without a pause whether more is to come, and
-so keeps a core busy (rerun-io/rerun#10944). A page that is told where the files lie fetches them, and nothing is busy.
+Rerun's program would serve both itself. But it asks for no token and does not look at Host; and once it has read a
+recording it asks without a pause whether more is to come, and so keeps a core busy (rerun-io/rerun#10944). Therefore
+the parts of its page are taken from it, it is ended, and the page is told where the recordings lie.
 """
 
 from __future__ import annotations
 
-import shutil
+import re
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from threading import Thread
+from threading import Event
+from urllib.error import HTTPError, URLError
 from urllib.parse import quote
+from urllib.request import urlopen
 
 from tentacle.errors import InputError
-from viz.viewer import LOOPBACK, free_port, require_recordings, running, wait_until_listening
+from viz.door import LOOPBACK, Given, door
+from viz.viewer import free_port, require_recordings, running, wait_until_listening
+
+PART = re.compile(r"""["'`(](?:\./)?([\w-]+\.(?:js|wasm|ico|png))["'`)]""")
+WITHIN = 60.0  # s for one part of the page
 
 
 def serve_web(files: Sequence[Path], told: Callable[[str], None]) -> int:
@@ -25,47 +30,42 @@ def serve_web(files: Sequence[Path], told: Callable[[str], None]) -> int:
 
     Raises InputError where it does not come up.
     """
-    found, port = require_recordings(files), free_port()
-    page = f"http://{LOOPBACK}:{port}"
-    with tempfile.TemporaryFile() as said, given(found, page) as addresses:
-        asked = ["--serve-web", "--web-viewer-port", str(port), *addresses]
-        with running(asked, said) as process:
-            try:
-                wait_until_listening(process, port)
-            except ConnectionError as error:
-                raise InputError(str(error), field="--web", expected="a viewer that serves a page") from None
-            query = "&".join(f"url={quote(address, safe='')}" for address in addresses)
-            told(f"{page}/?{query}  (Ctrl-C ends it)")
+    found = require_recordings(files)
+    with tempfile.TemporaryDirectory(prefix="tentacle-page-") as folder:
+        places = taken_page(Path(folder))
+        recordings = {f"{number}/{file.name}": file for number, file in enumerate(found)}
+        places |= {name: Given(file, "application/octet-stream") for name, file in recordings.items()}
+        # a request's path is compared as a browser writes it
+        with door({quote(name): given for name, given in places.items()}) as address:
+            query = "&".join(f"url={quote(address + quote(name), safe='')}" for name in recordings)
+            told(f"{address}?{query}  (Ctrl-C ends it)")
             with suppress(KeyboardInterrupt):
-                return process.wait()
+                Event().wait()
             return 0
 
 
-@contextmanager
-def given(files: Sequence[Path], page: str) -> Iterator[list[str]]:
-    """The files' addresses while they are served on 127.0.0.1, for scripts of that page (its origin) alone."""
-    places = {f"/{number}/{quote(file.name)}": file for number, file in enumerate(files)}
+def taken_page(folder: Path) -> dict[str, Given]:
+    """The parts of the viewer's page, put into a folder: path -> file. The viewer that gave them has ended.
 
-    class Giver(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            file = places.get(self.path)
-            if file is None:
-                self.send_error(HTTPStatus.NOT_FOUND)
-                return
-            self.send_response(HTTPStatus.OK)
-            self.send_header("Content-Length", str(file.stat().st_size))
-            self.send_header("Content-Type", "application/octet-stream")
-            self.send_header("Access-Control-Allow-Origin", page)
-            self.end_headers()
-            with file.open("rb") as stream, suppress(ConnectionError):  # a page may be closed while it loads
-                shutil.copyfileobj(stream, self.wfile)
-
-        def log_message(self, format: str, *args: object) -> None:
-            """Nothing: the address is all that a reader is told."""
-
-    with ThreadingHTTPServer((LOOPBACK, 0), Giver) as server:
-        Thread(target=server.serve_forever, daemon=True).start()
+    Raises InputError where it does not come up.
+    """
+    port, places = free_port(), {}
+    # with an address to read from, the program serves its page alone and receives nothing
+    asked = ["--serve-web", "--web-viewer-port", str(port), f"http://{LOOPBACK}:{port}/none.rrd"]
+    with tempfile.TemporaryFile() as said, running(asked, said) as process:
         try:
-            yield [f"http://{LOOPBACK}:{server.server_port}{place}" for place in places]
-        finally:
-            server.shutdown()
+            wait_until_listening(process, port)
+            names = [""]
+            for name in names:  # it grows by what the page itself names
+                part = folder / (name or "index.html")
+                try:
+                    with urlopen(f"http://{LOOPBACK}:{port}/{name}", timeout=WITHIN) as answer:
+                        part.write_bytes(answer.read())
+                        places[name] = Given(part, answer.headers.get("Content-Type", "application/octet-stream"))
+                except HTTPError:
+                    continue  # named, and not there
+                if not name:
+                    names += sorted(set(PART.findall(part.read_text(encoding="utf-8"))))
+        except (ConnectionError, URLError) as error:
+            raise InputError(str(error), field="--web", expected="a viewer that serves a page") from None
+    return places

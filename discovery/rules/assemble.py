@@ -55,7 +55,7 @@ def assembled(
     before, after = errors(runs, beside.prepared, augmented=False), errors(runs, beside.prepared, augmented=True)
     lost = 0.0 if beside.reduction is None else beside.reduction.millimetres
     floor = floor_errors(runs, beside.prepared, lost)
-    parameters = estimates(chosen, found.looseness)
+    parameters = estimates(chosen, found.variance_inflation)
     effects, verdict, words = decision.effects, decision.verdict, beside.words
     if beside.order > 2:
         shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in beside.prepared)
@@ -71,10 +71,12 @@ def assembled(
         elif verdict in ("effect", "group"):
             effects = (*effects, "third_curvature")
     # A group's other members have their values in the rival models.
-    known = {k: v for h in found.rivals for k, v in estimates(h, found.looseness).items()} | parameters
+    known = {k: v for h in found.rivals for k, v in estimates(h, found.variance_inflation).items()} | parameters
     named = {name: known.get(name, {}) for name in effects}
     d = beside.prepared[0].recording.declaration
-    base_model = Model(d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *beside.paper), found.looseness))
+    base_model = Model(
+        d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *beside.paper), found.variance_inflation)
+    )
     augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
     if rest is not None:
         words = (*words, _rest_words(rest))

@@ -16,7 +16,7 @@ from discovery.rules.unnamed import unnamed_rest
 from discovery.rules.verdict import decide, structure_share
 from inference.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
 from inference.compare import unexplained_share
-from inference.hypothesis import Hypothesis, hypothesis, looseness, noise_ratio
+from inference.hypothesis import Hypothesis, hypothesis, noise_ratio, variance_inflation
 from inference.observation import ShapeObservation
 from inference.prepare import MOST_COORDINATES, Prepared, prepare
 from inference.reduction import Reduction, reduction_error, without_reduction
@@ -57,7 +57,7 @@ def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple
     ratio = float(np.mean(left**2) / np.mean(gain**2))
     if ratio < ALMOST_NOISE:
         return Baseline(fitted, gain, 1.0), order
-    correlation = max(looseness(judged) / ratio, 1.0)
+    correlation = max(variance_inflation(judged) / ratio, 1.0)
     again = tuple(replace(e, noise_gain=np.maximum(e.noise_gain, left)) for e in experiments)
     problem = replace(problem, experiments=again)
     return Baseline(fit(problem, fitted.nuisances), np.maximum(left, gain), correlation), order
@@ -199,7 +199,7 @@ def _searched_again(
         return found, reduction
     again = search(_relieved(*base, with_effects, chosen.train.structure), setting.arm())
     noise = noise_ratio(again.chosen.problem, chosen.problem)
-    better = again.chosen.passed or again.chosen.left * noise <= chosen.left
+    better = again.chosen.passed or again.chosen.excess_rms * noise <= chosen.excess_rms
     return (again, with_effects) if better else (found, reduction)
 
 

@@ -76,7 +76,7 @@ def without(current: Hypothesis, effect: str) -> Hypothesis:
     return _again(less, problem, nuisances)
 
 
-def left_by(current: Hypothesis, effect: str) -> Hypothesis:
+def removed_without_refit(current: Hypothesis, effect: str) -> Hypothesis:
     """The current model less one of its effects, as the effect leaves it: the rest has not bent itself to the loss."""
     less, problem, nuisances = _dropped(current, effect)
     return hypothesis(less.effects, problem, evaluate(problem, nuisances), less.reduction, less.laws)
@@ -100,7 +100,7 @@ def with_noise_of(h: Hypothesis, problem: Problem) -> Hypothesis:
         for own, other in zip(h.problem.experiments, problem.experiments, strict=True)
     )
     changed = replace(h.problem, experiments=experiments, step=problem.step, parameters=h.fitted.parameters)
-    reduction, laws = h.granted_in(changed)
+    reduction, laws = h.discrepancy_in(changed)
     return _again(replace(h, reduction=reduction, laws=laws), changed, h.fitted.nuisances)
 
 
@@ -115,7 +115,7 @@ def on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
     return _again(replace(h, reduction=(0.0, 0.0)), problem, tuple(nuisances))
 
 
-def polished(chosen: Hypothesis) -> Hypothesis:
+def at_fine_step(chosen: Hypothesis) -> Hypothesis:
     """The chosen hypothesis at a step so fine that its parameters are not biased by it."""
     step = sufficient_step(chosen.problem, chosen.fitted, unbiased_noise(chosen.problem))
     if not chosen.effects or step == chosen.problem.step:
@@ -132,7 +132,7 @@ def converged(chosen: Hypothesis) -> Hypothesis:
     return _again(chosen, problem, chosen.fitted.nuisances, most=60)
 
 
-def spared(chosen: Hypothesis) -> Hypothesis:
+def prune_shape_parameters(chosen: Hypothesis) -> Hypothesis:
     """The chosen hypothesis without the shapes that its data do not need: at 0 the law is as if it had none.
 
     Against a baseline all are kept: its own rest, taken for noise, hides what a shape is worth.
@@ -150,7 +150,7 @@ def spared(chosen: Hypothesis) -> Hypothesis:
             problem = replace(chosen.problem, free=free, parameters=parameters)
             simpler = _again(chosen, problem, chosen.fitted.nuisances)
             needed = max(nats_per_parameter(chosen.problem), material_gain(chosen))
-            if simpler.evidence > chosen.evidence - needed:
+            if simpler.penalised_log_likelihood > chosen.penalised_log_likelihood - needed:
                 chosen = simpler
     return chosen
 
@@ -202,8 +202,8 @@ def _starts(problem: Problem, nuisances: tuple[Array, ...], current: Hypothesis,
     given = [_started(problem, candidate, share * candidate.strengths) for share in SHARES]
     if current.train.structure < LINEAR:
         return given
-    if candidate.surveyed is not None:
-        given.append(_started(problem, candidate, candidate.surveyed))
+    if candidate.from_grid is not None:
+        given.append(_started(problem, candidate, candidate.from_grid))
     columns = given if problem.prior_free else [column for start in given for column in _bent(problem, start)]
     flat = np.concatenate(nuisances)
     batch = np.array([np.concatenate([column, flat]) for column in columns]).T

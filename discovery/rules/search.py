@@ -8,19 +8,26 @@ from affine_model.arm import Arm
 from affine_model.effects import catalogue
 from discovery.rules.refit import (
     LINEAR,
+    at_fine_step,
     converged,
-    left_by,
     on_arm,
-    polished,
+    prune_shape_parameters,
     refit,
     refitted,
-    spared,
+    removed_without_refit,
     with_noise_of,
     without,
 )
 from inference.base_fit import settled
-from inference.hypothesis import Hypothesis, hypothesis, looseness, material_gain, nats_per_parameter, noise_ratio
-from inference.score import Candidate, score, survey, twin_cosines
+from inference.hypothesis import (
+    Hypothesis,
+    hypothesis,
+    material_gain,
+    nats_per_parameter,
+    noise_ratio,
+    variance_inflation,
+)
+from inference.score import Candidate, score, strength_grid, twin_cosines
 
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
 HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
@@ -54,7 +61,7 @@ class Search:
     rivals: tuple[Hypothesis, ...]
     candidates: tuple[Candidate, ...]
     single: tuple[Hypothesis, ...]
-    looseness: float
+    variance_inflation: float
     core: Hypothesis
     margin: float
 
@@ -67,12 +74,12 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
     best = [c for c in candidates if c.gain > price * len(c.effect.parameters)][:REFITTED]
     if current.train.structure < LINEAR:
         return best
-    surveyed = survey(current.problem, current.fitted, candidates)
+    from_grid = strength_grid(current.problem, current.fitted, candidates)
     by_name = {candidate.effect.name: candidate for candidate in candidates}
     chosen = {candidate.effect.name: candidate for candidate in best[: REFITTED - 2]}
-    for name, (gain, strengths) in sorted(surveyed.items(), key=lambda item: -item[1][0])[: REFITTED - 2]:
+    for name, (gain, strengths) in sorted(from_grid.items(), key=lambda item: -item[1][0])[: REFITTED - 2]:
         if gain > price * len(by_name[name].effect.parameters):
-            chosen[name] = replace(by_name[name], surveyed=strengths, gain=max(gain, by_name[name].gain))
+            chosen[name] = replace(by_name[name], from_grid=strengths, gain=max(gain, by_name[name].gain))
     return list(chosen.values())
 
 
@@ -85,7 +92,7 @@ def _tried(current: Hypothesis, promising: list[Candidate]) -> list[Hypothesis]:
     if current.train.structure < LINEAR:
         gained = current.fitted.misfit - first.fitted.misfit
         rest = [candidate for candidate in rest if candidate.gain > HOPELESS * gained - 20.0]
-    return sorted([first, *refitted(current, rest)], key=lambda h: -h.evidence)
+    return sorted([first, *refitted(current, rest)], key=lambda h: -h.penalised_log_likelihood)
 
 
 def settled_together(tried: list[Hypothesis]) -> list[Hypothesis]:
@@ -94,12 +101,12 @@ def settled_together(tried: list[Hypothesis]) -> list[Hypothesis]:
     """
     best = tried[0]
     problem, fitted = settled(best.problem, best.fitted)
-    reach = max(NEAR * looseness(best), material_gain(best))
-    near = [h for h in tried[1:] if best.evidence - h.evidence < reach]
+    reach = max(NEAR * variance_inflation(best), material_gain(best))
+    near = [h for h in tried[1:] if best.penalised_log_likelihood - h.penalised_log_likelihood < reach]
     if problem is not best.problem:
         near = [with_noise_of(h, problem) for h in near]
-        best = hypothesis(best.effects, problem, fitted, *best.granted_in(problem))
-    return sorted([best, *near], key=lambda h: -h.evidence)
+        best = hypothesis(best.effects, problem, fitted, *best.discrepancy_in(problem))
+    return sorted([best, *near], key=lambda h: -h.penalised_log_likelihood)
 
 
 def tied_within(current: Hypothesis, loose: float) -> float:
@@ -113,9 +120,10 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
     gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
 
-    A model may pass on what it may err by itself alone and yet leave as much as the noise. Then more is tried, and what
-    is found stands where it leaves little: errors of numerics, or of a reduction, are no effect's picture. Likewise
-    what makes a model pass that did not, and leaves little, is more than its own error, be the gain smaller than that.
+    A model may pass only because its own error is allowed for, and still leave as much as the noise. Then the search
+    goes on, and a further effect is kept if it leaves little: an error of numerics or of the reduction does not look
+    like an effect. An effect is also kept if it makes the model pass and leaves little, even when its gain is smaller
+    than the model's own error.
 
     seen: the arm with the coordinates that the shapes show, where the base has more on the chain's account. With an
     effect added the data can tell whether it does as well, and then it stands: they come from an arm without the rest.
@@ -126,7 +134,7 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     single: list[Hypothesis] = []
     while len(current.effects) < MOST_EFFECTS:
         if current.passed:
-            if enough is not None or current.left < STANDS_OUT:
+            if enough is not None or current.excess_rms < STANDS_OUT:
                 break
             enough, current = (current, alternatives), _finer(current)
             if current.passed:
@@ -139,40 +147,51 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
         tried = _tried(current, promising)
         if not current.effects:
             single = tried
-        gain = tried[0].evidence - current.evidence
+        gain = tried[0].penalised_log_likelihood - current.penalised_log_likelihood
         if gain < material_gain(current) and (current.passed or not _clears(tried[0], current)):
             break
         current, *alternatives = settled_together(tried)
-        current, alternatives = _back(current, alternatives)
+        current, alternatives = backward_elimination(current, alternatives)
         if seen is not None and seen.order < current.problem.arm.order:
             current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
         if current.misfit > WORTH_GOING_ON[len(current.effects)] * base.misfit:
             break
-    current = converged(spared(polished(current)))
+    current = converged(prune_shape_parameters(at_fine_step(current)))
     if enough is not None and not _clears(current, enough[0]):
         current, alternatives = enough
-        current = converged(spared(polished(current)))
-    loose = looseness(current)
+        current = converged(prune_shape_parameters(at_fine_step(current)))
+    loose = variance_inflation(current)
     tie = tied_within(current, loose)
-    rivals = [h for h in alternatives if len(h.effects) == len(current.effects) and current.evidence - h.evidence < tie]
-    rivals = [h for h in rivals if current.evidence - h.evidence < TIE * loose or _alike(current, h, first)]
-    others = [h.evidence for h in (alternatives or single) if h.effects != current.effects]
-    margin = (current.evidence - max(others)) / loose if others and current.effects else LARGEST_MARGIN
+    rivals = [
+        h
+        for h in alternatives
+        if len(h.effects) == len(current.effects)
+        and current.penalised_log_likelihood - h.penalised_log_likelihood < tie
+    ]
+    rivals = [
+        h
+        for h in rivals
+        if current.penalised_log_likelihood - h.penalised_log_likelihood < TIE * loose or _alike(current, h, first)
+    ]
+    others = [h.penalised_log_likelihood for h in (alternatives or single) if h.effects != current.effects]
+    margin = (current.penalised_log_likelihood - max(others)) / loose if others and current.effects else LARGEST_MARGIN
     return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals), margin)
 
 
 def _finer(h: Hypothesis) -> Hypothesis:
-    """The hypothesis granted little of what it may err by itself."""
+    """The hypothesis with a small share of its own error allowed."""
     return hypothesis(h.effects, h.problem, h.fitted, (FINE * h.reduction[0], FINE * h.reduction[1]), h.laws)
 
 
 def _clears(current: Hypothesis, enough: Hypothesis) -> bool:
     """Whether a model leaves little of what one left that might have erred by itself."""
     noise = noise_ratio(current.problem, enough.problem)
-    return current.passed and not strained(current) and current.left * noise < CLEARED * enough.left
+    return (
+        current.passed and not strength_at_bound(current) and current.excess_rms * noise < CLEARED * enough.excess_rms
+    )
 
 
-def strained(chosen: Hypothesis) -> bool:
+def strength_at_bound(chosen: Hypothesis) -> bool:
     """Whether a combination stands only with an effect as strong as it can be: it fills in for something else."""
     if len(chosen.effects) < 2:
         return False
@@ -193,14 +212,14 @@ def _with_fewer_coordinates(
 ) -> tuple[Hypothesis, list[Hypothesis]]:
     """The hypotheses on an arm of fewer coordinates where the best fits no worse there; else as they are."""
     fewer = on_arm(current, arm)
-    if fewer.evidence < current.evidence:
+    if fewer.penalised_log_likelihood < current.penalised_log_likelihood:
         return current, alternatives
-    ordered = sorted([fewer, *(on_arm(h, arm) for h in alternatives)], key=lambda h: -h.evidence)
+    ordered = sorted([fewer, *(on_arm(h, arm) for h in alternatives)], key=lambda h: -h.penalised_log_likelihood)
     best, *rest = settled_together(ordered)
     return best, rest
 
 
-def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:
+def backward_elimination(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:
     """Whether an effect that was chosen before the last is still needed, or another in its place serves better.
 
     Gives the best, and the alternatives to it with those found on the way.
@@ -208,16 +227,16 @@ def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothes
     found = list(alternatives)
     for effect in current.effects[:-1]:
         smaller = without(current, effect)
-        if smaller.evidence > current.evidence - TIE:
+        if smaller.penalised_log_likelihood > current.penalised_log_likelihood - TIE:
             return smaller, []
         candidates = score(smaller.problem, smaller.fitted)
         swaps = [c for c in candidates if c.effect.name not in current.effects][:SWAPS]
         found += refitted(smaller, swaps)
-        # A twin takes the effect's place where it stood: bent to its loss, the rest may end in another valley.
+        # A twin takes the effect's place without a refit between: the other parameters might end in another minimum.
         removed = [c for c in candidates if c.effect.name == effect]
         twins = {c.effect.name for c in swaps if twin_cosines([c, *removed]).min() > ALIKE} if removed else set[str]()
         if twins:
-            left = left_by(current, effect)
+            left = removed_without_refit(current, effect)
             found += refitted(left, [c for c in score(left.problem, left.fitted) if c.effect.name in twins])
     ordered = _best_of_each(current, found)
     if ordered[0] is current:
@@ -229,7 +248,7 @@ def _back(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothes
 def _best_of_each(current: Hypothesis, found: list[Hypothesis]) -> list[Hypothesis]:
     """The hypotheses, best first, each set of effects once."""
     ordered, sets = [], set[frozenset[str]]()
-    for h in sorted([current, *found], key=lambda h: -h.evidence):
+    for h in sorted([current, *found], key=lambda h: -h.penalised_log_likelihood):
         if frozenset(h.effects) not in sets:
             ordered.append(h)
             sets.add(frozenset(h.effects))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from discovery.rules.refit import without
-from discovery.rules.search import CLEARED, MOST_EFFECTS, STANDS_OUT, Search, strained, tied_within
+from discovery.rules.search import CLEARED, MOST_EFFECTS, STANDS_OUT, Search, strength_at_bound, tied_within
 from inference.hypothesis import Hypothesis, against_baseline, noise_ratio
 from tentacle.diagnosis import Verdict
 
@@ -41,13 +41,13 @@ def structure_share(search: Search, reached: Hypothesis) -> float:
 
 
 def probabilities(search: Search) -> dict[str, float]:
-    """Weights of the single-effect models among themselves, tempered by the looseness; they rank, they are no
+    """Weights of the single-effect models among themselves, tempered by the variance_inflation; they rank, they are no
     calibrated odds.
     """
     pool = list(search.single)
     if not pool:
         return {}
-    evidence = np.array([h.evidence for h in pool]) / (2.0 * search.looseness)
+    evidence = np.array([h.penalised_log_likelihood for h in pool]) / (2.0 * search.variance_inflation)
     weights = np.exp(evidence - evidence.max())
     weights /= weights.sum()
     return {h.effects[0]: float(weight) for h, weight in zip(pool, weights, strict=True)}
@@ -68,7 +68,7 @@ def decide(search: Search, unexplained: float = 1.0) -> Decision:
     others = [h for h in others if h.effects != search.chosen.effects and h.fitted.result.converged]
     if not others:
         return Decision("unknown", (), decision.confidence, words)
-    beside = max(others, key=lambda h: h.evidence).effects
+    beside = max(others, key=lambda h: h.penalised_log_likelihood).effects
     return Decision("group", tuple(dict.fromkeys((*decision.effects, *beside))), 0.5 * decision.confidence, words)
 
 
@@ -81,7 +81,7 @@ def _by_limits(search: Search, unexplained: float) -> Decision:
     """
     base, chosen = search.base, search.chosen
     adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
-    tense = strained(chosen)
+    tense = strength_at_bound(chosen)
     passed = adequate and not tense
     if not chosen.effects and passed:
         sure = float(np.clip(1.0 - 0.5 * _room_used(base), 0.5, 0.98))
@@ -102,14 +102,14 @@ def _by_limits(search: Search, unexplained: float) -> Decision:
         share = structure_share(search, named)
         words.append(
             f"{' + '.join(named.effects)} explains all but {100 * share:.0f} % of the structured error; "
-            "the rest is above the noise and has no name here."
+            "the remainder is above the noise and no effect of the catalogue explains it."
         )
     if named is not chosen:
         more = " + ".join(chosen.effects[len(named.effects) :])
-        words.append(f"The augmented model follows a part of that rest with {more}: this is no finding.")
+        words.append(f"The augmented model uses {more} to follow a part of that remainder: {more} is not identified.")
         twins = _twins_of(search, named)
         if twins:
-            words.append("These data do not split " + ", ".join((*named.effects, *twins)) + ".")
+            words.append("These data cannot separate " + ", ".join((*named.effects, *twins)) + ".")
             return Decision("group", (*named.effects, *twins), 0.7, tuple(words))
         return Decision("effect", named.effects, _confidence(search, passed, share), tuple(words))
     if not search.rivals:
@@ -117,14 +117,14 @@ def _by_limits(search: Search, unexplained: float) -> Decision:
     alternatives = sorted({name for h in (chosen, *search.rivals) for name in h.effects} - set(search.core.effects))
     agreed = search.core.effects
     # what stands out without the rest, and is cleared by it, is no detail
-    detail = search.core.left < max(STANDS_OUT, chosen.left / CLEARED)
+    detail = search.core.excess_rms < max(STANDS_OUT, chosen.excess_rms / CLEARED)
     if agreed and structure_share(search, search.core) < AGREED and detail:
         words.append(
             f"Beyond {' + '.join(agreed)}, a smaller part is shared by {', '.join(alternatives)}: "
-            "these are not to be told apart here."
+            "these data cannot separate them."
         )
         return Decision("effect", agreed, _confidence(search, passed, share), tuple(words))
-    words.append("These data do not split " + ", ".join(alternatives) + ".")
+    words.append("These data cannot separate " + ", ".join(alternatives) + ".")
     return Decision("group", (*alternatives, *agreed), 0.9 if passed else 0.7, tuple(words))
 
 
@@ -136,11 +136,11 @@ def _room_used(h: Hypothesis) -> float:
 
 def _hidden_below(h: Hypothesis) -> tuple[str, ...]:
     """Says so where the model's own error, not the noise, bounds what can be seen."""
-    if h.left < STANDS_OUT:
+    if h.excess_rms < STANDS_OUT:
         return ()
     return (
-        f"What is left is {h.left:.1f} times the noise and no more than the reduced model may err by itself: "
-        "an effect smaller than that would not show.",
+        f"What remains is {h.excess_rms:.1f} times the noise and within the reduced model's own error: "
+        "a smaller effect would not be detected.",
     )
 
 
@@ -169,13 +169,15 @@ def _twins_of(search: Search, named: Hypothesis) -> tuple[str, ...]:
     own = alone.pop(named.effects, None)
     if own is None:
         return ()
-    tie = tied_within(own, search.looseness)
-    return tuple(effects[0] for effects, h in alone.items() if own.evidence - h.evidence < tie)
+    tie = tied_within(own, search.variance_inflation)
+    return tuple(
+        effects[0] for effects, h in alone.items() if own.penalised_log_likelihood - h.penalised_log_likelihood < tie
+    )
 
 
 def _tolerated(chosen: Hypothesis) -> float:
     """The share of the first error that may stay unexplained under a named effect."""
-    return NEARLY if against_baseline(chosen) or chosen.left < STANDS_OUT else DOMINANT
+    return NEARLY if against_baseline(chosen) or chosen.excess_rms < STANDS_OUT else DOMINANT
 
 
 def _confidence(search: Search, passed: bool, share: float) -> float:

@@ -1,7 +1,8 @@
 """The command line: one verb a file in this folder, each a thin call into one room.
 
 A verb's file has HELP (one line), configure(parser) and run(arguments) -> exit code; it imports heavy libraries inside
-run only, so that --help is quick. How a command ends is in _endings, what its numbers may be in _bounds.
+run only, so that --help is quick. How a command ends is in _endings (by a signal: _stop_signals), what its numbers may
+be in _bounds.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from tentacle.cli._bounds import require_sane
-from tentacle.cli._endings import signals_as_interrupts, told
+from tentacle.cli._endings import told
+from tentacle.cli._stop_signals import signals_as_interrupts
 from tentacle.errors import InputError, printable
 
 DESCRIPTION = """\
@@ -75,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"tentacle: {_unknown_verb(words[0])}", file=sys.stderr)
         return 2
     parsed = build_parser().parse_args(words)
-    with signals_as_interrupts(), told() as outcome:
+    with signals_as_interrupts() as asked, told(asked) as outcome:
         require_sane(parsed)
         outcome.code = parsed.run(parsed)
         sys.stdout.flush()

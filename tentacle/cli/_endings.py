@@ -11,17 +11,15 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import tempfile
-import threading
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 
+from tentacle.cli._stop_signals import Ended, StopAsked
 from tentacle.errors import InputError, printable
 
 # What not everyone needs: module -> the extra that brings it.
@@ -37,14 +35,6 @@ EXTRAS = {
 BAD_INPUT, DEFECT = 2, 70
 
 
-class Ended(KeyboardInterrupt):
-    """A signal asked the program to end: it does so as after Ctrl-C, which every verb knows to leave nothing behind."""
-
-    def __init__(self, number: int) -> None:
-        self.number = number
-        super().__init__()
-
-
 @dataclass
 class Outcome:
     """The exit code of a command."""
@@ -53,37 +43,18 @@ class Outcome:
 
 
 @contextmanager
-def signals_as_interrupts() -> Iterator[None]:
-    """SIGTERM and SIGHUP (a closed terminal) end a command as Ctrl-C does, unless whoever started us ignores them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {}
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) == signal.SIG_DFL:
-            before[number] = signal.signal(number, _end)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def told(asked: StopAsked) -> Iterator[Outcome]:
+    """The outcome of what is done inside; whatever goes wrong there is told in one line.
 
-
-def _end(number: int, _frame: FrameType | None) -> None:
-    signal.signal(number, signal.SIG_IGN)  # once is enough: what cleans up is not to be interrupted
-    raise Ended(number)
-
-
-@contextmanager
-def told() -> Iterator[Outcome]:
-    """The outcome of what is done inside; whatever goes wrong there is told in one line."""
+    asked: whether a signal asked it to end. What breaks afterwards is that signal's doing, and no defect.
+    """
     outcome = Outcome()
     try:
         yield outcome
     except SystemExit:
         raise
     except BaseException as error:
-        line, outcome.code = _told(error)
+        line, outcome.code = _told(error, asked)
         if line:
             with suppress(OSError, ValueError):  # a terminal that has gone
                 print(f"tentacle: {line}", file=sys.stderr, flush=True)
@@ -91,7 +62,7 @@ def told() -> Iterator[Outcome]:
             _close_output()
 
 
-def _told(error: BaseException) -> tuple[str, int]:
+def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
     """One line on an error, "" where there is nobody to read it, and the exit code."""
     match _root(error):
         case InputError() as bad:
@@ -109,6 +80,8 @@ def _told(error: BaseException) -> tuple[str, int]:
             return "not enough memory for this; expected a smaller input", BAD_INPUT
         case OSError() as failed:
             return _os_words(failed), BAD_INPUT
+    if asked.number:
+        return "stopped", 128 + asked.number
     return f"a defect of tentacle: {_first_line(error)}; its trace is in {_trace(error)}", DEFECT
 
 

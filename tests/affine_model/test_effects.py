@@ -19,7 +19,7 @@ from affine_model.simulate import Start, Timing, simulate
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Sine
 
-CONTRACT = {  # closing_the_loop.md: these names are known outside
+CONTRACT = {  # These names are known outside
     "added_mass", "skin_drag", "linear_drag", "current", "sloshing", "wall", "buoyancy", "gravity_tilt", "tip_mass",
     "cubic_stiffness", "intrinsic_curvature", "viscoelasticity", "dry_friction", "soft_spot", "stiffness_drift",
     "third_curvature", "servo_lag", "backlash", "time_offset", "camera_roll", "camera_scale",

@@ -1,4 +1,4 @@
-"""Frequencies against Euler-Bernoulli's, Rayleigh's and Rayleigh-Ritz's values (physics.md)."""
+"""Frequencies against Euler-Bernoulli's, Rayleigh's and Rayleigh-Ritz's values."""
 
 import itertools
 

@@ -105,7 +105,7 @@ def test_prescribed_torque_turns_a_free_base_alike(parameters):
 
 
 def test_mean_load_is_mean_thrust_when_the_motion_repeats(parameters):
-    """Over whole periods the arm's inertia averages out: the load cell then reads thrust plus weight (physics.md)."""
+    """Over whole periods the arm's inertia averages out: the load cell then reads thrust plus weight."""
     p = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1)
     h, period = 1 / 1300, 1 / 1.3
     steps = round(12 * period / h)

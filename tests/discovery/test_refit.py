@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from discovery.rules.refit import refit, spared
+from discovery.rules.refit import prune_shape_parameters, refit
 from inference.base_fit import Setting, fit_base
 from inference.hypothesis import hypothesis, parameter_interval
 from inference.prepare import prepare
@@ -36,7 +36,7 @@ def test_water_along_the_tangent_is_kept_only_where_the_data_need_it(recorded, t
     found = added(
         base_of(recorded({("added_mass", "C_a"): 1.0, ("added_mass", "tangential"): tangential})), "added_mass"
     )
-    simpler = spared(found)
+    simpler = prune_shape_parameters(found)
     assert (("added_mass", "tangential") in simpler.problem.free) == (tangential > 0.0)
     place = simpler.problem.free.index(("added_mass", "C_a"))
     low, high = parameter_interval(simpler, place, 1.0)

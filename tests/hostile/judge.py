@@ -97,6 +97,9 @@ def _run(case: Case, place: Path) -> None:
     code = 71
     try:
         os.setsid()
+        for number in (signal.SIGTERM, signal.SIGHUP):  # whoever started the trials may ignore them
+            signal.signal(number, signal.SIG_DFL)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         os.chdir(place)
         os.environ.update({"TENTACLE_TRACE": "1", **case.environment})
         out = os.open(place.with_suffix(".out"), os.O_WRONLY | os.O_CREAT)

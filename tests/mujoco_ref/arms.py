@@ -5,7 +5,7 @@ import numpy as np
 from tentacle.model import Estimate, Model
 from tentacle.specimen import AIR, WATER, Cone, Fluid, Gravity, Rectangle, Specimen
 
-# The cone of physics.md: L = .14 m, r 12.5 -> 1 mm, rho 1070, E = 2e5.
+# The usual cone: L = .14 m, r 12.5 -> 1 mm, rho 1070, E = 2e5.
 CONE = Specimen(Cone(0.0125, 0.001), 0.14, 1070.0)
 STRIP = Rectangle(0.02, 0.01)
 WEIGHTLESS = Gravity(0.0, 0.0)

@@ -39,7 +39,7 @@ def test_cones_of_any_taper(taper, roots):
 def test_physical_cone_has_rotary_inertia_and_converges_with_order_two():
     steppers = [make_stepper(model_of(CONE), links=links) for links in (10, 20, 40, 80)]
     found = np.array([natural_frequencies(stepper) for stepper in steppers])
-    # physics.md: Euler-Bernoulli with rotary inertia 5.1621, 13.028, 25.157 Hz, printed to 4-5 digits.
+    # Euler-Bernoulli with rotary inertia 5.1621, 13.028, 25.157 Hz, printed to 4-5 digits.
     np.testing.assert_allclose(found[-1], [5.1621, 13.028, 25.157], rtol=1e-4)
     order = np.log2((found[1] - found[0]) / (found[2] - found[1]))
     assert np.all(order > 1.8), order

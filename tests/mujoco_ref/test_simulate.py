@@ -75,7 +75,7 @@ def test_agrees_with_mujocos_own_integrator_in_air():
 
 @pytest.mark.parametrize("base", ["prescribed", "servo", "rail", "stand"])
 def test_momentum_closes(base):
-    # Force on the mount + water's force + weight = rate of MuJoCo's own momentum, to 1e-4 N (physics.md).
+    # Force on the mount + water's force + weight = rate of MuJoCo's own momentum, to 1e-4 N.
     model = swimming_model(skin_drag={"C_t": 0.05})
     servo = Servo(2.0, 0.02, 1.0) if base == "servo" else None
     rail = Rail(0.1) if base == "rail" else None

@@ -19,7 +19,7 @@ def shape_at_rest(stepper, theta=0.0):
 
 
 def test_own_weight_of_the_horizontal_cone():
-    # physics.md: tip at .137193, drop .024279 m (with g = 9.81: scaled here, the drop is linear to 1 %).
+    # The elastica: tip at .137193, drop .024279 m (with g = 9.81: scaled here, the drop is linear to 1 %).
     model = model_of(CONE, gravity=Gravity(np.pi / 2, 9.81))
     tip, _ = shape_at_rest(make_stepper(model, links=40))
     assert tip[0] == pytest.approx(0.024279, rel=2e-4)

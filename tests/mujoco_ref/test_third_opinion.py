@@ -20,5 +20,5 @@ def test_only_round_rods():
 
 @pytest.mark.skipif(not is_installed(), reason="PyElastica is not installed (pip install pyelastica)")
 def test_pyelastica_lies_between_timoshenko_and_rotary_inertia():
-    # physics.md: 5.0754 and 5.1621 Hz; 20 elements lie .06 above their limit of 5.11.
+    # The Euler-Bernoulli cone: 5.0754 and 5.1621 Hz; 20 elements lie .06 above their limit of 5.11.
     assert 5.0754 < first_frequency(CONE, 2e5, 5.16, elements=20) < 5.1621 + 0.06

@@ -56,11 +56,11 @@ def test_the_ladder_climbs(ladder):
     for rung in ladder.rungs:
         assert rung.spread < 0.2 * rung.error(2), rung.name  # the reference can judge
         assert rung.error(4) <= rung.error(2) + 1e-3, rung.name
-    assert ladder.rungs[1].error(2) > 0.08  # the second mode, which two coordinates cannot follow (physics.md)
+    assert ladder.rungs[1].error(2) > 0.08  # the second mode, which two coordinates cannot follow
 
 
 def test_affine_frequencies_are_those_of_the_rayleigh_ritz_targets():
-    # physics.md: taper .1, order 2: 7.2113 and 21.28 times sqrt(E I0 / rho A0 L^4).
+    # Rayleigh-Ritz: taper .1, order 2: 7.2113 and 21.28 times sqrt(E I0 / rho A0 L^4).
     from dataclasses import replace
 
     from tentacle.specimen import AIR, Gravity
