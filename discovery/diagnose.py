@@ -1,78 +1,22 @@
-"""Closing the loop, from recordings to a diagnosis (the protocol of docs/loop.md)."""
+"""Closing the loop, from recordings to a diagnosis (docs/loop.md)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from typing import Literal
 
-import numpy as np
-
-from affine_model.curvature import Array
-from discovery.assemble import Surroundings, assembled, cannot_tell
+from discovery.answer import cannot_tell
 from discovery.calibration import Calibration
-from discovery.given import held_out_run, same_arm
-from discovery.search import Search, search
-from discovery.unnamed import unnamed_rest
-from discovery.verdict import decide, structure_share
-from inference.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
-from inference.compare import unexplained_share
-from inference.hypothesis import Hypothesis, hypothesis, noise_ratio, variance_inflation
-from inference.observation import ShapeObservation
-from inference.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
-from inference.reduction import Reduction, reduction_error, without_reduction
-from inference.trajectory import Fit, Problem, fit
+from discovery.given import Given, same_arm
+from discovery.posterior.diagnose import diagnosed as by_posterior
+from discovery.rules.diagnose import diagnosed as by_rules
+from inference.prepare import CannotTellError
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
+from tentacle.progress import Stage, silent
 from tentacle.recording import Recording
 
-Progress = Callable[[str], None]
-ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
-PARTIAL = 0.5  # an account that leaves more of the structured error than this is none to build on
-SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
-HELPS = 0.8  # more coordinates must bring the reduction's error below this share of what it was
-OF_MOTION = 7e-4  # of an arm's motion: neither its shape nor its laws, nor another's numerics, are known better
-REMAINS = 0.3  # of the reduction's error once the chain's is taken off: another simulator, or an arm, has a like one
-
-
-@dataclass(frozen=True)
-class Baseline:
-    """What recordings with a complete declaration taught: the base fit, what it leaves a channel, and over how many
-    frames.
-    """
-
-    fitted: Fit
-    left: Array
-    correlation: float
-
-
-def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple[Baseline, int]:
-    """Fit the baseline; what it cannot follow counts as noise from then on, correlated as it is."""
-    prepared = [prepare(recording, hold_out=False) for recording in recordings]
-    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
-    order = order or needed_order(setting, complete=True)
-    problem, fitted = fit_base(setting, order)
-    experiments, judged = problem.experiments, hypothesis((), problem, fitted)
-    rows = [r[e.used] * e.noise_gain for e, r in zip(experiments, fitted.residuals, strict=True)]
-    left = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0))
-    gain = np.max([e.noise_gain for e in experiments], axis=0)
-    ratio = float(np.mean(left**2) / np.mean(gain**2))
-    if ratio < ALMOST_NOISE:
-        return Baseline(fitted, gain, 1.0), order
-    correlation = max(variance_inflation(judged) / ratio, 1.0)
-    again = tuple(replace(e, noise_gain=np.maximum(e.noise_gain, left)) for e in experiments)
-    problem = replace(problem, experiments=again)
-    return Baseline(fit(problem, fitted.nuisances), np.maximum(left, gain), correlation), order
-
-
-def _with_baseline(setting: Setting, baseline: Baseline) -> Setting:
-    """The experiments with what the baseline leaves unexplained counted as noise: that is not what is sought here."""
-    experiments = []
-    for experiment in setting.experiments:
-        if baseline.left.size == experiment.noise_gain.size:
-            gain = np.maximum(experiment.noise_gain, baseline.left)
-            experiment = replace(experiment, noise_gain=gain, correlation=baseline.correlation)
-        experiments.append(experiment)
-    return replace(setting, experiments=tuple(experiments))
+How = Literal["posterior", "rules"]
 
 
 def diagnose(
@@ -82,185 +26,31 @@ def diagnose(
     *,
     seed: int = 0,
     calibration: Calibration | None = None,
-    progress: Progress = lambda _: None,
+    decide: How | None = None,
+    progress: Stage = silent,
 ) -> Diagnosis:
-    """Find the residual of the declared model, the effect behind it, and the error before and after.
+    """Find what the declared model lacks, and the error before and after it is added.
 
-    baseline: recordings whose declaration is complete; the base parameters come from there, with their covariance.
-    held_out: recordings that only judge; without any, the last third of each recording does. calibration: of the
-    confidence, by blind trials of one's own (None: the package's). Raises InputError on unusable input.
+    baseline: recordings whose declaration is complete: no absent effect acts there, and they share the arm's
+    parameters with the others. held_out: recordings that only judge; without any, the last third of each does.
+    calibration: of the confidence, by blind trials of one's own (None: the posterior mass, or the map that ships with
+    the rules). decide: how (None: decided_by). Raises InputError on unusable input.
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
-    same_arm([*recordings, *held_out])
+    given = Given(recordings, baseline, held_out)
+    same_arm(given.all)
+    loop = by_posterior if (decide or decided_by(given)) == "posterior" else by_rules
     try:
-        return _diagnosed(recordings, baseline, held_out, seed, calibration, progress)
+        return loop(given, seed, calibration, progress)
     except CannotTellError as reason:
         return cannot_tell(recordings[0], str(reason), seed)
 
 
-def _diagnosed(
-    recordings: Sequence[Recording],
-    baseline: Sequence[Recording],
-    held_out: Sequence[Recording],
-    seed: int,
-    calibration: Calibration | None,
-    progress: Progress,
-) -> Diagnosis:
-    progress("reading shapes")
-    prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
-    prepared += [held_out_run(prepare(recording, hold_out=False)) for recording in held_out]
-    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
-    words = [sentence for p in prepared for sentence in p.words]
-    known: Baseline | None = None
-    if baseline:
-        progress("fitting the baseline")
-        # Markers show their order by fits only, and those are then the baseline's to make.
-        known, order = _learn_baseline(baseline, needed_order(setting) if setting.sees_shapes() else None)
-        setting = _with_baseline(setting, known)
-    else:
-        order = needed_order(setting)
-    setting = replace(setting, order=order)
+def decided_by(given: Given) -> How:
+    """How the loop decides where nobody says: by posterior mass, and by the rules where a recording is a free decay.
 
-    progress("fitting the declared model")
-    paper_problem, paper = _base_hypothesis(setting, 2, known)
-    base_problem, base = paper_problem, paper
-    if order > 2:
-        fitted = fitted_order(order, _most_coordinates(base_problem))
-        base_problem, base = _base_hypothesis(setting, fitted, known, warm=paper)
-    progress("running the reference")
-    base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
-    progress("searching the catalogue")
-    found = search(_relieved(base_problem, base, reduction), setting.arm())
-    found, reduction = _searched_again(found, setting, (base_problem, base), reduction)
-    # With the noise as the final model leaves it; the errors are stated of what was measured, reduction and all.
-    final = found.chosen.problem.experiments
-    prepared = [
-        replace(p, experiment=replace(experiment, observation=p.experiment.observation))
-        for p, experiment in zip(prepared, final, strict=True)
-    ]
-    decision = decide(found, _unexplained(found, prepared, reduction))
-    explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
-    rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
-    progress("comparing")
-    paper_model = (paper_problem, paper)
-    return assembled(
-        found, decision, rest, Surroundings(paper_model, prepared, order, tuple(words), reduction), seed, calibration
-    )
-
-
-def _base_hypothesis(
-    setting: Setting, order: int, known: Baseline | None, *, warm: Fit | None = None
-) -> tuple[Problem, Fit]:
-    if known is None:
-        return fit_base(setting, order, warm=warm)
-    start = known.fitted
-    problem = replace(
-        setting.problem(order, start.parameters),
-        prior_free=start.free,
-        prior_mean=start.values,
-        prior_root=np.linalg.cholesky(np.linalg.inv(start.covariance)).T,
-    )
-    nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
-    return settled(problem, fit(problem, nuisances))
-
-
-def _reduced_enough(
-    setting: Setting, problem: Problem, fitted: Fit, known: Baseline | None
-) -> tuple[Problem, Fit, Reduction | None]:
-    """The base with as many coordinates that its own error drowns in the noise, or as help; and that error.
-
-    Shapes show a coordinate only where it stands out of the noise by itself; the chain shows those that matter below.
+    In a decay the phase runs away with any error of the frequency, and the search under the one likelihood is not safe
+    there yet (docs/loop.md has the figures).
     """
-    reduction = reduction_error(setting.declaration, problem, fitted)
-    alone = hypothesis((), problem, fitted)
-    if alone.passed:
-        return problem, fitted, reduction
-    most = _most_coordinates(problem)
-    while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < most:
-        more = fitted_order(problem.arm.order + 1, most)
-        higher = _base_hypothesis(setting, more, known, warm=fitted)
-        again = reduction_error(setting.declaration, *higher)
-        if again is None or again.worst > HELPS * reduction.worst:
-            break
-        (problem, fitted), reduction = higher, again
-    return problem, fitted, reduction
-
-
-def _relieved(problem: Problem, fitted: Fit, reduction: Reduction | None, missing: float | None = None) -> Hypothesis:
-    """The base fitted to what was measured less the reduction's error, granted what may be left of that error: the
-    chain was run with a model whose motion is wrong by what is missing [noise sigmas] (None: by what the base leaves).
-
-    As it was, and granted all of the error, where that is small, is not known everywhere, or is not this arm's: taken
-    off data that do not hold it, its whole square would come on top of the misfit, and here half of it does.
-    """
-    less = None if reduction is None or reduction.worst < SMALL_REDUCTION else without_reduction(problem, reduction)
-    if reduction is None or less is None:
-        return _granted(problem, fitted, reduction, 1.0)
-    again = settled(less, fit(replace(less, parameters=fitted.parameters), fitted.nuisances))
-    if again[1].misfit - fitted.misfit > 0.5 * 0.5 * reduction.structure**2 * fitted.count:
-        return _granted(problem, fitted, reduction, 1.0)
-    if missing is None:
-        missing = hypothesis((), *again).train.structure
-    return _granted(*again, reduction, min(1.0, REMAINS + missing / max(_motion(again[0]), 1e-9)))
-
-
-def _granted(problem: Problem, fitted: Fit, reduction: Reduction | None, share: float) -> Hypothesis:
-    """The base judged, granted that share of the reduction's error and what no model of its motion knows better."""
-    least = OF_MOTION * _motion(problem)
-    lost = (0.0, 0.0) if reduction is None else (share * reduction.structure, share * reduction.judged)
-    return hypothesis((), problem, fitted, (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least))))
-
-
-def _searched_again(
-    found: Search, setting: Setting, base: tuple[Problem, Fit], reduction: Reduction | None
-) -> tuple[Search, Reduction | None]:
-    """The search once more where what was found explains much and yet leaves too much, and the reduction's error by
-    which it went: now as the chain shows it that has the effects found. As before where this leaves no less.
-    """
-    chosen = found.chosen
-    done = reduction is None or chosen.passed
-    if done or not chosen.effects or structure_share(found, chosen) > PARTIAL:
-        return found, reduction
-    if chosen.problem.arm.order != base[0].arm.order:
-        return found, reduction
-    with_effects = reduction_error(setting.declaration, chosen.problem, chosen.fitted, chosen.effects)
-    if with_effects is None:
-        return found, reduction
-    again = search(_relieved(*base, with_effects, chosen.train.structure), setting.arm())
-    noise = noise_ratio(again.chosen.problem, chosen.problem)
-    better = again.chosen.passed or again.chosen.excess_rms * noise <= chosen.excess_rms
-    return (again, with_effects) if better else (found, reduction)
-
-
-def _unexplained(found: Search, prepared: list[Prepared], reduction: Reduction | None) -> float:
-    """The share of the base's error in millimetres that an account leaves which the gates do not pass; else 1."""
-    base, chosen = found.base, found.chosen
-    if not chosen.effects or chosen.passed:
-        return 1.0
-    lost = 0.0 if reduction is None else reduction.millimetres
-    models = ((base.problem, base.fitted), (chosen.problem, chosen.fitted))
-    return unexplained_share(*models, prepared, lost, held_out=bool(chosen.judged.gates))
-
-
-def _motion(problem: Problem) -> float:
-    """rms of the motion in noise sigmas, as far as shapes or markers show it."""
-    squares = []
-    for experiment in problem.experiments:
-        observation = experiment.observation
-        if isinstance(observation, ShapeObservation):
-            seen = observation.seen
-            change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
-            whitened = np.einsum("tkl,tl->tk", observation.root[seen], change)
-        else:
-            whole = np.isfinite(observation.xy).all(axis=(1, 2))
-            points = observation.xy[whole].reshape(-1, experiment.noise_gain.size)
-            whitened = (points - points.mean(axis=0)) / observation.sigma if points.size else np.zeros(1)
-        squares.append(float(np.mean((whitened / experiment.noise_gain) ** 2)))
-    return float(np.sqrt(np.mean(squares))) if squares else 0.0
-
-
-def _most_coordinates(problem: Problem) -> int:
-    """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
-    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
-    return min((shape.order for shape in shapes), default=MOST_COORDINATES)
+    return "rules" if any(recording.declaration.release_t is not None for recording in given.all) else "posterior"

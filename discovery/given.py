@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from inference.prepare import Prepared
 from tentacle.errors import InputError
 from tentacle.recording import Recording
+
+
+@dataclass(frozen=True)
+class Given:
+    """recordings: what is diagnosed; baseline: their declaration is complete; held_out: they only judge."""
+
+    recordings: Sequence[Recording]
+    baseline: Sequence[Recording] = ()
+    held_out: Sequence[Recording] = ()
+
+    @property
+    def all(self) -> tuple[Recording, ...]:
+        """Every recording."""
+        return (*self.recordings, *self.baseline, *self.held_out)
+
 
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
 

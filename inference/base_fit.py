@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from affine_model.arm import Arm, arm_of, declared_parameters
-from affine_model.curvature import Array
+from affine_model.curvature import Array, legendre_to_monomial, points_beside
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
 from inference.noise_floor import noise_deviation
-from inference.observation import POSE, ShapeObservation
+from inference.observation import POSE, MarkerObservation, ShapeObservation
 from inference.prepare import RELEASE, recalibrated
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, fit, fit_multistart
+from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, finished, fit, fit_multistart
 from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration
@@ -22,6 +23,10 @@ from tentacle.recording import Declaration
 STEP = 1.0 / 150.0  # s: where a fit begins; how fine it ends is found (inference.sufficient_step)
 SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 VISIBLE = 0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
+FIRST_FRAMES, PLACED = (
+    6,
+    0.003,
+)  # frames of a start; arm lengths to which a marker shows the shape beside 1 rad of prior
 MOST_FOR_MARKERS, FOLLOWED = 4, 0.2  # coordinates; noise sigmas to which fewer of them are to follow those
 
 
@@ -166,8 +171,29 @@ def initial_nuisances(experiment: Experiment, order: int) -> Array:
             first = seen[:6]
             slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
             start[:kept], rates[:kept] = offset, slope
+    else:
+        start = _shape_of_markers(experiment, observation, order)
     moving = rates if experiment.release is None else np.zeros(1)
     return np.concatenate([start, moving, np.zeros(2 * experiment.sees_shift + len(experiment.varies))])
+
+
+def _shape_of_markers(experiment: Experiment, markers: MarkerObservation, order: int) -> Array:
+    """The Legendre coordinates (order,) that markers show at the start (released: before it), without dynamics.
+
+    Where they do not tell a coordinate, it stays near zero.
+    """
+    seen = np.flatnonzero(np.isfinite(markers.xy).all(axis=(1, 2)))
+    until = experiment.release if experiment.release is not None else markers.t[seen[:FIRST_FRAMES][-1]]
+    early = seen[markers.t[seen] <= until]
+    early = early if early.size else seen[:1]
+    there, theta = markers.xy[early].mean(axis=0), markers.theta[early].mean()
+    to_monomial = legendre_to_monomial(order)
+
+    def missed(z: Array) -> Array:
+        points = points_beside(to_monomial @ z, theta, markers.length, markers.s, markers.d)
+        return np.concatenate([(points - there).ravel() / (PLACED * markers.length), z])
+
+    return np.asarray(least_squares(missed, np.zeros(order)).x)
 
 
 def _starts(setting: Setting) -> Array:
@@ -217,6 +243,21 @@ def roughly(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[P
         for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True)
     )
     return replace(problem, experiments=experiments, parameters=fitted.parameters), fitted
+
+
+def known_from_baseline(setting: Setting, order: int, *, warm: Fit) -> tuple[Problem, Fit]:
+    """The base effects as the complete recordings alone show them, by least squares; the others begin as their first
+    frames show them. What those lack has then bent nothing.
+    """
+    complete = tuple(e for e in setting.experiments if e.complete)
+    others = tuple(e for e in setting.experiments if not e.complete)
+    alone = tuple(replace(e, varies=()) for e in complete)
+    known, fitted = roughly(replace(setting, experiments=alone), order, warm=warm)
+    shown = [initial_nuisances(experiment, order) for experiment in others]
+    own = [np.concatenate([n, np.zeros(len(e.varies))]) for n, e in zip(fitted.nuisances, complete, strict=True)]
+    recalibrated = tuple(replace(e, noise_gain=k.noise_gain) for e, k in zip(complete, known.experiments, strict=True))
+    problem = replace(setting.problem(order, fitted.parameters), experiments=(*others, *recalibrated))
+    return problem, finished(problem, np.concatenate([fitted.values, *shown, *own]), 0)
 
 
 def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:

@@ -10,7 +10,7 @@ from tentacle.compiled import njit
 @njit(cache=True, nogil=True)
 def gains_along(transition, push, added, start, observation):
     """Gain (C, N, K), inverse Cholesky root (C, K, K) of every innovation, and half its log determinant, of a state
-    with that transition (N, N), its last J entries constant and pushing the others by push (C, N, J), added covariance
+    with that transition (N, N), its last J entries pushing the others by push (C, N, J), added covariance
     (N, N), covariance at the start, seen by observation (C, K, N) in unit noise. A cell whose rows are 0 tells nothing.
     """
     cells, count, size = observation.shape

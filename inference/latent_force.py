@@ -3,12 +3,14 @@
     y(t_k) = h(x(t_k); parameters, effects) + H_k (z + b + e) + noise_k,        noise_k white, unit after whitening
     M z'' + D z' + K z = a F (f(t) + f_0) + Q(t) c - (M_b b'' + D_b b' + K_b b)
 
-f: forces and bending moments along the arm, in units of those that act there, correlated over REACH arm lengths and,
-in time, a Matern-3/2 process of length ELL; f_0 the same, constant. c: the laws' coefficients are known up to a slow
-variation along the arm, and Q(t) c is what it does. b: a slow error of the base's angle, a times the base's motion; e:
-slow and constant errors of the measured shape, of size a times the shape's motion. All are Gaussian, of unit size but
-for what is said here. a, the share of the acting forces that is unknown, is the one hyperparameter. M, D, K are
-those of the model's laws, averaged along the fitted motion. One Kalman pass whitens any number of residual columns
+f: forces and bending moments along the arm, in units of those that act there and then, correlated over REACH arm
+lengths and, in time, a Matern-3/2 process of ELL times the motion's own time; f_0 the same, constant. c: the laws'
+coefficients are known up to a slow variation along the arm, and Q(t) c is what it does. b: a slow error of the base's
+angle, a times the base's motion; e: slow and constant errors of the measured shape, of size a times the shape's motion,
+and of where the markers sit. All are Gaussian, of unit size but for what is said here. a, the share of the acting
+forces that is unknown, is the one hyperparameter. M, D, K are those of the model's laws, averaged along the fitted
+motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a force so smooth moves them by their
+stiffness alone. One Kalman pass whitens any number of residual columns
 alike: the sum of squares of the whitened rows and log_determinant are the marginal likelihood, linear in frames.
 
 Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models); Alvarez, Luengo and Lawrence 2009
@@ -21,36 +23,39 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
+from scipy.linalg import eigh, expm
 
 from affine_model.curvature import Array
 from inference.kalman import gains_along, whitened_along
 
-ELL = 0.15  # s: time scale of the latent force (prototype: .08 and .25 give the same order of hypotheses)
+ELL = 1.0  # of the motion's own time, rms angle over rms rate: time scale of the latent force
 REACH = 0.3  # arm lengths over which the latent force hangs together
 POSE_SHARE = 0.03  # of a: constant errors of the camera's scale [1] and roll [rad]
+PLACE = 3e-4  # m: how well someone knows where a marker sits
+POSE_FLOOR = 3e-4  # the same at any a: nobody measures a length or an angle of a set-up to better than that
 SHAPE_SHARE = 0.3  # of the force's share a: what the reduction to few coordinates loses follows the motion itself
-SHAPE_TIME = 0.3  # s: time scale of the measured shape's own slow error
-RATE = 30.0  # 1/s: frames are averaged to this rate, which carries all of a force of that time scale
+SHAPE_TIME = 2.0  # of the latent force's time: that of the measured shape's own slow error
+CELLS = 4.5  # of frames averaged in the latent force's time: they carry all of such a force
+FASTEST = 4.0 * np.pi * CELLS  # of the latent force's rate: twice what cells can show
 DOUBLINGS = 12
 
 
 @dataclass(frozen=True)
 class Linearised:
     """An arm's small motions about its fitted run: mass, damping, stiffness (n, n + 1), the last column the base
-    angle's; force_root (n, n): of the latent generalised forces' covariance at a = 1; laws (C, n, J): generalised
-    forces in each cell of the laws' J unit variations; base_rms [rad] of the base's motion, shape_rms (n,) [rad] of
-    the shape's; noise (n + 1,) [rad]: deviation that one frame's noise gives shape and base angle.
+    angle's; time [s] of the latent force; force_root (n, n): of the latent generalised forces' covariance at a = 1;
+    laws (C, n, J): generalised forces in each cell of the laws' J unit variations; envelope (C,): size of the motion
+    about each cell over its rms along the run; base_rms [rad] of the base's motion.
     """
 
     mass: Array
     damping: Array
     stiffness: Array
+    time: float
     force_root: Array
     laws: Array
+    envelope: Array
     base_rms: float
-    shape_rms: Array
-    noise: Array
 
 
 @dataclass(frozen=True)
@@ -73,11 +78,11 @@ class Cells:
         return total
 
 
-def cells_of(t: Array, frames: NDArray[np.bool_]) -> Cells:
-    """Cells over the chosen frames."""
+def cells_of(t: Array, frames: NDArray[np.bool_], time: float) -> Cells:
+    """Cells over the chosen frames, for a latent force of that time [s]."""
     place = np.flatnonzero(frames)
-    frame_interval = float(np.median(np.diff(t[place]))) if place.size > 1 else 1.0 / RATE
-    interval = frame_interval * max(1, round(1.0 / (RATE * frame_interval)))
+    frame_interval = float(np.median(np.diff(t[place]))) if place.size > 1 else time / CELLS
+    interval = frame_interval * max(1, round(time / (CELLS * frame_interval)))
     cell = np.floor((t[place] - t[place[0]]) / interval + 1e-6).astype(np.int64)
     weight = 1.0 / np.sqrt(np.bincount(cell)[cell])
     middles = t[place[0]] + interval * np.arange(cell[-1] + 1.0) + 0.5 * (interval - frame_interval)
@@ -107,53 +112,68 @@ class Filter:
 
 
 @dataclass(frozen=True)
+class SeenError:
+    """Slow errors of what is seen: rows (C, K, E) that each cell sees of them, their rms at a = 1 in the motion's own
+    size (E,), and what they are at any a (E,), both in the unit of the rows.
+    """
+
+    rows: Array
+    size: Array
+    floor: Array
+
+
+@dataclass(frozen=True)
 class LatentForce:
-    """One recording's unknown forces and errors, for any share a; seen (C, K, n + 2): rows that each cell sees of a
-    change of shape, base angle and scale; tracked: noise deviations by which a frame's stated noise errs for long.
+    """One recording's unknown forces and errors, for any share a; seen (C, K, n + 2 + P): rows that each cell sees of a
+    change of shape, base angle, scale, and of P markers' places [m].
     """
 
     linearised: Linearised
     cells: Cells
     seen: Array
-    tracked: float
+    error: SeenError
 
     def _places(self) -> dict[str, slice]:
         """Where each part of the state stands."""
         n = self.linearised.mass.shape[0]
-        sizes = {"z": n, "v": n, "f": n, "g": n, "b": 1, "turn": 1, "e": n + 1, "f0": n, "pose": 2}
-        sizes["c"] = self.linearised.laws.shape[2]
+        sizes = {"z": n, "v": n, "g": n, "b": 1, "turn": 1, "e": self.error.size.size, "f0": n, "pose": 2}
+        sizes["place"] = self.seen.shape[2] - n - 2
+        sizes |= {"f": n, "c": self.linearised.laws.shape[2]}
         ends = np.cumsum(list(sizes.values()))
         return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
     def state_equation(self, a: float) -> tuple[Array, Array, Array]:
-        """Drift F (N, N) and diffusion G (N, N) of the state [z, z', f, f', b, b', e, f_0, pose, c], and its covariance
-        at the start. z and z' begin at zero: the initial state is among the fit's own unknowns.
+        """Drift F (N, N) and diffusion G (N, N) of the state [z, z', f', b, b', e, f_0, pose, place, f, c], and its
+        covariance at the start; what f and c, the last, push is not in it. z and z' begin at zero: the initial state is
+        among the fit's own unknowns.
         """
         lin, at = self.linearised, self._places()
-        n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / ELL, at["c"].stop
+        n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / lin.time, at["c"].stop
+        slow = SHAPE_TIME * lin.time
         inverse = np.linalg.inv(lin.mass[:, :n])
         drift, start = np.zeros((size, size)), np.zeros(size)
         z, v, f, g, b, turn = (at[name] for name in ("z", "v", "f", "g", "b", "turn"))
         drift[z, v] = np.eye(n)
         drift[v, z], drift[v, v] = -inverse @ lin.stiffness[:, :n], -inverse @ lin.damping[:, :n]
-        drift[v, f] = drift[v, at["f0"]] = a * inverse @ lin.force_root
+        drift[v, at["f0"]] = a * inverse @ lin.force_root
         mass, damping, stiffness = (inverse @ columns[:, n:] for columns in (lin.mass, lin.damping, lin.stiffness))
         drift[v, b], drift[v, turn] = rate**2 * mass - stiffness, 2.0 * rate * mass - damping
         for value, slope in ((f, g), (b, turn)):
             count = value.stop - value.start
             drift[value, slope] = np.eye(count)
             drift[slope, value], drift[slope, slope] = -(rate**2) * np.eye(count), -2.0 * rate * np.eye(count)
-        drift[at["e"], at["e"]] = -np.eye(n + 1) / SHAPE_TIME
+        drift[at["e"], at["e"]] = -np.eye(self.error.size.size) / slow
         base = a * lin.base_rms + 1e-7
-        error = np.hypot(self.tracked * lin.noise, a * SHAPE_SHARE * np.append(lin.shape_rms, 0.0))
+        error = np.hypot(self.error.floor, a * SHAPE_SHARE * self.error.size)
         strike = np.zeros(size)  # the white noise that drives b'' strikes the arm with it
         strike[turn], strike[v] = 1.0, -mass[:, 0]
         diffusion = 4.0 * rate**3 * base**2 * np.outer(strike, strike)
         diffusion[g, g] += 4.0 * rate**3 * np.eye(n)
-        diffusion[at["e"], at["e"]] += 2.0 / SHAPE_TIME * np.diag(error**2)
+        diffusion[at["e"], at["e"]] += 2.0 / slow * np.diag(error**2)
         for place, deviation in (
             (f, 1.0), (g, rate), (b, base), (turn, rate * base), (at["e"], error), (at["f0"], 1.0),
-            (at["pose"], POSE_SHARE * a), (at["c"], 1.0),
+            (at["pose"], np.hypot(POSE_SHARE * a, POSE_FLOOR)), (at["c"], 1.0),
+            (at["place"], PLACE),
         ):  # fmt: skip
             start[place] = np.square(deviation)
         return drift, diffusion, np.diag(start)
@@ -165,12 +185,24 @@ class LatentForce:
         drift, diffusion, start = self.state_equation(a)
         transition, added, held = discretised(drift, diffusion, self.cells.interval)
         pushed = held[:, at["v"]] @ np.linalg.inv(lin.mass[:, :n])
-        push = np.ascontiguousarray(np.einsum("sn,cnj->csj", pushed, lin.laws))
+        share = a * lin.envelope[:, None, None] * lin.force_root
+        push = np.ascontiguousarray(np.einsum("sn,cnj->csj", pushed, np.concatenate([share, lin.laws], axis=2)))
         rows = np.zeros((*self.seen.shape[:2], len(start)))
         rows[:, :, at["z"]], rows[:, :, at["b"]] = self.seen[:, :, :n], self.seen[:, :, n : n + 1]
-        rows[:, :, at["e"]], rows[:, :, at["pose"]] = self.seen[:, :, : n + 1], self.seen[:, :, n:]
+        rows[:, :, at["e"]] = lin.envelope[:, None, None] * self.error.rows
+        rows[:, :, at["pose"]] = self.seen[:, :, n : n + 2]
+        rows[:, :, at["place"]] = self.seen[:, :, n + 2 :]
         gain, root, half = gains_along(transition, push, added, start, rows)
         return Filter(self.cells, transition, push, rows, gain, root, float(half))
+
+
+def with_scaled_mass(mass: Array, stiffness: Array, time: float) -> Array:
+    """Mass (n, n + 1), its first n columns scaled up in the modes that are faster than FASTEST over that time [s]."""
+    n = mass.shape[0]
+    squares, modes = eigh(stiffness[:, :n], mass[:, :n])
+    inverse = np.linalg.inv(modes)
+    scaled = inverse.T @ np.diag(np.maximum(1.0, squares * (time / FASTEST) ** 2)) @ inverse
+    return np.concatenate([scaled, mass[:, n:]], axis=1)
 
 
 def discretised(drift: Array, diffusion: Array, interval: float) -> tuple[Array, Array, Array]:

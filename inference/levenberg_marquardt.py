@@ -18,16 +18,18 @@ from inference.solver_result import RESULTS
 
 LADDER = 10.0 ** np.arange(-3.0, 5.0)  # dampings tried, times the current one
 SMALLEST, LARGEST = 1e-9, 1e9
+HELD_ROUNDS = 4  # of holding unknowns at their bounds in one step
 FLAT = 1e-14  # reciprocal condition number below which rounding decides the step: about 50 units of double precision
 
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where the search ended: unknowns (P,), rounds taken, and how it ended."""
+    """Where the search ended: unknowns (P,), rounds taken, how it ended, and half the sum of squares there."""
 
     unknowns: Array
     rounds: int
     result: RESULTS
+    cost: float
 
 
 def minimise(
@@ -55,11 +57,12 @@ def minimise(
         # A variable on its bound that wants to leave the box stays where it is in this round.
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
-            return Minimum(x, round_number, RESULTS.AT_BOUND)
+            return Minimum(x, round_number, RESULTS.AT_BOUND, cost)
         for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more, far more cautiously
             ladder = np.clip(rungs, SMALLEST, LARGEST)
             trials = np.repeat(x[:, None], ladder.size, axis=1)
-            trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder)
+            room = low[free] - x[free], high[free] - x[free]
+            trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder, room)
             trials = np.clip(trials, low[:, None], high[:, None])
             values = residuals(trials)
             costs = 0.5 * np.einsum("nb,nb->b", values, values)
@@ -67,12 +70,12 @@ def minimise(
             if costs[best] < cost:
                 break
         else:
-            return Minimum(x, round_number, _ending(curvature, free))
+            return Minimum(x, round_number, _ending(curvature, free), cost)
         gained = cost - costs[best]
         x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
         if gained <= tolerance * cost:
-            return Minimum(x, round_number + 1, _ending(curvature, free))
-    return Minimum(x, most, RESULTS.MAX_STEPS)
+            return Minimum(x, round_number + 1, _ending(curvature, free), cost)
+    return Minimum(x, most, RESULTS.MAX_STEPS, cost)
 
 
 def _ending(curvature: Array, free: np.ndarray) -> RESULTS:
@@ -85,9 +88,27 @@ def _ending(curvature: Array, free: np.ndarray) -> RESULTS:
     return RESULTS.CONVERGED if free.all() else RESULTS.AT_BOUND
 
 
-def _steps(curvature: Array, gradient: Array, ladder: Array) -> Array:
-    """Damped Gauss-Newton steps (F, B), one a damping, by one eigendecomposition in the diagonal's scale."""
+def _steps(curvature: Array, gradient: Array, ladder: Array, room: tuple[Array, Array]) -> Array:
+    """Damped Gauss-Newton steps (F, B), one a damping, by one eigendecomposition in the diagonal's scale; where one
+    leaves its room (lowest and highest steps), the unknowns that leave go to their bound and the others answer to that.
+    """
     size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
-    values, vectors = np.linalg.eigh(curvature / np.outer(size, size))
+    scaled = curvature / np.outer(size, size)
+    values, vectors = np.linalg.eigh(scaled)
     turned = vectors.T @ (gradient / size)
-    return -(vectors @ (turned[:, None] / (np.maximum(values, 0.0)[:, None] + ladder[None, :]))) / size[:, None]
+    steps = -(vectors @ (turned[:, None] / (np.maximum(values, 0.0)[:, None] + ladder[None, :])))
+    low, high = (limit * size for limit in room)
+    for k, damping in enumerate(ladder):
+        step, held = steps[:, k], np.zeros(size.size, dtype=bool)
+        for _ in range(HELD_ROUNDS):
+            leaving = ~held & ((step < low) | (step > high))
+            if not leaving.any():
+                break
+            held |= leaving
+            step = np.clip(step, low, high)
+            free = ~held
+            matrix = scaled[np.ix_(free, free)] + damping * np.eye(int(free.sum()))
+            slope = (gradient / size)[free] + scaled[np.ix_(free, held)] @ step[held]
+            step[free] = -np.linalg.solve(matrix, slope)
+        steps[:, k] = step
+    return steps / size[:, None]

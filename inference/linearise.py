@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
@@ -13,12 +14,13 @@ from affine_model.dynamics import balance
 from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
 from inference.experiment import Experiment, Prediction, predict
-from inference.latent_force import REACH, Cells, LatentForce, Linearised, cells_of
-from inference.observation import ShapeObservation
+from inference.latent_force import ELL, REACH, Cells, LatentForce, Linearised, SeenError, cells_of, with_scaled_mass
+from inference.observation import MarkerObservation
 from inference.trajectory import Problem
 
-STATES = 48  # of the run, over which the equations are averaged
-ANGLE_STEP = 1e-5  # rad: differences of what is seen
+STATES = 24  # of the run, over which the equations are averaged
+WINDOW, LEAST = 6.0, 0.1  # times of the motion over which its size is taken; what counts at rest
+ANGLE_STEP, PLACE_STEP = 1e-5, 1e-6  # rad, m: differences of what is seen
 VARIED = (
     "stiffness", "stiffness_share", "natural_curvature", "bending_moment", "drag_coefficient", "line_inertia",
     "carried_water", "normal_inertia", "rotary_inertia", "weight",
@@ -37,16 +39,18 @@ def latent_forces(
     problem, parameters = problem.known(parameters)
     for place, experiment in enumerate(problem.experiments):
         run = predict(problem.arm, experiment, parameters[:, None], nuisances[place][:, None], problem.step)
-        cells = cells_of(experiment.observation.t, experiment.used)
+        time = ELL * _own_time(problem.arm, run)
+        cells = cells_of(experiment.observation.t, experiment.used, time)
         seen = cells.averaged(_seen(problem.arm, experiment, parameters, run))
-        linearised = _linearised(problem.arm, parameters, run, cells, seen, added)
-        tracked = isinstance(experiment.observation, ShapeObservation) and experiment.observation.tracked
-        found.append(LatentForce(linearised, cells, seen, TRACKED if tracked else 0.0))
+        linearised = _linearised(problem.arm, parameters, run, (cells, time), added)
+        found.append(LatentForce(linearised, cells, seen, _error(problem.arm, experiment, run, seen)))
     return tuple(found)
 
 
 def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) -> Array:
-    """Rows (T, K, n + 2): what a change of the coordinates, the base angle and the scale does to what is seen."""
+    """Rows (T, K, n + 2 + P): what a change of the coordinates, the base angle, the scale and of P markers' places does
+    to what is seen.
+    """
     n, observation = arm.order, experiment.observation
     roll = np.full(n + 3, parameters[parameter_index("camera_roll", "roll")])
     scale = np.full(n + 3, parameters[parameter_index("camera_scale", "excess")])
@@ -56,19 +60,50 @@ def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) 
     scale[n + 2] += ANGLE_STEP
     rows = observation.predict(q, theta, roll, scale, np.repeat(run.shift, n + 3, axis=1))
     rows = rows / experiment.noise_gain[:, None]
-    return np.asarray((rows[:, :, :1] - rows[:, :, 1:]) / ANGLE_STEP)
+    changes = [(rows[:, :, :1] - rows[:, :, 1:]) / ANGLE_STEP]
+    if isinstance(observation, MarkerObservation):
+        for place in (*np.eye(observation.s.size),):
+            for moved in (
+                replace(observation, s=observation.s + PLACE_STEP / observation.length * place),
+                replace(observation, d=observation.d + PLACE_STEP * place),
+            ):
+                there = moved.predict(run.q, run.theta, roll[:1], scale[:1], run.shift) / experiment.noise_gain[:, None]
+                changes.append((rows[:, :, :1] - there) / PLACE_STEP)
+    return np.concatenate(changes, axis=2)
+
+
+def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> SeenError:
+    """Slow errors of the shape and the base angle, or of every coordinate of every marker."""
+    n, observation = arm.order, experiment.observation
+    if isinstance(observation, MarkerObservation):
+        spread = np.sqrt(np.nanvar(observation.xy[experiment.used], axis=0).sum(axis=1)) / observation.sigma
+        size = np.repeat(spread, 2)
+        live = np.any(seen != 0.0, axis=2)
+        return SeenError(live[:, :, None] * np.diag(1.0 / experiment.noise_gain), size, 0.0 * size)
+    shape = run.q[:, :, 0] @ arm.from_monomial.T
+    rows = seen[:, :, : n + 1]
+    information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
+    noise = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
+    return SeenError(rows, np.append(shape.std(axis=0), 0.0), TRACKED * observation.tracked * noise)
+
+
+def _own_time(arm: Arm, run: Prediction) -> float:
+    """The motion's own time [s]: rms of coordinates and base angle about their means, over that of their rates."""
+    batch = run.batch
+    moved = np.concatenate([batch.q[:, :, 0] @ arm.from_monomial.T, batch.theta], axis=1)
+    rates = np.concatenate([batch.q_rate[:, :, 0] @ arm.from_monomial.T, batch.theta_rate], axis=1)
+    return float(np.sqrt(moved.var(axis=0).sum() / max(rates.var(axis=0).sum(), 1e-300)))
 
 
 def _linearised(
     arm: Arm,
     parameters: Array,
     run: Prediction,
-    cells: Cells,
-    seen: Array,
+    sampled: tuple[Cells, float],
     added: tuple[str, ...],
 ) -> Linearised:
     """The equations averaged over states of the run; the sizes of what acts and moves in it."""
-    n, batch = arm.order, run.batch
+    n, batch, (cells, time) = arm.order, run.batch, sampled
     u = np.concatenate([arm.from_monomial @ batch.q[:, :, 0].T, batch.theta[None, :, 0], 0.0 * batch.theta[None, :, 0]])
     rate = np.concatenate([arm.from_monomial @ batch.q_rate[:, :, 0].T, batch.theta_rate[None, :, 0], 0.0 * u[:1]])
     acceleration = np.gradient(rate, batch.t, axis=1)
@@ -90,27 +125,34 @@ def _linearised(
             columns.append((pair[0] - pair[1]).mean(axis=0) / (2.0 * DIFFERENCE))
         return np.array(columns).T
 
-    shape = u[:n] - u[:n].mean(axis=1, keepdims=True)
-    rows = seen[:, :, : n + 1]
-    information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
     index = np.clip(np.searchsorted(batch.t, cells.t), 0, batch.t.size - 1)
+    moving = (u.T[index], rate.T[index], acceleration.T[index])
     laws = [
         (LAW_FOUND if effect.name in added else LAW_KNOWN)
-        * varied_force(arm, effects, effect, parameters, (u.T[index], rate.T[index], acceleration.T[index]), factor)
+        * varied_force(arm, effects, effect, parameters, moving, factor)
         for effect in effects
         for factor in (lambda s: 2.0 * s - 1.0, lambda s: 6.0 * s**2 - 6.0 * s + 1.0)
     ]
     laws = [law for law in laws if np.any(law != 0.0)]
+    stiffness = _passive(-slope(False))
     return Linearised(
-        mass=mass,
+        mass=with_scaled_mass(mass, stiffness, time),
         damping=_passive(-slope(True)),
-        stiffness=_passive(-slope(False)),
+        stiffness=stiffness,
+        time=time,
         force_root=_force_root(arm, parameters, acceleration, u),
         laws=np.stack(laws, axis=2),
+        envelope=_envelope(u[:n] - u[:n].mean(axis=1, keepdims=True), batch.t, cells.t, time),
         base_rms=float(np.std(u[n])),
-        shape_rms=np.sqrt(np.mean(shape**2, axis=1)),
-        noise=np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True))),
     )
+
+
+def _envelope(motion: Array, t: Array, at: Array, time: float) -> Array:
+    """Size of a motion (n, T) about instants `at` (C,), over its rms along the run; LEAST at least."""
+    square = np.sum(motion**2, axis=0)
+    width = WINDOW * time / float(np.median(np.diff(t)))
+    smooth = gaussian_filter1d(square, width, mode="nearest")
+    return np.asarray(np.maximum(np.sqrt(np.interp(at, t, smooth) / np.mean(square)), LEAST))
 
 
 def _passive(columns: Array) -> Array:

@@ -10,6 +10,7 @@ between their bounds. The base parameters' and initial states' priors are those 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,18 +24,19 @@ from inference.declared_arm import DECLARED
 from inference.experiment import MEMORY_PRIOR
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.trajectory import Fit, ParameterName, Problem, finished, located, split
+from inference.trajectory import Fit, ParameterName, Problem, finished, fit, located, split
 from tentacle.model import Estimate
 
-SHARES = np.array([0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0])
-SMOOTH = 0.1  # a share so large that a fit finds its valley from afar
+SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
+ROUGHLY, CLOSELY = 1e-3, 5e-5  # a fit's tolerance, as a share of its sum of squares: some nats, and a tenth of one
 
 
 @dataclass(frozen=True)
 class Hypothesis:
     """The declared model with some absent effects added, fitted at the share of unknown forces that fits it best.
 
-    log_evidence (A,) [nats] at each of SHARES.
+    log_evidence (A,) [nats] at each of SHARES. alone: the model fitted without unknown forces; rest: what it leaves of
+    the data, mean square beyond noise [noise variances] (None and nan: not asked yet).
     """
 
     effects: tuple[str, ...]
@@ -42,6 +44,8 @@ class Hypothesis:
     fitted: Fit
     forces: tuple[LatentForce, ...]
     log_evidence: Array
+    alone: Fit | None = None
+    rest: float = float("nan")
 
     @property
     def share(self) -> float:
@@ -62,46 +66,98 @@ class Hypothesis:
         return float(fine[low]), float(fine[high])
 
 
-def hypothesis(effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
-    """The problem (its free parameters include those of the effects) fitted and judged: first with a share of unknown
-    forces that hides little of the valley, then with the share that fits best there.
+@dataclass(frozen=True)
+class Rough:
+    """A problem near its best under some share of unknown forces: half its sum of squares there [nats]."""
+
+    effects: tuple[str, ...]
+    problem: Problem
+    nuisances: tuple[Array, ...]
+    cost: float
+
+
+def rough_fit(
+    effects: tuple[str, ...],
+    starts: Sequence[tuple[Problem, tuple[Array, ...]]],
+    forces: tuple[LatentForce, ...],
+    share: float,
+) -> Rough:
+    """The best of several starts of a problem, whose free parameters include those of the effects, fitted with as large
+    a share of unknown forces as is missing without them: it finds its valley from afar.
     """
-    forces = latent_forces(problem, problem.parameters, nuisances, effects)
-    problem = replace(problem, filters=tuple(force.filter(SMOOTH) for force in forces))
-    unknowns, lowest = located(problem, nuisances, tolerance=1e-3, most=15)
-    problem, nuisances = _moved(problem, unknowns)
-    share, lower = SMOOTH, set[float]()
-    for _ in range(5):
-        forces = latent_forces(problem, problem.parameters, nuisances, effects)
-        better = _best_share(problem, nuisances, forces)
-        if better == share and share in lower:
-            break
-        if better == share:  # a fit may follow the data far better where less is forgiven: one look below
-            lower.add(share)
-            better = float(SHARES[max(int(np.searchsorted(SHARES, share)) - 1, 0)])
-        share = better
+    filters = tuple(force.filter(share) for force in forces)
+    found = []
+    for problem, nuisances in starts:
+        problem = replace(problem, filters=filters)
+        unknowns, lowest = located(problem, nuisances, tolerance=ROUGHLY, most=30)
+        found.append(Rough(effects, *_moved(problem, unknowns), lowest.cost))
+    return min(found, key=lambda one: one.cost)
+
+
+def declared_model(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
+    """The model as declared, from where a fit without unknown forces left it."""
+    return hypothesis(Rough((), problem, nuisances, 0.0))
+
+
+def hypothesis(rough: Rough) -> Hypothesis:
+    """The problem fitted and judged with the share of unknown forces that fits best there.
+
+    A fit may follow the data far better where less is forgiven, so the share is looked for again after each.
+    """
+    problem, nuisances = rough.problem, rough.nuisances
+    forces = latent_forces(problem, problem.parameters, nuisances, rough.effects)
+    fitted = finished(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
+    tried = set[float]()
+    while True:
+        evidences = log_evidences(problem, fitted, forces)
+        share = float(SHARES[int(np.argmax(evidences))])
+        if share in tried:
+            return Hypothesis(rough.effects, problem, fitted, forces, evidences)
+        tried.add(share)
         problem = replace(problem, filters=tuple(force.filter(share) for force in forces))
-        unknowns, lowest = located(problem, nuisances, tolerance=1e-5, most=25)
+        unknowns, lowest = located(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
-    fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
-    return Hypothesis(effects, problem, fitted, forces, log_evidences(problem, fitted, forces))
+        fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
+
+
+def with_rest(h: Hypothesis, less: Hypothesis | None = None) -> Hypothesis:
+    """The hypothesis with the rest that its model alone leaves, fitted to follow the data as well as it goes; what it
+    leaves counts as noise, so that no parameter leaves its prior for it. less: a model that this one holds, with its
+    rest: a fit that ends above it is begun once more from there.
+    """
+    there = np.concatenate([h.fitted.values, *h.fitted.nuisances])
+    plain = replace(h.problem, filters=())
+    size = max(_rms(plain, plain.residuals(there[:, None])[1]), 1.0)
+    found = _followed(h, plain, h.fitted.nuisances, size)
+    if less is None or less.alone is None or found.rest <= less.rest:
+        return found
+    parameters, before = plain.parameters.copy(), less.alone.parameters
+    for name in less.problem.free:
+        place = h.problem.rows()[h.problem.free.index(name)]
+        parameters[place] = before[place]
+    kept = all(a.size == b.size for a, b in zip(less.alone.nuisances, h.fitted.nuisances, strict=True))
+    start = less.alone.nuisances if kept else h.fitted.nuisances
+    again = _followed(h, replace(plain, parameters=parameters), start, float(np.sqrt(less.rest + 1.0)))
+    return min(found, again, key=lambda one: one.rest)
+
+
+def _followed(h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float) -> Hypothesis:
+    """The fit from there, with noise of that many of its deviations."""
+    louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
+    alone = fit(replace(plain, experiments=louder), nuisances, tolerance=1e-4, most=30)
+    followed = size * _rms(plain, [rows[:, :, None] for rows in alone.residuals])
+    return replace(h, alone=alone, rest=followed**2 - 1.0)
+
+
+def _rms(problem: Problem, residuals: Sequence[Array]) -> float:
+    """Rms of whitened residuals (T, K, 1) a recording on the used frames, those that are not seen left out."""
+    rows = np.concatenate([r[e.used].ravel() for e, r in zip(problem.experiments, residuals, strict=True)])
+    return float(np.sqrt(np.mean(rows[rows != 0.0] ** 2)))
 
 
 def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...]]:
     parameters, nuisances = split(problem, unknowns)
     return replace(problem, parameters=parameters), nuisances
-
-
-def _best_share(problem: Problem, nuisances: tuple[Array, ...], forces: tuple[LatentForce, ...]) -> float:
-    """Of SHARES the one under which these unknowns are the most likely."""
-    unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
-    rows = replace(problem, filters=()).residuals(unknowns[:, None])[1]
-    values = []
-    for share in SHARES:
-        filters = [force.filter(share) for force in forces]
-        white = np.concatenate([f.whiten(r)[:, 0] for f, r in zip(filters, rows, strict=True)])
-        values.append(-0.5 * float(white @ white) - sum(f.log_determinant for f in filters))
-    return float(SHARES[int(np.argmax(values))])
 
 
 def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:
@@ -134,10 +190,12 @@ def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]
 
 def _prior_rows(problem: Problem, fitted: Fit) -> Array:
     """Rows [residual, Jacobian] of the priors alone, out of those on the used frames."""
-    place, kept = 0, []
-    sizes = zip(problem.experiments, fitted.nuisances, problem.filters, strict=True)
-    for experiment, nuisances, filters in sizes:
-        place += filters.observation.shape[0] * filters.observation.shape[1]
+    rows = [int(e.used.sum()) * e.noise_gain.size for e in problem.experiments]
+    if problem.filters:
+        rows = [one.observation.shape[0] * one.observation.shape[1] for one in problem.filters]
+    place, kept = 0, list[int]()
+    for experiment, nuisances, size in zip(problem.experiments, fitted.nuisances, rows, strict=True):
+        place += size
         count = experiment.prior_residuals(problem.arm.order, problem.arm.specimen.length, nuisances[:, None]).shape[0]
         kept += list(range(place, place + count))
         place += count

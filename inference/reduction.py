@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array, midline
 from affine_model.effects import catalogue
+from inference.declared_arm import DECLARED
 from inference.experiment import Experiment, predict
 from inference.observation import ShapeObservation, Tracker, fit_shapes
 from inference.trajectory import Fit, Problem, fit
@@ -74,16 +75,16 @@ def reduction_error(
     nor reduced model has them.
     """
     bending = tuple(name for name in added if catalogue()[name].family not in BESIDE_THE_ARM)
-    parameters = fitted.parameters.copy()
+    problem, parameters = problem.known(fitted.parameters.copy())
     for name in set(added) - set(bending):
         for parameter in catalogue()[name].parameters:
             parameters[parameter_index(name, parameter.name)] = parameter.neutral
-    free = tuple(name for name in problem.free if name[0] not in added)
+    free = tuple(name for name in problem.free if name[0] not in (*added, DECLARED))
     acting = tuple((name, parameter.name) for name in bending for parameter in catalogue()[name].parameters)
     tables: dict[str, dict[str, Estimate]] = {}
     for effect, parameter in (*free, *acting):
         tables.setdefault(effect, {})[parameter] = Estimate.exact(float(parameters[parameter_index(effect, parameter)]))
-    model = Model(declaration.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
+    model = Model(problem.arm.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
     fitted = replace(fitted, parameters=parameters)
     problem = replace(problem, free=free)
     fitted_rows, judged_rows, distances = [], [], []

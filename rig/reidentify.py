@@ -16,6 +16,7 @@ from rig.optimise import propulsion
 from rig.run_file import Run, read_run, to_recording
 from tentacle.errors import InputError
 from tentacle.model import Model
+from tentacle.progress import Stage, silent
 from tentacle.recording import Recording
 from vision.track import track
 
@@ -40,7 +41,7 @@ def proposer(
     believed: Model | None = None,
     seed: int = 0,
     told: Callable[[str], None] = lambda _: None,
-    progress: Callable[[str], None] = lambda _: None,
+    progress: Stage = silent,
 ) -> Callable[[Sequence[Path]], list[dict[str, float]]]:
     """A function that diagnoses the recordings that differ most and gives a model's best gaits; told hears the verdict,
     or why there is none (no arm to be seen, say): then nothing is proposed, and the search goes on.

@@ -10,3 +10,7 @@ class Stage(Protocol):
 
     def __call__(self, words: str, done: float = 0.0) -> None:
         """The words name a stage by their beginning; done is 0 to 1 within it."""
+
+
+def silent(words: str, done: float = 0.0) -> None:
+    """Nobody asked."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from discovery.assemble import ACCOUNTS, LIMITS, error_budget, proposal_words
+from discovery.answer import ACCOUNTS, LIMITS, error_budget, proposal_words
 from discovery.calibration import Calibration
 from discovery.next_experiment import propose
-from discovery.posterior.decide import Decision, log_masses, usable
+from discovery.posterior.decide import Decision, log_masses, missing_of, usable
 from discovery.posterior.search import Search
 from inference.compare import errors, floor_errors, midline_error, run_comparison
 from inference.observation import ShapeObservation
@@ -130,7 +130,9 @@ def _decision_words(found: Search, decision: Decision) -> list[str]:
         words.append(f"{' + '.join(decision.certain)} is certain; open is {', '.join(open_names)}.")
     elif decision.verdict == "group":
         words.append("These data do not split " + ", ".join(decision.effects) + ".")
-    stuck = [h for h in found.hypotheses if not usable(h) and max(log_masses(h)) > log_masses(decision.leading)[0]]
+    missing = missing_of(found.hypotheses)
+    reached = log_masses(decision.leading, missing)[0]
+    stuck = [h for h in found.hypotheses if not usable(h) and max(log_masses(h, missing)) > reached]
     words += [f"{' + '.join(h.effects)} did not converge or stands at a bound, and is not named." for h in stuck]
     return words
 

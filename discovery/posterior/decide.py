@@ -1,16 +1,22 @@
 """From hypotheses to a verdict, by posterior mass alone.
 
-    P(set, known | y) ~ P(set) (1 - ELSE)  int  p(a | laws known)  evidence(set, a) d log a
-    P(set, else  | y) ~ P(set)  ELSE       int  p(a | beyond)      evidence(set, a) d log a
+    P(set, known | y) ~ P(set) (1 - ELSE)  int  k(a, r)      evidence(set, a)^(1/T) d log a
+    P(set, else  | y) ~ P(set)  ELSE       int (1 - k(a, r)) evidence(set, a)^(1/T) d log a
+    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = DECLARED_FORM^2 + (FORM a_0)^2,  T = 1 + FORM_ALIKE^2 G
 
-a: the share of the acting forces that no law of the set explains (inference.latent_force), flat in its logarithm. Laws
-that are known leave a share below LAWS, p ~ exp(-a^2 / 2 LAWS^2); "something else" is every set with a share beyond
-that, p ~ 1 - exp(-a^2 / 2 LAWS^2). The verdict is what holds the
-most; a group is the smallest family of sets that holds CREDIBLE of what is known.
+a: the share of the acting forces that no law of the set explains (inference.latent_force), flat in its logarithm. The
+declared laws leave a share of DECLARED_FORM. Laws that are added are known no better than to FORM: they leave that
+share of the force a_0 that is missing without them, and of the error: r^2 is the rest that the set's model alone leaves
+of the data, over the rest without it. "Something else" is every set with more left than that.
+Models whose form is known so far only cannot be told apart by less than what their form costs: of the G nats that the
+best set gains, FORM_ALIKE^2 G may fall to any effect that resembles the error of form. The likelihood is therefore
+coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening); where little is gained, T is 1.
+The verdict is what holds the most; a group is the smallest family of sets that holds CREDIBLE of what is known.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb
 
@@ -23,7 +29,9 @@ from tentacle.diagnosis import Verdict
 
 COMPLETE = (0.4, 0.4, 0.15, 0.05)  # prior of none, one, two and three effects missing: chosen, not measured yet
 ELSE = 0.15  # prior of something outside the catalogue; chosen, its sensitivity is not measured yet
-LAWS = 0.02  # share of the acting forces that laws of another form leave; chosen, its sensitivity is not measured yet
+DECLARED_FORM = 0.003  # share of the acting forces that the declared laws leave
+FORM = 0.3  # share of what an added law explains that its true form may differ by
+FORM_ALIKE = 0.15  # share of it that resembles another effect
 CREDIBLE = 0.95
 
 
@@ -55,22 +63,51 @@ def usable(h: Hypothesis) -> bool:
     return h.fitted.result is not RESULTS.MAX_STEPS and not at_bound
 
 
-def log_masses(h: Hypothesis) -> tuple[float, float]:
+@dataclass(frozen=True)
+class Missing:
+    """What the declared model leaves: share of the acting forces, rest of the data beyond noise [noise variances], and
+    the best log evidence [nats] with it and with any set.
+    """
+
+    share: float
+    rest: float
+    log_evidence: float
+    best: float
+
+    @property
+    def temperature(self) -> float:
+        """By how much the likelihood is coarsened."""
+        return 1.0 + FORM_ALIKE**2 * max(self.best - self.log_evidence, 0.0)
+
+
+def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
+    """What the empty set among them leaves."""
+    base = next(h for h in hypotheses if not h.effects)
+    best = max(float(h.log_evidence.max()) for h in hypotheses)
+    return Missing(base.share, base.rest, float(base.log_evidence.max()), best)
+
+
+def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     """Log posterior mass, not normalised, of the set with laws that are known, and with something else beside it."""
     shares, evidence = h.profile()
     width = np.log(shares[1] / shares[0])
-    known = -0.5 * (shares / LAWS) ** 2
-    anything = np.log(-np.expm1(known))
+    form = np.hypot(DECLARED_FORM, FORM * missing.share if h.effects else 0.0)
+    left = h.rest / missing.rest if h.effects and np.isfinite(h.rest) and missing.rest > 0.0 else 0.0
+    followed = -0.5 * max(left, 0.0) / FORM**2
+    known = -0.5 * (shares / form) ** 2
+    anything = np.log(-np.expm1(np.minimum(known + followed, -1e-12)))
     known, anything = (p - np.logaddexp.reduce(p) - np.log(width) for p in (known, anything))
     prior = log_prior_of_set(len(h.effects)) + np.log(width)
-    within = float(np.logaddexp.reduce(evidence + known)) + prior + np.log(1.0 - ELSE)
-    beyond = float(np.logaddexp.reduce(evidence + anything)) + prior + np.log(ELSE)
+    coarse = evidence / missing.temperature
+    within = float(np.logaddexp.reduce(coarse + known)) + followed + prior + np.log(1.0 - ELSE)
+    beyond = float(np.logaddexp.reduce(coarse + anything)) + prior + np.log(ELSE)
     return (within if usable(h) else -np.inf), beyond
 
 
 def decide(hypotheses: list[Hypothesis]) -> Decision:
     """The verdict over hypotheses, one a set of effects, the empty set among them."""
-    logs = np.array([log_masses(h) for h in hypotheses])
+    missing = missing_of(hypotheses)
+    logs = np.array([log_masses(h, missing) for h in hypotheses])
     mass = np.exp(logs - np.logaddexp.reduce(logs.ravel()))
     order = np.argsort(-mass[:, 0], kind="stable")
     unexplained = float(mass[:, 1].sum())
@@ -82,10 +119,12 @@ def decide(hypotheses: list[Hypothesis]) -> Decision:
     if unexplained >= 0.5:
         leading = hypotheses[int(np.argmax(mass[:, 1]))]
         return Decision("unknown", (), unexplained, (), (), masses, leading, ())
-    total, credible = 0.0, []
+    total, credible = 0.0, list[int]()
     for k in order:
-        credible.append(int(k))
         total += mass[k, 0]
+        # A set that holds a credible one says no more than it: its further effects are not supported.
+        if not any(set(hypotheses[c].effects) < set(hypotheses[k].effects) for c in credible if c != empty):
+            credible.append(int(k))
         if total >= CREDIBLE * (1.0 - unexplained):
             break
     sets = tuple((hypotheses[k].effects, float(mass[k, 0])) for k in credible)

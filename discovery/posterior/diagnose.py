@@ -10,65 +10,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from discovery.assemble import cannot_tell
 from discovery.calibration import Calibration
-from discovery.given import held_out_run, same_arm
+from discovery.given import Given, held_out_run
 from discovery.posterior.assemble import assembled
 from discovery.posterior.decide import decide
 from discovery.posterior.detection import detection_limits
 from discovery.posterior.search import search
-from inference.base_fit import Setting, fitted_order, needed_order, roughly
+from inference.base_fit import Setting, fitted_order, known_from_baseline, needed_order, roughly
 from inference.experiment import SPREAD
 from inference.observation import ShapeObservation
-from inference.posterior import Hypothesis, hypothesis
-from inference.prepare import MOST_COORDINATES, CannotTellError, Prepared, prepare
+from inference.posterior import Hypothesis, declared_model, with_rest
+from inference.prepare import MOST_COORDINATES, Prepared, prepare
 from inference.reduction import Reduction, reduction_error, without_reduction
-from inference.trajectory import Fit, Problem, fit
+from inference.sufficient_step import sufficient_step
+from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
-from tentacle.errors import InputError
 from tentacle.progress import Stage
-from tentacle.recording import Recording
 
-STEP = 1.0 / 300.0  # s; its own error is not measured here yet
-
-
-def _silent(words: str, done: float = 0.0) -> None:
-    """No progress is shown."""
+FINER = 0.5  # of the step that suffices for the declared model: laws that are added may bend more sharply
 
 
-def diagnose(
-    recordings: Sequence[Recording],
-    baseline: Sequence[Recording] = (),
-    held_out: Sequence[Recording] = (),
-    *,
-    seed: int = 0,
-    calibration: Calibration | None = None,
-    progress: Stage = _silent,
-) -> Diagnosis:
-    """Find what the declared model lacks, and the error before and after it is added.
-
-    baseline: recordings whose declaration is complete: no absent effect acts there, and they share the arm's parameters
-    with the others, up to the spread between recordings. held_out: recordings that only judge; without any, the last
-    third of each recording does. calibration: of the confidence, by blind trials (None: the posterior mass).
-    Raises InputError on unusable input.
-    """
-    if not recordings:
-        raise InputError("no recording", expected="at least one")
-    same_arm([*recordings, *held_out, *baseline])
-    try:
-        return _diagnosed(recordings, baseline, held_out, seed, calibration, progress)
-    except CannotTellError as reason:
-        return cannot_tell(recordings[0], str(reason), seed)
-
-
-def _diagnosed(
-    recordings: Sequence[Recording],
-    baseline: Sequence[Recording],
-    held_out: Sequence[Recording],
-    seed: int,
-    calibration: Calibration | None,
-    progress: Stage,
-) -> Diagnosis:
+def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress: Stage) -> Diagnosis:
+    """What the recordings tell; CannotTellError where they show too little."""
+    recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
     prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
     prepared += [held_out_run(prepare(recording, hold_out=False)) for recording in held_out]
@@ -87,11 +51,15 @@ def _diagnosed(
     if order > 2:
         rough = replace(setting, experiments=problem.experiments)
         problem, fitted = roughly(rough, fitted_order(order, _most_coordinates(problem)), warm=fitted)
+    if complete:
+        rough = replace(setting, experiments=problem.experiments)
+        problem, fitted = known_from_baseline(rough, problem.arm.order, warm=fitted)
     progress("running the reference")
     reduction = reduction_error(setting.declaration, problem, fitted)
     progress("searching the catalogue")
     found = search(
-        _base(_cut(replace(problem, step=STEP)), fitted, reduction),
+        _base(_cut(replace(problem, step=FINER * sufficient_step(problem, fitted))), fitted, reduction),
+        fitted,
         lambda done: progress("searching the catalogue", done),
     )
     limits = detection_limits(decide(list(found.hypotheses)).leading)
@@ -110,11 +78,11 @@ def _base(problem: Problem, fitted: Fit, reduction: Reduction | None) -> Hypothe
     """The declared model judged: on what was measured less what the chain shows that the reduction to few coordinates
     loses, where that has the larger evidence; else on what was measured.
     """
-    plain = hypothesis((), problem, fitted.nuisances)
+    plain = declared_model(problem, fitted.nuisances)
     less = None if reduction is None else without_reduction(problem, reduction)
     if less is None:
         return plain
-    relieved = hypothesis((), less, fitted.nuisances)
+    relieved = declared_model(less, fitted.nuisances)
     return relieved if relieved.log_evidence.max() > plain.log_evidence.max() else plain
 
 
@@ -131,9 +99,9 @@ def _open_loop(h: Hypothesis) -> Hypothesis:
     """The hypothesis with the parameters that follow the recordings best by themselves, without unknown forces: the
     model that is written, and whose errors are stated.
     """
-    cut = _cut(replace(h.problem, filters=()))
-    fitted = fit(cut, h.fitted.nuisances, tolerance=1e-4, most=20)
-    return replace(h, problem=replace(h.problem, parameters=fitted.parameters, filters=()), fitted=fitted)
+    alone = h.alone or with_rest(replace(h, problem=_cut(h.problem))).alone
+    assert alone is not None
+    return replace(h, problem=replace(h.problem, parameters=alone.parameters, filters=()), fitted=alone)
 
 
 def _whole(h: Hypothesis, prepared: Sequence[Prepared]) -> Hypothesis:

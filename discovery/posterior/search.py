@@ -9,19 +9,25 @@ import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
-from discovery.posterior.decide import log_masses, log_prior_of_set
+from discovery.posterior.decide import log_masses, log_prior_of_set, missing_of
 from discovery.posterior.rank import MOST_EFFECTS, RankedSet, ranked_sets
-from inference.posterior import Hypothesis, hypothesis
+from discovery.posterior.starts import Start, starts
+from inference.posterior import Hypothesis, Rough, hypothesis, rough_fit, with_rest
 from inference.score import Candidate, score
-from inference.trajectory import Problem
+from inference.trajectory import Fit, Problem, finished
 
-SINGLES, SETS, ROUNDS = 4, 2, 4
+T = TypeVar("T")
+SINGLES, SETS, ROUNDS = 7, 2, 4
+FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
+REACH = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
 
 
 @dataclass(frozen=True)
@@ -35,46 +41,73 @@ class Search:
     candidates: tuple[Candidate, ...]
 
 
-def search(base: Hypothesis, progress: Callable[[float], None] = lambda _: None) -> Search:
-    """Hypotheses about what the base lacks."""
+def search(base: Hypothesis, origin: Fit, progress: Callable[[float], None] = lambda _: None) -> Search:
+    """Hypotheses about what the base lacks. origin: where the base's own fit began: effects begin there too, for in a
+    decay that fit may be far from where any of them has its valley.
+    """
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     first: list[Candidate] = []
     centre = base
     for number in range(ROUNDS):
-        wanted: dict[frozenset[str], tuple[Hypothesis, RankedSet]] = {}
         candidates, ranked = _ranked(centre)
         first = first or candidates
-        singles = [one for one in ranked if len(one.names) == 1]
+        alone = [RankedSet((one,), one.gain, (one.strengths,)) for one in candidates]
+        singles = _begun(centre if number else _at(base, origin), alone)
         several = [one for one in ranked if len(one.names) > 1]
-        several = [one for one in several if singles and one.evidence > singles[0].evidence]
-        for one in (*singles[: SINGLES if number == 0 else SETS], *several[:SETS]):
-            effects = frozenset((*centre.effects, *one.names))
-            if effects not in tried:
-                wanted.setdefault(effects, (centre, one))
-        fewer = [(centre, name) for name in centre.effects if frozenset(centre.effects) - {name} not in tried]
-        tasks: list[Callable[[], Hypothesis]] = [
-            *(lambda pair=pair: added(*pair) for pair in wanted.values()),
-            *(lambda pair=pair: removed(*pair) for pair in fewer),
+        linear = max((one.evidence for one in ranked if len(one.names) == 1), default=np.inf)
+        several = _begun(centre, [one for one in several if one.evidence > linear][:SETS])
+        wanted = [
+            begun
+            for begun in (*singles[: SINGLES if number == 0 else SETS], *several)
+            if frozenset((*centre.effects, *begun.chosen.names)) not in tried
         ]
-        for h in _side_by_side(tasks):
-            if h is not None:
+        fewer = [name for name in centre.effects if frozenset(centre.effects) - {name} not in tried]
+        tasks: list[Callable[[], Rough]] = [
+            *(partial(added, centre, begun) for begun in wanted),
+            *(partial(added, centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
+            *(partial(removed, centre, name) for name in fewer),
+        ]
+        for h in _side_by_side([partial(hypothesis, one) for one in _promising(_side_by_side(tasks))]):
+            known = tried.get(frozenset(h.effects))
+            if known is None or h.log_evidence.max() > known.log_evidence.max():
                 tried[frozenset(h.effects)] = h
         progress((number + 1.0) / ROUNDS)
-        best = max(tried.values(), key=lambda h: max(log_masses(h)))
-        if best is centre or len(best.effects) >= MOST_EFFECTS:
+        tried = _with_rests(tried)
+        missing = missing_of(list(tried.values()))
+        best = max(tried.values(), key=lambda h: max(log_masses(h, missing)))
+        if best.effects == centre.effects or len(best.effects) >= MOST_EFFECTS:
             break
         centre = best
-    return Search(base, tuple(tried.values()), tuple(first))
+    return Search(tried[frozenset()], tuple(tried.values()), tuple(first))
 
 
-def _side_by_side(tasks: Iterable[Callable[[], Hypothesis]]) -> list[Hypothesis | None]:
-    """The tasks' results: the kernel and the filter let other threads run while they compute."""
+def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str], Hypothesis]:
+    """The hypotheses, those that may count with the rest that they leave."""
+    missing = missing_of(list(tried.values()))
+    reach = max(max(log_masses(h, missing)) for h in tried.values()) - REACH
+    base = tried[frozenset()]
+    base = base if base.alone is not None else with_rest(base)
+    asked = [h for h in tried.values() if h.effects and h.alone is None and max(log_masses(h, missing)) > reach]
+    found = _side_by_side([partial(with_rest, h, base) for h in asked])
+    return tried | {frozenset(): base} | {frozenset(h.effects): h for h in found}
+
+
+def _promising(roughs: list[Rough]) -> list[Rough]:
+    """Those that may still be the best when they are fitted closely."""
+    costs = np.array([one.cost for one in roughs])
+    least, most = (costs.min(), costs.max()) if costs.size else (0.0, 0.0)
+    return [one for one in roughs if one.cost <= least + max(FAR, ROOM * (most - least))]
+
+
+def _side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
+    """The results of the tasks that have one: the kernel and the filter let other threads run while they compute."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2
     with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(_done, tasks))
+        results: list[T | None] = list(pool.map(lambda task: _done(task), tasks))
+    return [result for result in results if result is not None]
 
 
-def _done(task: Callable[[], Hypothesis]) -> Hypothesis | None:
+def _done(task: Callable[[], T]) -> T | None:
     """The task's result; None where its runs left all bounds, so that no likelihood is known of it."""
     try:
         return task()
@@ -91,35 +124,72 @@ def _ranked(centre: Hypothesis) -> tuple[list[Candidate], list[RankedSet]]:
     return candidates, [ranked[k] for k in order]
 
 
-def added(centre: Hypothesis, chosen: RankedSet) -> Hypothesis:
-    """A hypothesis with a set of effects more, refitted from the strengths that its ranking estimates."""
-    parameters = centre.fitted.parameters.copy()
-    free = list(centre.problem.free)
-    for candidate, values in zip(chosen.candidates, chosen.strengths, strict=True):
-        effect = candidate.effect
-        for shape, value in zip(effect.shapes, candidate.shapes, strict=True):
-            parameters[parameter_index(effect.name, shape.name)] = value
-        for strength, value in zip(effect.strengths, values, strict=True):
-            low, high = strength.bounds
-            reach = 20.0 * strength.nominal
-            kept = np.clip(value, low + 1e-3 * strength.nominal, high - 1e-3 * strength.nominal)
-            parameters[parameter_index(effect.name, strength.name)] = np.clip(kept, -reach, reach)
-        free += candidate.free
-    problem = replace(centre.problem, free=tuple(free), parameters=parameters)
-    return _refitted((*centre.effects, *chosen.names), problem, centre.fitted.nuisances)
+def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
+    """The base where its fit began, where that is a decay's; else as it is."""
+    if all(experiment.release is None for experiment in base.problem.experiments):
+        return base
+    problem = replace(base.problem, parameters=origin.parameters)
+    there = np.concatenate([origin.values, *origin.nuisances])
+    return replace(base, problem=problem, fitted=finished(problem, there, 0))
 
 
-def removed(centre: Hypothesis, effect: str) -> Hypothesis:
-    """A hypothesis without one of its effects, refitted."""
+@dataclass(frozen=True)
+class Begun:
+    """A set of effects to be added, and where its refit begins."""
+
+    chosen: RankedSet
+    starts: tuple[Start, ...]
+
+
+def _begun(centre: Hypothesis, ranked: list[RankedSet]) -> list[Begun]:
+    """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads."""
+    begun = _side_by_side([lambda one=one: Begun(one, tuple(starts(centre, one))) for one in ranked])
+    return sorted(begun, key=lambda one: one.starts[0].cost)
+
+
+def _has_plain(chosen: RankedSet) -> bool:
+    """Whether one of the effects has a shape that may be none at all, such as a payload at the tip itself."""
+    return any(shape.neutral == 0.0 for candidate in chosen.candidates for shape in candidate.effect.shapes)
+
+
+def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> Rough:
+    """A set of effects more, fitted roughly from the best starts. plain: shapes that may be none are none."""
+    chosen = of.chosen
+    new = [name for candidate in chosen.candidates for name in candidate.free]
+    none = []
+    if plain:
+        shapes = [(c.effect.name, shape) for c in chosen.candidates for shape in c.effect.shapes]
+        none = [(effect, shape.name) for effect, shape in shapes if shape.neutral == 0.0]
+    free = (*centre.problem.free, *(name for name in new if name not in none))
+    begun = []
+    for start in of.starts:
+        parameters = start.parameters.copy()
+        for name in none:
+            parameters[parameter_index(*name)] = 0.0
+        problem = replace(centre.problem, free=free, parameters=parameters, filters=())
+        begun.append((problem, start.nuisances))
+    return _refitted((*centre.effects, *chosen.names), begun, centre)
+
+
+def removed(centre: Hypothesis, effect: str) -> Rough:
+    """One of the effects less, fitted roughly."""
     parameters = centre.fitted.parameters.copy()
     for parameter in catalogue()[effect].parameters:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
     free = tuple(name for name in centre.problem.free if name[0] != effect)
     problem = replace(centre.problem, free=free, parameters=parameters)
-    return _refitted(tuple(e for e in centre.effects if e != effect), problem, centre.fitted.nuisances)
+    begun = [(problem, centre.fitted.nuisances)]
+    return _refitted(tuple(e for e in centre.effects if e != effect), begun, centre)
 
 
-def _refitted(effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
+def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis) -> Rough:
+    """Fitted roughly from those starts."""
+    return rough_fit(effects, [_remembering(effects, *start) for start in begun], centre.forces, centre.share)
+
+
+def _remembering(
+    effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array, ...]
+) -> tuple[Problem, tuple[Array, ...]]:
     """With the memory at the start of each run among the unknowns where an effect relaxes, else without."""
     wanted = any(catalogue()[name].relaxation_time is not None for name in effects)
     experiments, kept = [], []
@@ -132,4 +202,4 @@ def _refitted(effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array
             memory = np.zeros(problem.arm.order)
         experiments.append(changed)
         kept.append(np.concatenate([start, moving, memory, shift, experiment.deviations(values)]))
-    return hypothesis(effects, replace(problem, experiments=tuple(experiments)), tuple(kept))
+    return replace(problem, experiments=tuple(experiments)), tuple(kept)

@@ -43,10 +43,10 @@ def optimise(arguments: argparse.Namespace) -> int:
     ):
         runner = trial_runner(setup, board, camera, interrupts, progress)
 
-        def diagnosing(step: str) -> None:
+        def diagnosing(words: str, done: float = 0.0) -> None:
             if interrupts.pause:  # a diagnosis takes minutes, and the arm stands at neutral: it can be left at once
                 raise KeyboardInterrupt
-            progress(f"diagnosis: {step}", 0.0)
+            progress(f"diagnosis: {words}", done)
 
         propose = None
         if arguments.reidentify:

@@ -26,8 +26,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="state the confidence by your own blind trials: the file that tentacle blind-trial --like RECORDING wrote",
     )  # fmt: skip
     parser.add_argument(
-        "--decide", choices=["rules", "posterior"], default="rules",
-        help="how: by tests with limits (default), or by posterior mass under one likelihood (on trial: docs/loop.md)",
+        "--decide", choices=["posterior", "rules"],
+        help="how: by posterior mass under one likelihood, or by tests with limits (default: by posterior mass, free "
+        "decays by tests; docs/loop.md says why)",
     )  # fmt: skip
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(
@@ -58,14 +59,17 @@ def run(arguments: argparse.Namespace) -> int:
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
-        if arguments.decide == "posterior":
-            from discovery.posterior.diagnose import diagnose
-        else:
-            from discovery.diagnose import diagnose
+        from discovery.diagnose import diagnose
 
         wait_for_kernels()
         diagnosis = diagnose(
-            recordings, baseline, held_out, seed=arguments.seed, calibration=calibration, progress=stage
+            recordings,
+            baseline,
+            held_out,
+            seed=arguments.seed,
+            calibration=calibration,
+            decide=arguments.decide,
+            progress=stage,
         )
         stage("writing the report")
         command = " ".join(["tentacle", *sys.argv[1:]])

@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as in tentacle diagnose"
     )
     parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as in tentacle diagnose")
-    parser.add_argument("--decide", choices=["rules", "posterior"], default="rules", help="as in tentacle diagnose")
+    parser.add_argument("--decide", choices=["posterior", "rules"], help="as in tentacle diagnose")
     parser.add_argument("--seed", type=int, help="as for diagnose (default: 0)")
     parser.add_argument(
         "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"

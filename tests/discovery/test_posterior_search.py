@@ -7,18 +7,18 @@ from discovery.posterior.decide import decide
 from discovery.posterior.detection import detection_limits
 from discovery.posterior.rank import ranked_sets
 from discovery.posterior.search import search
-from inference.posterior import hypothesis, interval
+from inference.posterior import declared_model, interval
 from inference.score import score
 
 
 @pytest.fixture(scope="module")
 def base_with_current(with_current):
-    return hypothesis((), with_current.problem, with_current.fitted.nuisances)
+    return declared_model(with_current.problem, with_current.fitted.nuisances)
 
 
 @pytest.fixture(scope="module")
 def found(base_with_current):
-    return search(base_with_current)
+    return search(base_with_current, base_with_current.fitted)
 
 
 def test_a_set_s_first_order_strengths_are_the_least_squares_ones(base_with_current):
@@ -43,8 +43,8 @@ def test_a_hidden_current_is_named_and_measured(found):
 
 
 def test_nothing_hidden_nothing_named_and_the_limits_say_what_that_excludes(plain):
-    base = hypothesis((), plain.problem, plain.fitted.nuisances)
-    decision = decide(list(search(base).hypotheses))
+    base = declared_model(plain.problem, plain.fitted.nuisances)
+    decision = decide(list(search(base, base.fitted).hypotheses))
     assert decision.verdict == "nothing_missing"
     limits = detection_limits(decision.leading)
     # The current of 30 mm/s that the other recording hides would have been named in this one.

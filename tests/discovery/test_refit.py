@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from discovery.refit import prune_shape_parameters, refit
+from discovery.rules.refit import prune_shape_parameters, refit
 from inference.base_fit import Setting, fit_base
 from inference.hypothesis import hypothesis, parameter_interval
 from inference.prepare import prepare

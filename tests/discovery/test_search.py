@@ -7,9 +7,9 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from discovery.next_experiment import _gap, candidates, propose
-from discovery.refit import refit, removed_without_refit, without
-from discovery.search import CLEARED, _best_of_each, search
-from discovery.verdict import decide, probabilities, structure_share
+from discovery.rules.refit import refit, removed_without_refit, without
+from discovery.rules.search import CLEARED, _best_of_each, search
+from discovery.rules.verdict import decide, probabilities, structure_share
 from inference.adequacy import ljung_box
 from inference.compare import unexplained_share
 from inference.hypothesis import hypothesis, material_gain, parameter_interval, variance_inflation

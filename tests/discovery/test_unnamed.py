@@ -1,7 +1,7 @@
 """The rest without a name: found where it is, absent where nothing is missing, and no name for it."""
 
 from discovery.diagnose import diagnose
-from discovery.unnamed import NAME, unnamed_rest
+from discovery.rules.unnamed import NAME, unnamed_rest
 
 
 def test_what_is_complete_has_no_rest(plain):

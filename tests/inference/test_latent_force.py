@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
-from inference.latent_force import discretised
+from inference.latent_force import FASTEST, discretised, with_scaled_mass
 from inference.linearise import latent_forces
 from inference.posterior import log_evidences
 
@@ -37,7 +38,9 @@ def test_whitening_is_the_inverse_root_of_the_covariance(forces):
 
 def test_without_unknown_forces_rows_are_as_white_as_they_were(forces):
     found = forces[0]
-    silent = replace(found, linearised=replace(found.linearised, laws=0.0 * found.linearised.laws))
+    posed = found.seen.copy()
+    posed[:, :, found.linearised.mass.shape[0] :] = 0.0  # base angle and scale are never known without any error
+    silent = replace(found, linearised=replace(found.linearised, laws=0.0 * found.linearised.laws), seen=posed)
     whitened = silent.filter(1e-9)
     rows = np.random.default_rng(0).standard_normal((found.cells.place.max() + 1, whitened.root.shape[1], 1))
     averaged = whitened.cells.averaged(rows).reshape(-1)
@@ -59,3 +62,25 @@ def test_a_complete_model_wants_little_unknown_force(plain, forces):
     evidence = log_evidences(problem, plain.fitted, forces)
     # A tenth of the acting forces unknown: hundreds of nats too loose for data that the model made itself.
     assert evidence[0] > evidence[4] + 100.0
+
+
+def test_modes_too_fast_to_be_seen_answer_a_slow_force_by_their_stiffness_alone():
+    mass, stiffness = np.array([[1.0, 0.2, 0.0], [0.2, 0.5, 0.0]]), np.array([[4.0, 0.0, 0.0], [0.0, 1e8, 0.0]])
+    scaled = with_scaled_mass(mass, stiffness, 0.15)
+    before, after = (np.sqrt(eigh(stiffness[:, :2], m[:, :2], eigvals_only=True)) for m in (mass, scaled))
+    assert after[0] == pytest.approx(before[0], rel=1e-6)  # the mode that is seen stays as it was
+    assert after[1] == pytest.approx(FASTEST / 0.15, rel=1e-6)
+
+
+def test_a_stiff_arm_s_filter_is_finite(forces):
+    """A silicone beam in air is a thousand times as stiff as its slowest motion needs: the transition must not
+    overflow.
+    """
+    found = forces[0]
+    lin = found.linearised
+    stiff = lin.stiffness.copy()
+    stiff[:, :-1] *= 1e5
+    mass = with_scaled_mass(lin.mass, stiff, lin.time)
+    made = replace(found, linearised=replace(lin, stiffness=stiff, mass=mass)).filter(0.1)
+    assert np.isfinite(made.log_determinant)
+    assert np.all(np.isfinite(made.gain))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discovery.refit import without
-from discovery.search import CLEARED, MOST_EFFECTS, STANDS_OUT, Search, strength_at_bound, tied_within
+from discovery.rules.refit import without
+from discovery.rules.search import CLEARED, MOST_EFFECTS, STANDS_OUT, Search, strength_at_bound, tied_within
 from inference.hypothesis import Hypothesis, against_baseline, noise_ratio
 from tentacle.diagnosis import Verdict
 

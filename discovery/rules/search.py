@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from affine_model.arm import Arm
 from affine_model.effects import catalogue
-from discovery.refit import (
+from discovery.rules.refit import (
     LINEAR,
     at_fine_step,
     converged,

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from discovery.answer import ACCOUNTS, LIMITS, error_budget, proposal_words
 from discovery.calibration import Calibration, stored
-from discovery.next_experiment import DURATION, Proposal, propose
-from discovery.search import Search
-from discovery.unnamed import Rest
-from discovery.verdict import Decision, probabilities
+from discovery.next_experiment import propose
+from discovery.rules.search import Search
+from discovery.rules.unnamed import Rest
+from discovery.rules.verdict import Decision, probabilities
 from inference.compare import errors, floor_errors, midline_error, run_comparison
 from inference.hypothesis import Hypothesis, estimates, hypothesis
 from inference.observation import ShapeObservation
@@ -18,42 +19,9 @@ from inference.prepare import Prepared
 from inference.reduction import Reduction
 from inference.score import twin_cosines
 from inference.trajectory import Fit, Problem
-from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect
+from tentacle.diagnosis import Diagnosis, RankedEffect
 from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Model
-from tentacle.recording import Recording
-from tentacle.servo_limits import ServoLimits
-
-ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
-LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
-
-
-def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
-    """Unknown, for the data show too little; with no error, no ranking and no parameters, since none can be stated."""
-    d = recording.declaration
-    model = Model(d.specimen, d.fluid, d.gravity)
-    nothing = ErrorMeasure()
-    return Diagnosis(
-        verdict="unknown",
-        effects=(),
-        confidence=0.0,
-        parameters={},
-        before=nothing,
-        after=nothing,
-        floor=nothing,
-        held_out=False,
-        ranking=(),
-        next_experiment=None,
-        budget=ErrorBudget(0.0, 0.0, 0.0, 0.0),
-        base_model=model,
-        augmented_model=model,
-        gates=(),
-        twin_names=(),
-        twin_cosines=np.zeros((0, 0)),
-        runs=(),
-        words=("These data cannot tell.", reason),
-        seed=seed,
-    )
 
 
 @dataclass(frozen=True)
@@ -151,19 +119,6 @@ def _to_be_split(found: Search, verdict: str) -> tuple[Hypothesis, tuple[Hypothe
     return found.single[0], found.single[1:ACCOUNTS]
 
 
-def proposal_words(proposal: Proposal) -> str:
-    """What the proposed base motion is expected to tell apart, in a sentence."""
-    if proposal.nats < 5.0:
-        return (
-            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
-            f"the best of those tried would give {proposal.nats:.1f} nats."
-        )
-    return (
-        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would split "
-        f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
-    )
-
-
 def _rest_words(rest: Rest) -> str:
     terms = ", ".join(rest.terms)
     return (
@@ -184,20 +139,3 @@ def _ranking(found: Search, prepared: list[Prepared], is_held_out: bool) -> tupl
         gain = found.base.fitted.misfit - refitted[name].fitted.misfit if name in refitted else candidate.gain
         rows.append(RankedEffect(name, float(gain), error, weight.get(name, 0.0)))
     return tuple(sorted(rows, key=lambda row: -row.score))
-
-
-def error_budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
-    """The error before, in parts [mm]: noise, reduction (lost), what the effects added take away, and what stays."""
-
-    def apart(large: float | None, small: float | None) -> float:
-        if large is None or small is None:
-            return 0.0
-        return float(np.sqrt(max(large**2 - small**2, 0.0)))
-
-    noise = apart(floor.midline_mm, lost)
-    return ErrorBudget(
-        noise_mm=noise,
-        reduction_mm=lost,
-        missing_mm=apart(before.midline_mm, after.midline_mm),
-        rest_mm=apart(after.midline_mm, floor.midline_mm),
-    )

@@ -1,0 +1,72 @@
+"""Parts of every answer, however it was decided: the error's budget, the next experiment in words, and no answer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discovery.next_experiment import DURATION, Proposal
+from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure
+from tentacle.model import Model
+from tentacle.recording import Recording
+from tentacle.servo_limits import ServoLimits
+
+ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
+LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
+
+
+def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
+    """Unknown, for the data show too little; with no error, no ranking and no parameters, since none can be stated."""
+    d = recording.declaration
+    model = Model(d.specimen, d.fluid, d.gravity)
+    nothing = ErrorMeasure()
+    return Diagnosis(
+        verdict="unknown",
+        effects=(),
+        confidence=0.0,
+        parameters={},
+        before=nothing,
+        after=nothing,
+        floor=nothing,
+        held_out=False,
+        ranking=(),
+        next_experiment=None,
+        budget=ErrorBudget(0.0, 0.0, 0.0, 0.0),
+        base_model=model,
+        augmented_model=model,
+        gates=(),
+        twin_names=(),
+        twin_cosines=np.zeros((0, 0)),
+        runs=(),
+        words=("These data cannot tell.", reason),
+        seed=seed,
+    )
+
+
+def proposal_words(proposal: Proposal) -> str:
+    """What the proposed base motion is expected to tell apart, in a sentence."""
+    if proposal.nats < 5.0:
+        return (
+            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
+            f"the best of those tried would give {proposal.nats:.1f} nats."
+        )
+    return (
+        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would split "
+        f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
+    )
+
+
+def error_budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
+    """The error before, in parts [mm]: noise, reduction (lost), what the effects added take away, and what stays."""
+
+    def apart(large: float | None, small: float | None) -> float:
+        if large is None or small is None:
+            return 0.0
+        return float(np.sqrt(max(large**2 - small**2, 0.0)))
+
+    noise = apart(floor.midline_mm, lost)
+    return ErrorBudget(
+        noise_mm=noise,
+        reduction_mm=lost,
+        missing_mm=apart(before.midline_mm, after.midline_mm),
+        rest_mm=apart(after.midline_mm, floor.midline_mm),
+    )

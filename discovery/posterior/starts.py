@@ -1,0 +1,145 @@
+"""Where a refit with more effects begins: a grid of shapes and strengths, each judged with the base refitted to it.
+
+A large effect has bent the base parameters to itself, and a law with a shape (a distance, a time, a place) has several
+valleys. At each point k of the grid the residual r_k is simulated; what the base and the initial states can absorb of
+it, to first order, is taken off: cost_k = |r_k - B B' r_k|^2 / 2, and the base begins at its own best step, -J+ r_k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from affine_model.arm import parameter_index
+from affine_model.curvature import Array
+from discovery.posterior.rank import RankedSet
+from inference.posterior import Hypothesis
+from inference.score import Candidate, absorbed_basis
+from inference.trajectory import ONE_SIDED, Problem, split
+
+SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
+SHAPES = 6  # points of the grid of one effect's shapes, at most
+KEPT = 2  # starts that are refined
+BENT = 0.7  # of its own value: how far a base parameter is moved to begin with
+DAMPED = 1e-2  # of the information's diagonal
+BATCH = 256  # individuals at once: what memory holds for a long recording
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a refit begins: a parameter vector and each recording's nuisances; half the sum of squares [nats] there."""
+
+    parameters: Array
+    nuisances: tuple[Array, ...]
+    cost: float
+
+
+def starts(centre: Hypothesis, chosen: RankedSet) -> list[Start]:
+    """The best KEPT places to begin from, best first."""
+    plan = np.stack(_plan(centre, chosen), axis=1)
+    problem = replace(centre.problem, parameters=centre.fitted.parameters)
+    unknowns = np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
+    residuals = _residuals(problem, plan, np.repeat(unknowns[:, None], plan.shape[1], axis=1))
+    if any(experiment.release is not None for experiment in problem.experiments):
+        cost, moved = _stepped(problem, plan, unknowns, residuals)
+    else:
+        cost, moved = _absorbed(centre, residuals)
+    found = []
+    for place in np.argsort(np.where(np.isfinite(cost), cost, np.inf), kind="stable")[:KEPT]:
+        parameters, nuisances = split(replace(problem, parameters=plan[:, place]), moved[:, place])
+        found.append(Start(parameters, nuisances, float(cost[place])))
+    return found
+
+
+def _residuals(problem: Problem, parameters: Array, unknowns: Array) -> Array:
+    """Residuals (N, B), in batches that memory holds."""
+    parts = range(0, unknowns.shape[1], BATCH)
+    return np.concatenate(
+        [problem.residuals_of(parameters[:, k : k + BATCH], unknowns[:, k : k + BATCH]) for k in parts], axis=1
+    )
+
+
+def _absorbed(centre: Hypothesis, residuals: Array) -> tuple[Array, Array]:
+    """Cost (B,) and unknowns (P, B) after the base's own best step, with the derivatives that it has without effects;
+    the initial states stay.
+    """
+    basis = absorbed_basis(centre.fitted)
+    absorbed = basis.T @ residuals
+    cost = np.einsum("nb,nb->b", residuals, residuals) - np.einsum("nb,nb->b", absorbed, absorbed)
+    scales, unknowns = centre.problem.scales(), np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
+    step = -np.linalg.lstsq(centre.fitted.jacobian * scales, residuals, rcond=1e-8)[0]
+    step[len(centre.fitted.values) :] = 0.0
+    return 0.5 * cost, _within(centre.problem, unknowns[:, None] + np.clip(step, -BENT, BENT) * scales[:, None])
+
+
+def _stepped(problem: Problem, plan: Array, unknowns: Array, residuals: Array) -> tuple[Array, Array]:
+    """The same for decays, whose phase runs away with any error of the frequency: each point of the grid has its own
+    derivatives, the initial states step too, and the cost is that where the step ends.
+    """
+    scales, count = problem.scales(), unknowns.size
+    shift = ONE_SIDED * scales
+    shifted = np.concatenate([np.repeat(plan[:, [k]], count, axis=1) for k in range(plan.shape[1])], axis=1)
+    moved = np.tile(unknowns[:, None] + np.diag(shift), plan.shape[1])
+    shifted[problem.rows()] = moved[: len(problem.free)]
+    there = _residuals(problem, shifted, moved)
+    ends = []
+    for k in range(plan.shape[1]):
+        slope = (there[:, k * count : (k + 1) * count] - residuals[:, [k]]) / ONE_SIDED
+        information = slope.T @ slope
+        step = -np.linalg.solve(information + DAMPED * np.diag(np.diag(information) + 1e-12), slope.T @ residuals[:, k])
+        ends.append(unknowns + np.clip(step, -BENT, BENT) * scales)
+    moved = _within(problem, np.stack(ends, axis=1))
+    stepped = plan.copy()
+    stepped[problem.rows()] = moved[: len(problem.free)]
+    values = _residuals(problem, stepped, moved)
+    return 0.5 * np.einsum("nb,nb->b", values, values), moved
+
+
+def _within(problem: Problem, unknowns: Array) -> Array:
+    low, high = problem.bounds()
+    return np.clip(unknowns, low[:, None], high[:, None])
+
+
+def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
+    """Parameter vectors of the grid: the set's linear estimate and shares of it; of a single effect all shapes and
+    sizes too.
+    """
+    linear = list(zip(chosen.candidates, chosen.strengths, strict=True))
+    plan = [_with(centre.fitted.parameters, linear, share) for share in (1.0, 0.4)]
+    if len(linear) > 1:
+        return plan
+    (candidate, estimate), effect = linear[0], linear[0][0].effect
+    shapes = list(product(*(shape.scan for shape in effect.shapes)))
+    if candidate.shapes not in shapes:
+        shapes.append(candidate.shapes)
+    for values in shapes[:: max(1, -(-len(shapes) // SHAPES))]:
+        at = replace(candidate, shapes=values)
+        for place, strength in enumerate(effect.strengths):
+            for size in (*SIZES, *(-size for size in SIZES)):
+                if strength.bounds[0] <= size * strength.nominal <= strength.bounds[1]:
+                    sized = np.zeros(len(effect.strengths))
+                    sized[place] = size * strength.nominal
+                    plan.append(_with(centre.fitted.parameters, [(at, sized)], 1.0))
+        plan.append(_with(centre.fitted.parameters, [(at, estimate)], 1.0))
+    return plan
+
+
+def _with(parameters: Array, chosen: list[tuple[Candidate, Array]], share: float) -> Array:
+    """The parameter vector with the candidates in it at that share of their strengths, within bounds and on none: there
+    the difference quotients are one-sided and a fit may stick.
+    """
+    parameters = parameters.copy()
+    for candidate, values in chosen:
+        effect = candidate.effect
+        for shape, value in zip(effect.shapes, candidate.shapes, strict=True):
+            low, high = shape.bounds
+            inside = 0.02 * (high - low)
+            parameters[parameter_index(effect.name, shape.name)] = np.clip(value, low + inside, high - inside)
+        for strength, value in zip(effect.strengths, share * values, strict=True):
+            low, high = strength.bounds
+            reach = 20.0 * strength.nominal
+            kept = np.clip(value, low + 1e-2 * strength.nominal, high - 1e-2 * strength.nominal)
+            parameters[parameter_index(effect.name, strength.name)] = np.clip(kept, -reach, reach)
+    return parameters
