@@ -1,4 +1,4 @@
-"""What all rooms' tests share: nothing is written outside the test's own folders."""
+"""What all rooms' tests share: nothing is written outside the test's own folders; effects of files are tested too."""
 
 from __future__ import annotations
 
@@ -7,6 +7,24 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from tentacle.io.effect_file import read_effects
+from tentacle.law.in_use import using
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--effects", nargs="+", default=[], type=Path, metavar="FILE.toml",
+        help="effect files that the tests find in the catalogue (docs/howto/law.md)",
+    )  # fmt: skip
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    files = config.getoption("--effects")
+    if files:
+        in_use = using(read_effects(files))
+        in_use.__enter__()
+        config.add_cleanup(lambda: in_use.__exit__(None, None, None))
+
 
 pytest_plugins = ["tests.made_parameters", "tests.made_recordings"]
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from functools import cache
 
 from affine_model.effect import Effect
+from affine_model.written_effect import effect_of
+from tentacle.law.in_use import follows_laws, laws_in_use
 
 
-@cache
+@follows_laws
 def catalogue() -> dict[str, Effect]:
-    """All effects by name, sorted: base effects first, then the others by name.
+    """All effects by name, sorted: base effects first, then the others by name; those of the laws in use among them.
 
     Raises ValueError where two files define the same name, or a file holds no effect.
     """
-    found: dict[str, Effect] = {}
+    found = {law.name: effect_of(law) for law in laws_in_use()}
     for module_info in pkgutil.iter_modules(__path__):
         module = importlib.import_module(f"{__name__}.{module_info.name}")
         effects = [value for value in vars(module).values() if isinstance(value, Effect)]
