@@ -209,8 +209,8 @@ def balance(
         for effect, p in own:
             if effect.tip_force is not None:
                 at_tip = SimpleNamespace(**{name: value[..., 0] for name, value in vars(p).items()})
-                along_n, along_t = effect.tip_force(here, at_tip)
-                pull = (along_n + 0 * end_phi)[..., None] * end_normal + (along_t + 0 * end_phi)[..., None] * end_tangent
+                along_n, along_t = (part + 0 * end_phi for part in effect.tip_force(here, at_tip))
+                pull = along_n[..., None] * end_normal + along_t[..., None] * end_tangent
                 force = force + xp.einsum("...xj,...x->...j", columns, pull)
                 fluid_force = fluid_force + pull
     return Balance(M, force, fluid_force, fluid_mass)

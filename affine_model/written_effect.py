@@ -16,9 +16,6 @@ FUNCTIONS = functions_from(sqrt, exp, sin, cos, tanh)
 def effect_of(law: WrittenLaw) -> Effect:
     """The effect that a written law describes."""
     parameters = tuple(Parameter(p.name, p.unit, p.nominal, p.bounds, p.words, p.scan) for p in law.parameters)
-    relaxation: Law | None = None
-    if law.relaxation is not None:
-        relaxation = lambda x, p: law.relaxation_time(vars(p), FUNCTIONS)  # noqa: E731
     return Effect(
         name=law.name,
         title=law.title,
@@ -29,8 +26,18 @@ def effect_of(law: WrittenLaw) -> Effect:
         force=_pair(law) if law.acts == "line" else None,
         tip_force=_pair(law) if law.acts == "tip" else None,
         bending_moment=(lambda x, p: _values(law, x, p)["moment"]) if law.acts == "moment" else None,
-        relaxation_time=relaxation,
+        relaxation_time=_relaxation(law),
     )
+
+
+def _relaxation(law: WrittenLaw) -> Law | None:
+    if law.relaxation is None:
+        return None
+
+    def relaxation_time(_: Any, p: Any) -> Any:
+        return law.relaxation_time(vars(p), FUNCTIONS)
+
+    return relaxation_time
 
 
 def _values(law: WrittenLaw, x: Any, p: Any) -> Mapping[str, Any]:

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.influence import Parameters, Record
@@ -75,11 +76,11 @@ class WrittenLaws:
     gravity: float
 
     @cached_property
-    def _points(self) -> tuple[Array, Array, dict[str, Array]]:
+    def _points(self) -> tuple[NDArray[np.int64], Array, dict[str, Array]]:
         """Of the Gauss points and the tip (N + 1,): link, distance from its start; the sections' quantities."""
         nodes = node_table(self.chain)
         links, points = nodes.shape[:2]
-        link = np.append(np.repeat(np.arange(links), points), links - 1)
+        link: NDArray[np.int64] = np.append(np.repeat(np.arange(links), points), links - 1)
         along = np.append(nodes[:, :, ALONG].ravel(), self.chain.length[-1])
         section = self.chain.specimen.section
         s = (self.chain.start[link] + along) / self.chain.specimen.length

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
-from tentacle.io.effect_file import read_effects
-from tentacle.law.in_use import using
+from tentacle.io.effect_file import effects_of
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
@@ -19,11 +20,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    files = config.getoption("--effects")
-    if files:
-        in_use = using(read_effects(files))
-        in_use.__enter__()
-        config.add_cleanup(lambda: in_use.__exit__(None, None, None))
+    stack = ExitStack()
+    stack.enter_context(effects_of(config.getoption("--effects") or []))
+    config.add_cleanup(stack.close)
 
 
 pytest_plugins = ["tests.made_parameters", "tests.made_recordings"]

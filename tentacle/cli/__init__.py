@@ -21,6 +21,7 @@ from tentacle.cli._bounds import require_sane
 from tentacle.cli._endings import told
 from tentacle.cli._stop_signals import signals_as_interrupts
 from tentacle.errors import InputError, printable
+from tentacle.io.effect_file import effects_of
 
 DESCRIPTION = """\
 Two models of a soft arm in a tank, side by side with measured data, and the loop that finds what a model lacks.
@@ -79,7 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = build_parser().parse_args(words)
     with signals_as_interrupts() as asked, told(asked) as outcome:
         require_sane(parsed)
-        outcome.code = parsed.run(parsed)
+        with effects_of(getattr(parsed, "effects", [])):
+            outcome.code = parsed.run(parsed)
         sys.stdout.flush()
     return outcome.code
 

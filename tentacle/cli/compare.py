@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._effects import add_effects
+
 if TYPE_CHECKING:
     from validation.ladder import Ladder
     from validation.validity_map import Validity
@@ -37,6 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--workers", type=int, metavar="N", help="number of processes for the map, default: one per core"
     )
+    add_effects(parser)
     parser.add_argument("--cluster", metavar="ADDRESS", help="run on this Dask scheduler instead, tcp://HOST:PORT")
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._effects import add_effects
+
 HELP = "trace the residual of recordings to an effect that the model lacks; report the error before and after"
 
 
@@ -29,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--decide", choices=["rules", "posterior"], default="rules",
         help="how: by tests with limits (default), or by posterior mass under one likelihood (on trial: docs/loop.md)",
     )  # fmt: skip
+    add_effects(parser)
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ..."
@@ -71,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         command = " ".join(["tentacle", *sys.argv[1:]])
         with written(arguments.out) as folder:
             inputs = [*arguments.recordings, *arguments.held_out]
-            inputs += [] if arguments.calibration is None else [arguments.calibration]
+            inputs += [*arguments.effects, *([] if arguments.calibration is None else [arguments.calibration])]
             write_answer(diagnosis, [*recordings, *held_out], folder, command, inputs)
     if arguments.json:
         print(json.dumps(diagnosis.verdict_json(), indent=1))

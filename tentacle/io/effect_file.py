@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
+from tentacle.errors import InputError
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.law.dimension import dimension_of
 from tentacle.law.expression import LawError
+from tentacle.law.in_use import ENVIRONMENT, laws_in_use, using
 from tentacle.law.written_law import COMPONENTS, Acts, WrittenLaw, WrittenParameter
 
 MOST_PARAMETERS, MOST_DEFINITIONS = 12, 20
@@ -18,7 +22,7 @@ EXPECTED = "an effect file: name, title, source, [law], [parameters.NAME]"
 
 
 def read_effects(files: Sequence[Path]) -> tuple[WrittenLaw, ...]:
-    """The laws of effect files. InputError names file, row and field of what is wrong; nothing in a file is executed."""
+    """The laws of effect files; nothing in them is executed. InputError names file, row and field of what is wrong."""
     laws: list[WrittenLaw] = []
     for file in files:
         text, values = read_toml(file, EXPECTED)
@@ -28,6 +32,27 @@ def read_effects(files: Sequence[Path]) -> tuple[WrittenLaw, ...]:
             raise table.error(f"{law.name!r} is the name of two effects", "name", "one name a file")
         laws.append(law)
     return tuple(laws)
+
+
+@contextmanager
+def effects_of(files: Sequence[Path]) -> Iterator[tuple[WrittenLaw, ...]]:
+    """The laws of these files are in use within the context, in this process and those that it starts meanwhile."""
+    laws = read_effects(files)
+    before = os.environ.get(ENVIRONMENT)
+    taken = sorted({law.name for law in laws} & {law.name for law in laws_in_use()})
+    if taken:
+        raise InputError(f"{taken[0]!r} is in use already", field="name", expected="one name an effect")
+    if files:
+        places = [before] if before else []
+        os.environ[ENVIRONMENT] = os.pathsep.join([*places, *(str(Path(file).resolve()) for file in files)])
+    try:
+        with using(laws):
+            yield laws
+    finally:
+        if before is not None:
+            os.environ[ENVIRONMENT] = before
+        elif files:
+            os.environ.pop(ENVIRONMENT, None)
 
 
 def _law(table: Table) -> WrittenLaw:
@@ -113,11 +138,8 @@ def _parameters(table: Table) -> tuple[WrittenParameter, ...]:
 def effect_text(law: WrittenLaw) -> str:
     """The effect file of a law, as read_effects reads it."""
     table: dict[str, Any] = {"name": law.name, "title": law.title, "source": law.source}
-    table["law"] = {"acts": law.acts, **law.components}
-    if law.relaxation is not None:
-        table["law"]["relaxation"] = law.relaxation
-    if law.dissipative:
-        table["law"]["dissipative"] = True
+    where = {} if law.relaxation is None else {"relaxation": law.relaxation}
+    table["law"] = {"acts": law.acts, **law.components, **where, **({"dissipative": True} if law.dissipative else {})}
     if law.definitions:
         table["define"] = dict(law.definitions)
     if law.constants:

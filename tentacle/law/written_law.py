@@ -137,7 +137,7 @@ class WrittenLaw:
 
 
 def functions_from(sqrt: Any, exp: Any, sin: Any, cos: Any, tanh: Any) -> dict[str, Callable[[Any], Any]]:
-    """The grammar's functions out of a library's five; abs, positive and sign are smooth, so that all laws have slopes."""
+    """The grammar's functions out of a library's five; abs, positive and sign are smooth, so laws have slopes."""
 
     def rounded(z: Any, width: float) -> Any:
         return sqrt(z * z + width**2)

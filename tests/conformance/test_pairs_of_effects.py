@@ -26,7 +26,6 @@ OPEN = {"current", "sloshing"}
 WEIGHTLESS = Gravity(0.0, 0.0)
 
 
-
 def pulls_from_outside(name):
     """Whether the effect, as a magnet, exerts a force on an arm at rest in weightless air."""
     still = Motion.drawn(0, still=True)
