@@ -7,6 +7,7 @@ import pkgutil
 
 from affine_model.effect import Effect
 from affine_model.written_effect import effect_of
+from tentacle.errors import InputError
 from tentacle.law.in_use import follows_laws, laws_in_use
 
 
@@ -16,7 +17,7 @@ def catalogue() -> dict[str, Effect]:
 
     Raises ValueError where two files define the same name, or a file holds no effect.
     """
-    found = {law.name: effect_of(law) for law in laws_in_use()}
+    found: dict[str, Effect] = {}
     for module_info in pkgutil.iter_modules(__path__):
         module = importlib.import_module(f"{__name__}.{module_info.name}")
         effects = [value for value in vars(module).values() if isinstance(value, Effect)]
@@ -26,6 +27,10 @@ def catalogue() -> dict[str, Effect]:
             if effect.name in found:
                 raise ValueError(f"two effects are named {effect.name!r}")
             found[effect.name] = effect
+    for law in laws_in_use():
+        if law.name in found:
+            raise InputError("the catalogue has an effect of that name", field=law.name, expected="another name")
+        found[law.name] = effect_of(law)
     return dict(sorted(found.items(), key=lambda item: (item[1].family != "base", item[0])))
 
 

@@ -27,9 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frequency", type=float, metavar="HZ", help="frequency of the driven motion, default: 0.6 of the first mode"
     )
-    parser.add_argument(
-        "--no-map", action="store_true", help="make the series of checks only, without the validity map"
-    )
+    parser.add_argument("--no-map", action="store_true", help="make the series of checks only, no validity map")
     parser.add_argument(
         "--tapers", type=float, nargs="*", default=(), metavar="R", help="map arms with these r_tip/r0 too"
     )
