@@ -28,9 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--frequency", type=float, metavar="HZ", help="frequency of the driven motion, default: 0.6 of the first mode"
     )
     parser.add_argument("--no-map", action="store_true", help="make the series of checks only, no validity map")
-    parser.add_argument(
-        "--tapers", type=float, nargs="*", default=(), metavar="R", help="map arms with these r_tip/r0 too"
-    )
+    parser.add_argument("--tapers", type=float, nargs="*", default=(), metavar="R", help="map arms of these r_tip/r0")
     parser.add_argument(
         "--slenderness", type=float, nargs="*", default=(), metavar="R", help="map arms with these L/r0 too"
     )
