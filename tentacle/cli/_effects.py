@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from typing import Any
 
 
 def add_effects(parser: argparse.ArgumentParser) -> None:
@@ -12,3 +14,12 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
         "--effects", nargs="+", default=[], type=Path, metavar="FILE.toml",
         help="effect files, whose laws act beside the catalogue (docs/howto/law.md)",
     )  # fmt: skip
+
+
+def effects_in_use(arguments: argparse.Namespace) -> AbstractContextManager[Any]:
+    """The context in which the laws of the command's effect files are in use."""
+    if not getattr(arguments, "effects", None):
+        return nullcontext()
+    from tentacle.io.effect_file import effects_of
+
+    return effects_of(arguments.effects)
