@@ -11,6 +11,7 @@ from affine_model.curvature import Array
 from discovery.assemble import Surroundings, assembled, cannot_tell
 from discovery.calibration import Calibration
 from discovery.given import held_out_run, same_arm
+from discovery.laws.propose import propose
 from discovery.search import Search, search
 from discovery.unnamed import unnamed_rest
 from discovery.verdict import decide, structure_share
@@ -144,9 +145,13 @@ def _diagnosed(
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     progress("comparing")
     paper_model = (paper_problem, paper)
-    return assembled(
+    answer = assembled(
         found, decision, rest, Surroundings(paper_model, prepared, order, tuple(words), reduction), seed, calibration
     )
+    if decision.verdict != "unknown":
+        return answer
+    missing = propose((found.base.problem, found.base.fitted), prepared, progress)
+    return replace(answer, missing=missing, words=(*answer.words, *missing.words))
 
 
 def _base_hypothesis(

@@ -30,6 +30,9 @@ def write_answer(
     for law in laws_in_use():
         (folder / "effects").mkdir(exist_ok=True)
         (folder / "effects" / f"{law.name}.toml").write_text(effect_text(law), encoding="utf-8")
+    for proposed in diagnosis.missing.laws:
+        (folder / "laws").mkdir(exist_ok=True)
+        (folder / "laws" / f"{proposed.law.name}.toml").write_text(effect_text(proposed.law), encoding="utf-8")
     if diagnosis.next_experiment is not None:
         write_waveform(waveform_from_table(diagnosis.next_experiment), folder / "next_experiment.toml")
     runs = with_forces(diagnosis.runs, diagnosis.base_model, diagnosis.augmented_model)
