@@ -11,8 +11,8 @@ from tentacle.signals import Array
 
 @dataclass(frozen=True)
 class ForceMap:
-    """The missing force along the arm in one recording: t (T,) [s], s (P,), force and spread (T, P) [N/m], along the
-    normal, with its standard deviation.
+    """The missing force in one recording, along the normal: t (T,) [s], s (P,), force and spread (T, P) [N/m] along the
+    arm, tip_force and tip_spread (T,) [N] at the tip; spreads are standard deviations.
     """
 
     name: str
@@ -20,6 +20,8 @@ class ForceMap:
     s: Array
     force: Array
     spread: Array
+    tip_force: Array
+    tip_spread: Array
 
 
 @dataclass(frozen=True)

@@ -195,8 +195,8 @@ def missing_sections(missing: MissingForce) -> list[Section]:
         return []
     words = [
         *missing.words,
-        "The map shows the smoothest force along the normal that would move the arm as it was seen. In it, a force at "
-        "one place is spread over a third of the arm. The band is one standard deviation.",
+        "The figure shows a smooth force along the arm and one at the tip, both along the normal, as small as moves the "
+        "arm as it was seen. What is near the tip can be either. The band is one standard deviation.",
     ]
     pictures = [
         Picture(

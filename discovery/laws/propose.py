@@ -14,7 +14,7 @@ from affine_model.curvature import Array
 from discovery.laws.along import force_map
 from discovery.laws.search import Found, Seen, Sought, search
 from inference.compare import midline_error
-from inference.missing_force import seen_motions, small_motions
+from inference.missing_force import SeenMotion, lacking, seen_motions, small_motions
 from inference.prepare import Prepared
 from inference.trajectory import Fit, ParameterName, Problem, evaluate, fit
 from tentacle.law.in_use import using
@@ -64,7 +64,9 @@ def propose(
                  f"{100.0 * min(one.left for one in found):.0f} % of its effect.",)  # fmt: skip
         return MissingForce(maps, (), kinds, words)
     progress("fitting the best laws")
-    laws = _fitted(problem, fitted, prepared, worth)
+    laws, freed = _fitted(base, prepared, worth, tuple(motion for _, motion in shown))
+    names = [problem.experiments[place].name for place, _ in shown]
+    maps = tuple(force_map(name, arm, motion) for name, motion in zip(names, freed, strict=True))
     return MissingForce(maps, laws, kinds, _words(laws, kinds))
 
 
@@ -90,13 +92,19 @@ def written(found: Found) -> WrittenLaw:
     return replace(law, name=f"law_{law.name}", parameters=tuple(own(p) for p in law.parameters))
 
 
-def _fitted(problem: Problem, fitted: Fit, prepared: list[Prepared], worth: list[Found]) -> tuple[ProposedLaw, ...]:
-    """The laws fitted one by one in the model's own simulation, best first on the frames that were fitted."""
+def _fitted(
+    base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[Found], motions: tuple[SeenMotion, ...]
+) -> tuple[tuple[ProposedLaw, ...], tuple[SeenMotion, ...]]:
+    """The laws fitted one by one in the model's own simulation, best first on the frames that were fitted; and the
+    motions with the force that is missing beside the parameters of the best: those of the base have bent to make up
+    for it.
+    """
+    problem, fitted = base
     before = midline_error(prepared, problem, fitted, _held_out(prepared))
     laws = [written(one) for one in worth]
     known = {(row.effect, row.parameter.name): fitted.parameters[row.index] for row in parameter_rows()}
     declared = fitted.parameters[len(known) :]
-    proposals = []
+    proposals: list[ProposedLaw] = []
     with using(laws):
         bare = neutral_parameters()
         for name, value in known.items():
@@ -110,9 +118,21 @@ def _fitted(problem: Problem, fitted: Fit, prepared: list[Prepared], worth: list
             gain = start.misfit - again.misfit - found.price
             if gain < GAIN or (error is not None and before is not None and error > BETTER * before):
                 continue
+            if not proposals or gain > max(one.evidence for one in proposals):
+                motions = tuple(_beside(problem_with, again, law, motion) for motion in motions)
             law = replace(law, parameters=tuple(_at(p, values[p.name]) for p in law.parameters))
             proposals.append(ProposedLaw(law, values, gain, error, _left(start, again)))
-    return tuple(sorted(proposals, key=lambda one: -one.evidence))
+    return tuple(sorted(proposals, key=lambda one: -one.evidence)), motions
+
+
+def _beside(problem: Problem, fitted: Fit, law: WrittenLaw, motion: SeenMotion) -> SeenMotion:
+    """The motion with the force that the model lacks without the law, at the parameters fitted with it."""
+    arm, parameters = problem.known(fitted.parameters)[0].arm, problem.known(fitted.parameters)[1].copy()
+    for p in law.parameters:
+        if not p.scan:
+            parameters[parameter_index(law.name, p.name)] = 0.0
+    force = lacking(arm, parameters, (motion.u, motion.rate, motion.acceleration), motion.t)
+    return replace(motion, force=force)
 
 
 def _at(p: WrittenParameter, value: float) -> WrittenParameter:

@@ -11,35 +11,44 @@ from tentacle.proposed_law import ForceMap
 from viz.figures.style import house_style, new_figure
 from viz.palette import AUGMENTED, NEUTRAL
 
+SETTLED, WINDOW = 1.0, 6.0  # s of the map that are drawn
 SIGNED_MAP = "PuOr"  # light where nothing acts, and told apart by the colour-blind
 
 
 def missing_force_figure(shown: ForceMap, kinds: Sequence[tuple[str, float]] = ()) -> Figure:
-    """The normal force [N/m]: over time and place; its rms along the arm with the band of one deviation of the mean;
-    beside it the share of its effect that the best law of each kind leaves.
+    """The normal force along the arm [N/m] over time and place, and its rms; below, that at the tip [mN], with a band
+    of one standard deviation; beside them the share of its effect that the best law of each kind leaves.
     """
     with house_style():
-        figure = new_figure(3.0)
-        panels = figure.subplots(1, 3 if kinds else 2, width_ratios=(3.2, 1.3, 1.7) if kinds else (3.2, 1.3))
-        limit = float(np.percentile(np.abs(shown.force), 99.0)) or 1.0
-        mesh = panels[0].pcolormesh(
-            shown.t, shown.s, shown.force.T, cmap=SIGNED_MAP, vmin=-limit, vmax=limit, shading="nearest",
+        figure = new_figure(3.9)
+        grid = figure.add_gridspec(2, 3 if kinds else 2, width_ratios=(3.2, 1.2, 1.6) if kinds else (3.2, 1.2),
+                                   height_ratios=(2.0, 1.0))  # fmt: skip
+        line, size, tip = (figure.add_subplot(grid[place]) for place in ((0, 0), (0, 1), (1, 0)))
+        time = (shown.t >= shown.t[0] + SETTLED) & (shown.t <= shown.t[0] + SETTLED + WINDOW)
+        limit = float(np.percentile(np.abs(shown.force[time]), 99.0)) or 1.0
+        mesh = line.pcolormesh(
+            shown.t[time], shown.s, shown.force[time].T, cmap=SIGNED_MAP, vmin=-limit, vmax=limit, shading="nearest",
             rasterized=True,
         )  # fmt: skip
-        panels[0].set_xlabel("t [s]")
-        panels[0].set_ylabel("arc length s [1] (0 clamp, 1 tip)")
-        panels[0].set_title("missing force along the normal")
-        figure.colorbar(mesh, ax=panels[0], label="[N/m]", extend="both")
-        size, spread = (np.sqrt(np.mean(part**2, axis=0)) for part in (shown.force, shown.spread))
-        panels[1].fill_betweenx(shown.s, np.maximum(size - spread, 0.0), size + spread, color=AUGMENTED.hex, alpha=0.3)
-        panels[1].plot(size, shown.s, color=AUGMENTED.hex)
-        panels[1].set_xlabel("rms [N/m]")
-        panels[1].set_title("size and one deviation")
-        panels[1].set_xlim(left=0.0)
+        line.set_ylabel("s [1] (0 clamp, 1 tip)")
+        line.set_title("missing force along the arm [N/m]")
+        figure.colorbar(mesh, ax=line, extend="both")
+        rms, spread = (np.sqrt(np.mean(part**2, axis=0)) for part in (shown.force, shown.spread))
+        size.fill_betweenx(shown.s, np.maximum(rms - spread, 0.0), rms + spread, color=AUGMENTED.hex, alpha=0.3)
+        size.plot(rms, shown.s, color=AUGMENTED.hex)
+        size.set_xlabel("rms [N/m]")
+        size.set_xlim(left=0.0)
+        force, band = 1e3 * shown.tip_force[time], 1e3 * shown.tip_spread[time]
+        tip.fill_between(shown.t[time], force - band, force + band, color=AUGMENTED.hex, alpha=0.3)
+        tip.plot(shown.t[time], force, color=AUGMENTED.hex)
+        tip.axhline(0.0, color=NEUTRAL.hex, linewidth=0.6)
+        tip.set_xlabel("t [s]")
+        tip.set_ylabel("at the tip [mN]")
         if kinds:
             rows = sorted(kinds, key=lambda row: -row[1])
-            panels[2].barh([name for name, _ in rows], [100.0 * left for _, left in rows], color=NEUTRAL.hex)
-            panels[2].set_xlim(0.0, 100.0)
-            panels[2].set_xlabel("left of its effect [%]")
-            panels[2].set_title("best law that depends on")
+            bars = figure.add_subplot(grid[:, 2])
+            bars.barh([name for name, _ in rows], [100.0 * left for _, left in rows], color=NEUTRAL.hex)
+            bars.set_xlim(0.0, 100.0)
+            bars.set_xlabel("left [%]")
+            bars.set_title("by the best law of")
         return figure

@@ -73,8 +73,8 @@ def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specim
 
 
 def log_missing_force(session: rr.RecordingStream, scene: Scene, arm: Specimen, missing: MissingForce) -> None:
-    """Arrows of the missing force on the measured arm, on a band of faint ones a standard deviation longer; where the
-    run has a map of it.
+    """Arrows of the missing force on the measured arm, on a band of faint ones a standard deviation longer, and of that
+    at the tip; where the run has a map of it.
     """
     for shown in missing.maps:
         if shown.name != scene.name or scene.points != "midline":
@@ -96,6 +96,9 @@ def log_missing_force(session: rr.RecordingStream, scene: Scene, arm: Specimen, 
         faint = Role(WARNING.name, (235, 190, 150), WARNING.dash)
         log_arrows(session, f"{path}/band", faint, scene.t[frames], place, scale * wide, thick / 2)
         log_arrows(session, f"{path}/force", WARNING, scene.t[frames], place, scale * size[..., None] * normal, thick)
+        at_tip = np.interp(scene.t[frames], shown.t, shown.tip_force)[:, None, None] * normal[:, -1:]
+        longest = LONGEST * arm.length / max(float(np.abs(shown.tip_force).max()), 1e-300)
+        log_arrows(session, f"{path}/tip", WARNING, scene.t[frames], place[:, -1:], longest * at_tip, 2.0 * thick)
 
 
 def _at(s: Array, values: Array, places: Array) -> Array:
