@@ -38,25 +38,29 @@ class ProposedLaw:
     left: float
 
     @property
-    def expression(self) -> str:
-        """The law's expressions, definitions behind."""
-        parts = [f"{name} = {text}" for name, text in (*self.law.components.items(), *self.law.definitions.items())]
-        return "; ".join(parts)
+    def numbers(self) -> str:
+        """The parameters' values with their units."""
+        units = {p.name: p.unit for p in self.law.parameters}
+        shown = [f"{name} = {value:.4g} {units[name]}".removesuffix(" 1") for name, value in self.values.items()]
+        return ", ".join(shown)
 
     @property
-    def place(self) -> dict[str, float] | None:
-        """The point in space where it acts from [m], where it has one."""
-        point = {"x_m": self.values.get("at_x"), "y_m": self.values.get("at_y")}
-        return {k: v for k, v in point.items() if v is not None} or None
+    def expression(self) -> str:
+        """The law's expressions, then its definitions, then the numbers."""
+        parts = [f"{name} = {text}" for name, text in (*self.law.components.items(), *self.law.definitions.items())]
+        return "; ".join([*parts, self.numbers])
+
+    @property
+    def place(self) -> str:
+        """The point in space from where it acts; without one, where on the arm."""
+        if "at_x" in self.values:
+            return f"x = {self.values['at_x']:.4g} m, y = {self.values['at_y']:.4g} m"
+        return "tip" if self.law.acts == "tip" else "along the arm"
 
     @property
     def words(self) -> str:
         """The law in a sentence, with its numbers."""
-        units = {p.name: p.unit for p in self.law.parameters}
-        shown = ", ".join(
-            f"{name} = {value:.4g} {units[name]}".removesuffix(" 1") for name, value in self.values.items()
-        )
-        return f"{self.law.title} ({shown})"
+        return f"{self.law.title} ({self.numbers})"
 
     def json(self) -> dict[str, Any]:
         """The entry of verdict.json."""

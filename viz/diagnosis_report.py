@@ -195,8 +195,8 @@ def missing_sections(missing: MissingForce) -> list[Section]:
         return []
     words = [
         *missing.words,
-        "The figure shows a smooth force along the arm and one at the tip, both along the normal, as small as moves the "
-        "arm as it was seen. What is near the tip can be either. The band is one standard deviation.",
+        "The figure shows a smooth force along the arm and one at the tip, both along the normal, as small as moves "
+        "the arm as it was seen. What is near the tip can be either. The band is one standard deviation.",
     ]
     pictures = [
         Picture(

@@ -89,7 +89,7 @@ def limits_sections(answer: Mapping[str, Any]) -> list[Section]:
             (
                 law["expression"],
                 law["acts"],
-                ", ".join(f"{1e3 * value:.1f} mm" for value in (law["place"] or {}).values()) or NONE,
+                law["place"],
                 number(law["evidence"]),
                 number(law["held_out_midline_mm"]),
                 law["file"] or NONE,

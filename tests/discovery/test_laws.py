@@ -48,6 +48,7 @@ def found(magnet):
 
 def sought_in(problem, fitted):
     (motion,) = seen_motions(problem, fitted)
+    assert motion is not None
     arm = problem.arm
     stiffness = fitted.parameters[parameter_index("elasticity", "E")] * arm.node_quantities["second_moment"]
     return Sought((Seen(arm, small_motions(problem, fitted, 0, motion)),), stiffness / arm.specimen.length)
