@@ -201,7 +201,7 @@ def balance(
         going = going - xp.stack([water_x + 0 * phi, water_y + 0 * phi], -1)[..., -1, :]
         end_n, end_t = xp.sum(going * end_normal, -1), xp.sum(going * end_tangent, -1)
         here = SimpleNamespace(
-            **arm.arm_quantities, t=t, x=place[..., 0], y=place[..., 1], phi=end_phi, phi_rate=end_rate,
+            **arm.arm_quantities, t=instant.t, x=place[..., 0], y=place[..., 1], phi=end_phi, phi_rate=end_rate,
             u_n=end_n, u_t=end_t, speed=xp.sqrt(end_n**2 + end_t**2 + 1e-16),
         )  # fmt: skip
         columns = xp.einsum("...x,...j->...xj", 0.0 * end_normal, end_columns) + tip_turning

@@ -21,7 +21,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
-from affine_model.dynamics import balance
+from affine_model.dynamics import Instant, balance
 from inference.experiment import SHIFT_PRIOR, Experiment, predict
 from inference.latent_force import LatentForce, discretised
 from inference.linearise import latent_forces
@@ -170,7 +170,7 @@ def _motion(
 def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], t: Array) -> Array:
     """The generalised force (T, n) that the model's equations lack in that motion."""
     u, rate, acceleration = motion
-    made = balance(arm, active_effects(parameters), parameters, u, rate, t[:, None])
+    made = balance(arm, active_effects(parameters), parameters, u, rate, Instant(t[:, None]))
     inertia = np.einsum("tjk,tk->tj", made.mass_matrix, acceleration)
     return np.asarray((inertia - made.force)[:, : arm.order])
 
@@ -252,20 +252,20 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
 def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:
     """One step of the implicit midpoint rule for small motions: transition (T, 2n, 2n) and answer to a force."""
     n, effects = arm.order, active_effects(parameters)
-    t = motion.t[:, None]
+    at = Instant(motion.t[:, None])
 
     def lacks(du: Array, dv: Array) -> Array:
-        made = balance(arm, effects, parameters, motion.u + du, motion.rate + dv, t)
+        made = balance(arm, effects, parameters, motion.u + du, motion.rate + dv, at)
         inertia = np.einsum("tjk,tk->tj", made.mass_matrix, motion.acceleration)
         return (inertia - made.force)[:, :n]
 
     none = np.zeros(n + 2)
-    stiffness, damping = np.zeros((2, t.size, n, n))
+    stiffness, damping = np.zeros((2, motion.t.size, n, n))
     for k in range(n):
         step = DIFFERENCE * np.eye(n + 2)[k]
         stiffness[:, :, k] = (lacks(step, none) - lacks(-step, none)) / (2.0 * DIFFERENCE)
         damping[:, :, k] = (lacks(none, step) - lacks(none, -step)) / (2.0 * DIFFERENCE)
-    mass = balance(arm, effects, parameters, motion.u, motion.rate, t).mass_matrix[:, :n, :n]
+    mass = balance(arm, effects, parameters, motion.u, motion.rate, at).mass_matrix[:, :n, :n]
     h, one = STEP, np.broadcast_to(np.eye(n), mass.shape)
     # (M + h/2 D + h^2/4 K) dv = h (f - D v - K d - h/2 K v), d' = d + h v + h/2 dv
     matrix = mass + 0.5 * h * damping + 0.25 * h**2 * stiffness

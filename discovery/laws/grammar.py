@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tentacle.law.expression import names_in, parse
 from tentacle.law.written_law import Acts, WrittenLaw, WrittenParameter
 
 SPEED = 0.1  # m/s, rad/s and arm lengths: the references of powers
@@ -75,10 +76,14 @@ def _frequency(scale: Scale) -> WrittenParameter:
 
 def _form(
     name: str, words: str, acts: Acts, components: dict[str, str], shapes: list[WrittenParameter],
-    defined: dict[str, str] | None = None, strengths: tuple[str, ...] = ("a",), relaxation: str | None = None,
+    defined: dict[str, str] | None = None,
 ) -> Form:  # fmt: skip
+    """A form with the strengths a, and b where it is named; a shape called tau is the time of its memory."""
     unit, nominal = STRENGTH_UNIT[acts], NOMINAL[acts]
-    own = [WrittenParameter(s, unit, nominal, (-1e4 * nominal, 1e4 * nominal), "strength") for s in strengths]
+    used = set().union(*(names_in(parse(part)) for part in components.values()))
+    limits = (-1e4 * nominal, 1e4 * nominal)
+    own = [WrittenParameter(s, unit, nominal, limits, "strength") for s in ("a", "b") if s in used]
+    relaxation = "tau" if any(shape.name == "tau" for shape in shapes) else None
     text = " ".join([*components.values(), *(defined or {}).values()])
     constants = {n: v for n, v in {"u_0": (SPEED, "m/s"), "w_0": (RATE, "rad/s")}.items() if n in text}
     law = WrittenLaw(name, words, SOURCE, acts, components, (*own, *shapes), defined or {}, constants, relaxation)
@@ -149,9 +154,9 @@ def _of_place(scale: Scale) -> list[Form]:
               [*_place(scale, 7, "at"), slack], {"d": distance}),
         _form("tip_spring", "a force at the tip across, with a power of its way", "tip",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
-        _form("tip_push", "a steady force at the tip", "tip", {"force_x": "a", "force_y": "b"}, [], {}, ("a", "b")),
+        _form("tip_push", "a steady force at the tip", "tip", {"force_x": "a", "force_y": "b"}, []),
         _form("jet", "a steady force near a point in space", "line",
-              {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), reach], {}, ("a", "b")),
+              {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), reach]),
         _form("line_spring", "a force along the arm across, with a power of the way", "line",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
     ]  # fmt: skip
@@ -166,18 +171,18 @@ def _of_place(scale: Scale) -> list[Form]:
 
 def _of_time(scale: Scale) -> list[Form]:
     beat = "(a * cos(6.283185307 * frequency * t) + b * sin(6.283185307 * frequency * t))"
-    two, found = ("a", "b"), []
+    found = []
     if scale.wet:
         found.append(
             _form("vortex", "a normal force at one frequency, with a power of the speed", "line",
                   {"force_n": f"{beat} * width / length * (speed / u_0)^power"},
-                  [_frequency(scale), power((2.0, 1.0))], {}, two)
+                  [_frequency(scale), power((2.0, 1.0))])
         )  # fmt: skip
     found += [
         _form("beat_x", "a force across, at one frequency, all along the arm", "line", {"force_x": beat},
-              [_frequency(scale)], {}, two),
+              [_frequency(scale)]),
         _form("tip_beat_x", "a force across at the tip, at one frequency", "tip", {"force_x": beat},
-              [_frequency(scale)], {}, two),
+              [_frequency(scale)]),
     ]  # fmt: skip
     return found
 
@@ -191,7 +196,7 @@ def _of_curvature() -> list[Form]:
             _form(f"bending{name}", f"a moment with a power of the curvature, {where}", "moment",
                   {"moment": f"a * stiffness * {weight} * abs(c)^(power - 1) * c"}, [power((0.5, 2.0, 3.0, 4.0))]),
             _form(f"late{name}", f"a delayed spring, {where}", "moment",
-                  {"moment": f"a * stiffness * {weight} * memory"}, [tau], {}, ("a",), "tau"),
+                  {"moment": f"a * stiffness * {weight} * memory"}, [tau]),
             _form(f"bending_loss{name}", f"a moment with a power of the rate of curvature, {where}", "moment",
                   {"moment": f"a * stiffness * {weight} * {_odd('c_rate', 'w_0')}"}, [power()]),
             _form(f"one_sided{name}", f"a stiffness to one side only, {where}", "moment",
