@@ -94,11 +94,16 @@ def log_missing_force(session: rr.RecordingStream, scene: Scene, arm: Specimen, 
         band = np.abs(size) + spread
         wide = np.sign(size)[..., None] * band[..., None] * normal
         faint = Role(WARNING.name, (235, 190, 150), WARNING.dash)
-        log_arrows(session, f"{path}/band", faint, scene.t[frames], place, scale * wide, thick / 2)
-        log_arrows(session, f"{path}/force", WARNING, scene.t[frames], place, scale * size[..., None] * normal, thick)
         at_tip = np.interp(scene.t[frames], shown.t, shown.tip_force)[:, None, None] * normal[:, -1:]
         longest = LONGEST * arm.length / max(float(np.abs(shown.tip_force).max()), 1e-300)
-        log_arrows(session, f"{path}/tip", WARNING, scene.t[frames], place[:, -1:], longest * at_tip, 2.0 * thick)
+        t = scene.t[frames]
+        drawn = (
+            ("band", faint, Arrows(t, place, scale * wide), thick / 2),
+            ("force", WARNING, Arrows(t, place, scale * size[..., None] * normal), thick),
+            ("tip", WARNING, Arrows(t, place[:, -1:], longest * at_tip), 2.0 * thick),
+        )
+        for part, role, arrows, thickness in drawn:
+            log_arrows(session, f"{path}/{part}", role, arrows, thickness)
 
 
 def _at(s: Array, values: Array, places: Array) -> Array:
