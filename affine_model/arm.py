@@ -5,7 +5,7 @@ the effects' parameters in a row.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from affine_model.curvature import Array, Quadrature, angle_basis, curvature_bas
 from affine_model.effect import Effect, Parameter
 from affine_model.effects import catalogue
 from tentacle.errors import InputError
+from tentacle.law.in_use import follows_laws
 from tentacle.model import Model
 from tentacle.specimen import Fluid, Gravity, Specimen, declared_effects
 
@@ -26,14 +27,14 @@ class ParameterRow:
     index: int
 
 
-@cache
+@follows_laws
 def parameter_rows() -> tuple[ParameterRow, ...]:
     """Every parameter of the catalogue, in the order of the parameter vector that all simulations take."""
     pairs = [(effect.name, parameter) for effect in catalogue().values() for parameter in effect.parameters]
     return tuple(ParameterRow(effect, parameter, index) for index, (effect, parameter) in enumerate(pairs))
 
 
-@cache
+@follows_laws
 def parameter_index(effect: str, parameter: str) -> int:
     """Position of a parameter in the vector; KeyError where the catalogue has none of that name."""
     for row in parameter_rows():

@@ -195,6 +195,24 @@ def balance(
         force = force + xp.einsum("...xj,...x->...j", columns, pull)
         fluid_force = fluid_force + flow
         fluid_mass = fluid_mass + carries[..., None] * columns
+    if any(effect.tip_force is not None for effect in effects):
+        place = xp.einsum("k,...kx->...x", w, tangent)
+        going = xp.einsum("k,...kx->...x", w, -normal * phi_rate[..., None]) + rail[..., -1, :]
+        going = going - xp.stack([water_x + 0 * phi, water_y + 0 * phi], -1)[..., -1, :]
+        end_n, end_t = xp.sum(going * end_normal, -1), xp.sum(going * end_tangent, -1)
+        here = SimpleNamespace(
+            **arm.arm_quantities, t=instant.t, x=place[..., 0], y=place[..., 1], phi=end_phi, phi_rate=end_rate,
+            u_n=end_n, u_t=end_t, speed=xp.sqrt(end_n**2 + end_t**2 + 1e-16),
+        )  # fmt: skip
+        columns = xp.einsum("...x,...j->...xj", 0.0 * end_normal, end_columns) + tip_turning
+        columns = xp.concatenate([columns, rail_column[..., -1, :, :]], -1)
+        for effect, p in own:
+            if effect.tip_force is not None:
+                at_tip = SimpleNamespace(**{name: value[..., 0] for name, value in vars(p).items()})
+                along_n, along_t = (part + 0 * end_phi for part in effect.tip_force(here, at_tip))
+                pull = along_n[..., None] * end_normal + along_t[..., None] * end_tangent
+                force = force + xp.einsum("...xj,...x->...j", columns, pull)
+                fluid_force = fluid_force + pull
     return Balance(M, force, fluid_force, fluid_mass)
 
 

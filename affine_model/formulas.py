@@ -23,6 +23,7 @@ LAWS = {
     "weight": "weight, as mass [kg/m]",
     "water_velocity": "velocity of the water (x, y) [m/s]",
     "hung_mass": "body at the tip: mass [kg], reach [m], drop [m], density [kg/m^3]",
+    "tip_force": "force at the tip (normal, tangential) [N]",
     "gravity_tilt": "tilt of gravity [rad]",
     "relaxation_time": "relaxation time [s]",
     "yield_curvature": "curvature [rad] at which it slips",

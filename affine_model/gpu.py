@@ -20,6 +20,7 @@ from affine_model.effects import catalogue
 from affine_model.kernel.load import module_of
 from affine_model.kernel.warp_source import ADVANCE, SWIM, Variant, warp_source
 from tentacle.errors import InputError
+from tentacle.law.in_use import follows_laws
 
 
 @cache
@@ -34,7 +35,7 @@ def warp() -> Any:
     return wp
 
 
-@lru_cache(maxsize=64)
+@follows_laws
 def _module(variant: Variant, swim: bool) -> ModuleType:
     warp()
     name = f"warp_{'swim' if swim else 'advance'}_{variant.nodes}_{variant.order}"

@@ -180,7 +180,7 @@ def varied_force(
     if effect.force is not None:
         law = effect.force
         changes["force"] = lambda x, p: tuple(factor(x.s) * part for part in law(x, p))
-    nothing = dict.fromkeys(("hung_mass", "gravity_tilt", "water_velocity", "couple"))
+    nothing = dict.fromkeys(("hung_mass", "gravity_tilt", "water_velocity", "couple", "tip_force"))
     more = replace(effect, **(nothing | changes))  # type: ignore[arg-type]
     with_it = balance(arm, (*effects, more), parameters, u, rate)
     without = balance(arm, effects, parameters, u, rate)

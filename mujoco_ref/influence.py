@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
+from tentacle.law.in_use import laws_in_use
 
 Record = NDArray[np.void]
 Fields = Any  # one record, or a row of them, inside compiled code: its fields are attributes there
@@ -177,12 +178,13 @@ UNCATALOGUED = ("thread", "clamp_slip", "suction", "mount_resonance", "vortex", 
 
 def refuse_unknown(parameters: Parameters) -> None:
     """InputError where an effect or one of its parameters is not known here, or a value is not finite."""
+    all_known = KNOWN | {law.name: tuple(p.name for p in law.parameters) for law in laws_in_use()}
     for effect, values in parameters.items():
-        if effect not in KNOWN:
-            raise InputError("no such effect", field=effect, expected=f"one of {', '.join(KNOWN)}")
+        if effect not in all_known:
+            raise InputError("no such effect", field=effect, expected=f"one of {', '.join(all_known)}")
         for name, given in values.items():
-            if name not in KNOWN[effect]:
-                expected = f"one of {', '.join(KNOWN[effect]) or '(it has no parameters)'}"
+            if name not in all_known[effect]:
+                expected = f"one of {', '.join(all_known[effect]) or '(it has no parameters)'}"
                 raise InputError("no such parameter", field=f"{effect}.{name}", expected=expected)
             if not np.isfinite(given):
                 raise InputError(f"{given!r} is not usable", field=f"{effect}.{name}", expected="a finite number")

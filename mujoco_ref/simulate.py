@@ -21,6 +21,7 @@ from mujoco_ref.mount import Rail, Servo, base_record
 from mujoco_ref.statics import equilibrium
 from mujoco_ref.step import State, Stepper
 from mujoco_ref.step_arguments import Laws
+from mujoco_ref.written_laws import WrittenLaws, acting_laws
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.signals import Array, Midline
@@ -162,7 +163,9 @@ def make_stepper(
     tip = tip_record(parameters, specimen.length)
     drift = value(parameters, "stiffness_drift", "rate")
     rest = rest_record(parameters, specimen.length, declared.density)
-    return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, rest, base), drift)
+    acting = acting_laws(parameters)
+    written = WrittenLaws(acting, chain, water, gravity.magnitude) if acting else None
+    return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, rest, base), drift, written)
 
 
 def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> State:

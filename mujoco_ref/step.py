@@ -8,7 +8,7 @@ matrix, so the step is set by accuracy: second order, stable at 10 ms.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember
 from mujoco_ref.step_arguments import Body, Equation, Laws, Midpoint, Moving, Now, Workspace
 from mujoco_ref.water import MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
+from mujoco_ref.written_laws import Bending, WrittenLaws
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
@@ -35,8 +36,8 @@ Plain = tuple[Any, ...]  # the fields of a NamedTuple of step_arguments
 
 @dataclass
 class State:
-    """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges and base.
-    Mutable."""
+    """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges, base and written
+    laws (laws, n; empty: nothing remembered). Mutable."""
 
     q: Array
     v: Array
@@ -44,6 +45,7 @@ class State:
     hinge_memory: Array
     base_memory: Array
     t: float = 0.0
+    law_memory: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     @property
     def moving(self) -> Moving:
@@ -206,9 +208,11 @@ class Stepper:
     about z [N m], all at the middle of the step.
     """
 
-    def __init__(self, chain: Chain, laws: Laws, drift: float) -> None:
-        """drift [1/s]: relative change of the stiffness of all that is elastic, per second."""
-        self.chain, self.laws, self.drift = chain, laws, drift
+    def __init__(self, chain: Chain, laws: Laws, drift: float, written: WrittenLaws | None = None) -> None:
+        """drift [1/s]: relative change of the stiffness of all that is elastic, per second; written: laws of effect
+        files that act too.
+        """
+        self.chain, self.laws, self.drift, self.written = chain, laws, drift, written
         self.data = mujoco.MjData(chain.model)
         base = laws.base[0]
         self.held = np.array([not base[name] for name in ("free_x", "free_y", "free_theta")])
@@ -235,6 +239,7 @@ class Stepper:
         moving, workspace = tuple(state.moving), tuple(work)
         t = state.t + 0.5 * step
         now = (t, step, 1.0 + self.drift * t)
+        pull = np.zeros(2)
         for _ in range(corrections):
             _predict(moving, self.held, motor, step, work.middle, work.rate)
             data.qacc[:] = state.a
@@ -243,9 +248,32 @@ class Stepper:
             mujoco.mj_makeM(model, data)
             mujoco.mj_comVel(model, data)
             mujoco.mj_rne(model, data, 1, work.inverse)
+            pull = self._written(state, t, step)
             _correct(moving, workspace, self._chain, self.held, motor, now)
+        self.reading[:2] += pull
+        if self.written is not None:
+            state.law_memory = self.written.remembered(state.law_memory, state.v[3:] + 0.5 * step * state.a[3:], step)
         _finish(moving, self.held, motor, self._remember, self.reading[4], step)
         state.t += step
+
+    def _written(self, state: State, t: float, step: float) -> Array:
+        """Put what the written laws do at MuJoCo's present state into its bias force, and the slopes of their moments
+        over a step into its mass matrix, which becomes Newton's; the forces' sum (2,) [N].
+        """
+        if self.written is None:
+            return np.zeros(2)
+        laws, work, diagonal = self.written, self._work, np.cumsum(np.arange(1, self.chain.links + 4)) - 1
+        if not state.law_memory.size:
+            state.law_memory = np.zeros((len(laws.acting), self.chain.links))
+        link_motion(work.middle, work.rate, self.data.qacc, self.body.links, work.motion)
+        force, pull = laws.forces(work.motion, t)
+        rest = self.laws.hinges["rest"]
+        at = Bending(work.middle[3:], work.rate[3:], rest, state.law_memory, t, 1.0 + self.drift * t)
+        moment, slope = laws.moments(at, step)
+        work.inverse[:] -= force
+        work.inverse[3:] += moment
+        work.mass[diagonal[3:]] += slope
+        return pull
 
     def residual(self, state: State) -> Array:
         """Generalised force (n + 3,) that is not balanced where the chain stands still in this state, at its time.
@@ -266,6 +294,7 @@ class Stepper:
         mujoco.mj_makeM(model, data)
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 0, work.inverse)
+        self._written(state, state.t, 0.0)
         matrix = np.zeros((size, size))
         matrix[np.tril_indices(size)] = work.mass
         matrix += np.tril(matrix, -1).T

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tentacle.model import Estimate, Model
 from tentacle.notebook import html_paragraph, html_table
+from tentacle.proposed_law import MissingForce
 from tentacle.signals import Array
 
 Verdict = Literal["nothing_missing", "effect", "group", "unknown"]
@@ -141,6 +142,9 @@ class Diagnosis:
     sets: tuple[CredibleSet, ...] = ()
     detection_limits: dict[str, dict[str, Limit]] = field(default_factory=dict)
     where: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    missing: MissingForce = field(
+        default_factory=MissingForce
+    )  # after an unknown: where a force is missing, and laws for it
 
     @property
     def headline(self) -> str:
@@ -204,7 +208,7 @@ class Diagnosis:
                 for effect, limits in self.detection_limits.items()
             },
             "where": {name: list(effects) for name, effects in self.where.items()},
-            "laws": [],
+            "laws": [law.json() for law in self.missing.laws],
         }
 
     def _repr_html_(self) -> str:

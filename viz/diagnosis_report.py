@@ -8,10 +8,12 @@ import numpy as np
 
 from tentacle.diagnosis import Diagnosis, Gate
 from tentacle.model import Model
+from tentacle.proposed_law import MissingForce
 from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.figures.budget import budget_figure
 from viz.figures.coordinates import coordinates_figure
+from viz.figures.missing_force import missing_force_figure
 from viz.figures.residual import residual_figure
 from viz.figures.shapes import shapes_figure
 from viz.figures.spectrum import spectrum_figure
@@ -187,6 +189,24 @@ def runs_section(scenes: Sequence[Scene]) -> Section:
     return Section("Recordings", words, [Table("Distance to the measured points, rms", header, rows, numeric=numeric)])
 
 
+def missing_sections(missing: MissingForce) -> list[Section]:
+    """After an unknown: the missing force in words and as a map of every recording; nothing otherwise."""
+    if not missing.maps:
+        return []
+    words = [
+        *missing.words,
+        "The figure shows a smooth force along the arm and one at the tip, both along the normal, as small as moves "
+        "the arm as it was seen. What is near the tip can be either. The band is one standard deviation.",
+    ]
+    pictures = [
+        Picture(
+            missing_force_figure(one, missing.kinds if k == 0 else ()), f"{one.name}: the force that the model misses."
+        )
+        for k, one in enumerate(missing.maps[:DRAWN_RUNS])
+    ]
+    return [Section("The missing force", words, (), pictures)]
+
+
 def diagnosis_report(
     diagnosis: Diagnosis,
     recordings: Sequence[Recording],
@@ -205,6 +225,7 @@ def diagnosis_report(
     filmed = [scene for scene, recording in pairs if recording is not None and recording.video is not None]
     sections = [
         finding_section(diagnosis, worst_runs(filmed or scenes, 1), known),
+        *missing_sections(diagnosis.missing),
         next_section(diagnosis, command),
         error_section(diagnosis),
         parameter_section(diagnosis),

@@ -23,7 +23,7 @@ from viz.topics.arms import log_arms
 from viz.topics.camera import log_camera
 from viz.topics.coordinates import log_coordinates
 from viz.topics.events import Event, judged_events, log_events, recording_events
-from viz.topics.forces import log_forces
+from viz.topics.forces import log_forces, log_missing_force
 from viz.topics.paths import run_path
 from viz.topics.residual import log_residual, log_spectra
 from viz.topics.thrust import log_thrust
@@ -90,5 +90,6 @@ def write_session(diagnosis: Diagnosis, recordings: Sequence[Recording], path: P
         for run, recording in pairs:
             found = recording or Recording(run.name, declaration_of(diagnosis))
             shown.append(log_scene(session, scene_of(run), found))
+            log_missing_force(session, scene_of(run), found.declaration.specimen, diagnosis.missing)
         set_layout(session, diagnose_blueprint(shown))
     return path

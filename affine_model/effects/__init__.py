@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from functools import cache
 
 from affine_model.effect import Effect
+from affine_model.written_effect import effect_of
+from tentacle.errors import InputError
+from tentacle.law.in_use import follows_laws, laws_in_use
 
 
-@cache
+@follows_laws
 def catalogue() -> dict[str, Effect]:
-    """All effects by name, sorted: base effects first, then the others by name.
+    """All effects by name, sorted: base effects first, then the others by name; those of the laws in use among them.
 
     Raises ValueError where two files define the same name, or a file holds no effect.
     """
@@ -25,6 +27,10 @@ def catalogue() -> dict[str, Effect]:
             if effect.name in found:
                 raise ValueError(f"two effects are named {effect.name!r}")
             found[effect.name] = effect
+    for law in laws_in_use():
+        if law.name in found:
+            raise InputError("the catalogue has an effect of that name", field=law.name, expected="another name")
+        found[law.name] = effect_of(law)
     return dict(sorted(found.items(), key=lambda item: (item[1].family != "base", item[0])))
 
 

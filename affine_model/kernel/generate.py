@@ -17,6 +17,7 @@ from affine_model.arm import parameter_rows
 from affine_model.dynamics import remembering
 from affine_model.effect import STATE_QUANTITIES, Effect
 from affine_model.effects import catalogue
+from affine_model.kernel.at_tip import tip_forces
 from affine_model.kernel.template import ARRAYS, SUMMARY, TABLE, TEMPLATE, TRAJECTORY
 from affine_model.kernel.trace import lines, slope_along, traced
 from affine_model.kernel.unroll import unrolled_source
@@ -299,6 +300,7 @@ def filled_template(order: int, parts: Parts) -> str:
         "@MOMENTS@": _moments(),
         "@REMEMBERS@": " or ".join(remembering_flags) or "False",
         "@REMEMBERED@": _remembered(),
+        "@TIP_FORCES@": tip_forces(),
         "@SOLUTION@": _solution(order),
     }
     template = TEMPLATE

@@ -9,12 +9,12 @@ import hashlib
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from affine_model.kernel.generate import BLOCK, kernel_source
+from tentacle.law.in_use import follows_laws
 from tentacle.private_cache import cache_folder
 
 __all__ = ["BLOCK", "advance_blocks", "load_kernel"]
@@ -31,7 +31,7 @@ def is_compiled(nodes: int, order: int) -> bool:
     return any(file.parent.glob(f"__pycache__/{file.stem}.advance-*.nbi"))
 
 
-@cache
+@follows_laws
 def load_kernel(nodes: int, order: int) -> ModuleType:
     """The kernel for that number of quadrature nodes and curvatures; compiled on first use (several seconds),
     then loaded from the cache.

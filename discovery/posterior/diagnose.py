@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from discovery.calibration import Calibration
 from discovery.given import Given, held_out_run
+from discovery.laws.propose import propose
 from discovery.posterior.assemble import assembled
 from discovery.posterior.decide import decide
 from discovery.posterior.detection import detection_limits
@@ -71,7 +72,13 @@ def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress
         replace(p, experiment=replace(experiment, observation=p.experiment.observation))
         for p, experiment in zip(prepared, decision.leading.problem.experiments, strict=False)
     ]
-    return assembled(found, decision, open_loop, limits, paper, shown, order, seed, reduction, calibration)
+    answer = assembled(found, decision, open_loop, limits, paper, shown, order, seed, reduction, calibration)
+    if answer.verdict != "unknown":
+        return answer
+    base = next(h for h in found.hypotheses if not h.effects)
+    alone = _open_loop(base)
+    missing = propose((alone.problem, alone.fitted), shown, progress)
+    return replace(answer, missing=missing, words=(*answer.words, *missing.words))
 
 
 def _base(problem: Problem, fitted: Fit, reduction: Reduction | None) -> Hypothesis:

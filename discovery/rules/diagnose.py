@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from affine_model.curvature import Array
 from discovery.calibration import Calibration
 from discovery.given import Given, held_out_run
+from discovery.laws.propose import propose
 from discovery.rules.assemble import Surroundings, assembled
 from discovery.rules.search import Search, search
 from discovery.rules.unnamed import unnamed_rest
@@ -22,9 +23,9 @@ from inference.prepare import MOST_COORDINATES, Prepared, prepare
 from inference.reduction import Reduction, reduction_error, without_reduction
 from inference.trajectory import Fit, Problem, fit
 from tentacle.diagnosis import Diagnosis
+from tentacle.progress import Stage
 from tentacle.recording import Recording
 
-Progress = Callable[[str], None]
 ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
 PARTIAL = 0.5  # an account that leaves more of the structured error than this is none to build on
 SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
@@ -74,7 +75,7 @@ def _with_baseline(setting: Setting, baseline: Baseline) -> Setting:
     return replace(setting, experiments=tuple(experiments))
 
 
-def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress: Progress) -> Diagnosis:
+def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
@@ -114,9 +115,13 @@ def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     progress("comparing")
     paper_model = (paper_problem, paper)
-    return assembled(
+    answer = assembled(
         found, decision, rest, Surroundings(paper_model, prepared, order, tuple(words), reduction), seed, calibration
     )
+    if decision.verdict != "unknown":
+        return answer
+    missing = propose((found.base.problem, found.base.fitted), prepared, progress)
+    return replace(answer, missing=missing, words=(*answer.words, *missing.words))
 
 
 def _base_hypothesis(

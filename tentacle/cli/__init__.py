@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from tentacle.cli._bounds import require_sane
+from tentacle.cli._effects import effects_in_use
 from tentacle.cli._endings import told
 from tentacle.cli._stop_signals import signals_as_interrupts
 from tentacle.errors import InputError, printable
@@ -79,7 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = build_parser().parse_args(words)
     with signals_as_interrupts() as asked, told(asked) as outcome:
         require_sane(parsed)
-        outcome.code = parsed.run(parsed)
+        with effects_in_use(parsed):
+            outcome.code = parsed.run(parsed)
         sys.stdout.flush()
     return outcome.code
 

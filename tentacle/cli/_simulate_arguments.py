@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._effects import add_effects
+
 if TYPE_CHECKING:
     from tentacle.waveform import Waveform
 
@@ -56,6 +58,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="an effect that acts and that the recording does not declare: tip_mass, tip_mass=faint, tip_mass=0.002, "
         "current=U_x:0.05,U_y:0",
     )
+    add_effects(parser)
     parser.add_argument("--truth", type=Path, metavar="FILE.json", help="file for the hidden effects, outside --out")
     parser.add_argument(
         "--video", metavar="LOOK", help="write a video instead of the midline, in this look: clean, tank, ... or mujoco"

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._effects import add_effects
+
 if TYPE_CHECKING:
     from validation.ladder import Ladder
     from validation.validity_map import Validity
@@ -25,18 +27,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frequency", type=float, metavar="HZ", help="frequency of the driven motion, default: 0.6 of the first mode"
     )
-    parser.add_argument(
-        "--no-map", action="store_true", help="make the series of checks only, without the validity map"
-    )
-    parser.add_argument(
-        "--tapers", type=float, nargs="*", default=(), metavar="R", help="map arms with these r_tip/r0 too"
-    )
+    parser.add_argument("--no-map", action="store_true", help="make the series of checks only, no validity map")
+    parser.add_argument("--tapers", type=float, nargs="*", default=(), metavar="R", help="map arms of these r_tip/r0")
     parser.add_argument(
         "--slenderness", type=float, nargs="*", default=(), metavar="R", help="map arms with these L/r0 too"
     )
     parser.add_argument(
         "--workers", type=int, metavar="N", help="number of processes for the map, default: one per core"
     )
+    add_effects(parser)
     parser.add_argument("--cluster", metavar="ADDRESS", help="run on this Dask scheduler instead, tcp://HOST:PORT")
 
 

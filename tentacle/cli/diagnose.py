@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._effects import add_effects
+
 HELP = "trace the residual of recordings to an effect that the model lacks; report the error before and after"
 
 
@@ -30,6 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="how: by posterior mass under one likelihood, or by tests with limits (default: by posterior mass, free "
         "decays by tests; docs/loop.md says why)",
     )  # fmt: skip
+    add_effects(parser)
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ..."
@@ -75,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         command = " ".join(["tentacle", *sys.argv[1:]])
         with written(arguments.out) as folder:
             inputs = [*arguments.recordings, *arguments.held_out]
-            inputs += [] if arguments.calibration is None else [arguments.calibration]
+            inputs += [*arguments.effects, *([] if arguments.calibration is None else [arguments.calibration])]
             write_answer(diagnosis, [*recordings, *held_out], folder, command, inputs)
     if arguments.json:
         print(json.dumps(diagnosis.verdict_json(), indent=1))

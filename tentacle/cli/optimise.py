@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._effects import add_effects
 from tentacle.cli._swim_inputs import DRIVE, SERVO, read_arm, read_limits
 
 HELP = "find the base motion that swims best, within the servo's limits"
@@ -30,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robust", type=int, default=0, metavar="N", help="over N samples of the model's intervals")
     parser.add_argument("--restarts", type=int, default=1, metavar="N", help="searches from N seeds side by side")
     parser.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler for the searches (default: processes)")
+    add_effects(parser)
     parser.add_argument("--device", default="auto", help="cpu, cuda, cuda:1; auto (default): CUDA where there is one")
     parser.add_argument("--front", action="store_true", help="also trace the front of speed against power")
     parser.add_argument("--no-reference", action="store_true", help="leave out the check on the MuJoCo reference")

@@ -88,6 +88,8 @@ def bent(model: Model, motion: Motion, links: int) -> tuple[np.ndarray, np.ndarr
     limit = 0.9 * stepper.laws.hinges["yield_angle"]
     state.hinge_memory[:, 0] = np.clip(held, -limit, limit)
     state.hinge_memory[:, 1] = state.q[3:] - held
+    if stepper.written is not None:
+        state.law_memory = np.repeat(links * held[None], len(stepper.written.acting), axis=0)
     matrix, force = stepper.balance(state)
     onto = np.zeros((links + 3, ORDER + 2))
     onto[3:, :ORDER], onto[2, ORDER], onto[1, ORDER + 1] = columns, 1.0, 1.0

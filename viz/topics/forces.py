@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
+from tentacle.proposed_law import MissingForce
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
-from viz.palette import Role
+from viz.palette import WARNING, Role
 from viz.scene import Party, Scene
-from viz.topics.paths import seconds
+from viz.topics.paths import run_path, seconds
 from viz.tube import planar_to_space, thin
 
 ARROWS = 12  # along an arm
@@ -69,3 +70,47 @@ def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specim
             session, f"{path}/arms/thrust/{party.key}", party.role, Arrows(scene.t, start, whole), arm.length / 80
         )
     return f"longest arrows: drag {strongest:.2g} N/m, thrust {1e3 * hardest:.2g} mN"
+
+
+def log_missing_force(session: rr.RecordingStream, scene: Scene, arm: Specimen, missing: MissingForce) -> None:
+    """Arrows of the missing force on the measured arm, on a band of faint ones a standard deviation longer, and of that
+    at the tip; where the run has a map of it.
+    """
+    for shown in missing.maps:
+        if shown.name != scene.name or scene.points != "midline":
+            continue
+        frames = np.flatnonzero((scene.t >= shown.t[0]) & (scene.t <= shown.t[-1]))
+        keep = thin(len(shown.s), ARROWS)
+        measured = scene.parties[0].xy[frames]
+        place = np.stack([_at(scene.s, measured[..., axis], shown.s[keep]) for axis in range(2)], axis=-1)
+        slope = np.gradient(measured, scene.s, axis=1)
+        tangent = np.stack([_at(scene.s, slope[..., axis], shown.s[keep]) for axis in range(2)], axis=-1)
+        tangent /= np.maximum(np.linalg.norm(tangent, axis=-1, keepdims=True), 1e-12)
+        normal = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
+        size, spread = (_in_time(shown.t, part[:, keep], scene.t[frames]) for part in (shown.force, shown.spread))
+        scale = LONGEST * arm.length / max(float(np.abs(shown.force).max()), 1e-300)
+        path = f"{run_path(scene.name)}/arms/missing"
+        thick = arm.length / 150
+        band = np.abs(size) + spread
+        wide = np.sign(size)[..., None] * band[..., None] * normal
+        faint = Role(WARNING.name, (235, 190, 150), WARNING.dash)
+        at_tip = np.interp(scene.t[frames], shown.t, shown.tip_force)[:, None, None] * normal[:, -1:]
+        longest = LONGEST * arm.length / max(float(np.abs(shown.tip_force).max()), 1e-300)
+        t = scene.t[frames]
+        drawn = (
+            ("band", faint, Arrows(t, place, scale * wide), thick / 2),
+            ("force", WARNING, Arrows(t, place, scale * size[..., None] * normal), thick),
+            ("tip", WARNING, Arrows(t, place[:, -1:], longest * at_tip), 2.0 * thick),
+        )
+        for part, role, arrows, thickness in drawn:
+            log_arrows(session, f"{path}/{part}", role, arrows, thickness)
+
+
+def _at(s: Array, values: Array, places: Array) -> Array:
+    """Values (T, P) at s (P,) interpolated to other places (A,): (T, A)."""
+    return np.array([np.interp(places, s, row) for row in values])
+
+
+def _in_time(t: Array, values: Array, times: Array) -> Array:
+    """Values (T, A) at t (T,) interpolated to other times (F,): (F, A)."""
+    return np.array([np.interp(times, t, column) for column in values.T]).T

@@ -1,6 +1,7 @@
 """Point masses at the tip, servo and rail, and the solution for the correction of the accelerations."""
 
 SOLUTION = """\
+@TIP_FORCES@
             # Compact bodies at the tip: the payload, and what hangs there undeclared.
             for body in range(BODIES):
                 whole = 0.0

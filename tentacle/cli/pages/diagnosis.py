@@ -16,15 +16,23 @@ def write_answer(
     from dataclasses import replace
 
     from affine_model.run_forces import with_forces
+    from tentacle.io.effect_file import effect_text
     from tentacle.io.model_file import write_model
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.waveform_file import waveform_from_table, write_waveform
+    from tentacle.law.in_use import laws_in_use
     from viz.diagnosis_report import diagnosis_report
     from viz.report import write_report
     from viz.session import write_session
 
     (folder / "verdict.json").write_text(json.dumps(diagnosis.verdict_json(), indent=1) + "\n")
     write_model(diagnosis.augmented_model, folder / "model.toml")
+    for law in laws_in_use():
+        (folder / "effects").mkdir(exist_ok=True)
+        (folder / "effects" / f"{law.name}.toml").write_text(effect_text(law), encoding="utf-8")
+    for proposed in diagnosis.missing.laws:
+        (folder / "laws").mkdir(exist_ok=True)
+        (folder / "laws" / f"{proposed.law.name}.toml").write_text(effect_text(proposed.law), encoding="utf-8")
     if diagnosis.next_experiment is not None:
         write_waveform(waveform_from_table(diagnosis.next_experiment), folder / "next_experiment.toml")
     runs = with_forces(diagnosis.runs, diagnosis.base_model, diagnosis.augmented_model)

@@ -1,0 +1,52 @@
+"""The missing force laid out: a smooth normal force along the arm and a normal force at the tip, as little of both as
+does what the coordinates lack.
+
+    f(s) ~ Gaussian process over REACH arm lengths,  F ~ Gaussian,
+    Q_j = L int (dr/dz_j . n) f ds + (dr/dz_j . n)(1) F + error,         f and F given Q: Gaussian
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from affine_model.arm import Arm
+from affine_model.curvature import angle_basis
+from inference.missing_force import SeenMotion
+from tentacle.proposed_law import ForceMap
+
+TIMES = 3000  # of the map, at most
+PLACES = 25
+REACH = 0.15  # arm lengths over which the force that is shown hangs together
+
+
+def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
+    """The normal force along the arm [N/m] and at the tip [N], with their standard deviations, of one recording."""
+    n, L, rule = arm.order, arm.specimen.length, arm.rule
+    keep = np.linspace(0, motion.t.size - 1, min(TIMES, motion.t.size)).astype(int)
+    u = motion.u[keep]
+    phi = u[:, n : n + 1] + u[:, :n] @ arm.angle_basis.T
+    end = u[:, n] + u[:, :n] @ angle_basis(n, [1.0])[0]
+    normal = np.stack([np.cos(phi), np.sin(phi)], -1)
+    levers = np.einsum("ik,tkx,kj->tixj", L * rule.integration, -normal, arm.angle_basis)
+    tip_levers = np.einsum("k,tkx,kj->txj", L * rule.weights, -normal, arm.angle_basis)
+    across = np.einsum("tixj,tix->tji", levers, normal) * (L * rule.weights)  # (T, n, N)
+    at_tip = np.einsum("txj,tx->tj", tip_levers, np.stack([np.cos(end), np.sin(end)], -1))
+    s = np.linspace(0.0, 1.0, PLACES)
+    alike = np.exp(-0.5 * ((rule.s[:, None] - rule.s) / REACH) ** 2)
+    shown = np.exp(-0.5 * ((s[:, None] - rule.s) / REACH) ** 2)
+    by_line = np.einsum("tji,ik,tlk->tjl", across, alike, across)
+    by_tip = np.einsum("tj,tl->tjl", at_tip, at_tip)
+    force, spread = motion.force[keep], motion.spread[keep]
+    power = float(np.mean(force**2))
+    # Each alone would make as large a force on the coordinates as is missing.
+    line, tip = (power / max(float(np.mean(np.einsum("tjj->tj", part))), 1e-300) for part in (by_line, by_tip))
+    covariance = line * by_line + tip * by_tip + np.einsum("tj,jl->tjl", spread**2, np.eye(n))
+    inverse = np.linalg.inv(covariance)
+    cross = line * np.einsum("pi,tji->tpj", shown, across)
+    gain, tip_gain = np.einsum("tpj,tjl->tpl", cross, inverse), tip * np.einsum("tj,tjl->tl", at_tip, inverse)
+    left = line - np.einsum("tpl,tpl->tp", gain, cross)
+    tip_left = tip - tip * np.einsum("tl,tl->t", tip_gain, at_tip)
+    return ForceMap(
+        name, motion.t[keep], s, np.einsum("tpl,tl->tp", gain, force), np.sqrt(np.maximum(left, 0.0)),
+        np.einsum("tl,tl->t", tip_gain, force), np.sqrt(np.maximum(tip_left, 0.0)),
+    )  # fmt: skip

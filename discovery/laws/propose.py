@@ -1,0 +1,181 @@
+"""Proposals: the search's best laws, each fitted as an effect of the model through the compiled kernel, and judged on
+frames that neither search nor fit used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from affine_model.arm import neutral_parameters, parameter_index, parameter_rows
+from affine_model.curvature import Array
+from discovery.laws.along import force_map
+from discovery.laws.search import Found, Seen, Sought, search
+from inference.compare import midline_error
+from inference.missing_force import SeenMotion, lacking, seen_motions, small_motions
+from inference.prepare import Prepared
+from inference.trajectory import Fit, ParameterName, Problem, evaluate, fit
+from tentacle.law.in_use import using
+from tentacle.law.written_law import WrittenLaw, WrittenParameter
+from tentacle.proposed_law import MissingForce, ProposedLaw
+
+MOST = 5  # laws that are fitted and shown
+EXPLAINS = 0.7  # share of the missing force's answer that a law may leave, to be worth a fit
+BETTER = 0.8  # of the base's error on held-out frames: what a proposal must reach
+STANDS_OUT = 0.5  # noise deviations rms of the missing force's answer, below which nothing is sought
+GAIN = 20.0  # nats beyond its price that a law must bring
+NOISE_SCALE = 1.0  # the answer of noise alone has this rms
+KINDS = {
+    "the speed": ("drag_", "skin_", "one_way", "tip_drag"), "the speed near a place": ("patch_",),
+    "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"), 
+    "the place of every section": ("jet", "line_spring"),
+    "time": ("vortex", "beat_x", "tip_beat"), "nothing (a steady force)": ("tip_push",),
+    "the curvature": ("bending", "one_sided"), "the curvature of before": ("late",),
+}  # fmt: skip
+
+
+def propose(
+    base: tuple[Problem, Fit], prepared: list[Prepared], progress: Callable[[str], None] = lambda _: None
+) -> MissingForce:
+    """The missing force of a fitted model, and laws for it; empty where no recording shows shapes."""
+    problem, fitted = base
+    progress("smoothing the missing force")
+    motions = seen_motions(problem, fitted)
+    shown = [(place, motion) for place, motion in enumerate(motions) if motion is not None]
+    arm = problem.known(fitted.parameters)[0].arm
+    if not shown:
+        return MissingForce()
+    maps = tuple(force_map(problem.experiments[place].name, arm, motion) for place, motion in shown)
+    seen = tuple(Seen(arm, small_motions(problem, fitted, place, motion)) for place, motion in shown)
+    sought = Sought(seen, _stiffness(problem, fitted))
+    size = float(np.sqrt(max(np.mean(sought.target**2) - NOISE_SCALE, 0.0)))
+    if size < STANDS_OUT:
+        return MissingForce(maps, (), (), ("The missing force does not stand out of the noise: no law is proposed.",))
+    progress("searching laws for it")
+    found = search(sought)
+    kinds = tuple((kind, min(one.left for one in found if one.form.law.name.startswith(starts)))
+                  for kind, starts in KINDS.items()
+                  if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
+    worth = [one for one in found if one.evidence > GAIN and one.left < EXPLAINS][:MOST]
+    if not worth:
+        words = ("No law of the grammar explains the missing force: the best leaves "
+                 f"{100.0 * min(one.left for one in found):.0f} % of its effect.",)  # fmt: skip
+        return MissingForce(maps, (), kinds, words)
+    progress("fitting the best laws")
+    laws, freed = _fitted(base, prepared, worth, tuple(motion for _, motion in shown))
+    names = [problem.experiments[place].name for place, _ in shown]
+    maps = tuple(force_map(name, arm, motion) for name, motion in zip(names, freed, strict=True))
+    return MissingForce(maps, laws, kinds, _words(laws, kinds))
+
+
+def _stiffness(problem: Problem, fitted: Fit) -> Array:
+    """k(s) (N,) [N m/rad] at the nodes."""
+    arm = problem.known(fitted.parameters)[0].arm
+    E, k0, k1 = (fitted.parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
+    node = arm.node_quantities
+    return E * node["second_moment"] / arm.specimen.length + k0 + k1 * node["s"]
+
+
+def written(found: Found) -> WrittenLaw:
+    """The law with what was found as its nominal values, under a name of its own."""
+
+    def own(p: WrittenParameter) -> WrittenParameter:
+        value = found.values[p.name]
+        if p.scan:
+            return replace(p, nominal=value or p.nominal, scan=(value,))
+        size = abs(value) or p.nominal
+        return replace(p, nominal=size, bounds=(-50.0 * size, 50.0 * size))
+
+    law = found.form.law
+    return replace(law, name=f"law_{law.name}", parameters=tuple(own(p) for p in law.parameters))
+
+
+def _fitted(
+    base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[Found], motions: tuple[SeenMotion, ...]
+) -> tuple[tuple[ProposedLaw, ...], tuple[SeenMotion, ...]]:
+    """The laws fitted one by one in the model's own simulation, best first on the frames that were fitted; and the
+    motions with the force that is missing beside the parameters of the best: those of the base have bent to make up
+    for it.
+    """
+    problem, fitted = base
+    before = midline_error(prepared, problem, fitted, _held_out(prepared))
+    laws = [written(one) for one in worth]
+    known = {(row.effect, row.parameter.name): fitted.parameters[row.index] for row in parameter_rows()}
+    declared = fitted.parameters[len(known) :]
+    proposals: list[ProposedLaw] = []
+    with using(laws):
+        bare = neutral_parameters()
+        for name, value in known.items():
+            bare[parameter_index(*name)] = value
+        plain = replace(problem, parameters=np.concatenate([bare, declared]))
+        start = evaluate(plain, fitted.nuisances)
+        for found, law in zip(worth, laws, strict=True):
+            problem_with, again = _with_law(plain, start, found, law)
+            error = midline_error(prepared, problem_with, again, _held_out(prepared))
+            values = {p.name: float(again.parameters[parameter_index(law.name, p.name)]) for p in law.parameters}
+            gain = start.misfit - again.misfit - found.price
+            if gain < GAIN or (error is not None and before is not None and error > BETTER * before):
+                continue
+            if not proposals or gain > max(one.evidence for one in proposals):
+                motions = tuple(_beside(problem_with, again, law, motion) for motion in motions)
+            law = replace(law, parameters=tuple(_at(p, values[p.name]) for p in law.parameters))
+            proposals.append(ProposedLaw(law, values, gain, error, _left(start, again)))
+    return tuple(sorted(proposals, key=lambda one: -one.evidence)), motions
+
+
+def _beside(problem: Problem, fitted: Fit, law: WrittenLaw, motion: SeenMotion) -> SeenMotion:
+    """The motion with the force that the model lacks without the law, at the parameters fitted with it."""
+    arm, parameters = problem.known(fitted.parameters)[0].arm, problem.known(fitted.parameters)[1].copy()
+    for p in law.parameters:
+        if not p.scan:
+            parameters[parameter_index(law.name, p.name)] = 0.0
+    force = lacking(arm, parameters, (motion.u, motion.rate, motion.acceleration), motion.t)
+    return replace(motion, force=force)
+
+
+def _at(p: WrittenParameter, value: float) -> WrittenParameter:
+    return (
+        replace(p, nominal=value or p.nominal, scan=(value,)) if p.scan else replace(p, nominal=abs(value) or p.nominal)
+    )
+
+
+def _held_out(prepared: list[Prepared]) -> bool:
+    return any(bool((~p.experiment.used).any()) for p in prepared)
+
+
+def _left(before: Fit, after: Fit) -> float:
+    """The share of the structured error, noise taken off, that stays."""
+
+    def structure(one: Fit) -> float:
+        return max(2.0 * one.misfit / one.count - 1.0, 0.0)
+
+    return float(np.sqrt(structure(after) / max(structure(before), 1e-12)))
+
+
+def _with_law(plain: Problem, start: Fit, found: Found, law: WrittenLaw) -> tuple[Problem, Fit]:
+    """The model with the law added, fitted from what the search found."""
+    parameters = plain.parameters.copy()
+    for name, value in found.values.items():
+        parameters[parameter_index(law.name, name)] = value
+    own: tuple[ParameterName, ...] = tuple((law.name, p.name) for p in law.parameters)
+    problem = replace(plain, free=(*plain.free, *own), parameters=parameters)
+    fitted = fit(problem, start.nuisances, tolerance=1e-5, most=30)
+    return replace(problem, parameters=fitted.parameters), fitted
+
+
+def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) -> tuple[str, ...]:
+    """What the search found, each with its evidence."""
+    if not laws:
+        return ("No law of the grammar follows the held-out frames: none is proposed.",)
+    best = laws[0]
+    words = [
+        f"Proposed law: {best.words}. It leaves {100.0 * best.left:.0f} % of the structured error; "
+        f"the error on held-out frames is {best.held_out_midline_mm:.2f} mm."
+    ]
+    if len(laws) > 1:
+        words.append(f"The next law, {laws[1].words}, is {laws[0].evidence - laws[1].evidence:.0f} nats behind.")
+    shares = ", ".join(f"{kind} {100.0 * left:.0f} %" for kind, left in sorted(kinds, key=lambda row: row[1]))
+    words.append(f"The best law of each kind leaves of the missing force's effect: {shares}.")
+    return tuple(words)

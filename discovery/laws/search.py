@@ -1,0 +1,258 @@
+"""The search over the grammar: every law's answer in the frames by linear algebra, then the best few refined.
+
+With t the missing force's own answer in the frames, S the answers of a law's strengths at given shapes (both freed of
+what the model's own parameters take up; inference.missing_force), a law explains
+
+    gain = (|t|^2 - min over a of |t - S a|^2) / 2 v        [nats],
+
+v the variance of what the best law leaves, 1 or more; each parameter costs log(F) / 2 nats, F the number of frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from scipy.optimize import minimize
+
+from affine_model.arm import Arm
+from affine_model.curvature import Array, angle_basis
+from discovery.laws.grammar import Form, Scale, forms
+from inference.missing_force import STEP, SeenMotion, SmallMotions
+from tentacle.law.written_law import NUMPY, WrittenLaw
+
+BATCH = 300  # columns at once
+REFINED = 10  # forms whose shapes are refined
+EVALUATIONS = 120  # of one form's refinement
+
+
+@dataclass(frozen=True)
+class Found:
+    """A law of a form with its shapes and strengths; gain [nats] over no law, its price [nats]; left: the share of the
+    missing force's answer that it leaves, 0 .. 1 in rms.
+    """
+
+    form: Form
+    shapes: Mapping[str, float]
+    strengths: Mapping[str, float]
+    gain: float
+    price: float
+    left: float
+
+    @property
+    def evidence(self) -> float:
+        """Gain less price [nats]."""
+        return self.gain - self.price
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All parameters."""
+        return {**self.strengths, **self.shapes}
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One recording: its small motions, and what a law sees along the arm and at the tip in what it did."""
+
+    arm: Arm
+    small: SmallMotions
+
+    @property
+    def motion(self) -> SeenMotion:
+        """What the arm did."""
+        return self.small.motion
+
+    @cached_property
+    def _geometry(self) -> tuple[Array, Array, Array, Array, Array, Array]:
+        """phi (T, N), levers at the nodes (T, N, 2, n) and the tip (T, 2, n), positions there, phi at the tip."""
+        arm, n = self.arm, self.arm.order
+        L, rule, u = arm.specimen.length, arm.rule, self.motion.u
+        phi = u[:, n : n + 1] + u[:, :n] @ arm.angle_basis.T
+        cos, sin = np.cos(phi), np.sin(phi)
+        normal, tangent = np.stack([cos, sin], -1), np.stack([-sin, cos], -1)
+        columns = arm.angle_basis
+        levers = np.einsum("ik,tkx,kj->tixj", L * rule.integration, -normal, columns)
+        at_tip = np.einsum("k,tkx,kj->txj", L * rule.weights, -normal, columns)
+        place = np.einsum("ik,tkx->tix", L * rule.integration, tangent)
+        tip = np.einsum("k,tkx->tx", L * rule.weights, tangent)
+        return phi, levers, at_tip, place, tip, u[:, n] + u[:, :n] @ angle_basis(n, [1.0])[0]
+
+    @cached_property
+    def along(self) -> dict[str, Array]:
+        """Quantities (T, N) of a line force and of a moment; memory apart."""
+        arm, n, (phi, levers, _, place, _, _) = self.arm, self.arm.order, self._geometry
+        u, rate = self.motion.u, self.motion.rate
+        turning = rate[:, n : n + 1] + rate[:, :n] @ arm.angle_basis.T
+        velocity = np.einsum("tixj,tj->tix", levers, rate[:, :n])
+        velocity += rate[:, n, None, None] * np.stack([-place[..., 1], place[..., 0]], -1)
+        c = u[:, :n] @ arm.curvature_basis.T
+        c_rate = rate[:, :n] @ arm.curvature_basis.T
+        return {**arm.node_quantities, **self._seen(place, phi, turning, velocity), "c": c, "c_rate": c_rate}
+
+    @cached_property
+    def at_tip(self) -> dict[str, Array]:
+        """Quantities (T,) of a force at the tip."""
+        n, (_, _, levers, _, tip, phi) = self.arm.order, self._geometry
+        rate = self.motion.rate
+        turning = rate[:, n] + rate[:, :n] @ angle_basis(n, [1.0])[0]
+        velocity = np.einsum("txj,tj->tx", levers, rate[:, :n])
+        velocity += rate[:, n, None] * np.stack([-tip[:, 1], tip[:, 0]], -1)
+        return self._seen(tip, phi, turning, velocity)
+
+    def _seen(self, place: Array, phi: Array, turning: Array, velocity: Array) -> dict[str, Array]:
+        cos, sin = np.cos(phi), np.sin(phi)
+        u_n = velocity[..., 0] * cos + velocity[..., 1] * sin
+        u_t = velocity[..., 1] * cos - velocity[..., 0] * sin
+        return {
+            **{name: np.asarray(value) for name, value in self.arm.arm_quantities.items()}, "x": place[..., 0],
+            "t": self.motion.t.reshape(-1, *[1] * (phi.ndim - 1)), "y": place[..., 1], "phi": phi,
+            "phi_rate": turning, "u_n": u_n, "u_t": u_t, "speed": np.sqrt(u_n**2 + u_t**2 + 1e-16),
+        }  # fmt: skip
+
+    def remembered(self, tau: float) -> Array:
+        """The curvature (T, N) that a spring in series with a dashpot of that time [s] remembers."""
+        c_rate, decay = self.along["c_rate"], float(np.exp(-STEP / tau))
+        memory = np.zeros_like(c_rate)
+        for k in range(1, len(c_rate)):
+            memory[k] = memory[k - 1] * decay + tau * (1.0 - decay) * c_rate[k]
+        return memory
+
+    def force(self, law: WrittenLaw, values: Mapping[str, float], stiffness: Array) -> Array:
+        """The law's generalised force (T, n); stiffness k(s) (N,) [N m/rad] of the model."""
+        arm, (phi, levers, tip_levers, _, _, tip_phi) = self.arm, self._geometry
+        x = dict(self.at_tip if law.acts == "tip" else self.along)
+        if law.acts == "moment":
+            x["stiffness"] = stiffness
+            if law.relaxation is not None:
+                x["memory"] = self.remembered(float(law.relaxation_time(values, NUMPY)))
+        found = law.values(x, values, NUMPY)
+        if law.acts == "moment":
+            return -np.einsum("i,ij,ti->tj", arm.rule.weights, arm.curvature_basis, found["moment"] + 0.0 * phi)
+        angle = tip_phi if law.acts == "tip" else phi
+        none = np.zeros_like(angle)
+        n, tangent, along_x, along_y = (found.get(k, none) for k in ("force_n", "force_t", "force_x", "force_y"))
+        push = np.stack([n * np.cos(angle) - tangent * np.sin(angle) + along_x,
+                         n * np.sin(angle) + tangent * np.cos(angle) + along_y], -1)  # fmt: skip
+        if law.acts == "tip":
+            return np.einsum("txj,tx->tj", tip_levers, push)
+        return np.einsum("i,tixj,tix->tj", arm.specimen.length * arm.rule.weights, levers, push)
+
+
+@dataclass(frozen=True)
+class Sought:
+    """The recordings in which a law is sought, and the model's stiffness k(s) (N,) at the nodes."""
+
+    seen: tuple[Seen, ...]
+    stiffness: Array
+
+    @cached_property
+    def target(self) -> Array:
+        """The missing force's answer in all frames, whitened."""
+        return np.concatenate([one.small.target for one in self.seen])
+
+    @property
+    def frames(self) -> int:
+        """Frames in which it is seen."""
+        return sum(one.small.place.size for one in self.seen)
+
+    @property
+    def scale(self) -> Scale:
+        """What the grammar's grids depend on."""
+        arm = self.seen[0].arm
+        duration = max(one.motion.t.size for one in self.seen) * STEP
+        return Scale(arm.specimen.length, arm.fluid.density > 0.0, duration)
+
+    def columns(self, form: Form, trials: list[tuple[float, ...]]) -> Array:
+        """The answers (rows, trials * strengths) of the form's unit strengths at each trial's shapes."""
+        answers = []
+        for one in self.seen:
+            forces = []
+            for trial in trials:
+                shapes = dict(zip((p.name for p in form.shapes), trial, strict=True))
+                for strength in form.strengths:
+                    units = {p.name: float(p is strength) for p in form.strengths}
+                    forces.append(one.force(form.law, {**units, **shapes}, self.stiffness))
+            answers.append(one.small.freed(one.small.answer(np.stack(forces, axis=2))))
+        return np.concatenate(answers)
+
+    def explained(self, columns: Array, count: int) -> tuple[Array, Array]:
+        """Of each group of `count` columns: |t|^2 less the least |t - S a|^2, and a (groups, count)."""
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        scaled = (columns / size).reshape(columns.shape[0], -1, count)
+        slope = np.einsum("rgc,r->gc", scaled, self.target)
+        information = np.einsum("rgc,rgd->gcd", scaled, scaled) + 1e-9 * np.eye(count)
+        strengths = np.linalg.solve(information, slope[..., None])[..., 0]
+        return np.einsum("gc,gc->g", slope, strengths), strengths / size.reshape(-1, count)
+
+
+def search(sought: Sought) -> tuple[Found, ...]:
+    """Laws that explain the missing force, best first; one a form."""
+    rough = sorted(
+        (best for form in forms(sought.scale) for best in [_rough(sought, form)]), key=lambda one: -one.evidence
+    )
+    refined = [_refined(sought, one) for one in rough[:REFINED]]
+    whole = float(sought.target @ sought.target)
+    degrees = max(sought.target.size - sum(one.small.absorbed.shape[1] for one in sought.seen), 1)
+    variance = max(1.0, min((whole - 2.0 * one.gain) / degrees for one in refined))
+    scaled = [replace(one, gain=one.gain / variance) for one in refined]
+    return tuple(sorted(scaled, key=lambda one: -one.evidence))
+
+
+def _price(form: Form, frames: int) -> float:
+    return 0.5 * len(form.law.parameters) * float(np.log(frames))
+
+
+def _found(sought: Sought, form: Form, trial: tuple[float, ...], explained: float, strengths: Array) -> Found:
+    whole = float(sought.target @ sought.target)
+    names = [p.name for p in form.strengths]
+    return Found(
+        form, dict(zip((p.name for p in form.shapes), trial, strict=True)),
+        dict(zip(names, (float(v) for v in strengths), strict=True)), 0.5 * explained, _price(form, sought.frames),
+        float(np.sqrt(max(whole - explained, 0.0) / whole)),
+    )  # fmt: skip
+
+
+def _rough(sought: Sought, form: Form) -> Found:
+    """The best of the form's first values of its shapes."""
+    best: Found | None = None
+    for part in _batched(list(product(*(p.scan for p in form.shapes))), BATCH // len(form.strengths)):
+        explained, strengths = sought.explained(sought.columns(form, part), len(form.strengths))
+        k = int(np.argmax(explained))
+        if best is None or 0.5 * explained[k] > best.gain:
+            best = _found(sought, form, part[k], float(explained[k]), strengths[k])
+    assert best is not None
+    return best
+
+
+def _batched(trials: list[tuple[float, ...]], size: int) -> Iterator[list[tuple[float, ...]]]:
+    for begin in range(0, len(trials), size):
+        yield trials[begin : begin + size]
+
+
+def _refined(sought: Sought, rough: Found) -> Found:
+    """The form with its shapes refined (Nelder and Mead's simplex), each within its bounds."""
+    form = rough.form
+    if not form.shapes:
+        return rough
+    bounds = np.array([p.bounds for p in form.shapes])
+    start = np.array([rough.shapes[p.name] for p in form.shapes])
+    spacing = np.array([_spacing(p.scan) for p in form.shapes])
+
+    def loss(moves: Array) -> float:
+        trial = np.clip(start + spacing * moves, bounds[:, 0], bounds[:, 1])
+        return -float(sought.explained(sought.columns(form, [tuple(trial)]), len(form.strengths))[0][0])
+
+    first = np.vstack([np.zeros(start.size), 0.5 * np.eye(start.size)])
+    options = {"initial_simplex": first, "maxfev": EVALUATIONS, "xatol": 1e-3, "fatol": 0.05}
+    lowest = minimize(loss, np.zeros(start.size), method="Nelder-Mead", options=options)
+    trial = tuple(float(v) for v in np.clip(start + spacing * lowest.x, bounds[:, 0], bounds[:, 1]))
+    explained, strengths = sought.explained(sought.columns(form, [trial]), len(form.strengths))
+    return _found(sought, form, trial, float(explained[0]), strengths[0])
+
+
+def _spacing(scan: tuple[float, ...]) -> float:
+    values = np.sort(scan)
+    return float(np.median(np.diff(values)))

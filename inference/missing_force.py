@@ -1,0 +1,293 @@
+"""The force that a fitted model misses: from the latent force's smoother, and how any force would move what is seen.
+
+    M(u) u'' = F(u, u', t; parameters) + Q(t)            (eq. 8 with the missing force Q)
+
+The motion u(t) is what a Rauch-Tung-Striebel smoother makes of the measured shapes, with the latent force of
+inference.latent_force about the model's own run; Q(t) is what the full equations then lack. A law B(u, u', t) with
+strength a explains the data where the small motions d about u, driven by a B - Q, bring the model onto what was seen:
+
+    M d'' + D d' + K d = a B(t) + (dF/dp) dp - Q(t),        K = d(M u'' - F)/du,  D = -dF/du'
+
+d is of the noise's size where the law is right, so that this is exact to its square, however large the missing force.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.linalg import cho_factor, cho_solve
+
+from affine_model.arm import Arm, active_effects, parameter_index
+from affine_model.curvature import Array
+from affine_model.dynamics import Instant, balance
+from inference.experiment import SHIFT_PRIOR, Experiment, predict
+from inference.latent_force import LatentForce, discretised
+from inference.linearise import latent_forces
+from inference.observation import POSE, ShapeObservation
+from inference.trajectory import Fit, Problem
+
+STEP = 1.0 / 150.0  # s, of the small motions
+DIFFERENCE = 1e-5  # rad, rad/s: slopes of the equations
+TIME_SCALE = 0.08  # s, of the latent force: a stop or a jet is shorter than what the evidence allows for
+SHARES = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of the acting forces
+START_SHAPE, START_RATE, TINY = 0.3, 5.0, 1e-10  # rad, rad/s of the state before the first frame; against rounding
+SPARE = 0.05  # s: frames nearer to the run's ends are left out
+
+
+@dataclass(frozen=True)
+class SeenMotion:
+    """What the arm did, at the middles of T steps of STEP [s]: t (T,), u, rate and acceleration (T, n + 2); force
+    (T, n) [N m], the generalised force that the model misses, and spread (T, n), its standard deviation where the
+    smoother's state is read off; share: of the acting forces, the size that the data want.
+    """
+
+    t: Array
+    u: Array
+    rate: Array
+    acceleration: Array
+    force: Array
+    spread: Array
+    share: float
+
+
+def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]:
+    """The motion and the missing force of every recording that shows shapes; None for one that does not."""
+    problem, parameters = problem.known(fitted.parameters)
+    forces = latent_forces(problem, parameters, fitted.nuisances)
+    found: list[SeenMotion | None] = []
+    for place, (experiment, force) in enumerate(zip(problem.experiments, forces, strict=True)):
+        if not isinstance(experiment.observation, ShapeObservation):
+            found.append(None)
+            continue
+        given = _cells_of(problem, experiment, force, fitted.residuals[place])
+        found.append(
+            _motion(problem, experiment, (parameters, fitted.nuisances[place]), force, likeliest(force, given))
+        )
+    return tuple(found)
+
+
+def _cells_of(problem: Problem, experiment: Experiment, force: LatentForce, residuals: Array) -> tuple[Array, Array]:
+    """Whitened residuals (C, K) in the cells, and what they see (C, K, n + 2) of the coordinates and of the clamp's
+    shift in units of its prior: a model that lacks a force errs in that shift too.
+    """
+    observation = experiment.observation
+    assert isinstance(observation, ShapeObservation)
+    shift = SHIFT_PRIOR * problem.arm.specimen.length * observation.root[:, :, 1:3] / experiment.noise_gain[:, None]
+    seen = np.concatenate([force.seen[:, :, : problem.arm.order], force.cells.averaged(shift)], axis=2)
+    return force.cells.averaged(residuals[:, :, None])[:, :, 0], seen
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """The state [d, d', f, f', shift of the clamp] in every cell given all of them: mean and standard deviation
+    (C, 4 n + 2); f in units of share times the acting forces; log_likelihood [nats].
+    """
+
+    mean: Array
+    deviation: Array
+    share: float
+    log_likelihood: float
+
+
+def likeliest(force: LatentForce, given: tuple[Array, Array]) -> Smoothed:
+    """The smoothed state at the share of unknown forces that makes the given cells the likeliest."""
+    return max((smoothed(force, given, float(share)) for share in SHARES), key=lambda one: one.log_likelihood)
+
+
+def smoothed(force: LatentForce, given: tuple[Array, Array], share: float) -> Smoothed:
+    """The state driven by a latent force alone; servo and camera are taken to be right. given: the model's whitened
+    residuals (C, K) in the cells, and what they see (C, K, n + 2). Rauch, Tung and Striebel 1965.
+    """
+    rows, columns = given
+    lin, n = force.linearised, force.linearised.mass.shape[0]
+    rate, inverse, one = np.sqrt(3.0) / TIME_SCALE, np.linalg.inv(lin.mass[:, :n]), np.eye(n)
+    size = 4 * n + 2
+    drift, diffusion, none = np.zeros((size, size)), np.zeros((size, size)), np.zeros((n, n))
+    drift[:n, : 4 * n] = np.hstack([none, one, none, none])
+    by_force = share * inverse @ lin.force_root
+    drift[n : 2 * n, : 4 * n] = np.hstack(
+        [-inverse @ lin.stiffness[:, :n], -inverse @ lin.damping[:, :n], by_force, none]
+    )
+    drift[2 * n : 3 * n, : 4 * n] = np.hstack([none, none, none, one])
+    drift[3 * n : 4 * n, : 4 * n] = np.hstack([none, none, -(rate**2) * one, -2.0 * rate * one])
+    diffusion[3 * n : 4 * n, 3 * n : 4 * n] = 4.0 * rate**3 * one
+    forward, added, _ = discretised(drift, diffusion, force.cells.interval)
+    mean = np.zeros(size)
+    covariance = np.diag(np.append(np.repeat(np.square([START_SHAPE, START_RATE, 1.0, rate]), n), [1.0, 1.0]))
+    ahead, filtered, likelihood = [], [], 0.0
+    for k in range(rows.shape[0]):
+        if k > 0:
+            mean, covariance = forward @ mean, forward @ covariance @ forward.T + added
+        ahead.append((mean, covariance))
+        seen = np.hstack([columns[k, :, :n], np.zeros((rows.shape[1], 3 * n)), columns[k, :, n:]])
+        error, cross = rows[k] - seen @ mean, covariance @ seen.T
+        factor = cho_factor(seen @ cross + np.eye(seen.shape[0]), lower=True)
+        likelihood -= 0.5 * float(error @ cho_solve(factor, error)) + float(np.log(np.diag(factor[0])).sum())
+        mean = mean + cross @ cho_solve(factor, error)
+        covariance = covariance - cross @ cho_solve(factor, cross.T)
+        covariance = 0.5 * (covariance + covariance.T)
+        filtered.append((mean, covariance))
+    means, deviations = np.zeros((2, len(filtered), size))
+    for k in range(len(filtered) - 1, -1, -1):
+        if k < len(filtered) - 1:
+            (own, spread), (predicted, uncertain) = filtered[k], ahead[k + 1]
+            back = np.linalg.solve(uncertain + TINY * np.diag(np.diag(uncertain)), forward @ spread).T
+            mean = own + back @ (mean - predicted)
+            covariance = spread + back @ (covariance - uncertain) @ back.T
+        means[k], deviations[k] = mean, np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return Smoothed(means, deviations, share, likelihood)
+
+
+def _motion(
+    problem: Problem, experiment: Experiment, fit: tuple[Array, Array], force: LatentForce, smooth: Smoothed
+) -> SeenMotion:
+    arm, (parameters, nuisances) = problem.arm, fit
+    n = arm.order
+    own = experiment.own(parameters[:, None], nuisances[:, None])[:, 0]
+    run = predict(arm, experiment, parameters[:, None], nuisances[:, None], problem.step).batch
+    model = CubicSpline(run.t, run.q[:, :, 0] @ arm.from_monomial.T)
+    base = CubicSpline(run.t, run.theta[:, 0])
+    change = CubicSpline(force.cells.t, smooth.mean[:, :n])
+    observation = experiment.observation
+    assert isinstance(observation, ShapeObservation)
+    shown = observation.t[experiment.used & observation.seen]
+    first, last = max(run.t[0], force.cells.t[0]), min(run.t[-1], force.cells.t[-1], shown[-1])
+    t: Array = np.arange(first, last - STEP, STEP) + 0.5 * STEP
+    parts = []
+    for slope in range(3):
+        shape = model(t, slope) + change(t, slope)
+        parts.append(np.column_stack([shape, base(t, slope), np.zeros(t.size)]))
+    u, rate, acceleration = parts
+    missing = lacking(arm, own, (u, rate, acceleration), t)
+    root = smooth.share * force.linearised.force_root
+    deviation = np.sqrt(smooth.deviation[:, 2 * n : 3 * n] ** 2 @ (root**2).T)
+    spread = np.array([np.interp(t, force.cells.t, column) for column in deviation.T]).T
+    return SeenMotion(t, u, rate, acceleration, missing, spread, smooth.share)
+
+
+def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], t: Array) -> Array:
+    """The generalised force (T, n) that the model's equations lack in that motion."""
+    u, rate, acceleration = motion
+    made = balance(arm, active_effects(parameters), parameters, u, rate, Instant(t[:, None]))
+    inertia = np.einsum("tjk,tk->tj", made.mass_matrix, acceleration)
+    return np.asarray((inertia - made.force)[:, : arm.order])
+
+
+@dataclass(frozen=True)
+class SmallMotions:
+    """How one recording's arm answers to small forces about what it did: over each of T steps the state (d, d') goes on
+    by advance (T, 2n, 2n), and by push (T, 2n, n) times the force; frames (F,) are seen at place (F,) [steps] with rows
+    (F, K, n) in noise deviations; target (F K,): what was measured less what was smoothed, and less the answer to -Q.
+    absorbed (F K, P): orthonormal basis of what the model's own unknowns can take up.
+    """
+
+    motion: SeenMotion
+    advance: Array
+    push: Array
+    place: Array
+    rows: Array
+    target: Array
+    absorbed: Array
+
+    def answer(self, force: Array, start: Array | None = None) -> Array:
+        """What is seen (F K, B) of small motions under generalised forces (T, n, B)."""
+        steps, n, columns = force.shape
+        state = np.zeros((2 * n, columns)) if start is None else start
+        shape = np.zeros((steps + 1, n, columns))
+        shape[0] = state[:n]
+        for k in range(steps):
+            state = self.advance[k] @ state + self.push[k] @ force[k]
+            shape[k + 1] = state[:n]
+        index = np.minimum(self.place.astype(int), steps - 1)
+        part = (self.place - index)[:, None, None]
+        at_frames = (1.0 - part) * shape[index] + part * shape[index + 1]
+        return np.matmul(self.rows, at_frames).reshape(-1, columns)
+
+    def freed(self, columns: Array) -> Array:
+        """Columns (F K, B) without what the model's own unknowns take up."""
+        return columns - self.absorbed @ (self.absorbed.T @ columns)
+
+
+def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion) -> SmallMotions:
+    """The small motions about what was seen in one recording."""
+    problem, parameters = problem.known(fitted.parameters)
+    arm, experiment = problem.arm, problem.experiments[place]
+    observation = experiment.observation
+    assert isinstance(observation, ShapeObservation)
+    n = arm.order
+    own = experiment.own(parameters[:, None], fitted.nuisances[place][:, None])[:, 0]
+    advance, push = _equations(arm, own, motion)
+    begin = motion.t[0] - 0.5 * STEP
+    lasts = motion.t[-1] + 0.5 * STEP
+    offset = parameters[parameter_index("time_offset", "offset")]
+    t = observation.t + offset
+    shown = np.flatnonzero(experiment.used & observation.seen & (t >= begin + SPARE) & (t <= lasts - SPARE))
+    when = (t[shown] - begin) / STEP
+    gain = experiment.noise_gain[:, None]
+    rows = observation.root[shown][:, :, POSE : POSE + n] / gain
+    spline = CubicSpline(motion.t, motion.u[:, : n + 1])(t[shown])
+    q, theta = spline[:, :n], spline[:, n]
+    shift = experiment.parts(n, fitted.nuisances[place])[3]
+    error = observation.coefficients[shown].copy()
+    error[:, 0] -= theta - observation.theta[shown] + parameters[parameter_index("camera_roll", "roll")]
+    error[:, 1:3] -= shift
+    error[:, 3] -= np.log1p(parameters[parameter_index("camera_scale", "excess")])
+    kept = min(n, observation.order)
+    error[:, POSE : POSE + kept] -= q[:, :kept]
+    left = np.einsum("fkl,fl->fk", observation.root[shown] / gain, error).reshape(-1)
+    bare = SmallMotions(motion, advance, push, when, rows, left, np.zeros((left.size, 0)))
+    still = np.zeros((motion.t.size, n, 1))
+    starts = [bare.answer(np.repeat(still, 2 * n, axis=2), np.eye(2 * n))]
+    moved = np.concatenate([(observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)], axis=1)
+    laws = bare.answer(_parameter_forces(problem, own, motion))
+    absorbed = np.concatenate([*starts, moved, laws], axis=1)
+    left_basis, singular, _ = np.linalg.svd(absorbed / np.linalg.norm(absorbed, axis=0), full_matrices=False)
+    basis = left_basis[:, singular > 1e-8 * singular[0]]
+    target = left + bare.answer(motion.force[:, :, None])[:, 0]
+    return SmallMotions(motion, advance, push, when, rows, target - basis @ (basis.T @ target), basis)
+
+
+def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:
+    """One step of the implicit midpoint rule for small motions: transition (T, 2n, 2n) and answer to a force."""
+    n, effects = arm.order, active_effects(parameters)
+    at = Instant(motion.t[:, None])
+
+    def lacks(du: Array, dv: Array) -> Array:
+        made = balance(arm, effects, parameters, motion.u + du, motion.rate + dv, at)
+        inertia = np.einsum("tjk,tk->tj", made.mass_matrix, motion.acceleration)
+        return (inertia - made.force)[:, :n]
+
+    none = np.zeros(n + 2)
+    stiffness, damping = np.zeros((2, motion.t.size, n, n))
+    for k in range(n):
+        step = DIFFERENCE * np.eye(n + 2)[k]
+        stiffness[:, :, k] = (lacks(step, none) - lacks(-step, none)) / (2.0 * DIFFERENCE)
+        damping[:, :, k] = (lacks(none, step) - lacks(none, -step)) / (2.0 * DIFFERENCE)
+    mass = balance(arm, effects, parameters, motion.u, motion.rate, at).mass_matrix[:, :n, :n]
+    h, one = STEP, np.broadcast_to(np.eye(n), mass.shape)
+    # (M + h/2 D + h^2/4 K) dv = h (f - D v - K d - h/2 K v), d' = d + h v + h/2 dv
+    matrix = mass + 0.5 * h * damping + 0.25 * h**2 * stiffness
+    right = np.concatenate([-h * stiffness, -h * (damping + 0.5 * h * stiffness), h * one], axis=2)
+    change = np.linalg.solve(matrix, right)
+    by_shape, by_rate, by_force = np.split(change, 3, axis=2)
+    top = np.concatenate([one + 0.5 * h * by_shape, h * one + 0.5 * h * by_rate], axis=2)
+    advance = np.concatenate([top, np.concatenate([by_shape, one + by_rate], axis=2)], axis=1)
+    return advance, np.concatenate([0.5 * h * by_force, by_force], axis=1)
+
+
+def _parameter_forces(problem: Problem, parameters: Array, motion: SeenMotion) -> Array:
+    """What a change of each free parameter of the model does, as generalised forces (T, n, P)."""
+    arm, columns = problem.arm, []
+    own = (motion.u, motion.rate, motion.acceleration)
+    for row, scale in zip(problem.rows(), problem.scales(), strict=False):
+        if row >= parameters.size:
+            continue
+        pair = []
+        for sign in (1.0, -1.0):
+            moved = parameters.copy()
+            moved[row] += sign * 1e-3 * scale
+            pair.append(lacking(arm, moved, own, motion.t))
+        columns.append((pair[1] - pair[0]) / 2e-3)
+    return np.stack(columns, axis=2) if columns else np.zeros((motion.t.size, arm.order, 0))
