@@ -67,12 +67,30 @@ def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator
     try:
         yield process
     finally:
-        for hard in (False, True):  # one that is busy with a page does not hear the first order
-            with suppress(ProcessLookupError):
-                _end(process, hard)
-            with suppress(subprocess.TimeoutExpired):
-                process.wait(5.0)
-                break
+        end_group(process)
+
+
+def end_group(process: subprocess.Popen[bytes], within: float = 5.0) -> None:
+    """Ends a process and its group, politely at first, by force after so many seconds; returns when all have ended."""
+    for hard in (False, True):  # one that is busy with a page does not hear the first order
+        with suppress(ProcessLookupError):
+            _end(process, hard)
+        deadline = time.monotonic() + within
+        while time.monotonic() < deadline:
+            if process.poll() is not None and not _has_members(process.pid):
+                return
+            time.sleep(0.02)
+
+
+def _has_members(group: int) -> bool:
+    """Whether something of a group runs still: what the process itself has started may outlive it."""
+    if sys.platform == "win32":
+        return False
+    try:
+        os.killpg(group, 0)
+    except (ProcessLookupError, PermissionError):
+        return False
+    return True
 
 
 def _end(process: subprocess.Popen[bytes], hard: bool) -> None:

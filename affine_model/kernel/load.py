@@ -66,6 +66,10 @@ def advance_blocks(nodes: int, order: int, count: int, *arguments: Any) -> None:
         for block in range(blocks):
             kernel.advance(block, *arguments)
         return
+    begun = 0
+    if not kernel.advance.signatures:  # compiled in this thread: Ctrl-C need not wait until a thread has compiled
+        kernel.advance(0, *arguments)
+        begun = 1
     with ThreadPoolExecutor(min(blocks, cores)) as pool:
-        for _ in pool.map(lambda block: kernel.advance(block, *arguments), range(blocks)):
+        for _ in pool.map(lambda block: kernel.advance(block, *arguments), range(begun, blocks)):
             pass

@@ -14,7 +14,7 @@ PAGE_PORT = 9090
 
 def start_viewer(port: int, page_port: int = PAGE_PORT) -> subprocess.Popen[bytes] | None:
     """Starts a viewer that listens on this machine alone; None where one is there. InputError where it fails."""
-    from viz.viewer import has_screen, viewer_environment, viewer_program, wait_until_listening
+    from viz.viewer import end_group, has_screen, viewer_environment, viewer_program, wait_until_listening
 
     with socket.socket() as probe:
         if probe.connect_ex((LOOPBACK, port)) == 0:
@@ -28,7 +28,10 @@ def start_viewer(port: int, page_port: int = PAGE_PORT) -> subprocess.Popen[byte
     )  # fmt: skip
     try:
         address = wait_until_listening(process, port)
-    except ConnectionError as error:
+    except BaseException as error:
+        end_group(process)
+        if not isinstance(error, ConnectionError):
+            raise
         raise InputError(str(error), field="--view", expected="a viewer that starts; try: rerun") from None
     if not has_screen():
         page = f"http://{LOOPBACK}:{page_port}/?url={address.replace('+', '%2B')}"

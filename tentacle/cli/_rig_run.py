@@ -23,7 +23,7 @@ def record(arguments: argparse.Namespace) -> int:
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
     with (
-        viewer(arguments.view, camera=setup.camera is not None) as address,
+        viewer(arguments.view, camera=setup.camera is not None) as live,
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
         progress_bar() as progress,
@@ -35,8 +35,9 @@ def record(arguments: argparse.Namespace) -> int:
             camera,
             motion,
             arguments.out,
-            rig_record.Attendance(name=arguments.out.stem, interrupts=interrupts, viewer=address, progress=progress),
+            rig_record.Attendance(arguments.out.stem, interrupts, viewer=live.address, progress=progress),
         )
+        live.kept = result.outcome == "complete"
     print(f"{result.outcome}: {result.samples} samples, {result.lost} lost, wrote {result.path}")
     if result.words:
         print(result.words)

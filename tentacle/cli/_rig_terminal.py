@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -30,21 +30,37 @@ def progress_bar() -> Iterator[Callable[[str, float], None]]:
         yield lambda phase, share: bar.update(task, description=phase, completed=share)
 
 
+@dataclass
+class LiveView:
+    """address: of the viewer, None where there is none; kept: whether it stays when the command ends."""
+
+    address: str | None = None
+    kept: bool = False
+
+
 @contextmanager
-def viewer(wanted: bool, *, camera: bool) -> Iterator[str | None]:
-    """A Rerun viewer on this machine alone, fed while the run lasts."""
+def viewer(wanted: bool, *, camera: bool) -> Iterator[LiveView]:
+    """A Rerun viewer on this machine alone, fed while the run lasts.
+
+    One that was started here ends here, unless it is to be kept: nothing goes on listening after a signal or a fault.
+    """
     if not wanted:
-        yield None
+        yield LiveView()
         return
     from rig import live_feed
     from tentacle.cli._live_viewer import start_viewer
     from viz.blueprints.rig import send_live_layout
+    from viz.viewer import end_group
 
-    start_viewer(VIEWER_PORT)
+    process = start_viewer(VIEWER_PORT)
     address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
-    send_live_layout(address, live_feed.APPLICATION, live_paths(camera=camera))
-    with contextlib.suppress(KeyboardInterrupt):
-        yield address
+    shown = LiveView(address)
+    try:
+        send_live_layout(address, live_feed.APPLICATION, live_paths(camera=camera))
+        yield shown
+    finally:
+        if process is not None and not shown.kept:
+            end_group(process)
 
 
 def live_paths(*, camera: bool) -> LivePaths:

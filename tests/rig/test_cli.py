@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -22,8 +24,9 @@ from rig.run_file import read_run
 from rig.setup_file import read_setup, write_setup
 from tentacle.cli import main
 from tentacle.cli._live_viewer import start_viewer
+from tentacle.cli._rig_terminal import viewer
 from tentacle.specimen import STANDARD_GRAVITY
-from viz.viewer import free_port
+from viz.viewer import end_group, free_port
 
 ROOT = Path(__file__).parents[2]
 TENTACLE = [sys.executable, "-m", "tentacle"]
@@ -210,16 +213,37 @@ def test_nothing_listens_beyond_this_machine(bench: Path, monkeypatch: pytest.Mo
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     port, page = free_port(), free_port()
-    viewer = start_viewer(port, page)
-    assert viewer is not None
+    shown = start_viewer(port, page)
+    assert shown is not None
     try:
         assert start_viewer(port, page) is None  # the next run takes the same
         wait_for(lambda: len(listening(lambda words: f"--port\0{port}\0" in words)) >= 2)
         addresses = listening(lambda words: f"--port\0{port}\0" in words)
     finally:
-        os.killpg(viewer.pid, signal.SIGKILL)
-        viewer.wait()
+        os.killpg(shown.pid, signal.SIGKILL)
+        shown.wait()
     assert addresses == {f"0100007F:{port:04X}", f"0100007F:{page:04X}"}
+
+
+@pytest.mark.parametrize("outcome", ["complete", "interrupted"])
+def test_the_live_viewer_stays_after_a_complete_run_alone(outcome: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    port, page, started = free_port(), free_port(), []
+
+    def start(port: int) -> subprocess.Popen[bytes] | None:
+        started.append(start_viewer(port, page))
+        return started[0]
+
+    monkeypatch.setattr("tentacle.cli._rig_terminal.VIEWER_PORT", port)
+    monkeypatch.setattr("tentacle.cli._live_viewer.start_viewer", start)
+    with contextlib.suppress(KeyboardInterrupt), viewer(True, camera=False) as live:
+        live.kept = outcome == "complete"
+        if outcome == "interrupted":
+            raise KeyboardInterrupt
+    with socket.socket() as probe:
+        assert (probe.connect_ex(("127.0.0.1", port)) == 0) == (outcome == "complete")
+    end_group(started[0])
 
 
 @pytest.mark.usefixtures("compiler")
