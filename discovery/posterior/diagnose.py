@@ -13,7 +13,7 @@ from dataclasses import replace
 from discovery.calibration import Calibration
 from discovery.given import Given, held_out_run
 from discovery.laws.propose import propose
-from discovery.posterior.assemble import assembled
+from discovery.posterior.assemble import Surroundings, assembled
 from discovery.posterior.decide import decide
 from discovery.posterior.detection import detection_limits
 from discovery.posterior.search import search
@@ -72,7 +72,8 @@ def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress
         replace(p, experiment=replace(experiment, observation=p.experiment.observation))
         for p, experiment in zip(prepared, decision.leading.problem.experiments, strict=False)
     ]
-    answer = assembled(found, decision, open_loop, limits, paper, shown, order, seed, reduction, calibration)
+    around = Surroundings(paper, shown, order, reduction, limits)
+    answer = assembled(found, decision, open_loop, around, seed, calibration)
     if answer.verdict != "unknown":
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
