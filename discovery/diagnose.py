@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
 
 from discovery.answer import cannot_tell
-from discovery.calibration import Calibration
-from discovery.given import Given, same_arm
+from discovery.given import Deciding, Given, How, same_arm
 from discovery.posterior.diagnose import diagnosed as by_posterior
 from discovery.rules.diagnose import diagnosed as by_rules
 from inference.prepare import CannotTellError
@@ -16,19 +13,6 @@ from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
 from tentacle.progress import Stage, silent
 from tentacle.recording import Recording
-
-How = Literal["posterior", "rules"]
-
-
-@dataclass(frozen=True)
-class Deciding:
-    """How a diagnosis is decided (None: decided_by), and by which blind trials its confidence is stated (None: the
-    posterior mass, or the map that ships with the rules).
-    """
-
-    how: How | None = None
-    calibration: Calibration | None = None
-
 
 AS_USUAL = Deciding()
 
@@ -54,7 +38,7 @@ def diagnose(
     same_arm(given.all)
     loop = by_posterior if (deciding.how or decided_by(given)) == "posterior" else by_rules
     try:
-        return loop(given, seed, deciding.calibration, progress)
+        return loop(given, seed, deciding, progress)
     except CannotTellError as reason:
         return cannot_tell(recordings[0], str(reason), seed)
 

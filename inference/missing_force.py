@@ -22,7 +22,7 @@ from scipy.linalg import cho_factor, cho_solve
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
-from inference.experiment import SHIFT_PRIOR, Experiment, predict
+from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce, discretised
 from inference.linearise import latent_forces
 from inference.observation import POSE, ShapeObservation
@@ -61,7 +61,9 @@ def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]
         if not isinstance(experiment.observation, ShapeObservation):
             found.append(None)
             continue
-        given = _cells_of(problem, experiment, force, fitted.residuals[place])
+        at, nuisances = parameters[:, None], fitted.nuisances[place][:, None]
+        run = predict(problem.arm, experiment, at, nuisances, problem.step)
+        given = _cells_of(problem, experiment, force, whitened_residuals(experiment, at, run)[:, :, 0])
         found.append(
             _motion(problem, experiment, (parameters, fitted.nuisances[place]), force, likeliest(force, given))
         )

@@ -62,7 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
-        from discovery.diagnose import Deciding, diagnose
+        from discovery.diagnose import diagnose
+        from discovery.given import Deciding
 
         wait_for_kernels()
         diagnosis = diagnose(
