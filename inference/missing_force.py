@@ -245,7 +245,8 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     moved = np.concatenate([(observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)], axis=1)
     laws = bare.answer(_parameter_forces(problem, own, motion))
     absorbed = np.concatenate([*starts, moved, laws], axis=1)
-    left_basis, singular, _ = np.linalg.svd(absorbed / np.linalg.norm(absorbed, axis=0), full_matrices=False)
+    size = np.maximum(np.linalg.norm(absorbed, axis=0), 1e-300)  # a tracker that knows the base sees no shift of it
+    left_basis, singular, _ = np.linalg.svd(absorbed / size, full_matrices=False)
     basis = left_basis[:, singular > 1e-8 * singular[0]]
     target = left + bare.answer(motion.force[:, :, None])[:, 0]
     return SmallMotions(motion, advance, push, when, rows, target - basis @ (basis.T @ target), basis)
