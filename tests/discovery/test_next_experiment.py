@@ -19,7 +19,7 @@ def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):
 
     proposed = waveform_from_table(first.next_experiment)
     second = recorded(hidden, wave=proposed, noise=1e-3, seconds=DURATION, seed=1)
-    # The rules split them. The posterior keeps both while a lag of another form might resemble an offset (docs/loop.md).
+    # The rules split them; the posterior keeps both while a lag of another form might resemble an offset.
     both = diagnose([sine, second], deciding=Deciding("rules"))
     assert both.verdict == "effect"
     assert both.effects == ("servo_lag",)
