@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 from discovery.answer import cannot_tell
-from discovery.calibration import Calibration
-from discovery.given import Given, same_arm
+from discovery.given import Deciding, Given, How, same_arm
 from discovery.posterior.diagnose import diagnosed as by_posterior
 from discovery.rules.diagnose import diagnosed as by_rules
 from inference.prepare import CannotTellError
@@ -16,7 +14,7 @@ from tentacle.errors import InputError
 from tentacle.progress import Stage, silent
 from tentacle.recording import Recording
 
-How = Literal["posterior", "rules"]
+AS_USUAL = Deciding()
 
 
 def diagnose(
@@ -25,24 +23,22 @@ def diagnose(
     held_out: Sequence[Recording] = (),
     *,
     seed: int = 0,
-    calibration: Calibration | None = None,
-    decide: How | None = None,
+    deciding: Deciding = AS_USUAL,
     progress: Stage = silent,
 ) -> Diagnosis:
     """Find what the declared model lacks, and the error before and after it is added.
 
     baseline: recordings whose declaration is complete: no absent effect acts there, and they share the arm's
     parameters with the others. held_out: recordings that only judge; without any, the last third of each does.
-    calibration: of the confidence, by blind trials of one's own (None: the posterior mass, or the map that ships with
-    the rules). decide: how (None: decided_by). Raises InputError on unusable input.
+    Raises InputError on unusable input.
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
     given = Given(recordings, baseline, held_out)
     same_arm(given.all)
-    loop = by_posterior if (decide or decided_by(given)) == "posterior" else by_rules
+    loop = by_posterior if (deciding.how or decided_by(given)) == "posterior" else by_rules
     try:
-        return loop(given, seed, calibration, progress)
+        return loop(given, seed, deciding, progress)
     except CannotTellError as reason:
         return cannot_tell(recordings[0], str(reason), seed)
 

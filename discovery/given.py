@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
+from discovery.calibration import Calibration
 from inference.prepare import Prepared
 from tentacle.errors import InputError
 from tentacle.recording import Recording
@@ -22,6 +24,20 @@ class Given:
     def all(self) -> tuple[Recording, ...]:
         """Every recording."""
         return (*self.recordings, *self.baseline, *self.held_out)
+
+
+How = Literal["posterior", "rules"]
+
+
+@dataclass(frozen=True)
+class Deciding:
+    """How a diagnosis is decided (None: discovery.diagnose.decided_by); by which blind trials its confidence is stated
+    (None: the posterior mass, or the map that ships with the rules); whether laws are sought after an unknown.
+    """
+
+    how: How | None = None
+    calibration: Calibration | None = None
+    laws: bool = True
 
 
 SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state

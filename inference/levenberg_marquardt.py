@@ -36,8 +36,7 @@ def minimise(
     residuals: Callable[[Array], Array],
     jacobian: Callable[[Array, Array], Array],
     start: Array,
-    low: Array,
-    high: Array,
+    bounds: tuple[Array, Array],
     *,
     tolerance: float,
     most: int,
@@ -48,6 +47,7 @@ def minimise(
     its natural steps are about 1. It converges when a round lowers the sum by less than `tolerance` of itself; after
     `most` rounds it ends with RESULTS.MAX_STEPS.
     """
+    low, high = bounds
     x, damping = np.clip(start, low, high), 1e-3
     value = residuals(x[:, None])[:, 0]
     cost = 0.5 * float(value @ value)

@@ -22,7 +22,7 @@ from scipy.linalg import cho_factor, cho_solve
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
-from inference.experiment import SHIFT_PRIOR, Experiment, predict
+from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce, discretised
 from inference.linearise import latent_forces
 from inference.observation import POSE, ShapeObservation
@@ -61,7 +61,9 @@ def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]
         if not isinstance(experiment.observation, ShapeObservation):
             found.append(None)
             continue
-        given = _cells_of(problem, experiment, force, fitted.residuals[place])
+        at, nuisances = parameters[:, None], fitted.nuisances[place][:, None]
+        run = predict(problem.arm, experiment, at, nuisances, problem.step)
+        given = _cells_of(problem, experiment, force, whitened_residuals(experiment, at, run)[:, :, 0])
         found.append(
             _motion(problem, experiment, (parameters, fitted.nuisances[place]), force, likeliest(force, given))
         )
@@ -243,7 +245,8 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     moved = np.concatenate([(observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)], axis=1)
     laws = bare.answer(_parameter_forces(problem, own, motion))
     absorbed = np.concatenate([*starts, moved, laws], axis=1)
-    left_basis, singular, _ = np.linalg.svd(absorbed / np.linalg.norm(absorbed, axis=0), full_matrices=False)
+    size = np.maximum(np.linalg.norm(absorbed, axis=0), 1e-300)  # a tracker that knows the base sees no shift of it
+    left_basis, singular, _ = np.linalg.svd(absorbed / size, full_matrices=False)
     basis = left_basis[:, singular > 1e-8 * singular[0]]
     target = left + bare.answer(motion.force[:, :, None])[:, 0]
     return SmallMotions(motion, advance, push, when, rows, target - basis @ (basis.T @ target), basis)

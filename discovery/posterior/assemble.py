@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from discovery.answer import ACCOUNTS, LIMITS, error_budget, proposal_words
@@ -21,22 +23,32 @@ from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Estimate, Model
 
 
+@dataclass(frozen=True)
+class Surroundings:
+    """What stands beside a finding: the paper's model as fitted, the recordings, how many coordinates their shapes
+    show, what the reduction to few coordinates loses (None: not known), and the detection limits.
+    """
+
+    paper: tuple[Problem, Fit]
+    prepared: list[Prepared]
+    order: int
+    reduction: Reduction | None
+    limits: dict[str, dict[str, Limit]]
+
+
 def assembled(
     found: Search,
     decision: Decision,
     open_loop: Hypothesis,
-    limits: dict[str, dict[str, Limit]],
-    paper: tuple[Problem, Fit],
-    prepared: list[Prepared],
-    order: int,
+    around: Surroundings,
     seed: int,
-    reduction: Reduction | None,
     calibration: Calibration | None,
 ) -> Diagnosis:
-    """The diagnosis: hypotheses and the decision over them, the paper's model beside the chosen one on every recording,
-    and what the reduction loses. open_loop: the chosen model that is written; order: how many
-    coordinates the shapes show; calibration of the confidence (None: it is the posterior mass).
+    """The diagnosis: hypotheses and the decision over them, the paper's model beside the chosen one on every recording.
+
+    open_loop: the chosen model that is written; calibration of the confidence (None: it is the posterior mass).
     """
+    paper, prepared, order, reduction = around.paper, around.prepared, around.order, around.reduction
     chosen = decision.leading
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared)
     final = (open_loop.problem, open_loop.fitted)
@@ -97,7 +109,7 @@ def assembled(
         explained=explained(found.base, chosen) if chosen.effects else None,
         certain=() if withdrawn else decision.certain,
         sets=tuple(CredibleSet(names, mass) for names, mass in decision.sets),
-        detection_limits=limits,
+        detection_limits=around.limits,
         where={p.recording.name: effects for p in prepared},
     )
 
@@ -129,7 +141,7 @@ def _decision_words(found: Search, decision: Decision) -> list[str]:
         open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
         words.append(f"{' + '.join(decision.certain)} is certain; open is {', '.join(open_names)}.")
     elif decision.verdict == "group":
-        words.append("These data do not split " + ", ".join(decision.effects) + ".")
+        words.append("These data cannot separate " + ", ".join(decision.effects) + ".")
     missing = missing_of(found.hypotheses)
     reached = log_masses(decision.leading, missing)[0]
     stuck = [h for h in found.hypotheses if not usable(h) and max(log_masses(h, missing)) > reached]

@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from discovery.calibration import Calibration
-from discovery.given import Given, held_out_run
+from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose
-from discovery.posterior.assemble import assembled
+from discovery.posterior.assemble import Surroundings, assembled
 from discovery.posterior.decide import decide
 from discovery.posterior.detection import detection_limits
 from discovery.posterior.search import search
@@ -31,8 +30,9 @@ from tentacle.progress import Stage
 FINER = 0.5  # of the step that suffices for the declared model: laws that are added may bend more sharply
 
 
-def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress: Stage) -> Diagnosis:
+def diagnosed(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
+    calibration = deciding.calibration
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
     prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
@@ -72,8 +72,9 @@ def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress
         replace(p, experiment=replace(experiment, observation=p.experiment.observation))
         for p, experiment in zip(prepared, decision.leading.problem.experiments, strict=False)
     ]
-    answer = assembled(found, decision, open_loop, limits, paper, shown, order, seed, reduction, calibration)
-    if answer.verdict != "unknown":
+    around = Surroundings(paper, shown, order, reduction, limits)
+    answer = assembled(found, decision, open_loop, around, seed, calibration)
+    if answer.verdict != "unknown" or not deciding.laws:
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
     alone = _open_loop(base)

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
-from discovery.calibration import Calibration
-from discovery.given import Given, held_out_run
+from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose
 from discovery.rules.assemble import Surroundings, assembled
 from discovery.rules.search import Search, search
@@ -75,8 +74,9 @@ def _with_baseline(setting: Setting, baseline: Baseline) -> Setting:
     return replace(setting, experiments=tuple(experiments))
 
 
-def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress: Stage) -> Diagnosis:
+def diagnosed(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
+    calibration = deciding.calibration
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
     prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
@@ -118,7 +118,7 @@ def diagnosed(given: Given, seed: int, calibration: Calibration | None, progress
     answer = assembled(
         found, decision, rest, Surroundings(paper_model, prepared, order, tuple(words), reduction), seed, calibration
     )
-    if decision.verdict != "unknown":
+    if decision.verdict != "unknown" or not deciding.laws:
         return answer
     missing = propose((found.base.problem, found.base.fitted), prepared, progress)
     return replace(answer, missing=missing, words=(*answer.words, *missing.words))

@@ -63,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
         from discovery.diagnose import diagnose
+        from discovery.given import Deciding
 
         wait_for_kernels()
         diagnosis = diagnose(
@@ -70,8 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
             baseline,
             held_out,
             seed=arguments.seed,
-            calibration=calibration,
-            decide=arguments.decide,
+            deciding=Deciding(arguments.decide, calibration),
             progress=stage,
         )
         stage("writing the report")

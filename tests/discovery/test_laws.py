@@ -59,8 +59,8 @@ def test_small_motions_under_the_missing_force_are_what_was_seen(magnet):
     sought = sought_in(*magnet)
     (one,) = sought.seen
     whole = one.small.freed(one.small.answer(one.motion.force[:, :, None]))[:, 0]
-    # What the missing force itself does not explain is noise, of unit variance; of ten values a frame, two frames a
-    # cell, a smoother that follows four coordinates in every cell takes up a fifth at most.
+    # What the missing force itself does not explain is noise, of unit variance; of ten values a frame, two frames
+    # a cell, a smoother that follows four coordinates in every cell takes up a fifth at most.
     assert np.sqrt(0.8) - 0.05 < np.sqrt(np.mean((sought.target - whole) ** 2)) < 1.1
     assert np.sqrt(np.mean(sought.target**2)) > 3.0
 

@@ -1,6 +1,7 @@
 """The rest without a name: found where it is, absent where nothing is missing, and no name for it."""
 
 from discovery.diagnose import diagnose
+from discovery.given import Deciding
 from discovery.rules.unnamed import NAME, unnamed_rest
 
 
@@ -9,7 +10,7 @@ def test_what_is_complete_has_no_rest(plain):
 
 
 def test_a_force_outside_the_catalogue_is_followed_but_not_named(recorded):
-    answer = diagnose([recorded({(NAME, "bowed_tether"): 25.0})])
+    answer = diagnose([recorded({(NAME, "bowed_tether"): 25.0})], deciding=Deciding("rules", laws=False))
     assert answer.verdict == "unknown"
     assert NAME not in answer.effects
     # The held-out frames know whether the terms are right: of what stands above the noise less than half is left.

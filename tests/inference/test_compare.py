@@ -7,7 +7,7 @@ import pytest
 
 from affine_model.arm import parameter_index
 from affine_model.curvature import legendre_to_monomial, midline
-from discovery.diagnose import REMAINS
+from discovery.rules.diagnose import REMAINS
 from inference.base_fit import Setting, fit_base
 from inference.compare import errors, floor_errors, restricted, run_comparison
 from inference.hypothesis import hypothesis

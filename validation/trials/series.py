@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from discovery.diagnose import diagnose
+from discovery.given import Deciding
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
 from mujoco_ref.undeclared.strength import SCALED
 from tentacle.errors import InputError
@@ -78,7 +79,7 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
         return {"refused": str(error)}
     begin = time.process_time()
     try:
-        answer = answer_table(diagnose([recording], seed=design.seed))
+        answer = answer_table(diagnose([recording], seed=design.seed, deciding=Deciding(laws=False)))
     except InputError as error:
         return {"refused": error.line(), "truth": truth}
     seconds = time.process_time() - begin
