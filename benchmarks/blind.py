@@ -9,10 +9,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+
+# benchmarks/vision.py must not stand for the room of that name.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from tentacle.runner import Runner
 from validation.trials.figures import figures

@@ -141,10 +141,20 @@ def with_rest(h: Hypothesis, less: Hypothesis | None = None) -> Hypothesis:
     return min(found, again, key=lambda one: one.rest)
 
 
-def _followed(h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float) -> Hypothesis:
+def followed_closely(h: Hypothesis) -> Hypothesis:
+    """The hypothesis, its rest known, with the fit of its model alone brought to its end."""
+    assert h.alone is not None
+    plain = replace(h.problem, filters=(), parameters=h.alone.parameters)
+    again = _followed(h, plain, h.alone.nuisances, float(np.sqrt(max(h.rest, 0.0) + 1.0)), tolerance=1e-7)
+    return min(h, again, key=lambda one: one.rest)
+
+
+def _followed(
+    h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float, tolerance: float = 1e-4
+) -> Hypothesis:
     """The fit from there, with noise of that many of its deviations."""
     louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
-    alone = fit(replace(plain, experiments=louder), nuisances, tolerance=1e-4, most=30)
+    alone = fit(replace(plain, experiments=louder), nuisances, tolerance=tolerance, most=40)
     followed = size * _rms(plain, [rows[:, :, None] for rows in alone.residuals])
     return replace(h, alone=alone, rest=followed**2 - 1.0)
 

@@ -106,7 +106,7 @@ def assembled(
         runs=tuple(run for run, _, _ in runs),
         words=tuple(words),
         seed=seed,
-        explained=explained(found.base, chosen) if chosen.effects else None,
+        explained=explained(found.base, chosen) if effects and chosen.effects else None,
         certain=() if withdrawn else decision.certain,
         sets=tuple(CredibleSet(names, mass) for names, mass in decision.sets),
         detection_limits=around.limits,
@@ -120,10 +120,15 @@ def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estim
 
 
 def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
-    """The share of the unknown forces' power that the chosen model took away; both amplitudes with their spread."""
+    """The share of the unknown forces' power that the chosen model took away, with the spread of both amplitudes; no
+    more than the share of the squared error that it took away when it runs alone.
+    """
+    most = 1.0
+    if base.rest > 0.0 and np.isfinite(chosen.rest):
+        most = float(np.clip(1.0 - max(chosen.rest, 0.0) / base.rest, 0.0, 1.0))
 
     def share(after: float, before: float) -> float:
-        return float(np.clip(1.0 - (after / before) ** 2, 0.0, 1.0))
+        return float(np.clip(1.0 - (after / before) ** 2, 0.0, most))
 
     (first, last), (low, high) = base.share_interval(), chosen.share_interval()
     return Explained(share(chosen.share, base.share), share(high, first), share(low, last))

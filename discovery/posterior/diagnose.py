@@ -19,7 +19,7 @@ from discovery.posterior.search import search
 from inference.base_fit import Setting, fitted_order, known_from_baseline, needed_order, roughly
 from inference.experiment import SPREAD
 from inference.observation import ShapeObservation
-from inference.posterior import Hypothesis, declared_model, with_rest
+from inference.posterior import Hypothesis, declared_model, followed_closely, with_rest
 from inference.prepare import MOST_COORDINATES, Prepared, prepare
 from inference.reduction import Reduction, reduction_error, without_reduction
 from inference.sufficient_step import sufficient_step
@@ -107,7 +107,8 @@ def _open_loop(h: Hypothesis) -> Hypothesis:
     """The hypothesis with the parameters that follow the recordings best by themselves, without unknown forces: the
     model that is written, and whose errors are stated.
     """
-    alone = h.alone or with_rest(replace(h, problem=_cut(h.problem))).alone
+    known = replace(h, problem=_cut(h.problem))
+    alone = followed_closely(known if known.alone is not None else with_rest(known)).alone
     assert alone is not None
     return replace(h, problem=replace(h.problem, parameters=alone.parameters, filters=()), fitted=alone)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._effects import add_effects
 from tentacle.errors import InputError
 
 HELP = "track and diagnose a recorded run (.rrd) again, or play its commands on a rig"
@@ -23,6 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as in tentacle diagnose")
     parser.add_argument("--decide", choices=["posterior", "rules"], help="as in tentacle diagnose")
+    add_effects(parser)
     parser.add_argument("--seed", type=int, help="as for diagnose (default: 0)")
     parser.add_argument(
         "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"
@@ -44,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         held_out=[],
         calibration=arguments.calibration,
         decide=arguments.decide,
+        effects=arguments.effects,
         seed=arguments.seed or 0,
         out=arguments.out,
         json=False,
