@@ -10,8 +10,9 @@ from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.servo_limits import ServoLimits
 
+MOST_EFFECTS = 3  # that one answer names together
 ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
-LIMITS = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
+HOBBY_SERVO = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
 def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:

@@ -16,7 +16,7 @@ from tentacle.diagnosis import Verdict
 from tentacle.io.toml_table import Table, read_toml
 
 STORED = "calibration.toml"
-BOUNDS = (0.02, 0.98)  # no finite number of trials shows more
+HIT_RATE_BOUNDS = (0.02, 0.98)  # no finite number of trials shows more
 Curve = tuple[tuple[float, ...], tuple[float, ...], int]
 
 
@@ -35,7 +35,7 @@ class Calibration:
         if verdict not in self.tables:
             return stated
         knots, right, _ = self.tables[verdict]
-        return float(np.clip(np.interp(stated, knots, right), *BOUNDS))
+        return float(np.clip(np.interp(stated, knots, right), *HIT_RATE_BOUNDS))
 
     def words(self, verdict: str, stated: float) -> str:
         """A sentence on whose trials the confidence is of."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from discovery.answer import cannot_tell
 from discovery.given import Deciding, Given, How, same_arm
-from discovery.posterior.diagnose import diagnosed as by_posterior
-from discovery.rules.diagnose import diagnosed as by_rules
+from discovery.posterior.diagnose import diagnose_by_posterior as by_posterior
+from discovery.rules.diagnose import diagnose_by_rules as by_rules
 from inference.prepare import CannotTellError
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError

@@ -10,8 +10,8 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, ShapeObservation
-from inference.score import absorbed_basis
-from inference.trajectory import Fit, Problem, evaluate
+from inference.score import nuisance_tangent_basis
+from inference.trajectory import Fit, Problem, unfitted
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 
@@ -19,7 +19,7 @@ DURATION = 15.0  # s: long against every relaxation of an arm in water, short ag
 FRAMES = 30.0  # 1/s at which a proposal is judged
 
 
-class Hypothesis(Protocol):
+class FittedHypothesis(Protocol):
     """A model with some absent effects, fitted: by the rules or under the likelihood alike."""
 
     @property
@@ -88,7 +88,9 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
     )  # fmt: skip
 
 
-def propose(chosen: Hypothesis, rivals: tuple[Hypothesis, ...], limits: ServoLimits, seed: int) -> Proposal | None:
+def propose_experiment(
+    chosen: FittedHypothesis, rivals: tuple[FittedHypothesis, ...], limits: ServoLimits, seed: int
+) -> Proposal | None:
     """The motion with the largest gap, in nats, between the chosen model's motion and the nearest that a rival can
     come to it.
 
@@ -108,7 +110,7 @@ def propose(chosen: Hypothesis, rivals: tuple[Hypothesis, ...], limits: ServoLim
     return best
 
 
-def _gap(chosen: Hypothesis, rival: Hypothesis, source: Experiment, waveform: Waveform) -> float:
+def _gap(chosen: FittedHypothesis, rival: FittedHypothesis, source: Experiment, waveform: Waveform) -> float:
     order = chosen.problem.arm.order
     start = np.concatenate([np.zeros(2 * order), np.zeros(2)])
     experiment = _virtual(source, waveform)
@@ -125,7 +127,7 @@ def _gap(chosen: Hypothesis, rival: Hypothesis, source: Experiment, waveform: Wa
     measured = replace(experiment, observation=replace(observation, coefficients=coefficients))
     problem: Problem = replace(rival.problem, experiments=(measured,), prior_mean=None, prior_root=None, filters=())
     # One Gauss-Newton look: what the rival cannot absorb of the difference.
-    state = evaluate(replace(problem, parameters=rival.fitted.parameters), (start,))
-    basis = absorbed_basis(state)
+    state = unfitted(replace(problem, parameters=rival.fitted.parameters), (start,))
+    basis = nuisance_tangent_basis(state)
     rest = state.used_residuals - basis @ (basis.T @ state.used_residuals)
     return 0.5 * float(rest @ rest)

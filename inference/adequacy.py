@@ -1,4 +1,4 @@
-"""Adequacy gates: may a fitted model be called complete? Chi-square, Ljung-Box and drift, each with its number."""
+"""Adequacy gates: chi-square, Ljung-Box and drift. A fitted model is called complete if it passes all three."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from scipy.stats import chi2 as chi_square
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment
-from inference.observation import ShapeObservation
-from inference.score import absorbed_basis
+from inference.observation import TRACKER_ERROR, ShapeObservation
+from inference.score import nuisance_tangent_basis
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Gate
 
@@ -18,9 +18,8 @@ SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fi
 MATERIAL = (
     0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
 )
-TRACKED = 0.83  # noise sigmas: a tracker states its noise to 30 % (benchmarks/vision.py), and errs by the rest for long
-ALLOWANCE = 1.5  # times the reduction's error as measured: another simulator, or an arm, differs by as much again
-UNCERTAINTY = 2.0  # standard deviations of the fit's parameters that the frames held out are granted
+ALLOWANCE = 1.5  # times the measured error of the reduction: another simulator, or a real arm, has a different one
+UNCERTAINTY = 2.0  # standard deviations of the parameters, by which held-out frames may be wrong
 LAGS = 20
 LIKE_BASELINE = (
     2.0  # times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
@@ -29,7 +28,7 @@ LIKE_BASELINE = (
 
 @dataclass(frozen=True)
 class Adequacy:
-    """The gates of one fit on one set of frames. structure: rms of what is not noise, in noise sigmas."""
+    """The gates of one fit on one set of frames. structure: rms of the residual beyond noise, in noise sigmas."""
 
     gates: tuple[Gate, ...]
     structure: float
@@ -41,15 +40,13 @@ class Adequacy:
 
 
 def judged_rows(experiment: Experiment, residuals: Array, held_out: bool) -> Array:
-    """Whitened residuals (T', K) of the frames that were fitted, or of those that were held out; unseen frames
-    dropped.
-    """
+    """Whitened residuals (T', K) of the fitted frames, or of the held-out frames, without unseen frames."""
     chosen = residuals[~experiment.used if held_out else experiment.used]
     return chosen[np.any(chosen != 0.0, axis=1)]
 
 
 def _live(rows: Array) -> Array:
-    """The channels that carry information: a track has none for the clamp's shift, for instance."""
+    """The channels that carry information. A video's track, for example, has none on the clamp's shift."""
     return rows[:, np.any(rows != 0.0, axis=0)]
 
 
@@ -71,13 +68,13 @@ def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
     return total, lags * rows.shape[1]
 
 
-def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, granted: float = 0.0) -> Adequacy:
+def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, discrepancy_rms: float = 0.0) -> Adequacy:
     """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones.
 
-    granted: rms in noise sigmas of what the model may leave for reasons of its own.
+    discrepancy_rms: how much the model may leave by its own error, rms in noise sigmas.
     """
     experiments = problem.experiments
-    allowed = granted**2 + (TRACKED if any(_tracked(e) for e in experiments) else MATERIAL) ** 2
+    allowed = discrepancy_rms**2 + (TRACKER_ERROR if any(_tracked(e) for e in experiments) else MATERIAL) ** 2
     if held_out:  # these frames carry the parameters' own uncertainty on top of the noise
         allowed += (UNCERTAINTY * fitted.spread) ** 2
     parts = [
@@ -99,7 +96,7 @@ def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, granted: float = 
     gates = [
         Gate("chi-square", ratio, threshold, ratio <= threshold, f"mean square residual {ratio:.3f} noise variances"),
     ]
-    if coloured:  # the baseline's own rest is correlated and drifts: only its size can be judged
+    if coloured:  # the baseline's own residual is correlated and drifts: only its size can be judged
         return Adequacy(tuple(gates), structure)
     statistic, freedom = 0.0, 0
     for part in parts:
@@ -118,8 +115,9 @@ def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, granted: float = 
 
 
 def _drift(problem: Problem, fitted: Fit, allowed: float) -> Gate:
-    """Whether parameters that grow or fall in time would explain more: sensitivities times time, freed of the model's
-    own.
+    """Whether parameters that drift in time would explain more.
+
+    The columns are the sensitivities times time, without what a refit of the model itself can absorb.
     """
     times, order = [], problem.arm.order
     for experiment, residuals, nuisances in zip(problem.experiments, fitted.residuals, fitted.nuisances, strict=True):
@@ -130,7 +128,7 @@ def _drift(problem: Problem, fitted: Fit, allowed: float) -> Gate:
     weight = np.concatenate(times)
     weight = np.concatenate([weight, np.zeros(fitted.used_residuals.size - weight.size)])
     columns = fitted.jacobian[:, : len(fitted.values)] * weight[:, None]
-    basis = absorbed_basis(fitted)
+    basis = nuisance_tangent_basis(fitted)
     columns = columns - basis @ (basis.T @ columns)
     left, singular, _ = np.linalg.svd(
         columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False

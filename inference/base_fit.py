@@ -1,4 +1,4 @@
-"""The declared model, fitted as well as it goes: order, starts, base parameters, noise."""
+"""The fit of the declared model: number of coordinates, starts, base parameters, noise."""
 
 from __future__ import annotations
 
@@ -13,16 +13,18 @@ from inference.declared_arm import names_of
 from inference.experiment import Experiment
 from inference.noise_floor import noise_deviation
 from inference.observation import POSE, MarkerObservation, ShapeObservation
-from inference.prepare import RELEASE, recalibrated
+from inference.prepare import MOST_COORDINATES, RELEASE, recalibrated
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, evaluate, finished, fit, fit_multistart
+from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, fit_multistart, linearised_fit, unfitted
 from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration
 
-STEP = 1.0 / 150.0  # s: where a fit begins; how fine it ends is found (inference.sufficient_step)
+FIRST_STEP = 1.0 / 150.0  # s: a fit begins with this step; inference.sufficient_step finds the last one
 SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
-VISIBLE = 0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
+VISIBLE_COORDINATE_SHARE = (
+    0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
+)
 FIRST_FRAMES, PLACED = (
     6,
     0.003,
@@ -37,7 +39,7 @@ class Setting:
     declaration: Declaration
     experiments: tuple[Experiment, ...]
     order: int
-    step: float = STEP
+    step: float = FIRST_STEP
 
     def arm(self, order: int | None = None) -> Arm:
         """The arm with that many coordinates."""
@@ -54,7 +56,7 @@ class Setting:
         return tuple(number for number in self.declaration.uncertain if number.field != RELEASE)
 
     def base_free(self) -> tuple[ParameterName, ...]:
-        """The base parameters that these surroundings let one see."""
+        """The base parameters that can be seen in this fluid."""
         free: list[ParameterName]
         if self.declaration.specimen.stiffness == "section":
             free = [("elasticity", "E"), ("damping", "eta")]
@@ -72,14 +74,16 @@ class Setting:
         return Problem(self.arm(order), self.experiments, self.base_free(), parameters, self.step, declared=declared)
 
     def start(self) -> Array:
-        """The parameter vector (R + D,) with no effect but the declared ones, and the declaration at its means."""
+        """The parameter vector (R + D,) of the declared model, with the uncertain numbers at their means."""
         neutral = declared_parameters(self.declaration.specimen, self.declaration.fluid)
         return np.concatenate([neutral, [number.value for number in self.declared]])
 
 
 def needed_order(setting: Setting, *, complete: bool = False) -> int:
-    """How many curvature coordinates the data need: seen in the shapes themselves, or, of markers, by the model's own
-    convergence. complete: the declaration is taken to be, and what it leaves of the data counts as noise.
+    """How many curvature coordinates the data need.
+
+    Shapes show this number themselves. For markers it comes from the convergence of the model. complete: the
+    declaration is assumed to be complete, so that its residual counts as noise.
     """
     if not setting.sees_shapes():
         return _order_by_convergence(setting, complete)
@@ -88,19 +92,25 @@ def needed_order(setting: Setting, *, complete: bool = False) -> int:
     )
 
 
-def fitted_order(seen: int, most: int) -> int:
-    """How many coordinates are fitted where `seen` are seen, `most` at best: an even number where it can be.
+def most_coordinates(problem: Problem) -> int:
+    """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
+    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
+    return min((shape.order for shape in shapes), default=MOST_COORDINATES)
 
-    Each number has a compiled kernel of its own, and a coordinate too many costs a few initial values and no more.
+
+def fitted_order(seen: int, most: int) -> int:
+    """How many coordinates are fitted if `seen` are seen: the next even number, but at most `most`.
+
+    Each number needs a compiled kernel. One coordinate too many costs only two more initial values.
     """
     return min(seen + seen % 2, most)
 
 
 def _visible_order(observation: ShapeObservation) -> int:
-    """The highest coordinate that is seen, from the top down, without any dynamics.
+    """The highest coordinate that is seen, found from the top down, without any dynamics.
 
-    The last row of the whitening root belongs to the highest coordinate alone: where that coordinate is zero, its
-    whitened value is pure noise, whose size is known from the frame-to-frame differences.
+    The last row of the whitening root belongs to the highest coordinate alone. If that coordinate is zero, its whitened
+    value is pure noise, and the differences between frames show how large that noise is.
     """
     seen = observation.seen
     for order in range(observation.order, 2, -1):
@@ -108,25 +118,24 @@ def _visible_order(observation: ShapeObservation) -> int:
         value = np.einsum("tl,tl->t", observation.root[seen, POSE + order - 1], observation.coefficients[seen])
         noise = max(float(noise_deviation(value)), 0.5)
         surplus = float(np.mean(value**2)) / noise**2 - 1.0
-        if surplus > VISIBLE + 6.0 * np.sqrt(2.0 / seen.sum()):
+        if surplus > VISIBLE_COORDINATE_SHARE + 6.0 * np.sqrt(2.0 / seen.sum()):
             return order
     return 2
 
 
 def _order_by_convergence(setting: Setting, complete: bool) -> int:
-    """The smallest order that follows the model's own run with more coordinates, as the markers would see it.
+    """The smallest order that can follow a run of the same model with more coordinates, as the markers see it.
 
-    How well each order fits the data themselves tells less: an effect that the model lacks may make up for a coordinate
-    too few.
+    The fit to the data themselves says less: a missing effect can make up for a missing coordinate.
     """
     problem, fitted = fit_base(setting, 2)
-    enough = FOLLOWED * max(1.0, _left(problem.experiments, fitted)) if complete else FOLLOWED
+    enough = FOLLOWED * max(1.0, _residual_rms(problem.experiments, fitted)) if complete else FOLLOWED
     finest = replace(problem, arm=setting.arm(MOST_FOR_MARKERS), parameters=fitted.parameters)
     both = zip(problem.experiments, fitted.nuisances, strict=True)
     nuisances = tuple(_with_more_coordinates(experiment, values) for experiment, values in both)
-    run = evaluate(finest, nuisances)
+    run = unfitted(finest, nuisances)
     experiments = tuple(
-        replace(experiment, observation=experiment.observation.less(experiment.noise_gain * rows))
+        replace(experiment, observation=experiment.observation.subtract_residual(experiment.noise_gain * rows))
         for experiment, rows in zip(problem.experiments, run.residuals, strict=True)
     )
     for order in range(2, MOST_FOR_MARKERS):
@@ -134,13 +143,13 @@ def _order_by_convergence(setting: Setting, complete: bool) -> int:
         followed = fit(
             replace(problem, arm=setting.arm(order), experiments=experiments, parameters=run.parameters), starts
         )
-        if _left(experiments, followed) < enough:
+        if _residual_rms(experiments, followed) < enough:
             return order
     return MOST_FOR_MARKERS
 
 
 def _with_more_coordinates(experiment: Experiment, nuisances: Array) -> Array:
-    """Nuisances of two coordinates as those of MOST_FOR_MARKERS, the others at rest at zero."""
+    """The nuisances of two coordinates extended to MOST_FOR_MARKERS; the new coordinates start at zero and at rest."""
     start, moving, memory, shift = experiment.parts(2, nuisances)
     more = np.zeros(MOST_FOR_MARKERS - start.size)
     moving = moving if experiment.release is not None else np.concatenate([moving, more])
@@ -148,7 +157,7 @@ def _with_more_coordinates(experiment: Experiment, nuisances: Array) -> Array:
     return np.concatenate([start, more, moving, memory, shift, deviations])
 
 
-def _left(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
+def _residual_rms(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
     """rms of the residuals on the used frames [noise sigmas]."""
     rows = [rows[e.used].ravel() for e, rows in zip(experiments, fitted.residuals, strict=True)]
     return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
@@ -180,7 +189,7 @@ def initial_nuisances(experiment: Experiment, order: int) -> Array:
 def _shape_of_markers(experiment: Experiment, markers: MarkerObservation, order: int) -> Array:
     """The Legendre coordinates (order,) that markers show at the start (released: before it), without dynamics.
 
-    Where they do not tell a coordinate, it stays near zero.
+    A coordinate that the markers do not show stays near zero.
     """
     seen = np.flatnonzero(np.isfinite(markers.xy).all(axis=(1, 2)))
     until = experiment.release if experiment.release is not None else markers.t[seen[:FIRST_FRAMES][-1]]
@@ -219,18 +228,19 @@ def _starts(setting: Setting) -> Array:
 
 
 def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
-    """The base effects alone at that order, from many starts (or from a fit at another order), then settled."""
+    """Fit the base effects alone at that order, from many starts or from a fit at another order."""
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = setting.problem(order, setting.start())
     if warm is None:
-        return settled(problem, fit_multistart(problem, nuisances, _starts(setting)))
+        return refit_noise_and_step(problem, fit_multistart(problem, nuisances, _starts(setting)))
     problem = replace(problem, parameters=warm.parameters)
-    return settled(problem, fit(problem, nuisances))
+    return refit_noise_and_step(problem, fit(problem, nuisances))
 
 
-def roughly(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
-    """The base effects at that order by least squares, with the noise that the frames show: where a fit under the
-    whole likelihood begins. Its step is the setting's.
+def rough_base_fit(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
+    """Fit the base effects at that order by least squares, with the noise that the frames show and the setting's step.
+
+    A fit under the full likelihood begins here.
     """
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = setting.problem(order, setting.start() if warm is None else warm.parameters)
@@ -245,25 +255,28 @@ def roughly(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[P
     return replace(problem, experiments=experiments, parameters=fitted.parameters), fitted
 
 
-def known_from_baseline(setting: Setting, order: int, *, warm: Fit) -> tuple[Problem, Fit]:
-    """The base effects as the complete recordings alone show them, by least squares; the others begin as their first
-    frames show them. What those lack has then bent nothing.
+def fit_baseline_alone(setting: Setting, order: int, *, warm: Fit) -> tuple[Problem, Fit]:
+    """Fit the base effects by least squares to the complete recordings alone.
+
+    The other recordings get initial states from their first frames. Their missing effects therefore do not bias the
+    base parameters.
     """
     complete = tuple(e for e in setting.experiments if e.complete)
     others = tuple(e for e in setting.experiments if not e.complete)
     alone = tuple(replace(e, varies=()) for e in complete)
-    known, fitted = roughly(replace(setting, experiments=alone), order, warm=warm)
+    known, fitted = rough_base_fit(replace(setting, experiments=alone), order, warm=warm)
     shown = [initial_nuisances(experiment, order) for experiment in others]
     own = [np.concatenate([n, np.zeros(len(e.varies))]) for n, e in zip(fitted.nuisances, complete, strict=True)]
     recalibrated = tuple(replace(e, noise_gain=k.noise_gain) for e, k in zip(complete, known.experiments, strict=True))
     problem = replace(setting.problem(order, fitted.parameters), experiments=(*others, *recalibrated))
-    return problem, finished(problem, np.concatenate([fitted.values, *shown, *own]), 0)
+    return problem, linearised_fit(problem, np.concatenate([fitted.values, *shown, *own]), 0)
 
 
-def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
-    """The fit again with the noise as it leaves it, and with a step that suffices; twice where the first changed much.
+def refit_noise_and_step(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
+    """Refit with the noise that the residuals show and with a sufficient step; at most twice.
 
-    Noise that stands for a baseline's own rest is left alone. The same objects where neither changes.
+    The noise of a fit against a baseline stays as it is. The given objects are returned if neither noise nor step
+    changes.
     """
     for _ in range(2):
         experiments = tuple(
@@ -279,7 +292,7 @@ def settled(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
             break
         changed = replace(problem, experiments=experiments, parameters=fitted.parameters, step=step)
         again = fit(changed, fitted.nuisances)
-        if np.max(np.abs(again.used_residuals)) >= RAN_AWAY:  # what stood before was better than none
+        if np.max(np.abs(again.used_residuals)) >= RAN_AWAY:  # the fit before is better than none
             break
         problem, fitted = changed, again
         problem = replace(problem, parameters=fitted.parameters)

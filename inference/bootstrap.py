@@ -1,8 +1,8 @@
 """Intervals by the bootstrap: the fit is repeated on its own residuals, drawn again in blocks of frames.
 
 Blocks keep the residuals' correlation in time, which the fit's covariance does not see. All replicates are simulated in
-one batch; each is brought to its minimum by Gauss-Newton with the fit's own Jacobian, which is all but exact so near to
-it. Source: Efron 1979; moving blocks, Kuensch 1989.
+one batch. Gauss-Newton steps with the fit's Jacobian bring each to its minimum; so near to the fit the Jacobian is
+nearly exact. Source: Efron 1979; moving blocks, Kuensch 1989.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.trajectory import Fit, ParameterName, Problem
 
-BLOCK_SECONDS = 1.0  # longer than what a tracker's errors hang together
+BLOCK_SECONDS = 1.0  # longer than the correlation time of a tracker's errors
 ROUNDS = 4
 
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """values (F, N) of the replicates, low and high (F,) the central share's ends."""
+    """values (F, N) of the replicates; low and high (F,): the ends of the interval."""
 
     free: tuple[ParameterName, ...]
     values: Array
@@ -29,7 +29,7 @@ class Bootstrap:
 
 
 def _drawn(problem: Problem, fitted: Fit, random: np.random.Generator) -> Array:
-    """Residuals (N,) as the fit orders them: each recording's used frames drawn again in blocks, priors anew."""
+    """Residuals (N,) as the fit orders them: used frames drawn again in blocks, priors drawn anew."""
     parts = []
     for experiment, residuals, nuisances in zip(problem.experiments, fitted.residuals, fitted.nuisances, strict=True):
         frames = residuals[experiment.used]

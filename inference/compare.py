@@ -21,11 +21,11 @@ from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import ErrorMeasure, RunComparison
 
 ANGLE_ORDER = 3  # coordinates of the shape whose tangent angle is compared
-SHOWN = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
+COMPARED_PLACES = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
 
 
 @dataclass(frozen=True)
-class Seen:
+class ModelRun:
     """One model at one recording's frames: points (T, P, 2) [m], the paper's q (T, 2), tangent angle (T, P), load (T,)
     [N].
     """
@@ -37,11 +37,11 @@ class Seen:
 
 
 def restricted(observation: ShapeObservation, coefficients: Array, order: int) -> Array:
-    """The shape of `order` coordinates, clamped as declared, nearest to given coefficients (T, K) in the
-    measurement's own metric.
+    """z (T, order): the clamped shape of `order` coordinates that is nearest to the given coefficients (T, K).
 
-    z (T, order). With order 2 it is the paper's fit of (q1, q2) to a contour; models and measurement are reduced
-    alike, so that a third coordinate aliases into both in the same way (a small q3 as (-5/56, +3/4) q3).
+    The distance is that of the measurement's covariance. With order 2 this is the paper's fit of (q1, q2) to a contour.
+    Model and measurement are both reduced in this way, so a third coordinate adds the same bias to both (a small q3
+    adds (-5/56, +3/4) q3).
     """
     root = observation.root
     columns = root[:, :, POSE : POSE + order]
@@ -70,9 +70,9 @@ def measured_points(prepared: Prepared) -> tuple[Array, Array]:
     unseen = ~observation.seen
     if recording.midline is not None and prepared.points is not None:
         return recording.midline.s, np.where(unseen[:, None, None], np.nan, prepared.points)
-    shape = _shape_points(observation, observation.coefficients[:, POSE:], SHOWN)
+    shape = _shape_points(observation, observation.coefficients[:, POSE:], COMPARED_PLACES)
     shape[unseen] = np.nan
-    return SHOWN, shape
+    return COMPARED_PLACES, shape
 
 
 def _shape_points(observation: ShapeObservation, z: Array, s: Array) -> Array:
@@ -82,8 +82,8 @@ def _shape_points(observation: ShapeObservation, z: Array, s: Array) -> Array:
     return size * midline(q, observation.theta + pose[:, 0], observation.length, s) + pose[:, None, 1:3]
 
 
-def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -> Seen:
-    """What a fitted model shows of recording number `place`."""
+def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -> ModelRun:
+    """The run of a fitted model for recording number `place`."""
     problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
     nuisances = fitted.nuisances[place][:, None]
@@ -107,7 +107,7 @@ def seen(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -
         q_shown, angle = reduced_shape(observation, coefficients, s)
     batch = prediction.batch
     load = np.interp(experiment.observation.t, batch.force_t, batch.load[:, 0])
-    return Seen(points, q_shown, angle, load)
+    return ModelRun(points, q_shown, angle, load)
 
 
 def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) -> tuple[Array, Array]:
@@ -129,13 +129,13 @@ def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
 
 def run_comparison(
     prepared: Prepared, place: int, base: tuple[Problem, Fit], final: tuple[Problem, Fit], held_out: bool
-) -> tuple[RunComparison, Seen, Seen]:
+) -> tuple[RunComparison, ModelRun, ModelRun]:
     """One recording beside both models."""
     experiment = prepared.experiment
     observation = experiment.observation
     s, points = measured_points(prepared)
     d = None if isinstance(observation, ShapeObservation) else observation.d
-    first, last = seen(*base, place, s, d), seen(*final, place, s, d)
+    first, last = model_run(*base, place, s, d), model_run(*final, place, s, d)
     q = np.full((observation.t.size, 2), np.nan)
     if isinstance(observation, ShapeObservation):
         q, _ = reduced_shape(observation, observation.coefficients, s)
@@ -163,8 +163,10 @@ def _rms(parts: list[Array]) -> float | None:
     return float(np.sqrt(np.mean(values**2))) if values.size else None
 
 
-def errors(runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], *, augmented: bool) -> ErrorMeasure:
-    """The rms errors over the judged frames of all recordings."""
+def run_errors(
+    runs: list[tuple[RunComparison, ModelRun, ModelRun]], prepared: list[Prepared], *, augmented: bool
+) -> ErrorMeasure:
+    """The rms errors of one model over the judged frames of all recordings."""
     distance, angle, first, second, thrust = [], [], [], [], []
     for (run, base, final), source in zip(runs, prepared, strict=True):
         model, points = (final, run.augmented) if augmented else (base, run.base)
@@ -193,16 +195,18 @@ def midline_error(prepared: list[Prepared], problem: Problem, fitted: Fit, held_
     for place, source in enumerate(prepared):
         observation = source.experiment.observation
         s, points = measured_points(source)
-        shown = seen(problem, fitted, place, s, None if isinstance(observation, ShapeObservation) else observation.d)
+        shown = model_run(
+            problem, fitted, place, s, None if isinstance(observation, ShapeObservation) else observation.d
+        )
         judged = judged_frames(source.experiment, held_out)
         distance.append(1e3 * np.linalg.norm(points - shown.points, axis=2)[judged])
     return _rms(distance)
 
 
 def floor_errors(
-    runs: list[tuple[RunComparison, Seen, Seen]], prepared: list[Prepared], reduction_mm: float
+    runs: list[tuple[RunComparison, ModelRun, ModelRun]], prepared: list[Prepared], reduction_mm: float
 ) -> ErrorMeasure:
-    """What noise alone (as found), and the reduction, would leave in the same measures."""
+    """The same measures for the noise that was found together with the error of the reduction."""
     distance, angle, first, second = [], [], [], []
     for (run, _, _), source in zip(runs, prepared, strict=True):
         experiment = source.experiment
@@ -242,11 +246,12 @@ def unexplained_share(
     *,
     held_out: bool,
 ) -> float:
-    """How much of the base's error on the midline, noise and reduction taken off both, the chosen model leaves, 0 .. 1
-    (1 where midlines are not measured, or the base leaves nothing).
+    """The share 0 .. 1 of the base's midline error that the chosen model leaves, without noise and reduction.
+
+    It is 1 if midlines are not measured, or if the base has no error beyond noise and reduction.
     """
     runs = [run_comparison(source, place, base, chosen, held_out) for place, source in enumerate(prepared)]
-    first, last = (errors(runs, prepared, augmented=augmented).midline_mm for augmented in (False, True))
+    first, last = (run_errors(runs, prepared, augmented=augmented).midline_mm for augmented in (False, True))
     floor = floor_errors(runs, prepared, reduction_mm).midline_mm
     if first is None or last is None or floor is None or first <= floor:
         return 1.0

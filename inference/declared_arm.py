@@ -1,4 +1,4 @@
-"""The arm and a recording's observation at other values of what the declaration does not know exactly.
+"""The arm and a recording's observation at other values of the uncertain declared numbers.
 
 A fit moves declared numbers (length, radii, density, payload, gravity's angle, scale, marker positions) through the
 exact arm that has them: sections, masses and quadrature are made anew.
@@ -18,7 +18,7 @@ from tentacle.declared import Uncertain, with_values
 from tentacle.recording import Declaration
 
 SCALE = "camera.m_per_px"
-DECLARED = "declared"  # stands in the place of an effect's name before a declared number's field
+DECLARED = "declared"  # used instead of an effect's name for a declared number
 
 
 def names_of(declared: tuple[Uncertain, ...]) -> tuple[tuple[str, str], ...]:
@@ -35,7 +35,7 @@ def arm_at(arm: Arm, values: Mapping[str, float]) -> Arm:
 def experiment_at(
     experiment: Experiment, arm: Arm, values: Mapping[str, float], means: Mapping[str, float]
 ) -> Experiment:
-    """The experiment as it is seen if the declared values are these instead of their means."""
+    """The experiment with these declared values instead of their means."""
     observation = experiment.observation
     if isinstance(observation, ShapeObservation):
         seen = _shapes_at(observation, arm.specimen.length, values.get(SCALE, 1.0) / means.get(SCALE, 1.0))
@@ -47,7 +47,7 @@ def experiment_at(
 def _shapes_at(observation: ShapeObservation, length: float, scale: float) -> ShapeObservation:
     """Shapes of an arm of another length [m], seen at `scale` times the metres a pixel."""
     coefficients = observation.coefficients.copy()
-    if observation.tracked:  # lengths of a midline or of markers are not read off pixels here
+    if observation.tracked:  # midlines and markers come in metres, not in pixels
         coefficients[:, 3] += np.log(scale)
     coefficients[:, 3] -= np.log(length / observation.length)
     return replace(observation, coefficients=coefficients, length=length)

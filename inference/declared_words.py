@@ -1,4 +1,4 @@
-"""What the data made of the numbers that the declaration does not know exactly, in words."""
+"""Sentences about the uncertain declared numbers: what the data say of each."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from inference.declared_arm import names_of
 from inference.trajectory import Fit, Problem
 from tentacle.declared import Uncertain
 
-FAR = 3.0  # standard deviations of the declaration: one honest declaration in 400 is farther from its number
-SILENT = 0.9  # of the declared spread: data that leave more of it than this have said nothing about the number
+FAR_FROM_DECLARED = (
+    3.0  # standard deviations of the declaration: one honest declaration in 400 is farther from its number
+)
+SILENT = 0.9  # of the declared spread: if the fit leaves more than this share, the data say nothing about the number
 
 
 def declared_words(problem: Problem, fitted: Fit) -> list[str]:
@@ -33,6 +35,6 @@ def _sentence(number: Uncertain, value: float, sd: float) -> str:
     if sd > SILENT * number.spread:
         return f"{number.field} is declared as {stated}; these data say nothing about it."
     found = f"{number.field} is declared as {stated}; the data say {value:.5g} +- {sd:.2g}"
-    if number.sd is not None and abs(value - number.value) > FAR * number.sd:
+    if number.sd is not None and abs(value - number.value) > FAR_FROM_DECLARED * number.sd:
         return f"{found}, {abs(value - number.value) / number.sd:.1f} declared deviations away: check the declaration."
     return f"{found}."

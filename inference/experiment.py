@@ -1,6 +1,4 @@
-"""One recording made ready for fitting: base motion, time window, observation, and what is unknown about this run
-alone.
-"""
+"""One recording prepared for fitting: base motion, time window, observation, and the unknowns of this run alone."""
 
 from __future__ import annotations
 
@@ -23,26 +21,27 @@ SHIFT_LIMIT = 0.01  # arm lengths
 SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
 # Relative spread of an arm's parameters between recordings: two of a silicone beam differ by .6 % in E; losses, in
 # silicone and in water, change with temperature by some per cent.
-SPREAD = {"elasticity": 0.01, "damping": 0.05, "drag": 0.03}
+PARAMETER_SPREAD = {"elasticity": 0.01, "damping": 0.05, "drag": 0.03}
 RATE_PRIOR = 30.0  # rad/s: initial rates of curvature, where the observation shows none
-RATE_REACH = 3.0  # times the rates seen in the recording: what dies away between two frames may not be started at will
-HIGHER_PRIOR = 0.3  # rad: initial curvature beyond what the observation can see
-MEMORY_PRIOR = 0.5  # rad: what a Maxwell branch may remember of the motion before the recording
+RATE_REACH = (
+    3.0  # times the rates seen in the recording: limit of an initial rate, even if it decays between two frames
+)
+HIGHER_PRIOR = 0.3  # rad: initial curvature that the observation cannot see
+MEMORY_PRIOR = 0.5  # rad: memory of a Maxwell branch at the start, from the motion before the recording
 
 
 @dataclass(frozen=True)
 class Experiment:
     """A recording as the fit sees it.
 
-    base: the recorded base motion; t0, duration [s]: the simulated window; release [s]: the arm is held still until
-    then (None: it moves from the start); used (T,) bool: frames that the fit may use (the others are for judging).
-    noise_gain: factor on the observation's stated standard deviation, found from the data. correlation [frames]: over
-    how many frames that noise hangs together; above 1 where it stands for what a baseline leaves unexplained, which
-    is not white. remembers: the model has a Maxwell branch, whose state at the start is then unknown too (an arm that
-    is held still until its release has forgotten). rates_seen (K,): rms rates of the Legendre coordinates in the
-    recording [rad/s], as far as it shows them. base_known_from [s]: since when the base motion is recorded (None: t0).
-    complete: the declaration is taken to be: no absent effect acts in this recording. varies: parameters (effect, name)
-    of the arm that differ a little in this recording from those that all share.
+    base: the recorded base motion. t0, duration [s]: the simulated window. release [s]: the arm is held still until
+    then (None: it moves from the start). used (T,) bool: frames that the fit may use; the others judge it. noise_gain:
+    factor on the observation's stated standard deviation, found from the data. correlation [frames]: correlation time
+    of that noise; it is above 1 if the noise includes the residual of a baseline, which is not white. remembers: the
+    model has a Maxwell branch, whose initial state is unknown too (an arm held still until its release has none).
+    rates_seen (K,) [rad/s]: rms rates of the Legendre coordinates that the recording shows. base_known_from [s]: the
+    base motion is recorded from then on (None: from t0). complete: the declaration is complete, so that no absent
+    effect acts in this recording. varies: parameters (effect, name) that differ slightly between recordings.
     """
 
     name: str
@@ -68,7 +67,7 @@ class Experiment:
 
     @property
     def sees_shift(self) -> bool:
-        """Whether the shift of the clamp is among the nuisances: a marker system's own frame is where it says."""
+        """Whether the shift of the clamp is among the nuisances. The frame of a marker system needs no shift."""
         return isinstance(self.observation, ShapeObservation)
 
     def nuisance_names(self, order: int) -> list[str]:
@@ -102,7 +101,7 @@ class Experiment:
         )
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
-        """What is known beforehand of the nuisances (M, B), as whitened residuals."""
+        """The priors of the nuisances (M, B), as whitened residuals."""
         shift = self.parts(order, nuisances)[3] / (SHIFT_PRIOR * length)
         seen = self.observation.order if isinstance(self.observation, ShapeObservation) else 2
         higher = nuisances[seen:order] / HIGHER_PRIOR
@@ -115,13 +114,13 @@ class Experiment:
         return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher, varied])
 
     def rate_limits(self, order: int) -> Array:
-        """How large the rates of the Legendre coordinates may be at the start (order,) [rad/s]."""
+        """Largest initial rates (order,) [rad/s] of the Legendre coordinates."""
         seen = self.rates_seen[:order]
         rest = seen[-1] if seen.size else RATE_PRIOR / RATE_REACH
         return RATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
 
     def parts(self, order: int, nuisances: Array) -> tuple[Array, Array, Array, Array]:
-        """Initial shape, rates (or, released, the instant), memory and shift (either empty where there is none)."""
+        """Initial shape, rates (or, released, the instant), memory and shift. Memory and shift may be empty."""
         moving = order + (order if self.release is None else 1)
         memory = moving + order * self.begins_with_memory
         return (
@@ -136,7 +135,7 @@ class Experiment:
         return nuisances[len(nuisances) - len(self.varies) :]
 
     def _spreads(self) -> list[float]:
-        return [SPREAD[effect] for effect, _ in self.varies]
+        return [PARAMETER_SPREAD[effect] for effect, _ in self.varies]
 
     def own(self, parameters: Array, nuisances: Array) -> Array:
         """The parameters (R, B) as they are in this recording."""
@@ -151,7 +150,7 @@ class Experiment:
         return parameters
 
     def memory(self, order: int, nuisances: Array) -> Array | None:
-        """The memory at the start (n, B), out of the nuisances (M, B)."""
+        """The initial memory (n, B) among the nuisances (M, B)."""
         return nuisances[2 * order : 3 * order] if self.begins_with_memory else None
 
 
@@ -166,8 +165,9 @@ class Prediction:
 
 
 def _hermite(batch: Batch, values: Array, rates: Array, times: Array) -> Array:
-    """Cubic interpolation of values (T, ..., B) at times (M, B): shape (M, ..., B); before the first instant along
-    the tangent there (which stands still where an arm is held until its release).
+    """Cubic interpolation of values (T, ..., B) at times (M, B), shape (M, ..., B).
+
+    Before the first instant the values follow the tangent there. It is horizontal if the arm is held until its release.
     """
     spacing = batch.t[1] - batch.t[0]
     early = np.minimum(times - batch.t[0], 0.0)
@@ -193,7 +193,7 @@ def _pick(array: Array, index: np.ndarray, lanes: np.ndarray) -> Array:
 
 
 def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
-    """Simulate B individuals (parameters (R, B), nuisances (M, B)) and give their shapes at the observed instants."""
+    """The shapes of B simulated individuals, parameters (R, B) and nuisances (M, B), at the observed instants."""
     n = arm.order
     parameters = experiment.own(parameters, nuisances)
     value = {name: parameters[parameter_index(effect, name)] for effect, name in _OUTSIDE}
@@ -222,7 +222,7 @@ _OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"
 
 
 def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:
-    """Measured less predicted, whitened (T, K, B), over all frames."""
+    """Measured minus predicted, whitened (T, K, B), over all frames."""
     if experiment.complete:
         parameters = np.zeros_like(parameters)
     roll = parameters[parameter_index("camera_roll", "roll")]

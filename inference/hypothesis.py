@@ -1,4 +1,4 @@
-"""A hypothesis: the declared model with some absent effects added, fitted, judged, and what it says of parameters."""
+"""A hypothesis of the rules: the declared model with some absent effects, fitted and judged by the adequacy gates."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ NATS_PER_PARAMETER = 7.6
 
 
 @dataclass(frozen=True)
-class Hypothesis:
-    """A model with some absent effects added, refitted. penalised_log_likelihood [nats]: that of fitted and held-out
-    frames, less a penalty for each parameter. reduction: the model's own error on fitted and held-out frames; laws:
-    what the effects added may leave there because no law is known exactly; both rms in noise sigmas, and neither is
-    called missing physics.
+class GatedHypothesis:
+    """A model with some absent effects, refitted and judged.
+
+    penalised_log_likelihood [nats]: of fitted and held-out frames, minus a penalty for each parameter. reduction: the
+    error of the reduced model on fitted and on held-out frames. laws: the error of the added laws there, as no law is
+    known exactly. Both are rms in noise sigmas, and neither counts as missing physics.
     """
 
     effects: tuple[str, ...]
@@ -47,17 +48,17 @@ class Hypothesis:
 
     @property
     def excess_rms(self) -> float:
-        """What it leaves that is not noise, on what was fitted or what was held out, the larger [noise sigmas]."""
+        """rms of the residual beyond noise, on fitted or on held-out frames, whichever is larger [noise sigmas]."""
         return max(self.train.structure, self.judged.structure)
 
     def laws_with(self, effect: str) -> tuple[float, float]:
-        """What laws may leave once this effect is added too: a share of the structure that is left without it."""
+        """The error of the laws once this effect is added too: a share of the structure without it."""
         share = catalogue()[effect].law_error
         more = share * self.train.structure, share * self.judged.structure
         return float(np.hypot(self.laws[0], more[0])), float(np.hypot(self.laws[1], more[1]))
 
     def discrepancy_in(self, problem: Problem) -> tuple[tuple[float, float], tuple[float, float]]:
-        """reduction and laws in sigmas of another problem's noise: what they are in millimetres stays."""
+        """reduction and laws in sigmas of another problem's noise; their millimetres stay the same."""
         ratio = noise_ratio(self.problem, problem)
         (fitted, held_out), laws = self.reduction, self.laws
         return (ratio * fitted, ratio * held_out), (ratio * laws[0], ratio * laws[1])
@@ -69,8 +70,8 @@ def noise_ratio(one: Problem, other: Problem) -> float:
     return float(np.sqrt(np.mean([np.mean((a.noise_gain / b.noise_gain) ** 2) for a, b in pairs])))
 
 
-def against_baseline(h: Hypothesis) -> bool:
-    """Whether the noise stands for a baseline's own rest, which hangs together over many frames."""
+def against_baseline(h: GatedHypothesis) -> bool:
+    """Whether the noise includes the residual of a baseline, which is correlated over many frames."""
     return any(experiment.correlation > 1.0 for experiment in h.problem.experiments)
 
 
@@ -83,41 +84,40 @@ def held_out_misfit(problem: Problem, fitted: Fit) -> float:
 
 
 def nats_per_parameter(problem: Problem) -> float:
-    """The price of a parameter; dearer where the noise hangs together over many frames, for then each counts for
-    less.
-    """
+    """The penalty of a parameter [nats]. It grows with the noise's correlation time: each frame then tells less."""
     return NATS_PER_PARAMETER * max(experiment.correlation for experiment in problem.experiments)
 
 
-def hypothesis(
+def gated_hypothesis(
     effects: tuple[str, ...],
     problem: Problem,
     fitted: Fit,
     reduction: tuple[float, float] = (0.0, 0.0),
     laws: tuple[float, float] = (0.0, 0.0),
-) -> Hypothesis:
-    """A fit judged; reduction, laws: what it may leave and why (see Hypothesis)."""
+) -> GatedHypothesis:
+    """Judge a fit. reduction, laws: as in GatedHypothesis."""
     parameters = sum(len(catalogue()[name].parameters) for name in effects)
     likelihood = -fitted.misfit - held_out_misfit(problem, fitted) - nats_per_parameter(problem) * parameters
-    granted = np.hypot(ALLOWANCE * np.array(reduction), laws)
-    train = adequacy(problem, fitted, held_out=False, granted=float(granted[0]))
-    judged = adequacy(problem, fitted, held_out=True, granted=float(granted[1]))
-    return Hypothesis(effects, problem, fitted, likelihood, train, judged, reduction, laws)
+    discrepancy_rms = np.hypot(ALLOWANCE * np.array(reduction), laws)
+    train = adequacy(problem, fitted, held_out=False, discrepancy_rms=float(discrepancy_rms[0]))
+    judged = adequacy(problem, fitted, held_out=True, discrepancy_rms=float(discrepancy_rms[1]))
+    return GatedHypothesis(effects, problem, fitted, likelihood, train, judged, reduction, laws)
 
 
-def material_gain(current: Hypothesis) -> float:
-    """Nats below which a gain is not called physics: structure of MATERIAL noise sigmas, of the reduction's or of the
-    laws', over all residuals.
+def material_gain(current: GatedHypothesis) -> float:
+    """The smallest gain [nats] that counts as physics.
+
+    It is the misfit, over all residuals, of MATERIAL noise sigmas with the errors of the reduction and of the laws.
     """
     structure = MATERIAL**2 + (ALLOWANCE * current.reduction[0]) ** 2 + current.laws[0] ** 2
     return 0.5 * structure * current.fitted.count
 
 
-def variance_inflation(judged: Hypothesis) -> float:
-    """Factor by which nats overstate the evidence: the rest's variance over the noise's, times its correlation time
-    in frames.
+def variance_inflation(judged: GatedHypothesis) -> float:
+    """Factor by which nats overstate the evidence.
 
-    1 where the rest is white noise of the stated size. It widens ties and intervals where the model is not complete.
+    It is the variance of the residual over that of the noise, times the residual's correlation time in frames: 1 for
+    white noise of the stated size. It widens ties and intervals if the model is not complete.
     """
     values, weights = [], []
     for experiment, residuals in zip(judged.problem.experiments, judged.fitted.residuals, strict=True):
@@ -141,23 +141,23 @@ def variance_inflation(judged: Hypothesis) -> float:
     return float(max(1.0, np.average([np.mean(value) for value in values], weights=weights)))
 
 
-def parameter_interval(judged: Hypothesis, index: int, loose: float) -> tuple[float, float]:
-    """95 % interval of one free parameter, widened where the model is not complete, cut at the physical bounds."""
+def parameter_interval(judged: GatedHypothesis, index: int, inflation: float) -> tuple[float, float]:
+    """95 % interval of one free parameter, widened by the inflation and cut at the physical bounds."""
     spread: Array = np.sqrt(np.maximum(np.diag(judged.fitted.covariance), 0.0))
-    half = 1.96 * float(spread[index]) * np.sqrt(loose)
+    half = 1.96 * float(spread[index]) * np.sqrt(inflation)
     low, high = (limit[index] for limit in judged.problem.bounds())
     value = float(judged.fitted.values[index])
     return max(low, value - half), min(high, value + half)
 
 
-def estimates(judged: Hypothesis, loose: float) -> dict[str, dict[str, Estimate]]:
+def estimates(judged: GatedHypothesis, inflation: float) -> dict[str, dict[str, Estimate]]:
     """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
     units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
     table: dict[str, dict[str, Estimate]] = {}
     for index, (effect, name) in enumerate(judged.problem.free):
         if effect == DECLARED:
             continue
-        low, high = parameter_interval(judged, index, loose)
+        low, high = parameter_interval(judged, index, inflation)
         value = float(judged.fitted.values[index])
         table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
     return table

@@ -1,4 +1,4 @@
-"""How well the data know the parameters: condition, what is pinned, channels that say nothing, the clock."""
+"""How well the data determine the parameters: condition, parameters at a bound, silent channels, the clock."""
 
 from __future__ import annotations
 
@@ -8,22 +8,21 @@ import numpy as np
 
 from affine_model.arm import parameter_index, parameter_rows
 from affine_model.curvature import Array
-from inference.trajectory import DIFFERENCE, Fit, ParameterName, Problem
+from inference.trajectory import PARAMETER_DIFFERENCE, Fit, ParameterName, Problem
 
-DEAD = 1e-6  # of the strongest channel's sensitivity: below, a channel is blind to every parameter
-CLOCK = ("time_offset", "offset")
+DEAD = 1e-6  # of the strongest channel's sensitivity: a weaker channel sees no parameter
+CLOCK_PARAMETER = ("time_offset", "offset")
 
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What a fit's data can tell.
+    """What the data of a fit determine.
 
-    condition: of the parameters' information, each in units of its own standard error, all else marginalised (1: every
-    parameter is seen by itself; 1e4: one combination is known 100 times worse). weakest: that combination, as shares
-    (F,) of unit length in the same units. at_bound: parameters pinned at a bound. dead: of every recording, the
-    places of the observation's channels that say nothing: never seen, or moved by no parameter. clock (offset [s],
-    standard error [s]): by how much the motor's clock would have to move for the best fit, to first order; NaN where
-    the clock is among the fitted parameters.
+    condition: condition number of the estimates' correlation matrix (1: every parameter is seen by itself; 1e4: one
+    combination is known 100 times worse). weakest: that combination, a unit vector (F,). at_bound: parameters at a
+    bound. dead: for each recording the places of the channels that say nothing, as they were never seen or no parameter
+    moves them. clock (offset [s], standard error [s]): the shift of the motor's clock that fits best, to first order;
+    NaN if the clock is among the fitted parameters.
     """
 
     condition: float
@@ -34,7 +33,7 @@ class Identifiability:
 
 
 def identifiability(problem: Problem, fitted: Fit) -> Identifiability:
-    """Judge a finished fit; it costs two simulations of every recording."""
+    """Judge a finished fit. It takes two simulations of every recording."""
     spread = np.sqrt(np.maximum(np.diag(fitted.covariance), 1e-300))
     values, vectors = np.linalg.eigh(fitted.covariance / np.outer(spread, spread))
     return Identifiability(
@@ -47,7 +46,7 @@ def identifiability(problem: Problem, fitted: Fit) -> Identifiability:
 
 
 def _dead_channels(problem: Problem, fitted: Fit) -> tuple[tuple[int, ...], ...]:
-    """Places of the channels of each recording whose rows of the Jacobian vanish, parameters' columns alone."""
+    """Places of the channels of each recording whose rows vanish in the parameters' columns of the Jacobian."""
     place, dead = 0, []
     for experiment, residuals, nuisances in zip(problem.experiments, fitted.residuals, fitted.nuisances, strict=True):
         frames, channels = int(experiment.used.sum()), residuals.shape[1]
@@ -61,16 +60,16 @@ def _dead_channels(problem: Problem, fitted: Fit) -> tuple[tuple[int, ...], ...]
 
 
 def _clock(problem: Problem, fitted: Fit) -> tuple[float, float]:
-    """Gauss-Newton's step in the clock's offset from the fitted model, with its standard error."""
-    if CLOCK in fitted.free or not problem.experiments:
+    """The Gauss-Newton step in the clock's offset from the fitted model, with its standard error."""
+    if CLOCK_PARAMETER in fitted.free or not problem.experiments:
         return np.nan, np.nan
-    row = parameter_index(*CLOCK)
+    row = parameter_index(*CLOCK_PARAMETER)
     nominal = next(r.parameter.nominal for r in parameter_rows() if r.index == row)
     moved = np.repeat(fitted.parameters[:, None], 2, axis=1)
-    moved[row] += np.array([1.0, -1.0]) * DIFFERENCE * nominal
+    moved[row] += np.array([1.0, -1.0]) * PARAMETER_DIFFERENCE * nominal
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
     values = problem.residuals_of(moved, np.repeat(unknowns[:, None], 2, axis=1))
-    column = (values[:, 0] - values[:, 1]) / (2.0 * DIFFERENCE * nominal)
+    column = (values[:, 0] - values[:, 1]) / (2.0 * PARAMETER_DIFFERENCE * nominal)
     size = np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
     own = column - fitted.jacobian / size @ np.linalg.lstsq(fitted.jacobian / size, column, rcond=None)[0]
     information = float(own @ own)

@@ -11,10 +11,10 @@ from affine_model.arm import Arm
 from affine_model.curvature import Array
 from inference.base_fit import Setting, fit_base, initial_nuisances, needed_order
 from inference.bootstrap import bootstrap
-from inference.compare import errors, reduced_shape, run_comparison
+from inference.compare import reduced_shape, run_comparison, run_errors
 from inference.declared_arm import names_of
 from inference.declared_words import declared_words
-from inference.hypothesis import Hypothesis, estimates, hypothesis, variance_inflation
+from inference.hypothesis import GatedHypothesis, estimates, gated_hypothesis, variance_inflation
 from inference.identifiability import Identifiability, identifiability
 from inference.measured_motion import MeasuredCourse
 from inference.observation import POSE, ShapeObservation
@@ -27,19 +27,19 @@ from tentacle.model import Model
 from tentacle.notebook import html_paragraph
 from tentacle.recording import Recording
 
-CLOCK_DOUBT = 4.0  # standard errors from which on an offset of the clock is worth a word
-ILL = 0.99  # two parameters whose estimates correlate by more than this are not known apart
+CLOCK_DOUBT = 4.0  # standard errors: a larger offset of the clock is reported
+ILL = 0.99  # correlation of two estimates above which the data cannot separate them
 
 
 @dataclass(frozen=True)
 class Identification:
     """An identified model and how well it is known.
 
-    regression: the paper's values by eq. 18-19 (effect.parameter -> value), empty where q was not measured or the
-    base has no motor log; errors on the judged frames; correlation (F, F) of the estimates in the order of free;
-    at_bound: parameters that ended on a bound; identifiability: what the fitted recordings can tell; bootstrap: 95 %
-    intervals by resampling (effect.parameter -> low, high), empty unless asked for; words: remarks.
-    adequate: what the model leaves of the fitted recordings passes for noise, in size, in time and over the run.
+    regression: the paper's values by eq. 18-19 (effect.parameter -> value), empty if q was not measured or there is no
+    motor log. errors: on the judged frames. correlation (F, F): of the estimates, in the order of free. at_bound:
+    parameters that ended on a bound. identifiability: what the fitted recordings determine. bootstrap: 95 % intervals
+    by resampling (effect.parameter -> low, high), empty unless asked for. words: remarks. adequate: the residual of the
+    fitted recordings looks like noise in its size, its correlation and its drift.
     """
 
     model: Model
@@ -88,7 +88,7 @@ def identify(
     if order is None:
         setting = replace(setting, order=needed_order(setting, complete=True))
     problem, fitted = fit_base(setting, setting.order)
-    judged = hypothesis((), problem, fitted)
+    judged = gated_hypothesis((), problem, fitted)
     prepared = [replace(p, experiment=e) for p, e in zip(prepared, problem.experiments, strict=True)]
     shown, final = (judges, _initial_states(setting, problem, judges)) if judges else (prepared, (problem, fitted))
     runs = [run_comparison(p, place, final, final, False) for place, p in enumerate(shown)]
@@ -100,7 +100,7 @@ def identify(
     return Identification(
         model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, estimates(judged, variance_inflation(judged))),
         regression=_paper_regression(replace(arm, order=2), problem, fitted, prepared),
-        errors=errors(runs, shown, augmented=False),
+        errors=run_errors(runs, shown, augmented=False),
         held_out=bool(judges),
         free=tuple(".".join(name) for name in fitted.free),
         correlation=correlation,
@@ -126,9 +126,7 @@ def _initial_states(setting: Setting, problem: Problem, judges: list[Prepared]) 
 
 
 def _paper_regression(arm: Arm, problem: Problem, fitted: Fit, prepared: list[Prepared]) -> dict[str, float]:
-    """Eq. 18-19 on the first recording whose q was measured under a moving base; the paper differentiates
-    numerically.
-    """
+    """The regression of eq. 18-19 with numerical derivatives, on the first recording that has q and a moving base."""
     for p in prepared:
         observation = p.experiment.observation
         if not isinstance(observation, ShapeObservation) or p.experiment.release is not None:
@@ -144,11 +142,11 @@ def _paper_regression(arm: Arm, problem: Problem, fitted: Fit, prepared: list[Pr
 
 
 def _told(problem: Problem, known: Identifiability) -> list[str]:
-    """What the recordings leave open, in words."""
+    """Sentences about what the recordings do not determine."""
     words = [f"Condition of the parameters' information: {known.condition:.3g}."]
     for experiment, dead in zip(problem.experiments, known.dead, strict=True):
         shapes = isinstance(experiment.observation, ShapeObservation)
-        # Pose answers to the camera alone, and curvatures beyond the model's order to nothing, as they should.
+        # Silence is right for the pose, which the camera alone moves, and for curvatures beyond the model's order.
         curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < POSE + problem.arm.order]
         markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes]
         if curvatures or markers:
@@ -159,12 +157,14 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
     return words
 
 
-def _remarks(judged: Hypothesis, correlation: Array) -> tuple[str, ...]:
+def _remarks(judged: GatedHypothesis, correlation: Array) -> tuple[str, ...]:
     words = [] if judged.fitted.result.converged else [judged.fitted.result.message]
     names = [".".join(name) for name in judged.fitted.free]
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
         if abs(correlation[i, j]) > ILL:
-            words.append(f"{names[i]} and {names[j]} are not known apart (correlation {correlation[i, j]:.4f}).")
+            words.append(
+                f"{names[i]} and {names[j]} cannot be separated by these data (correlation {correlation[i, j]:.4f})."
+            )
     words += [f"{'.'.join(name)} ended on a bound." for name in judged.fitted.at_bound]
     words += [
         f"{gate.name}: {gate.words}; the model is not complete." for gate in judged.train.gates if not gate.passed

@@ -1,4 +1,4 @@
-"""The Kalman filter's two loops, compiled: gains along a recording, and columns of residuals whitened with them."""
+"""The two compiled loops of the Kalman filter: gains along a recording, and whitening of columns of residuals."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ from tentacle.compiled import njit
 
 @njit(cache=True, nogil=True)
 def gains_along(transition, push, added, start, observation):
-    """Gain (C, N, K), inverse Cholesky root (C, K, K) of every innovation, and half its log determinant, of a state
-    with that transition (N, N), its last J entries pushing the others by push (C, N, J), added covariance
-    (N, N), covariance at the start, seen by observation (C, K, N) in unit noise. A cell whose rows are 0 tells nothing.
+    """Gain (C, N, K), inverse Cholesky root (C, K, K) of every innovation, and half the log determinant.
+
+        x_k+1 = (transition + [0, push_k]) x_k + w,  cov(w) = added;    y_k = observation_k x_k + v,  cov(v) = 1
+
+    transition (N, N); push (C, N, J): how the last J entries of the state act on the others; added (N, N); start
+    (N, N): covariance at the start; observation (C, K, N). A cell whose rows are 0 adds no information.
     """
     cells, count, size = observation.shape
     gain = np.zeros((cells, size, count))

@@ -1,4 +1,4 @@
-"""What no law is known well enough to explain, as Gaussian processes that act beside the model.
+"""Unknown forces and errors, as Gaussian processes that act beside the model.
 
     y(t_k) = h(x(t_k); parameters, effects) + H_k (z + b + e) + noise_k,        noise_k white, unit after whitening
     M z'' + D z' + K z = a F (f(t) + f_0) + Q(t) c - (M_b b'' + D_b b' + K_b b)
@@ -29,14 +29,14 @@ from affine_model.curvature import Array
 from inference.kalman import gains_along, whitened_along
 
 ELL = 1.0  # of the motion's own time, rms angle over rms rate: time scale of the latent force
-REACH = 0.3  # arm lengths over which the latent force hangs together
+CORRELATION_LENGTH = 0.3  # arm lengths: of the latent force
 POSE_SHARE = 0.03  # of a: constant errors of the camera's scale [1] and roll [rad]
-PLACE = 3e-4  # m: how well someone knows where a marker sits
-POSE_FLOOR = 3e-4  # the same at any a: nobody measures a length or an angle of a set-up to better than that
-SHAPE_SHARE = 0.3  # of the force's share a: what the reduction to few coordinates loses follows the motion itself
+PLACE = 3e-4  # m: standard deviation of a marker's declared place
+POSE_FLOOR = 3e-4  # the same at any a: lengths and angles of a set-up are not measured more accurately
+SHAPE_SHARE = 0.3  # of the force's share a: the error of few coordinates follows the motion itself
 SHAPE_TIME = 2.0  # of the latent force's time: that of the measured shape's own slow error
-CELLS = 4.5  # of frames averaged in the latent force's time: they carry all of such a force
-FASTEST = 4.0 * np.pi * CELLS  # of the latent force's rate: twice what cells can show
+CELLS = 4.5  # cells of averaged frames in the latent force's time: enough to show all of such a force
+FASTEST_MODE = 4.0 * np.pi * CELLS  # of the latent force's rate: twice what cells can show
 DOUBLINGS = 12
 
 
@@ -113,8 +113,8 @@ class Filter:
 
 @dataclass(frozen=True)
 class SeenError:
-    """Slow errors of what is seen: rows (C, K, E) that each cell sees of them, their rms at a = 1 in the motion's own
-    size (E,), and what they are at any a (E,), both in the unit of the rows.
+    """Slow errors of the observation: how each cell sees them, rows (C, K, E); their rms size (E,) at a = 1; and the
+    part of it that is there at any a, floor (E,). Both in the unit of the rows.
     """
 
     rows: Array
@@ -143,9 +143,11 @@ class LatentForce:
         return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
     def state_equation(self, a: float) -> tuple[Array, Array, Array]:
-        """Drift F (N, N) and diffusion G (N, N) of the state [z, z', f', b, b', e, f_0, pose, place, f, c], and its
-        covariance at the start; what f and c, the last, push is not in it. z and z' begin at zero: the initial state is
-        among the fit's own unknowns.
+        """Drift F (N, N), diffusion G (N, N) and initial covariance of the state [z, z', f', b, b', e, f_0, pose,
+        place, f, c].
+
+        The action of f and c on the others is not in F. z and z' begin at zero, as the initial state is an unknown of
+        the fit.
         """
         lin, at = self.linearised, self._places()
         n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / lin.time, at["c"].stop
@@ -201,7 +203,7 @@ def with_scaled_mass(mass: Array, stiffness: Array, time: float) -> Array:
     n = mass.shape[0]
     squares, modes = eigh(stiffness[:, :n], mass[:, :n])
     inverse = np.linalg.inv(modes)
-    scaled = inverse.T @ np.diag(np.maximum(1.0, squares * (time / FASTEST) ** 2)) @ inverse
+    scaled = inverse.T @ np.diag(np.maximum(1.0, squares * (time / FASTEST_MODE) ** 2)) @ inverse
     return np.concatenate([scaled, mass[:, n:]], axis=1)
 
 

@@ -1,9 +1,8 @@
-"""Least squares within bounds for problems whose residuals cost little in batches: Levenberg-Marquardt, eight
-dampings at once.
+"""Least squares within bounds by Levenberg-Marquardt, for residuals that are cheap in batches: eight dampings at once.
 
-The kernel simulates sixteen individuals for the price of one, so every damping of a whole ladder is tried in the same
-batch and the best is taken: no step is refused, and a fit takes about half the rounds of a trust region that tries
-one. Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
+The kernel simulates sixteen individuals in the time of one. Therefore each round tries a ladder of dampings in one
+batch and takes the best. A fit then takes about half the rounds of a trust region that tries one step at a time.
+Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
 """
 
 from __future__ import annotations
@@ -58,7 +57,7 @@ def minimise(
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
             return Minimum(x, round_number, RESULTS.AT_BOUND, cost)
-        for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more, far more cautiously
+        for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more with far larger dampings
             ladder = np.clip(rungs, SMALLEST, LARGEST)
             trials = np.repeat(x[:, None], ladder.size, axis=1)
             room = low[free] - x[free], high[free] - x[free]
@@ -79,7 +78,7 @@ def minimise(
 
 
 def _ending(curvature: Array, free: np.ndarray) -> RESULTS:
-    """How a search ended that converged: curvature (P, P) of the last round, free (P,) those not held by a bound."""
+    """The result code of a converged search. curvature (P, P): of the last round; free (P,): not held by a bound."""
     kept = curvature[np.ix_(free, free)]
     size = np.sqrt(np.maximum(np.diag(kept), 1e-300))
     values = np.linalg.eigvalsh(kept / np.outer(size, size))
@@ -89,8 +88,10 @@ def _ending(curvature: Array, free: np.ndarray) -> RESULTS:
 
 
 def _steps(curvature: Array, gradient: Array, ladder: Array, room: tuple[Array, Array]) -> Array:
-    """Damped Gauss-Newton steps (F, B), one a damping, by one eigendecomposition in the diagonal's scale; where one
-    leaves its room (lowest and highest steps), the unknowns that leave go to their bound and the others answer to that.
+    """Damped Gauss-Newton steps (F, B), one for each damping, by one eigendecomposition in the diagonal's scale.
+
+    room: the lowest and the highest step of each unknown. If a step leaves it, those unknowns go to their bound, and
+    the others are solved again.
     """
     size = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
     scaled = curvature / np.outer(size, size)

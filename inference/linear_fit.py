@@ -17,7 +17,7 @@ ParameterName = tuple[str, str]  # effect, parameter
 class LinearFit:
     """free: names of the fitted parameters; values (F,); covariance (F, F), from the residual's own scatter;
     parameters (R,) the whole vector; condition of the scaled columns (1: each parameter is seen by itself);
-    residual (N,) what stays.
+    residual (N,) after the fit.
     """
 
     free: tuple[ParameterName, ...]

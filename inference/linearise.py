@@ -14,8 +14,17 @@ from affine_model.dynamics import balance
 from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
 from inference.experiment import Experiment, Prediction, predict
-from inference.latent_force import ELL, REACH, Cells, LatentForce, Linearised, SeenError, cells_of, with_scaled_mass
-from inference.observation import MarkerObservation
+from inference.latent_force import (
+    CORRELATION_LENGTH,
+    ELL,
+    Cells,
+    LatentForce,
+    Linearised,
+    SeenError,
+    cells_of,
+    with_scaled_mass,
+)
+from inference.observation import TRACKER_ERROR, MarkerObservation
 from inference.trajectory import Problem
 
 STATES = 24  # of the run, over which the equations are averaged
@@ -26,15 +35,12 @@ VARIED = (
     "carried_water", "normal_inertia", "rotary_inertia", "weight",
 )  # fmt: skip
 LAW_KNOWN, LAW_FOUND = 0.03, 0.3  # relative variation along the arm of a declared law, and of an effect that is sought
-TRACKED = 0.83  # noise deviations: a tracker states its noise to 30 % (benchmarks/vision.py), and errs for long
 
 
 def latent_forces(
     problem: Problem, parameters: Array, nuisances: tuple[Array, ...], added: tuple[str, ...] = ()
 ) -> tuple[LatentForce, ...]:
-    """The latent force of every recording, about the run with these unknowns; added: effects whose laws are known less
-    well.
-    """
+    """The latent force of every recording about the run with these unknowns. added: effects with less certain laws."""
     found = []
     problem, parameters = problem.known(parameters)
     for place, experiment in enumerate(problem.experiments):
@@ -48,9 +54,7 @@ def latent_forces(
 
 
 def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) -> Array:
-    """Rows (T, K, n + 2 + P): what a change of the coordinates, the base angle, the scale and of P markers' places does
-    to what is seen.
-    """
+    """Derivatives (T, K, n + 2 + P) of the observation by the coordinates, base angle, scale and P markers' places."""
     n, observation = arm.order, experiment.observation
     roll = np.full(n + 3, parameters[parameter_index("camera_roll", "roll")])
     scale = np.full(n + 3, parameters[parameter_index("camera_scale", "excess")])
@@ -84,7 +88,7 @@ def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> Se
     rows = seen[:, :, : n + 1]
     information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
     noise = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
-    return SeenError(rows, np.append(shape.std(axis=0), 0.0), TRACKED * observation.tracked * noise)
+    return SeenError(rows, np.append(shape.std(axis=0), 0.0), TRACKER_ERROR * observation.tracked * noise)
 
 
 def _own_time(arm: Arm, run: Prediction) -> float:
@@ -102,7 +106,7 @@ def _linearised(
     sampled: tuple[Cells, float],
     added: tuple[str, ...],
 ) -> Linearised:
-    """The equations averaged over states of the run; the sizes of what acts and moves in it."""
+    """The equations averaged over states of the run, and the sizes of its forces and motion."""
     n, batch, (cells, time) = arm.order, run.batch, sampled
     u = np.concatenate([arm.from_monomial @ batch.q[:, :, 0].T, batch.theta[None, :, 0], 0.0 * batch.theta[None, :, 0]])
     rate = np.concatenate([arm.from_monomial @ batch.q_rate[:, :, 0].T, batch.theta_rate[None, :, 0], 0.0 * u[:1]])
@@ -156,8 +160,9 @@ def _envelope(motion: Array, t: Array, at: Array, time: float) -> Array:
 
 
 def _passive(columns: Array) -> Array:
-    """Damping or stiffness (n, n + 1) whose symmetric part (n, n) feeds no motion: an average along a run that a
-    poor fit makes unstable would let the unknown force grow without bound.
+    """Damping or stiffness (n, n + 1) with a positive semidefinite symmetric part (n, n).
+
+    The average along a poorly fitted run can be unstable. The unknown force would then grow without bound.
     """
     n = columns.shape[0]
     values, vectors = np.linalg.eigh(0.5 * (columns[:, :n] + columns[:, :n].T))
@@ -203,7 +208,7 @@ def _force_root(arm: Arm, parameters: Array, acceleration: Array, u: Array) -> A
     E, k0, k1 = (parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
     stiffness = E * node["second_moment"] / length + k0 + k1 * node["s"]
     moment = stiffness * np.sqrt(np.mean((arm.curvature_basis @ u[:n]) ** 2, axis=1))
-    alike = np.exp(-0.5 * ((node["s"][:, None] - node["s"]) / REACH) ** 2)
+    alike = np.exp(-0.5 * ((node["s"][:, None] - node["s"]) / CORRELATION_LENGTH) ** 2)
     pushed = (length * rule.weights * inertia)[:, None] * across[:, :n]
     bent = (rule.weights * moment)[:, None] * arm.curvature_basis
     covariance = pushed.T @ alike @ pushed + bent.T @ alike @ bent

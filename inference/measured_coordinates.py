@@ -1,4 +1,4 @@
-"""What figures need of a recording: q over time as measured, and an identified model beside it."""
+"""Data for figures: q over time as measured, and an identified model beside it."""
 
 from __future__ import annotations
 
@@ -28,16 +28,18 @@ def coordinates(recording: Recording) -> tuple[Array, Array]:
 
 
 def beside_model(recording: Recording, model: Model) -> RunComparison:
-    """A recording beside an identified model that runs open loop; only initial state, camera shift are fitted."""
+    """A recording beside an identified model that runs open loop. Only initial state and camera shift are fitted."""
     from affine_model.arm import arm_of, parameter_vector
-    from inference.base_fit import STEP, initial_nuisances, settled
+    from inference.base_fit import FIRST_STEP, initial_nuisances, refit_noise_and_step
     from inference.compare import run_comparison
     from inference.prepare import prepare
     from inference.trajectory import Problem, fit
 
     prepared = prepare(recording, hold_out=False)
-    problem = Problem(arm_of(model), (prepared.experiment,), (), parameter_vector(model), STEP)
-    problem, fitted = settled(problem, fit(problem, (initial_nuisances(prepared.experiment, model.order),)))
+    problem = Problem(arm_of(model), (prepared.experiment,), (), parameter_vector(model), FIRST_STEP)
+    problem, fitted = refit_noise_and_step(
+        problem, fit(problem, (initial_nuisances(prepared.experiment, model.order),))
+    )
     run, _, _ = run_comparison(prepared, 0, (problem, fitted), (problem, fitted), False)
     return run
 

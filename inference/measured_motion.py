@@ -1,6 +1,4 @@
-"""A measured motion made ready for regression: smoothed curvatures with their derivatives, base motion,
-memory of its effects.
-"""
+"""A measured motion prepared for regression: smoothed curvatures, their derivatives, base motion and memory."""
 
 from __future__ import annotations
 
@@ -70,8 +68,8 @@ def measured_motion(
     """The motion behind measured curvatures q (T, n) at t (T,) [s], the base turning as base (3, T): theta and
     derivatives.
 
-    Derivatives come from quartics over `window` samples (local_polynomials); q_rate (T, n), where it was measured,
-    stands instead of the first, and is differentiated in place of q for the second.
+    Derivatives come from quartics over `window` samples (local_polynomials). A measured q_rate (T, n) replaces the
+    first derivative, and its own derivative replaces the second.
     """
     smooth, rate, acceleration = local_polynomials(t, q, window)
     if q_rate is not None:
@@ -84,7 +82,7 @@ def measured_motion(
 
 
 def memory_along(arm: Arm, parameters: Array, motion: MeasuredMotion) -> Array:
-    """What the acting effects remember along the motion (T, S, N), zero at the start (dynamics.advanced_memory)."""
+    """Memory (T, S, N) of the acting effects along the motion, zero at the start (dynamics.advanced_memory)."""
     effects = active_effects(parameters)
     c_rate = motion.u_rate[:, : arm.order] @ arm.curvature_basis.T
     memory = np.zeros((motion.t.size, len(remembering(effects)), arm.nodes))

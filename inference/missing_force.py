@@ -28,12 +28,12 @@ from inference.linearise import latent_forces
 from inference.observation import POSE, ShapeObservation
 from inference.trajectory import Fit, Problem
 
-STEP = 1.0 / 150.0  # s, of the small motions
-DIFFERENCE = 1e-5  # rad, rad/s: slopes of the equations
+MOTION_STEP = 1.0 / 150.0  # s, of the small motions
+STATE_DIFFERENCE = 1e-5  # rad, rad/s: slopes of the equations
 TIME_SCALE = 0.08  # s, of the latent force: a stop or a jet is shorter than what the evidence allows for
-SHARES = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of the acting forces
+SMOOTHER_SHARES = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of the acting forces
 START_SHAPE, START_RATE, TINY = 0.3, 5.0, 1e-10  # rad, rad/s of the state before the first frame; against rounding
-SPARE = 0.05  # s: frames nearer to the run's ends are left out
+END_MARGIN = 0.05  # s: frames nearer to the run's ends are left out
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Smoothed:
 
 def likeliest(force: LatentForce, given: tuple[Array, Array]) -> Smoothed:
     """The smoothed state at the share of unknown forces that makes the given cells the likeliest."""
-    return max((smoothed(force, given, float(share)) for share in SHARES), key=lambda one: one.log_likelihood)
+    return max((smoothed(force, given, float(share)) for share in SMOOTHER_SHARES), key=lambda one: one.log_likelihood)
 
 
 def smoothed(force: LatentForce, given: tuple[Array, Array], share: float) -> Smoothed:
@@ -156,7 +156,7 @@ def _motion(
     assert isinstance(observation, ShapeObservation)
     shown = observation.t[experiment.used & observation.seen]
     first, last = max(run.t[0], force.cells.t[0]), min(run.t[-1], force.cells.t[-1], shown[-1])
-    t: Array = np.arange(first, last - STEP, STEP) + 0.5 * STEP
+    t: Array = np.arange(first, last - MOTION_STEP, MOTION_STEP) + 0.5 * MOTION_STEP
     parts = []
     for slope in range(3):
         shape = model(t, slope) + change(t, slope)
@@ -221,12 +221,12 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     n = arm.order
     own = experiment.own(parameters[:, None], fitted.nuisances[place][:, None])[:, 0]
     advance, push = _equations(arm, own, motion)
-    begin = motion.t[0] - 0.5 * STEP
-    lasts = motion.t[-1] + 0.5 * STEP
+    begin = motion.t[0] - 0.5 * MOTION_STEP
+    lasts = motion.t[-1] + 0.5 * MOTION_STEP
     offset = parameters[parameter_index("time_offset", "offset")]
     t = observation.t + offset
-    shown = np.flatnonzero(experiment.used & observation.seen & (t >= begin + SPARE) & (t <= lasts - SPARE))
-    when = (t[shown] - begin) / STEP
+    shown = np.flatnonzero(experiment.used & observation.seen & (t >= begin + END_MARGIN) & (t <= lasts - END_MARGIN))
+    when = (t[shown] - begin) / MOTION_STEP
     gain = experiment.noise_gain[:, None]
     rows = observation.root[shown][:, :, POSE : POSE + n] / gain
     spline = CubicSpline(motion.t, motion.u[:, : n + 1])(t[shown])
@@ -265,11 +265,11 @@ def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, 
     none = np.zeros(n + 2)
     stiffness, damping = np.zeros((2, motion.t.size, n, n))
     for k in range(n):
-        step = DIFFERENCE * np.eye(n + 2)[k]
-        stiffness[:, :, k] = (lacks(step, none) - lacks(-step, none)) / (2.0 * DIFFERENCE)
-        damping[:, :, k] = (lacks(none, step) - lacks(none, -step)) / (2.0 * DIFFERENCE)
+        step = STATE_DIFFERENCE * np.eye(n + 2)[k]
+        stiffness[:, :, k] = (lacks(step, none) - lacks(-step, none)) / (2.0 * STATE_DIFFERENCE)
+        damping[:, :, k] = (lacks(none, step) - lacks(none, -step)) / (2.0 * STATE_DIFFERENCE)
     mass = balance(arm, effects, parameters, motion.u, motion.rate, at).mass_matrix[:, :n, :n]
-    h, one = STEP, np.broadcast_to(np.eye(n), mass.shape)
+    h, one = MOTION_STEP, np.broadcast_to(np.eye(n), mass.shape)
     # (M + h/2 D + h^2/4 K) dv = h (f - D v - K d - h/2 K v), d' = d + h v + h/2 dv
     matrix = mass + 0.5 * h * damping + 0.25 * h**2 * stiffness
     right = np.concatenate([-h * stiffness, -h * (damping + 0.5 * h * stiffness), h * one], axis=2)

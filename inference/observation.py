@@ -27,6 +27,8 @@ from affine_model.curvature import (
 from tentacle.signals import Markers, Midline, ShapeTrack
 
 SHAPE_NODES = 16
+# Noise deviations: a tracker states its noise to 30 % (benchmarks/vision.py), and the rest of its error is slow.
+TRACKER_ERROR = 0.83
 POSE = 4  # base angle offset [rad], shift x, shift y [m], log of the apparent scale
 
 
@@ -76,7 +78,7 @@ class ShapeObservation:
         error[:, POSE : POSE + kept] -= z[:, :kept]
         return np.matmul(self.root, error)
 
-    def less(self, rows: Array) -> ShapeObservation:
+    def subtract_residual(self, rows: Array) -> ShapeObservation:
         """The same less whitened residuals (T, K): the shapes that the model that left them has."""
         change = np.einsum("tkl,tl->tk", np.linalg.pinv(self.root), rows)
         return replace(self, coefficients=self.coefficients - change)
@@ -105,7 +107,7 @@ class MarkerObservation:
         error = (self.xy[:, None] - points) / self.sigma
         return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))
 
-    def less(self, rows: Array) -> MarkerObservation:
+    def subtract_residual(self, rows: Array) -> MarkerObservation:
         """The same less whitened residuals (T, 2 M): the markers where the model that left them has them."""
         return replace(self, xy=self.xy - self.sigma * rows.reshape(self.xy.shape))
 

@@ -24,10 +24,10 @@ from inference.declared_arm import DECLARED
 from inference.experiment import MEMORY_PRIOR
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.trajectory import Fit, ParameterName, Problem, finished, fit, located, split
+from inference.trajectory import Fit, ParameterName, Problem, fit, linearised_fit, minimised, split
 from tentacle.model import Estimate
 
-SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
+FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
 ROUGHLY, CLOSELY = 1e-3, 5e-5  # a fit's tolerance, as a share of its sum of squares: some nats, and a tenth of one
 
 
@@ -55,8 +55,8 @@ class Hypothesis:
 
     def profile(self) -> tuple[Array, Array]:
         """The log evidence at finely spaced shares."""
-        fine = np.geomspace(SHARES[0], SHARES[-1], 241)
-        return fine, np.asarray(PchipInterpolator(np.log(SHARES), self.log_evidence)(np.log(fine)))
+        fine = np.geomspace(FORCE_SHARES[0], FORCE_SHARES[-1], 241)
+        return fine, np.asarray(PchipInterpolator(np.log(FORCE_SHARES), self.log_evidence)(np.log(fine)))
 
     def share_interval(self) -> tuple[float, float]:
         """95 % interval of that share, under a flat prior of its logarithm."""
@@ -67,7 +67,7 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
-class Rough:
+class RoughFit:
     """A problem near its best under some share of unknown forces: half its sum of squares there [nats]."""
 
     effects: tuple[str, ...]
@@ -81,7 +81,7 @@ def rough_fit(
     starts: Sequence[tuple[Problem, tuple[Array, ...]]],
     forces: tuple[LatentForce, ...],
     share: float,
-) -> Rough:
+) -> RoughFit:
     """The best of several starts of a problem, whose free parameters include those of the effects, fitted with as large
     a share of unknown forces as is missing without them: it finds its valley from afar.
     """
@@ -89,55 +89,55 @@ def rough_fit(
     found = []
     for problem, nuisances in starts:
         problem = replace(problem, filters=filters)
-        unknowns, lowest = located(problem, nuisances, tolerance=ROUGHLY, most=30)
-        found.append(Rough(effects, *_moved(problem, unknowns), lowest.cost))
+        unknowns, lowest = minimised(problem, nuisances, tolerance=ROUGHLY, most=30)
+        found.append(RoughFit(effects, *_moved(problem, unknowns), lowest.cost))
     return min(found, key=lambda one: one.cost)
 
 
 def declared_model(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
     """The model as declared, from where a fit without unknown forces left it."""
-    return hypothesis(Rough((), problem, nuisances, 0.0))
+    return fit_hypothesis(RoughFit((), problem, nuisances, 0.0))
 
 
-def hypothesis(rough: Rough) -> Hypothesis:
+def fit_hypothesis(rough: RoughFit) -> Hypothesis:
     """The problem fitted and judged with the share of unknown forces that fits best there.
 
     A fit may follow the data far better where less is forgiven, so the share is looked for again after each.
     """
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects)
-    fitted = finished(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
+    fitted = linearised_fit(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
     tried = set[float]()
     while True:
         evidences = log_evidences(problem, fitted, forces)
-        share = float(SHARES[int(np.argmax(evidences))])
+        share = float(FORCE_SHARES[int(np.argmax(evidences))])
         if share in tried:
             return Hypothesis(rough.effects, problem, fitted, forces, evidences)
         tried.add(share)
         problem = replace(problem, filters=tuple(force.filter(share) for force in forces))
-        unknowns, lowest = located(problem, nuisances, tolerance=CLOSELY, most=40)
+        unknowns, lowest = minimised(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
-        fitted = replace(finished(problem, unknowns, 0), result=lowest.result)
+        fitted = replace(linearised_fit(problem, unknowns, 0), result=lowest.result)
 
 
-def with_rest(h: Hypothesis, less: Hypothesis | None = None) -> Hypothesis:
+def with_rest(h: Hypothesis, nested: Hypothesis | None = None) -> Hypothesis:
     """The hypothesis with the rest that its model alone leaves, fitted to follow the data as well as it goes; what it
-    leaves counts as noise, so that no parameter leaves its prior for it. less: a model that this one holds, with its
+    leaves counts as noise, so that no parameter leaves its prior for it. nested: a model that this one holds, with its
     rest: a fit that ends above it is begun once more from there.
     """
     there = np.concatenate([h.fitted.values, *h.fitted.nuisances])
     plain = replace(h.problem, filters=())
     size = max(_rms(plain, plain.residuals(there[:, None])[1]), 1.0)
     found = _followed(h, plain, h.fitted.nuisances, size)
-    if less is None or less.alone is None or found.rest <= less.rest:
+    if nested is None or nested.alone is None or found.rest <= nested.rest:
         return found
-    parameters, before = plain.parameters.copy(), less.alone.parameters
-    for name in less.problem.free:
+    parameters, before = plain.parameters.copy(), nested.alone.parameters
+    for name in nested.problem.free:
         place = h.problem.rows()[h.problem.free.index(name)]
         parameters[place] = before[place]
-    kept = all(a.size == b.size for a, b in zip(less.alone.nuisances, h.fitted.nuisances, strict=True))
-    start = less.alone.nuisances if kept else h.fitted.nuisances
-    again = _followed(h, replace(plain, parameters=parameters), start, float(np.sqrt(less.rest + 1.0)))
+    kept = all(a.size == b.size for a, b in zip(nested.alone.nuisances, h.fitted.nuisances, strict=True))
+    start = nested.alone.nuisances if kept else h.fitted.nuisances
+    again = _followed(h, replace(plain, parameters=parameters), start, float(np.sqrt(nested.rest + 1.0)))
     return min(found, again, key=lambda one: one.rest)
 
 
@@ -180,7 +180,7 @@ def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]
     scale, precision = problem.scales(), prior_precision(problem, fitted)
     constant = 0.5 * len(scale) * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
     found = []
-    for share in SHARES:
+    for share in FORCE_SHARES:
         filters = [force.filter(share) for force in forces]
         white = np.concatenate([*(f.whiten(b) for f, b in zip(filters, both, strict=True)), prior])
         residual, columns = white[:, 0], white[:, 1:] * scale
@@ -252,7 +252,7 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
     return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))
 
 
-def interval(h: Hypothesis, name: ParameterName) -> tuple[float, float]:
+def credible_interval(h: Hypothesis, name: ParameterName) -> tuple[float, float]:
     """95 % interval of a free parameter, cut at its physical bounds."""
     place = h.problem.free.index(name)
     half = 1.96 * float(np.sqrt(max(h.fitted.covariance[place, place], 0.0)))
@@ -261,13 +261,13 @@ def interval(h: Hypothesis, name: ParameterName) -> tuple[float, float]:
     return max(low, value - half), min(high, value + half)
 
 
-def estimates(h: Hypothesis) -> dict[str, dict[str, Estimate]]:
+def posterior_estimates(h: Hypothesis) -> dict[str, dict[str, Estimate]]:
     """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
     units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
     table: dict[str, dict[str, Estimate]] = {}
     for place, (effect, name) in enumerate(h.problem.free):
         if effect == DECLARED:
             continue
-        low, high = interval(h, (effect, name))
+        low, high = credible_interval(h, (effect, name))
         table.setdefault(effect, {})[name] = Estimate(float(h.fitted.values[place]), low, high, units[effect, name])
     return table

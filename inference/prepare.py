@@ -27,7 +27,7 @@ from tentacle.slips import root_direction, root_turning
 from tentacle.waveform import Rest, Waveform
 
 MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
-LONGEST = 120.0  # s: of longer recordings the first two minutes are judged
+LONGEST_RECORDING = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
 NEIGHBOURS, JUMP, OF_WAY = 15, 10.0, 0.3
 RELEASE = "release.t_s"
@@ -178,9 +178,9 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         )
     release = recording.declaration.release_t
     first = times[seen][0]
-    last = min(times[seen][-1], first + LONGEST)
+    last = min(times[seen][-1], first + LONGEST_RECORDING)
     if times[seen][-1] > last:
-        words.append(f"Of {recording.name} the first {LONGEST:.0f} s are judged.")
+        words.append(f"Of {recording.name} the first {LONGEST_RECORDING:.0f} s are judged.")
     within = seen & (times <= last)
     used = within.copy()
     if hold_out:

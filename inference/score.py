@@ -20,9 +20,9 @@ from inference.trajectory import Fit, ParameterName, Problem
 from tentacle.specimen import declared_effects
 
 STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
-SURVEYED = (0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+GRID_SIZES = (0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
-BATCH = 96  # individuals at once: what memory holds for a long recording
+SCORE_BATCH = 96  # individuals at once: what memory holds for a long recording
 VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
 
 
@@ -93,8 +93,8 @@ def sensitivities(
                 for sign in (1.0, -1.0) if low < 0.0 else (1.0, 0.0):
                     plan.append((effect, shapes, strength, sign))
     columns = []
-    for begin in range(0, len(plan), BATCH):
-        part = plan[begin : begin + BATCH]
+    for begin in range(0, len(plan), SCORE_BATCH):
+        part = plan[begin : begin + SCORE_BATCH]
         parameters = np.stack([_trial(problem, *entry) for entry in part], axis=1)
         columns.append(problem.residuals_of(parameters, np.repeat(unknowns[:, None], len(part), axis=1)))
     values = np.concatenate(columns, axis=1)
@@ -124,7 +124,7 @@ def strength_grid(problem: Problem, fitted: Fit, candidates: list[Candidate]) ->
     columns = []
     for candidate in candidates:
         for place, strength in enumerate(candidate.effect.strengths):
-            for size in (*SURVEYED, *(-value for value in SURVEYED)):
+            for size in (*GRID_SIZES, *(-value for value in GRID_SIZES)):
                 value = size * strength.nominal
                 if not strength.bounds[0] <= value <= strength.bounds[1]:
                     continue
@@ -137,17 +137,17 @@ def strength_grid(problem: Problem, fitted: Fit, candidates: list[Candidate]) ->
                 plan.append((candidate.effect.name, strengths))
                 columns.append(parameters)
     found: dict[str, tuple[float, Array]] = {}
-    for begin in range(0, len(plan), BATCH):
-        part = np.stack(columns[begin : begin + BATCH], axis=1)
+    for begin in range(0, len(plan), SCORE_BATCH):
+        part = np.stack(columns[begin : begin + SCORE_BATCH], axis=1)
         values = problem.residuals_of(part, np.repeat(unknowns[:, None], part.shape[1], axis=1))
         gains = fitted.misfit - 0.5 * np.einsum("nb,nb->b", values, values)
-        for (name, strengths), gain in zip(plan[begin : begin + BATCH], gains, strict=True):
+        for (name, strengths), gain in zip(plan[begin : begin + SCORE_BATCH], gains, strict=True):
             if gain > found.get(name, (0.0, strengths))[0]:
                 found[name] = (float(gain), strengths)
     return found
 
 
-def absorbed_basis(fitted: Fit) -> Array:
+def nuisance_tangent_basis(fitted: Fit) -> Array:
     """Orthonormal basis (N, P) of all that refitting the model's own parameters and initial states can absorb."""
     scaled = fitted.jacobian / np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
     left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
@@ -157,7 +157,7 @@ def absorbed_basis(fitted: Fit) -> Array:
 def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Candidate]:
     """All candidate effects, best first. Effects that cannot be seen in these data are left out."""
     chosen = tuple(e for e in (effects or absent_effects()) if e.strengths)
-    basis = absorbed_basis(fitted)
+    basis = nuisance_tangent_basis(fitted)
     residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
     names = {name for name, _ in problem.free} | set(declared_effects(problem.arm.specimen, problem.arm.fluid))
     chosen = tuple(effect for effect in chosen if effect.name not in names)

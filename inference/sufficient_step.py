@@ -10,7 +10,7 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.trajectory import RAN_AWAY, Fit, Problem
 
-STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
+CANDIDATE_STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
 OF_NOISE = 0.05  # noise sigmas (rms): a nat for every 800 values, and of it all models have the same
 OF_REST = 0.02  # of the rest's rms: a model that errs so much anyway is not known better by a finer step
 
@@ -43,12 +43,12 @@ def sufficient_step(problem: Problem, fitted: Fit, of_noise: float = OF_NOISE) -
 
     rest = float(np.sqrt(np.mean(fitted.used_residuals**2)))
     allowed = max(of_noise, OF_REST * (rest if rest > 2.0 else 0.0))
-    last = shown(STEPS[0])
-    for coarse, fine in pairwise(STEPS):
+    last = shown(CANDIDATE_STEPS[0])
+    for coarse, fine in pairwise(CANDIDATE_STEPS):
         finer = shown(fine)
         changes = [np.sqrt(np.mean((a - b) ** 2)) for a, b in zip(finer, last, strict=True)]
         stable = max(float(np.max(np.abs(b))) for b in last) < RAN_AWAY
         if stable and max(changes) < 0.75 * allowed:
             return coarse
         last = finer
-    return STEPS[-1]
+    return CANDIDATE_STEPS[-1]

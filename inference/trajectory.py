@@ -17,11 +17,11 @@ from inference.declared_arm import DECLARED, arm_at, experiment_at, names_of
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
 from inference.levenberg_marquardt import Minimum, minimise
+from inference.linear_fit import ParameterName
 from inference.solver_result import RESULTS
 from tentacle.declared import Uncertain
 
-ParameterName = tuple[str, str]  # effect, parameter
-DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
+PARAMETER_DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
 ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
 RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
 PRIOR_REACH = 3.0
@@ -198,8 +198,8 @@ class Problem:
     def jacobian_everywhere(self, unknowns: Array) -> tuple[Array, list[Array]]:
         """The same, and that of all frames (T, K, P) a recording, as residuals()."""
         scales, (low, high) = self.scales(), self.bounds()
-        ahead = np.minimum(unknowns + DIFFERENCE * scales, high)
-        behind = np.maximum(unknowns - DIFFERENCE * scales, low)
+        ahead = np.minimum(unknowns + PARAMETER_DIFFERENCE * scales, high)
+        behind = np.maximum(unknowns - PARAMETER_DIFFERENCE * scales, low)
         batch = np.repeat(unknowns[:, None], 2 * unknowns.size, axis=1)
         places = np.arange(unknowns.size)
         batch[places, 2 * places], batch[places, 2 * places + 1] = ahead, behind
@@ -222,11 +222,11 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
 
     Raises ValueError where there is not one used frame.
     """
-    unknowns, lowest = located(problem, nuisances, tolerance=tolerance, most=most)
-    return replace(finished(problem, unknowns, lowest.rounds), result=lowest.result)
+    unknowns, lowest = minimised(problem, nuisances, tolerance=tolerance, most=most)
+    return replace(linearised_fit(problem, unknowns, lowest.rounds), result=lowest.result)
 
 
-def located(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float, most: int) -> tuple[Array, Minimum]:
+def minimised(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float, most: int) -> tuple[Array, Minimum]:
     """Where a fit ends: its unknowns (P,), and how the solver ended; nothing is said of their spread."""
     low, high = problem.bounds()
     scales = problem.scales()
@@ -253,7 +253,7 @@ def split(problem: Problem, unknowns: Array) -> tuple[Array, tuple[Array, ...]]:
     return parameters, tuple(np.split(unknowns[count:], np.cumsum(problem.sizes())[:-1]))
 
 
-def finished(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
+def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
     """The model at these unknowns (P,), with its derivatives and the covariance that they give."""
     used, everything = problem.residuals(unknowns[:, None])
     jacobian, slopes = problem.jacobian_everywhere(unknowns)
@@ -295,10 +295,10 @@ def _held_out_spread(problem: Problem, slopes: list[Array], covariance: Array) -
     return float(np.sqrt(max(total, 0.0) / count)) if count else 0.0
 
 
-def evaluate(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
+def unfitted(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
     """The problem at its start, not fitted (its Jacobian included)."""
     unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
-    return finished(problem, unknowns, 0)
+    return linearised_fit(problem, unknowns, 0)
 
 
 def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:

@@ -19,7 +19,7 @@ from inference.measured_motion import MeasuredCourse, MeasuredMotion, measured_m
 from tentacle.errors import InputError
 
 STEEPNESS = 6  # psi = (1 - x^2)^6: smooth enough that the trapezium rule is exact to 1e-6 on 15 samples
-TURN = 1e-5  # s: step along the motion for M' u'
+MASS_RATE_STEP = 1e-5  # s: step along the motion for M' u'
 
 
 def bumps(t: Array, width: float, overlap: int = 4) -> tuple[Array, Array]:
@@ -47,10 +47,10 @@ def weak_residual(arm: Arm, parameters: Array, motion: MeasuredMotion, psi: Arra
     memory = memory_along(arm, parameters, motion)
     u, u_rate = motion.u, motion.u_rate
     here = balance(arm, effects, parameters, u, u_rate, Instant(times, memory))
-    ahead = balance(arm, effects, parameters, u + TURN * u_rate, u_rate, Instant(times, memory)).mass_matrix
-    behind = balance(arm, effects, parameters, u - TURN * u_rate, u_rate, Instant(times, memory)).mass_matrix
+    ahead = balance(arm, effects, parameters, u + MASS_RATE_STEP * u_rate, u_rate, Instant(times, memory)).mass_matrix
+    behind = balance(arm, effects, parameters, u - MASS_RATE_STEP * u_rate, u_rate, Instant(times, memory)).mass_matrix
     momentum = np.einsum("tij,tj->ti", here.mass_matrix, u_rate)[:, :n]
-    turning = np.einsum("tij,tj->ti", (ahead - behind) / (2.0 * TURN), u_rate)[:, :n]
+    turning = np.einsum("tij,tj->ti", (ahead - behind) / (2.0 * MASS_RATE_STEP), u_rate)[:, :n]
     weak = -psi_rate @ momentum - psi @ (turning + here.force[:, :n])
     return weak @ arm.from_monomial
 

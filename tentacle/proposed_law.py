@@ -28,14 +28,14 @@ class ForceMap:
 class ProposedLaw:
     """A law that explains the missing force. law: with the fitted values as nominal ones; values: of its parameters;
     evidence [nats] over no law, on the frames that were fitted; held_out_midline_mm: error of the model with it, on
-    frames that the search did not use; left: share of the missing force's effect that it leaves, 0 .. 1.
+    frames that the search did not use; unexplained: share of the missing force's effect that it leaves, 0 .. 1.
     """
 
     law: WrittenLaw
     values: dict[str, float]
     evidence: float
     held_out_midline_mm: float | None
-    left: float
+    unexplained: float
 
     @property
     def numbers(self) -> str:

@@ -14,15 +14,15 @@ from affine_model.curvature import angle_basis
 from inference.missing_force import SeenMotion
 from tentacle.proposed_law import ForceMap
 
-TIMES = 3000  # of the map, at most
-PLACES = 25
-REACH = 0.15  # arm lengths over which the force that is shown hangs together
+FORCE_MAP_TIMES = 3000  # of the map, at most
+FORCE_MAP_PLACES = 25
+FORCE_CORRELATION_LENGTH = 0.15  # arm lengths over which the force that is shown hangs together
 
 
 def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
     """The normal force along the arm [N/m] and at the tip [N], with their standard deviations, of one recording."""
     n, L, rule = arm.order, arm.specimen.length, arm.rule
-    keep = np.linspace(0, motion.t.size - 1, min(TIMES, motion.t.size)).astype(int)
+    keep = np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(int)
     u = motion.u[keep]
     phi = u[:, n : n + 1] + u[:, :n] @ arm.angle_basis.T
     end = u[:, n] + u[:, :n] @ angle_basis(n, [1.0])[0]
@@ -31,9 +31,9 @@ def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
     tip_levers = np.einsum("k,tkx,kj->txj", L * rule.weights, -normal, arm.angle_basis)
     across = np.einsum("tixj,tix->tji", levers, normal) * (L * rule.weights)  # (T, n, N)
     at_tip = np.einsum("txj,tx->tj", tip_levers, np.stack([np.cos(end), np.sin(end)], -1))
-    s = np.linspace(0.0, 1.0, PLACES)
-    alike = np.exp(-0.5 * ((rule.s[:, None] - rule.s) / REACH) ** 2)
-    shown = np.exp(-0.5 * ((s[:, None] - rule.s) / REACH) ** 2)
+    s = np.linspace(0.0, 1.0, FORCE_MAP_PLACES)
+    alike = np.exp(-0.5 * ((rule.s[:, None] - rule.s) / FORCE_CORRELATION_LENGTH) ** 2)
+    shown = np.exp(-0.5 * ((s[:, None] - rule.s) / FORCE_CORRELATION_LENGTH) ** 2)
     by_line = np.einsum("tji,ik,tlk->tjl", across, alike, across)
     by_tip = np.einsum("tj,tl->tjl", at_tip, at_tip)
     force, spread = motion.force[keep], motion.spread[keep]

@@ -13,8 +13,8 @@ import numpy as np
 from tentacle.law.expression import names_in, parse
 from tentacle.law.written_law import Acts, WrittenLaw, WrittenParameter
 
-SPEED = 0.1  # m/s, rad/s and arm lengths: the references of powers
-RATE = 3.0
+SPEED_REFERENCE = 0.1  # m/s, rad/s and arm lengths: the references of powers
+RATE_REFERENCE = 3.0
 SOURCE = "proposed by the search over the grammar of laws"
 POWERS = (0.5, 1.0, 1.5, 2.0, 3.0)
 REACHES = (0.15, 0.3)  # arm lengths
@@ -85,7 +85,9 @@ def _form(
     own = [WrittenParameter(s, unit, nominal, limits, "strength") for s in ("a", "b") if s in used]
     relaxation = "tau" if any(shape.name == "tau" for shape in shapes) else None
     text = " ".join([*components.values(), *(defined or {}).values()])
-    constants = {n: v for n, v in {"u_0": (SPEED, "m/s"), "w_0": (RATE, "rad/s")}.items() if n in text}
+    constants = {
+        n: v for n, v in {"u_0": (SPEED_REFERENCE, "m/s"), "w_0": (RATE_REFERENCE, "rad/s")}.items() if n in text
+    }
     law = WrittenLaw(name, words, SOURCE, acts, components, (*own, *shapes), defined or {}, constants, relaxation)
     law.check()
     return Form(law, words)

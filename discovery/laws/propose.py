@@ -12,11 +12,11 @@ import numpy as np
 from affine_model.arm import neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
 from discovery.laws.along import force_map
-from discovery.laws.search import Found, Seen, Sought, search
+from discovery.laws.search import FittedLaw, LawInputs, Sought, search_laws
 from inference.compare import midline_error
 from inference.missing_force import SeenMotion, lacking, seen_motions, small_motions
 from inference.prepare import Prepared
-from inference.trajectory import Fit, ParameterName, Problem, evaluate, fit
+from inference.trajectory import Fit, ParameterName, Problem, fit, unfitted
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter
 from tentacle.proposed_law import MissingForce, ProposedLaw
@@ -24,10 +24,10 @@ from tentacle.proposed_law import MissingForce, ProposedLaw
 MOST = 5  # laws that are fitted and shown
 EXPLAINS = 0.7  # share of the missing force's answer that a law may leave, to be worth a fit
 BETTER = 0.8  # of the base's error on held-out frames: what a proposal must reach
-STANDS_OUT = 0.5  # noise deviations rms of the missing force's answer, below which nothing is sought
+LEAST_FORCE = 0.5  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
 NOISE_SCALE = 1.0  # the answer of noise alone has this rms
-KINDS = {
+LAW_KINDS = {
     "the speed": ("drag_", "skin_", "one_way", "tip_drag"), "the speed near a place": ("patch_",),
     "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"), 
     "the place of every section": ("jet", "line_spring"),
@@ -36,7 +36,7 @@ KINDS = {
 }  # fmt: skip
 
 
-def propose(
+def propose_laws(
     base: tuple[Problem, Fit], prepared: list[Prepared], progress: Callable[[str], None] = lambda _: None
 ) -> MissingForce:
     """The missing force of a fitted model, and laws for it; empty where no recording shows shapes."""
@@ -48,20 +48,20 @@ def propose(
     if not shown:
         return MissingForce()
     maps = tuple(force_map(problem.experiments[place].name, arm, motion) for place, motion in shown)
-    seen = tuple(Seen(arm, small_motions(problem, fitted, place, motion)) for place, motion in shown)
+    seen = tuple(LawInputs(arm, small_motions(problem, fitted, place, motion)) for place, motion in shown)
     sought = Sought(seen, _stiffness(problem, fitted))
     size = float(np.sqrt(max(np.mean(sought.target**2) - NOISE_SCALE, 0.0)))
-    if size < STANDS_OUT:
+    if size < LEAST_FORCE:
         return MissingForce(maps, (), (), ("The missing force does not stand out of the noise: no law is proposed.",))
     progress("searching laws for it")
-    found = search(sought)
-    kinds = tuple((kind, min(one.left for one in found if one.form.law.name.startswith(starts)))
-                  for kind, starts in KINDS.items()
+    found = search_laws(sought)
+    kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
+                  for kind, starts in LAW_KINDS.items()
                   if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
-    worth = [one for one in found if one.evidence > GAIN and one.left < EXPLAINS][:MOST]
+    worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:MOST]
     if not worth:
         words = ("No law of the grammar explains the missing force: the best leaves "
-                 f"{100.0 * min(one.left for one in found):.0f} % of its effect.",)  # fmt: skip
+                 f"{100.0 * min(one.unexplained for one in found):.0f} % of its effect.",)  # fmt: skip
         return MissingForce(maps, (), kinds, words)
     progress("fitting the best laws")
     laws, freed = _fitted(base, prepared, worth, tuple(motion for _, motion in shown))
@@ -78,7 +78,7 @@ def _stiffness(problem: Problem, fitted: Fit) -> Array:
     return E * node["second_moment"] / arm.specimen.length + k0 + k1 * node["s"]
 
 
-def written(found: Found) -> WrittenLaw:
+def as_found(found: FittedLaw) -> WrittenLaw:
     """The law with what was found as its nominal values, under a name of its own."""
 
     def own(p: WrittenParameter) -> WrittenParameter:
@@ -93,7 +93,7 @@ def written(found: Found) -> WrittenLaw:
 
 
 def _fitted(
-    base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[Found], motions: tuple[SeenMotion, ...]
+    base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[FittedLaw], motions: tuple[SeenMotion, ...]
 ) -> tuple[tuple[ProposedLaw, ...], tuple[SeenMotion, ...]]:
     """The laws fitted one by one in the model's own simulation, best first on the frames that were fitted; and the
     motions with the force that is missing beside the parameters of the best: those of the base have bent to make up
@@ -101,7 +101,7 @@ def _fitted(
     """
     problem, fitted = base
     before = midline_error(prepared, problem, fitted, _held_out(prepared))
-    laws = [written(one) for one in worth]
+    laws = [as_found(one) for one in worth]
     known = {(row.effect, row.parameter.name): fitted.parameters[row.index] for row in parameter_rows()}
     declared = fitted.parameters[len(known) :]
     proposals: list[ProposedLaw] = []
@@ -110,7 +110,7 @@ def _fitted(
         for name, value in known.items():
             bare[parameter_index(*name)] = value
         plain = replace(problem, parameters=np.concatenate([bare, declared]))
-        start = evaluate(plain, fitted.nuisances)
+        start = unfitted(plain, fitted.nuisances)
         for found, law in zip(worth, laws, strict=True):
             problem_with, again = _with_law(plain, start, found, law)
             error = midline_error(prepared, problem_with, again, _held_out(prepared))
@@ -121,7 +121,7 @@ def _fitted(
             if not proposals or gain > max(one.evidence for one in proposals):
                 motions = tuple(_beside(problem_with, again, law, motion) for motion in motions)
             law = replace(law, parameters=tuple(_at(p, values[p.name]) for p in law.parameters))
-            proposals.append(ProposedLaw(law, values, gain, error, _left(start, again)))
+            proposals.append(ProposedLaw(law, values, gain, error, _unexplained_share(start, again)))
     return tuple(sorted(proposals, key=lambda one: -one.evidence)), motions
 
 
@@ -145,7 +145,7 @@ def _held_out(prepared: list[Prepared]) -> bool:
     return any(bool((~p.experiment.used).any()) for p in prepared)
 
 
-def _left(before: Fit, after: Fit) -> float:
+def _unexplained_share(before: Fit, after: Fit) -> float:
     """The share of the structured error, noise taken off, that stays."""
 
     def structure(one: Fit) -> float:
@@ -154,7 +154,7 @@ def _left(before: Fit, after: Fit) -> float:
     return float(np.sqrt(structure(after) / max(structure(before), 1e-12)))
 
 
-def _with_law(plain: Problem, start: Fit, found: Found, law: WrittenLaw) -> tuple[Problem, Fit]:
+def _with_law(plain: Problem, start: Fit, found: FittedLaw, law: WrittenLaw) -> tuple[Problem, Fit]:
     """The model with the law added, fitted from what the search found."""
     parameters = plain.parameters.copy()
     for name, value in found.values.items():
@@ -171,7 +171,7 @@ def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) 
         return ("No law of the grammar follows the held-out frames: none is proposed.",)
     best = laws[0]
     words = [
-        f"Proposed law: {best.words}. It leaves {100.0 * best.left:.0f} % of the structured error; "
+        f"Proposed law: {best.words}. It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
         f"the error on held-out frames is {best.held_out_midline_mm:.2f} mm."
     ]
     if len(laws) > 1:

@@ -21,18 +21,20 @@ from scipy.optimize import minimize
 from affine_model.arm import Arm
 from affine_model.curvature import Array, angle_basis
 from discovery.laws.grammar import Form, Scale, forms
-from inference.missing_force import STEP, SeenMotion, SmallMotions
+from inference.missing_force import MOTION_STEP, SeenMotion, SmallMotions
 from tentacle.law.written_law import NUMPY, WrittenLaw
 
-BATCH = 300  # columns at once
+COLUMNS_AT_ONCE = 300  # columns at once
 REFINED = 10  # forms whose shapes are refined
 EVALUATIONS = 120  # of one form's refinement
 
 
 @dataclass(frozen=True)
-class Found:
-    """A law of a form with its shapes and strengths; gain [nats] over no law, its price [nats]; left: the share of the
-    missing force's answer that it leaves, 0 .. 1 in rms.
+class FittedLaw:
+    """A law of a form with its shapes and strengths.
+
+    gain [nats]: over no law. price [nats]: of its parameters. unexplained: the share of the missing force's answer that
+    the law leaves, 0 .. 1 in rms.
     """
 
     form: Form
@@ -40,7 +42,7 @@ class Found:
     strengths: Mapping[str, float]
     gain: float
     price: float
-    left: float
+    unexplained: float
 
     @property
     def evidence(self) -> float:
@@ -54,7 +56,7 @@ class Found:
 
 
 @dataclass(frozen=True)
-class Seen:
+class LawInputs:
     """One recording: its small motions, and what a law sees along the arm and at the tip in what it did."""
 
     arm: Arm
@@ -114,7 +116,7 @@ class Seen:
 
     def remembered(self, tau: float) -> Array:
         """The curvature (T, N) that a spring in series with a dashpot of that time [s] remembers."""
-        c_rate, decay = self.along["c_rate"], float(np.exp(-STEP / tau))
+        c_rate, decay = self.along["c_rate"], float(np.exp(-MOTION_STEP / tau))
         memory = np.zeros_like(c_rate)
         for k in range(1, len(c_rate)):
             memory[k] = memory[k - 1] * decay + tau * (1.0 - decay) * c_rate[k]
@@ -145,7 +147,7 @@ class Seen:
 class Sought:
     """The recordings in which a law is sought, and the model's stiffness k(s) (N,) at the nodes."""
 
-    seen: tuple[Seen, ...]
+    seen: tuple[LawInputs, ...]
     stiffness: Array
 
     @cached_property
@@ -162,7 +164,7 @@ class Sought:
     def scale(self) -> Scale:
         """What the grammar's grids depend on."""
         arm = self.seen[0].arm
-        duration = max(one.motion.t.size for one in self.seen) * STEP
+        duration = max(one.motion.t.size for one in self.seen) * MOTION_STEP
         return Scale(arm.specimen.length, arm.fluid.density > 0.0, duration)
 
     def columns(self, form: Form, trials: list[tuple[float, ...]]) -> Array:
@@ -188,7 +190,7 @@ class Sought:
         return np.einsum("gc,gc->g", slope, strengths), strengths / size.reshape(-1, count)
 
 
-def search(sought: Sought) -> tuple[Found, ...]:
+def search_laws(sought: Sought) -> tuple[FittedLaw, ...]:
     """Laws that explain the missing force, best first; one a form."""
     rough = sorted(
         (best for form in forms(sought.scale) for best in [_rough(sought, form)]), key=lambda one: -one.evidence
@@ -205,20 +207,20 @@ def _price(form: Form, frames: int) -> float:
     return 0.5 * len(form.law.parameters) * float(np.log(frames))
 
 
-def _found(sought: Sought, form: Form, trial: tuple[float, ...], explained: float, strengths: Array) -> Found:
+def _found(sought: Sought, form: Form, trial: tuple[float, ...], explained: float, strengths: Array) -> FittedLaw:
     whole = float(sought.target @ sought.target)
     names = [p.name for p in form.strengths]
-    return Found(
+    return FittedLaw(
         form, dict(zip((p.name for p in form.shapes), trial, strict=True)),
         dict(zip(names, (float(v) for v in strengths), strict=True)), 0.5 * explained, _price(form, sought.frames),
         float(np.sqrt(max(whole - explained, 0.0) / whole)),
     )  # fmt: skip
 
 
-def _rough(sought: Sought, form: Form) -> Found:
+def _rough(sought: Sought, form: Form) -> FittedLaw:
     """The best of the form's first values of its shapes."""
-    best: Found | None = None
-    for part in _batched(list(product(*(p.scan for p in form.shapes))), BATCH // len(form.strengths)):
+    best: FittedLaw | None = None
+    for part in _batched(list(product(*(p.scan for p in form.shapes))), COLUMNS_AT_ONCE // len(form.strengths)):
         explained, strengths = sought.explained(sought.columns(form, part), len(form.strengths))
         k = int(np.argmax(explained))
         if best is None or 0.5 * explained[k] > best.gain:
@@ -232,7 +234,7 @@ def _batched(trials: list[tuple[float, ...]], size: int) -> Iterator[list[tuple[
         yield trials[begin : begin + size]
 
 
-def _refined(sought: Sought, rough: Found) -> Found:
+def _refined(sought: Sought, rough: FittedLaw) -> FittedLaw:
     """The form with its shapes refined (Nelder and Mead's simplex), each within its bounds."""
     form = rough.form
     if not form.shapes:

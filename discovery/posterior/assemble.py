@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discovery.answer import ACCOUNTS, LIMITS, error_budget, proposal_words
+from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
 from discovery.calibration import Calibration
-from discovery.next_experiment import propose
-from discovery.posterior.decide import Decision, log_masses, missing_of, usable
-from discovery.posterior.search import Search
-from inference.compare import errors, floor_errors, midline_error, run_comparison
+from discovery.next_experiment import propose_experiment
+from discovery.posterior.decide import PosteriorDecision, log_masses, missing_of, usable
+from discovery.posterior.search import PosteriorSearch
+from inference.compare import floor_errors, midline_error, run_comparison, run_errors
+from inference.discrepancy import ModelDiscrepancy
 from inference.observation import ShapeObservation
-from inference.posterior import Hypothesis, estimates
+from inference.posterior import Hypothesis, posterior_estimates
 from inference.prepare import Prepared
-from inference.reduction import Reduction
 from inference.score import twin_cosines
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import CredibleSet, Diagnosis, Explained, Limit, RankedEffect
@@ -24,7 +24,7 @@ from tentacle.model import Estimate, Model
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class PosteriorContext:
     """What stands beside a finding: the paper's model as fitted, the recordings, how many coordinates their shapes
     show, what the reduction to few coordinates loses (None: not known), and the detection limits.
     """
@@ -32,15 +32,15 @@ class Surroundings:
     paper: tuple[Problem, Fit]
     prepared: list[Prepared]
     order: int
-    reduction: Reduction | None
+    reduction: ModelDiscrepancy | None
     limits: dict[str, dict[str, Limit]]
 
 
-def assembled(
-    found: Search,
-    decision: Decision,
+def assemble_posterior(
+    found: PosteriorSearch,
+    decision: PosteriorDecision,
     open_loop: Hypothesis,
-    around: Surroundings,
+    around: PosteriorContext,
     seed: int,
     calibration: Calibration | None,
 ) -> Diagnosis:
@@ -53,7 +53,7 @@ def assembled(
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared)
     final = (open_loop.problem, open_loop.fitted)
     runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
-    before, after = errors(runs, prepared, augmented=False), errors(runs, prepared, augmented=True)
+    before, after = run_errors(runs, prepared, augmented=False), run_errors(runs, prepared, augmented=True)
     lost = 0.0 if reduction is None else reduction.millimetres
     floor = floor_errors(runs, prepared, lost)
     effects, verdict = decision.effects, decision.verdict
@@ -73,10 +73,10 @@ def assembled(
             effects = (*effects, "third_curvature")
     known: dict[str, dict[str, Estimate]] = {}
     for h in (*reversed(decision.rivals), chosen):
-        known |= estimates(h)
+        known |= posterior_estimates(h)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base = hypothesis_of_paper(paper)
-    proposal = propose(*_to_be_split(found, decision), LIMITS, seed)
+    proposal = propose_experiment(*_to_be_split(found, decision), HOBBY_SERVO, seed)
     words += _decision_words(found, decision)
     if withdrawn:
         words.append("With it the model follows the judged frames worse than without: it is not named.")
@@ -99,7 +99,7 @@ def assembled(
         next_experiment=None if proposal is None else waveform_table(proposal.waveform),
         budget=error_budget(before, after, floor, lost),
         base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
-        augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, estimates(open_loop)),
+        augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, posterior_estimates(open_loop)),
         gates=(),
         twin_names=tuple(c.effect.name for c in candidates),
         twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
@@ -116,7 +116,7 @@ def assembled(
 
 def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estimate]]:
     """The paper's model as fitted, with intervals."""
-    return estimates(Hypothesis((), *paper, (), np.zeros(0)))
+    return posterior_estimates(Hypothesis((), *paper, (), np.zeros(0)))
 
 
 def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
@@ -134,7 +134,7 @@ def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
     return Explained(share(chosen.share, base.share), share(high, first), share(low, last))
 
 
-def _decision_words(found: Search, decision: Decision) -> list[str]:
+def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]:
     """What the posterior says beyond the verdict."""
     left = 100.0 * decision.leading.share
     words = [f"Beside this model the data want unknown forces of {left:.2g} % of those that act."]
@@ -154,7 +154,7 @@ def _decision_words(found: Search, decision: Decision) -> list[str]:
     return words
 
 
-def _to_be_split(found: Search, decision: Decision) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:
+def _to_be_split(found: PosteriorSearch, decision: PosteriorDecision) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:
     """The hypotheses that the next experiment is to tell apart: those of the credible set; where nothing explains the
     data, the best accounts by one effect.
     """
@@ -165,7 +165,7 @@ def _to_be_split(found: Search, decision: Decision) -> tuple[Hypothesis, tuple[H
 
 
 def _ranking(
-    found: Search, decision: Decision, prepared: list[Prepared], is_held_out: bool
+    found: PosteriorSearch, decision: PosteriorDecision, prepared: list[Prepared], is_held_out: bool
 ) -> tuple[RankedEffect, ...]:
     refitted = {h.effects[0]: h for h in found.hypotheses if len(h.effects) == 1}
     rows = []

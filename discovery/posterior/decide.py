@@ -36,7 +36,7 @@ CREDIBLE = 0.95
 
 
 @dataclass(frozen=True)
-class Decision:
+class PosteriorDecision:
     """The verdict, its effects and its posterior mass; certain: effects of every set that is credible; sets: these with
     their mass; effect -> posterior mass of its being there.
     """
@@ -104,7 +104,7 @@ def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     return (within if usable(h) else -np.inf), beyond
 
 
-def decide(hypotheses: list[Hypothesis]) -> Decision:
+def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
     """The verdict over hypotheses, one a set of effects, the empty set among them."""
     missing = missing_of(hypotheses)
     logs = np.array([log_masses(h, missing) for h in hypotheses])
@@ -118,7 +118,7 @@ def decide(hypotheses: list[Hypothesis]) -> Decision:
             masses[name] = masses.get(name, 0.0) + float(within + beyond)
     if unexplained >= 0.5:
         leading = hypotheses[int(np.argmax(mass[:, 1]))]
-        return Decision("unknown", (), unexplained, (), (), masses, leading, ())
+        return PosteriorDecision("unknown", (), unexplained, (), (), masses, leading, ())
     total, credible = 0.0, list[int]()
     for k in order:
         total += mass[k, 0]
@@ -132,11 +132,13 @@ def decide(hypotheses: list[Hypothesis]) -> Decision:
     rivals = tuple(hypotheses[k] for k in credible[1:])
     certain = tuple(name for name in leading.effects if all(name in effects for effects, _ in sets))
     if credible[0] == empty or mass[empty, 0] >= 0.5:
-        return Decision("nothing_missing", (), float(mass[empty, 0]), (), sets, masses, hypotheses[empty], rivals)
+        return PosteriorDecision(
+            "nothing_missing", (), float(mass[empty, 0]), (), sets, masses, hypotheses[empty], rivals
+        )
     if certain:
         holding = sum(float(m[0]) for h, m in zip(hypotheses, mass, strict=True) if set(certain) <= set(h.effects))
-        return Decision("effect", certain, holding, certain, sets, masses, leading, rivals)
+        return PosteriorDecision("effect", certain, holding, certain, sets, masses, leading, rivals)
     union = sorted({name for effects, _ in sets for name in effects}, key=lambda name: -masses[name])
-    return Decision(
+    return PosteriorDecision(
         "group", tuple(union), float(total - mass[empty, 0] * (empty in credible)), (), sets, masses, leading, rivals
     )

@@ -11,17 +11,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from discovery.given import Deciding, Given, held_out_run
-from discovery.laws.propose import propose
-from discovery.posterior.assemble import Surroundings, assembled
-from discovery.posterior.decide import decide
+from discovery.laws.propose import propose_laws
+from discovery.posterior.assemble import PosteriorContext, assemble_posterior
+from discovery.posterior.decide import decide_by_mass
 from discovery.posterior.detection import detection_limits
-from discovery.posterior.search import search
-from inference.base_fit import Setting, fitted_order, known_from_baseline, needed_order, roughly
-from inference.experiment import SPREAD
-from inference.observation import ShapeObservation
+from discovery.posterior.search import search_posterior
+from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
+from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
+from inference.experiment import PARAMETER_SPREAD
 from inference.posterior import Hypothesis, declared_model, followed_closely, with_rest
-from inference.prepare import MOST_COORDINATES, Prepared, prepare
-from inference.reduction import Reduction, reduction_error, without_reduction
+from inference.prepare import Prepared, prepare
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
@@ -30,7 +29,7 @@ from tentacle.progress import Stage
 FINER = 0.5  # of the step that suffices for the declared model: laws that are added may bend more sharply
 
 
-def diagnosed(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
+def diagnose_by_posterior(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
     calibration = deciding.calibration
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
@@ -41,57 +40,57 @@ def diagnosed(given: Given, seed: int, deciding: Deciding, progress: Stage) -> D
     complete = [replace(p, experiment=replace(p.experiment, complete=True)) for p in complete]
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in [*prepared, *complete]), 2)
     if len(setting.experiments) > 1:
-        varies = tuple(name for name in setting.base_free() if name[0] in SPREAD)
+        varies = tuple(name for name in setting.base_free() if name[0] in PARAMETER_SPREAD)
         setting = replace(setting, experiments=tuple(replace(e, varies=varies) for e in setting.experiments))
     progress("fitting the declared model")
     order = needed_order(setting)
     setting = replace(setting, order=order)
-    paper = roughly(setting, 2)
+    paper = rough_base_fit(setting, 2)
     progress("fitting the declared model", 0.4)
     problem, fitted = paper
     if order > 2:
         rough = replace(setting, experiments=problem.experiments)
-        problem, fitted = roughly(rough, fitted_order(order, _most_coordinates(problem)), warm=fitted)
+        problem, fitted = rough_base_fit(rough, fitted_order(order, most_coordinates(problem)), warm=fitted)
     if complete:
         rough = replace(setting, experiments=problem.experiments)
-        problem, fitted = known_from_baseline(rough, problem.arm.order, warm=fitted)
+        problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=fitted)
     progress("running the reference")
-    reduction = reduction_error(setting.declaration, problem, fitted)
+    reduction = model_discrepancy(setting.declaration, problem, fitted)
     progress("searching the catalogue")
-    found = search(
+    found = search_posterior(
         _base(_cut(replace(problem, step=FINER * sufficient_step(problem, fitted))), fitted, reduction),
         fitted,
         lambda done: progress("searching the catalogue", done),
     )
-    limits = detection_limits(decide(list(found.hypotheses)).leading)
+    limits = detection_limits(decide_by_mass(list(found.hypotheses)).leading)
     progress("comparing")
     found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
-    decision = decide(list(found.hypotheses))
+    decision = decide_by_mass(list(found.hypotheses))
     open_loop = _open_loop(decision.leading)
     shown = [
         replace(p, experiment=replace(experiment, observation=p.experiment.observation))
         for p, experiment in zip(prepared, decision.leading.problem.experiments, strict=False)
     ]
-    around = Surroundings(paper, shown, order, reduction, limits)
-    answer = assembled(found, decision, open_loop, around, seed, calibration)
+    around = PosteriorContext(paper, shown, order, reduction, limits)
+    answer = assemble_posterior(found, decision, open_loop, around, seed, calibration)
     if answer.verdict != "unknown" or not deciding.laws:
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
     alone = _open_loop(base)
-    missing = propose((alone.problem, alone.fitted), shown, progress)
+    missing = propose_laws((alone.problem, alone.fitted), shown, progress)
     return replace(answer, missing=missing, words=(*answer.words, *missing.words))
 
 
-def _base(problem: Problem, fitted: Fit, reduction: Reduction | None) -> Hypothesis:
+def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> Hypothesis:
     """The declared model judged: on what was measured less what the chain shows that the reduction to few coordinates
     loses, where that has the larger evidence; else on what was measured.
     """
     plain = declared_model(problem, fitted.nuisances)
-    less = None if reduction is None else without_reduction(problem, reduction)
-    if less is None:
+    corrected = None if reduction is None else without_discrepancy(problem, reduction)
+    if corrected is None:
         return plain
-    relieved = declared_model(less, fitted.nuisances)
-    return relieved if relieved.log_evidence.max() > plain.log_evidence.max() else plain
+    corrected_model = declared_model(corrected, fitted.nuisances)
+    return corrected_model if corrected_model.log_evidence.max() > plain.log_evidence.max() else plain
 
 
 def _cut(problem: Problem) -> Problem:
@@ -120,9 +119,3 @@ def _whole(h: Hypothesis, prepared: Sequence[Prepared]) -> Hypothesis:
         own = p.experiment
         experiments[place] = replace(experiments[place], duration=own.duration, observation=own.observation)
     return replace(h, problem=replace(h.problem, experiments=tuple(experiments)))
-
-
-def _most_coordinates(problem: Problem) -> int:
-    """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
-    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
-    return min((shape.order for shape in shapes), default=MOST_COORDINATES)

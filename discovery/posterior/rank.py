@@ -15,10 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
-from inference.score import Candidate, absorbed_basis
+from inference.score import Candidate, nuisance_tangent_basis
 from inference.trajectory import Fit
-
-MOST_EFFECTS = 3
 
 
 @dataclass(frozen=True)
@@ -45,7 +43,7 @@ def log_cauchy(values: Array, nominal: Array, one_sided: NDArray[np.bool_]) -> f
 
 def ranked_sets(fitted: Fit, candidates: list[Candidate], most: int) -> list[RankedSet]:
     """Every set of up to `most` candidates whose estimated strengths lie within their bounds, best first."""
-    basis = absorbed_basis(fitted)
+    basis = nuisance_tangent_basis(fitted)
     residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
     columns = np.concatenate([c.sensitivity for c in candidates], axis=1) if candidates else np.zeros((0, 0))
     ends = np.cumsum([len(c.effect.strengths) for c in candidates])

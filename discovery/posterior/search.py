@@ -17,21 +17,22 @@ import numpy as np
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
+from discovery.answer import MOST_EFFECTS
 from discovery.posterior.decide import log_masses, log_prior_of_set, missing_of
-from discovery.posterior.rank import MOST_EFFECTS, RankedSet, ranked_sets
-from discovery.posterior.starts import Start, starts
-from inference.posterior import Hypothesis, Rough, hypothesis, rough_fit, with_rest
+from discovery.posterior.rank import RankedSet, ranked_sets
+from discovery.posterior.starts import RefitStart, refit_starts
+from inference.posterior import Hypothesis, RoughFit, fit_hypothesis, rough_fit, with_rest
 from inference.score import Candidate, score
-from inference.trajectory import Fit, Problem, finished
+from inference.trajectory import Fit, Problem, linearised_fit
 
 T = TypeVar("T")
 SINGLES, SETS, ROUNDS = 7, 2, 4
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
-REACH = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
+NEGLIGIBLE_NATS = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
 
 
 @dataclass(frozen=True)
-class Search:
+class PosteriorSearch:
     """The base, all hypotheses that were refitted (the base first), and the candidates as the base's residual ranks
     them.
     """
@@ -41,7 +42,9 @@ class Search:
     candidates: tuple[Candidate, ...]
 
 
-def search(base: Hypothesis, origin: Fit, progress: Callable[[float], None] = lambda _: None) -> Search:
+def search_posterior(
+    base: Hypothesis, origin: Fit, progress: Callable[[float], None] = lambda _: None
+) -> PosteriorSearch:
     """Hypotheses about what the base lacks. origin: where the base's own fit began: effects begin there too, for in a
     decay that fit may be far from where any of them has its valley.
     """
@@ -62,12 +65,12 @@ def search(base: Hypothesis, origin: Fit, progress: Callable[[float], None] = la
             if frozenset((*centre.effects, *begun.chosen.names)) not in tried
         ]
         fewer = [name for name in centre.effects if frozenset(centre.effects) - {name} not in tried]
-        tasks: list[Callable[[], Rough]] = [
+        tasks: list[Callable[[], RoughFit]] = [
             *(partial(added, centre, begun) for begun in wanted),
             *(partial(added, centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
             *(partial(removed, centre, name) for name in fewer),
         ]
-        for h in _side_by_side([partial(hypothesis, one) for one in _promising(_side_by_side(tasks))]):
+        for h in _side_by_side([partial(fit_hypothesis, one) for one in _promising(_side_by_side(tasks))]):
             known = tried.get(frozenset(h.effects))
             if known is None or h.log_evidence.max() > known.log_evidence.max():
                 tried[frozenset(h.effects)] = h
@@ -78,13 +81,13 @@ def search(base: Hypothesis, origin: Fit, progress: Callable[[float], None] = la
         if best.effects == centre.effects or len(best.effects) >= MOST_EFFECTS:
             break
         centre = best
-    return Search(tried[frozenset()], tuple(tried.values()), tuple(first))
+    return PosteriorSearch(tried[frozenset()], tuple(tried.values()), tuple(first))
 
 
 def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str], Hypothesis]:
     """The hypotheses, those that may count with the rest that they leave."""
     missing = missing_of(list(tried.values()))
-    reach = max(max(log_masses(h, missing)) for h in tried.values()) - REACH
+    reach = max(max(log_masses(h, missing)) for h in tried.values()) - NEGLIGIBLE_NATS
     base = tried[frozenset()]
     base = base if base.alone is not None else with_rest(base)
     asked = [h for h in tried.values() if h.effects and h.alone is None and max(log_masses(h, missing)) > reach]
@@ -92,7 +95,7 @@ def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str],
     return tried | {frozenset(): base} | {frozenset(h.effects): h for h in found}
 
 
-def _promising(roughs: list[Rough]) -> list[Rough]:
+def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
     """Those that may still be the best when they are fitted closely."""
     costs = np.array([one.cost for one in roughs])
     least, most = (costs.min(), costs.max()) if costs.size else (0.0, 0.0)
@@ -130,7 +133,7 @@ def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
         return base
     problem = replace(base.problem, parameters=origin.parameters)
     there = np.concatenate([origin.values, *origin.nuisances])
-    return replace(base, problem=problem, fitted=finished(problem, there, 0))
+    return replace(base, problem=problem, fitted=linearised_fit(problem, there, 0))
 
 
 @dataclass(frozen=True)
@@ -138,12 +141,12 @@ class Begun:
     """A set of effects to be added, and where its refit begins."""
 
     chosen: RankedSet
-    starts: tuple[Start, ...]
+    starts: tuple[RefitStart, ...]
 
 
 def _begun(centre: Hypothesis, ranked: list[RankedSet]) -> list[Begun]:
     """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads."""
-    begun = _side_by_side([lambda one=one: Begun(one, tuple(starts(centre, one))) for one in ranked])
+    begun = _side_by_side([lambda one=one: Begun(one, tuple(refit_starts(centre, one))) for one in ranked])
     return sorted(begun, key=lambda one: one.starts[0].cost)
 
 
@@ -152,7 +155,7 @@ def _has_plain(chosen: RankedSet) -> bool:
     return any(shape.neutral == 0.0 for candidate in chosen.candidates for shape in candidate.effect.shapes)
 
 
-def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> Rough:
+def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> RoughFit:
     """A set of effects more, fitted roughly from the best starts. plain: shapes that may be none are none."""
     chosen = of.chosen
     new = [name for candidate in chosen.candidates for name in candidate.free]
@@ -171,7 +174,7 @@ def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> Rough:
     return _refitted((*centre.effects, *chosen.names), begun, centre)
 
 
-def removed(centre: Hypothesis, effect: str) -> Rough:
+def removed(centre: Hypothesis, effect: str) -> RoughFit:
     """One of the effects less, fitted roughly."""
     parameters = centre.fitted.parameters.copy()
     for parameter in catalogue()[effect].parameters:
@@ -182,7 +185,7 @@ def removed(centre: Hypothesis, effect: str) -> Rough:
     return _refitted(tuple(e for e in centre.effects if e != effect), begun, centre)
 
 
-def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis) -> Rough:
+def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis) -> RoughFit:
     """Fitted roughly from those starts."""
     return rough_fit(effects, [_remembering(effects, *start) for start in begun], centre.forces, centre.share)
 

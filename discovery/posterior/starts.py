@@ -16,19 +16,19 @@ from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from discovery.posterior.rank import RankedSet
 from inference.posterior import Hypothesis
-from inference.score import Candidate, absorbed_basis
+from inference.score import Candidate, nuisance_tangent_basis
 from inference.trajectory import ONE_SIDED, Problem, split
 
-SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
+START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
 SHAPES = 6  # points of the grid of one effect's shapes, at most
 KEPT = 2  # starts that are refined
-BENT = 0.7  # of its own value: how far a base parameter is moved to begin with
-DAMPED = 1e-2  # of the information's diagonal
-BATCH = 256  # individuals at once: what memory holds for a long recording
+LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
+STEP_DAMPING = 1e-2  # of the information's diagonal
+START_BATCH = 256  # individuals at once: what memory holds for a long recording
 
 
 @dataclass(frozen=True)
-class Start:
+class RefitStart:
     """Where a refit begins: a parameter vector and each recording's nuisances; half the sum of squares [nats] there."""
 
     parameters: Array
@@ -36,7 +36,7 @@ class Start:
     cost: float
 
 
-def starts(centre: Hypothesis, chosen: RankedSet) -> list[Start]:
+def refit_starts(centre: Hypothesis, chosen: RankedSet) -> list[RefitStart]:
     """The best KEPT places to begin from, best first."""
     plan = np.stack(_plan(centre, chosen), axis=1)
     problem = replace(centre.problem, parameters=centre.fitted.parameters)
@@ -49,15 +49,16 @@ def starts(centre: Hypothesis, chosen: RankedSet) -> list[Start]:
     found = []
     for place in np.argsort(np.where(np.isfinite(cost), cost, np.inf), kind="stable")[:KEPT]:
         parameters, nuisances = split(replace(problem, parameters=plan[:, place]), moved[:, place])
-        found.append(Start(parameters, nuisances, float(cost[place])))
+        found.append(RefitStart(parameters, nuisances, float(cost[place])))
     return found
 
 
 def _residuals(problem: Problem, parameters: Array, unknowns: Array) -> Array:
     """Residuals (N, B), in batches that memory holds."""
-    parts = range(0, unknowns.shape[1], BATCH)
+    parts = range(0, unknowns.shape[1], START_BATCH)
     return np.concatenate(
-        [problem.residuals_of(parameters[:, k : k + BATCH], unknowns[:, k : k + BATCH]) for k in parts], axis=1
+        [problem.residuals_of(parameters[:, k : k + START_BATCH], unknowns[:, k : k + START_BATCH]) for k in parts],
+        axis=1,
     )
 
 
@@ -65,13 +66,15 @@ def _absorbed(centre: Hypothesis, residuals: Array) -> tuple[Array, Array]:
     """Cost (B,) and unknowns (P, B) after the base's own best step, with the derivatives that it has without effects;
     the initial states stay.
     """
-    basis = absorbed_basis(centre.fitted)
+    basis = nuisance_tangent_basis(centre.fitted)
     absorbed = basis.T @ residuals
     cost = np.einsum("nb,nb->b", residuals, residuals) - np.einsum("nb,nb->b", absorbed, absorbed)
     scales, unknowns = centre.problem.scales(), np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
     step = -np.linalg.lstsq(centre.fitted.jacobian * scales, residuals, rcond=1e-8)[0]
     step[len(centre.fitted.values) :] = 0.0
-    return 0.5 * cost, _within(centre.problem, unknowns[:, None] + np.clip(step, -BENT, BENT) * scales[:, None])
+    return 0.5 * cost, _within(
+        centre.problem, unknowns[:, None] + np.clip(step, -LARGEST_BASE_MOVE, LARGEST_BASE_MOVE) * scales[:, None]
+    )
 
 
 def _stepped(problem: Problem, plan: Array, unknowns: Array, residuals: Array) -> tuple[Array, Array]:
@@ -88,8 +91,10 @@ def _stepped(problem: Problem, plan: Array, unknowns: Array, residuals: Array) -
     for k in range(plan.shape[1]):
         slope = (there[:, k * count : (k + 1) * count] - residuals[:, [k]]) / ONE_SIDED
         information = slope.T @ slope
-        step = -np.linalg.solve(information + DAMPED * np.diag(np.diag(information) + 1e-12), slope.T @ residuals[:, k])
-        ends.append(unknowns + np.clip(step, -BENT, BENT) * scales)
+        step = -np.linalg.solve(
+            information + STEP_DAMPING * np.diag(np.diag(information) + 1e-12), slope.T @ residuals[:, k]
+        )
+        ends.append(unknowns + np.clip(step, -LARGEST_BASE_MOVE, LARGEST_BASE_MOVE) * scales)
     moved = _within(problem, np.stack(ends, axis=1))
     stepped = plan.copy()
     stepped[problem.rows()] = moved[: len(problem.free)]
@@ -117,7 +122,7 @@ def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
     for values in shapes[:: max(1, -(-len(shapes) // SHAPES))]:
         at = replace(candidate, shapes=values)
         for place, strength in enumerate(effect.strengths):
-            for size in (*SIZES, *(-size for size in SIZES)):
+            for size in (*START_SIZES, *(-size for size in START_SIZES)):
                 if strength.bounds[0] <= size * strength.nominal <= strength.bounds[1]:
                     sized = np.zeros(len(effect.strengths))
                     sized[place] = size * strength.nominal

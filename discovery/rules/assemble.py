@@ -6,17 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discovery.answer import ACCOUNTS, LIMITS, error_budget, proposal_words
+from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
 from discovery.calibration import Calibration, stored
-from discovery.next_experiment import propose
-from discovery.rules.search import Search
-from discovery.rules.unnamed import Rest
-from discovery.rules.verdict import Decision, probabilities
-from inference.compare import errors, floor_errors, midline_error, run_comparison
-from inference.hypothesis import Hypothesis, estimates, hypothesis
+from discovery.next_experiment import propose_experiment
+from discovery.rules.search import StepwiseSearch
+from discovery.rules.unnamed import UnnamedRest
+from discovery.rules.verdict import RulesDecision, probabilities
+from inference.compare import floor_errors, midline_error, run_comparison, run_errors
+from inference.discrepancy import ModelDiscrepancy
+from inference.hypothesis import GatedHypothesis, estimates, gated_hypothesis
 from inference.observation import ShapeObservation
 from inference.prepare import Prepared
-from inference.reduction import Reduction
 from inference.score import twin_cosines
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis, RankedEffect
@@ -25,7 +25,7 @@ from tentacle.model import Model
 
 
 @dataclass(frozen=True)
-class Surroundings:
+class RulesContext:
     """What stands beside a finding: the paper's model as fitted, the recordings, order, how many coordinates their
     shapes show, sentences said before, and what the reduction to few coordinates loses (None: not known).
     """
@@ -34,14 +34,14 @@ class Surroundings:
     prepared: list[Prepared]
     order: int
     words: tuple[str, ...]
-    reduction: Reduction | None
+    reduction: ModelDiscrepancy | None
 
 
-def assembled(
-    found: Search,
-    decision: Decision,
-    rest: Rest | None,
-    beside: Surroundings,
+def assemble_rules(
+    found: StepwiseSearch,
+    decision: RulesDecision,
+    rest: UnnamedRest | None,
+    beside: RulesContext,
     seed: int,
     calibration: Calibration | None,
 ) -> Diagnosis:
@@ -52,7 +52,10 @@ def assembled(
     is_held_out = any(bool((~p.experiment.used).any()) for p in beside.prepared) and bool(chosen.judged.gates)
     final = (chosen.problem, chosen.fitted)
     runs = [run_comparison(p, place, beside.paper, final, is_held_out) for place, p in enumerate(beside.prepared)]
-    before, after = errors(runs, beside.prepared, augmented=False), errors(runs, beside.prepared, augmented=True)
+    before, after = (
+        run_errors(runs, beside.prepared, augmented=False),
+        run_errors(runs, beside.prepared, augmented=True),
+    )
     lost = 0.0 if beside.reduction is None else beside.reduction.millimetres
     floor = floor_errors(runs, beside.prepared, lost)
     parameters = estimates(chosen, found.variance_inflation)
@@ -75,12 +78,12 @@ def assembled(
     named = {name: known.get(name, {}) for name in effects}
     d = beside.prepared[0].recording.declaration
     base_model = Model(
-        d.specimen, d.fluid, d.gravity, 2, estimates(hypothesis((), *beside.paper), found.variance_inflation)
+        d.specimen, d.fluid, d.gravity, 2, estimates(gated_hypothesis((), *beside.paper), found.variance_inflation)
     )
     augmented = Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, parameters)
     if rest is not None:
         words = (*words, _rest_words(rest))
-    proposal = propose(*_to_be_split(found, verdict), LIMITS, seed)
+    proposal = propose_experiment(*_to_be_split(found, verdict), HOBBY_SERVO, seed)
     if proposal is not None:
         words = (*words, proposal_words(proposal))
     if calibration is not None:
@@ -110,7 +113,7 @@ def assembled(
     )
 
 
-def _to_be_split(found: Search, verdict: str) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:
+def _to_be_split(found: StepwiseSearch, verdict: str) -> tuple[GatedHypothesis, tuple[GatedHypothesis, ...]]:
     """The hypotheses that the next experiment is to tell apart: the chosen one and its rivals; where nothing explains
     the data and nothing rivals it, the best accounts by one effect.
     """
@@ -119,7 +122,7 @@ def _to_be_split(found: Search, verdict: str) -> tuple[Hypothesis, tuple[Hypothe
     return found.single[0], found.single[1:ACCOUNTS]
 
 
-def _rest_words(rest: Rest) -> str:
+def _rest_words(rest: UnnamedRest) -> str:
     terms = ", ".join(rest.terms)
     return (
         f"A small force without a name ({terms}; the effect `unnamed` of the augmented model) leaves "
@@ -127,7 +130,7 @@ def _rest_words(rest: Rest) -> str:
     )
 
 
-def _ranking(found: Search, prepared: list[Prepared], is_held_out: bool) -> tuple[RankedEffect, ...]:
+def _ranking(found: StepwiseSearch, prepared: list[Prepared], is_held_out: bool) -> tuple[RankedEffect, ...]:
     weight = probabilities(found)
     refitted = {h.effects[0]: h for h in found.single}
     rows = []

@@ -9,17 +9,25 @@ import numpy as np
 
 from affine_model.curvature import Array
 from discovery.given import Deciding, Given, held_out_run
-from discovery.laws.propose import propose
-from discovery.rules.assemble import Surroundings, assembled
-from discovery.rules.search import Search, search
+from discovery.laws.propose import propose_laws
+from discovery.rules.assemble import RulesContext, assemble_rules
+from discovery.rules.search import StepwiseSearch, stepwise_search
 from discovery.rules.unnamed import unnamed_rest
-from discovery.rules.verdict import decide, structure_share
-from inference.base_fit import Setting, fit_base, fitted_order, initial_nuisances, needed_order, settled
+from discovery.rules.verdict import decide_by_rules, structure_share
+from inference.base_fit import (
+    Setting,
+    fit_base,
+    fitted_order,
+    initial_nuisances,
+    most_coordinates,
+    needed_order,
+    refit_noise_and_step,
+)
 from inference.compare import unexplained_share
-from inference.hypothesis import Hypothesis, hypothesis, noise_ratio, variance_inflation
+from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
+from inference.hypothesis import GatedHypothesis, gated_hypothesis, noise_ratio, variance_inflation
 from inference.observation import ShapeObservation
-from inference.prepare import MOST_COORDINATES, Prepared, prepare
-from inference.reduction import Reduction, reduction_error, without_reduction
+from inference.prepare import Prepared, prepare
 from inference.trajectory import Fit, Problem, fit
 from tentacle.diagnosis import Diagnosis
 from tentacle.progress import Stage
@@ -35,12 +43,12 @@ REMAINS = 0.3  # of the reduction's error once the chain's is taken off: another
 
 @dataclass(frozen=True)
 class Baseline:
-    """What recordings with a complete declaration taught: the base fit, what it leaves a channel, and over how many
-    frames.
+    """What recordings with a complete declaration show: the base fit, the rms (K,) of its rest in each channel, and the
+    correlation time [frames] of that rest.
     """
 
     fitted: Fit
-    left: Array
+    rest_rms: Array
     correlation: float
 
 
@@ -50,31 +58,31 @@ def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
     order = order or needed_order(setting, complete=True)
     problem, fitted = fit_base(setting, order)
-    experiments, judged = problem.experiments, hypothesis((), problem, fitted)
+    experiments, judged = problem.experiments, gated_hypothesis((), problem, fitted)
     rows = [r[e.used] * e.noise_gain for e, r in zip(experiments, fitted.residuals, strict=True)]
-    left = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0))
+    rest_rms = np.sqrt(np.mean(np.concatenate(rows) ** 2, axis=0))
     gain = np.max([e.noise_gain for e in experiments], axis=0)
-    ratio = float(np.mean(left**2) / np.mean(gain**2))
+    ratio = float(np.mean(rest_rms**2) / np.mean(gain**2))
     if ratio < ALMOST_NOISE:
         return Baseline(fitted, gain, 1.0), order
     correlation = max(variance_inflation(judged) / ratio, 1.0)
-    again = tuple(replace(e, noise_gain=np.maximum(e.noise_gain, left)) for e in experiments)
+    again = tuple(replace(e, noise_gain=np.maximum(e.noise_gain, rest_rms)) for e in experiments)
     problem = replace(problem, experiments=again)
-    return Baseline(fit(problem, fitted.nuisances), np.maximum(left, gain), correlation), order
+    return Baseline(fit(problem, fitted.nuisances), np.maximum(rest_rms, gain), correlation), order
 
 
 def _with_baseline(setting: Setting, baseline: Baseline) -> Setting:
     """The experiments with what the baseline leaves unexplained counted as noise: that is not what is sought here."""
     experiments = []
     for experiment in setting.experiments:
-        if baseline.left.size == experiment.noise_gain.size:
-            gain = np.maximum(experiment.noise_gain, baseline.left)
+        if baseline.rest_rms.size == experiment.noise_gain.size:
+            gain = np.maximum(experiment.noise_gain, baseline.rest_rms)
             experiment = replace(experiment, noise_gain=gain, correlation=baseline.correlation)
         experiments.append(experiment)
     return replace(setting, experiments=tuple(experiments))
 
 
-def diagnosed(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
+def diagnose_by_rules(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
     calibration = deciding.calibration
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
@@ -97,12 +105,12 @@ def diagnosed(given: Given, seed: int, deciding: Deciding, progress: Stage) -> D
     paper_problem, paper = _base_hypothesis(setting, 2, known)
     base_problem, base = paper_problem, paper
     if order > 2:
-        fitted = fitted_order(order, _most_coordinates(base_problem))
+        fitted = fitted_order(order, most_coordinates(base_problem))
         base_problem, base = _base_hypothesis(setting, fitted, known, warm=paper)
     progress("running the reference")
     base_problem, base, reduction = _reduced_enough(setting, base_problem, base, known)
     progress("searching the catalogue")
-    found = search(_relieved(base_problem, base, reduction), setting.arm())
+    found = stepwise_search(_corrected(base_problem, base, reduction), setting.arm())
     found, reduction = _searched_again(found, setting, (base_problem, base), reduction)
     # With the noise as the final model leaves it; the errors are stated of what was measured, reduction and all.
     final = found.chosen.problem.experiments
@@ -110,17 +118,17 @@ def diagnosed(given: Given, seed: int, deciding: Deciding, progress: Stage) -> D
         replace(p, experiment=replace(experiment, observation=p.experiment.observation))
         for p, experiment in zip(prepared, final, strict=True)
     ]
-    decision = decide(found, _unexplained(found, prepared, reduction))
+    decision = decide_by_rules(found, _unexplained(found, prepared, reduction))
     explained = decision.verdict != "unknown" or structure_share(found, found.chosen) < PARTIAL
     rest = None if found.chosen.train.passed else unnamed_rest(found.chosen if explained else found.base)
     progress("comparing")
     paper_model = (paper_problem, paper)
-    answer = assembled(
-        found, decision, rest, Surroundings(paper_model, prepared, order, tuple(words), reduction), seed, calibration
+    answer = assemble_rules(
+        found, decision, rest, RulesContext(paper_model, prepared, order, tuple(words), reduction), seed, calibration
     )
     if decision.verdict != "unknown" or not deciding.laws:
         return answer
-    missing = propose((found.base.problem, found.base.fitted), prepared, progress)
+    missing = propose_laws((found.base.problem, found.base.fitted), prepared, progress)
     return replace(answer, missing=missing, words=(*answer.words, *missing.words))
 
 
@@ -137,59 +145,65 @@ def _base_hypothesis(
         prior_root=np.linalg.cholesky(np.linalg.inv(start.covariance)).T,
     )
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
-    return settled(problem, fit(problem, nuisances))
+    return refit_noise_and_step(problem, fit(problem, nuisances))
 
 
 def _reduced_enough(
     setting: Setting, problem: Problem, fitted: Fit, known: Baseline | None
-) -> tuple[Problem, Fit, Reduction | None]:
+) -> tuple[Problem, Fit, ModelDiscrepancy | None]:
     """The base with as many coordinates that its own error drowns in the noise, or as help; and that error.
 
     Shapes show a coordinate only where it stands out of the noise by itself; the chain shows those that matter below.
     """
-    reduction = reduction_error(setting.declaration, problem, fitted)
-    alone = hypothesis((), problem, fitted)
+    reduction = model_discrepancy(setting.declaration, problem, fitted)
+    alone = gated_hypothesis((), problem, fitted)
     if alone.passed:
         return problem, fitted, reduction
-    most = _most_coordinates(problem)
+    most = most_coordinates(problem)
     while reduction is not None and reduction.worst > SMALL_REDUCTION and problem.arm.order < most:
         more = fitted_order(problem.arm.order + 1, most)
         higher = _base_hypothesis(setting, more, known, warm=fitted)
-        again = reduction_error(setting.declaration, *higher)
+        again = model_discrepancy(setting.declaration, *higher)
         if again is None or again.worst > HELPS * reduction.worst:
             break
         (problem, fitted), reduction = higher, again
     return problem, fitted, reduction
 
 
-def _relieved(problem: Problem, fitted: Fit, reduction: Reduction | None, missing: float | None = None) -> Hypothesis:
+def _corrected(
+    problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None, missing: float | None = None
+) -> GatedHypothesis:
     """The base fitted to what was measured less the reduction's error, granted what may be left of that error: the
     chain was run with a model whose motion is wrong by what is missing [noise sigmas] (None: by what the base leaves).
 
     As it was, and granted all of the error, where that is small, is not known everywhere, or is not this arm's: taken
     off data that do not hold it, its whole square would come on top of the misfit, and here half of it does.
     """
-    less = None if reduction is None or reduction.worst < SMALL_REDUCTION else without_reduction(problem, reduction)
-    if reduction is None or less is None:
-        return _granted(problem, fitted, reduction, 1.0)
-    again = settled(less, fit(replace(less, parameters=fitted.parameters), fitted.nuisances))
+    corrected = (
+        None if reduction is None or reduction.worst < SMALL_REDUCTION else without_discrepancy(problem, reduction)
+    )
+    if reduction is None or corrected is None:
+        return _with_discrepancy(problem, fitted, reduction, 1.0)
+    again = refit_noise_and_step(corrected, fit(replace(corrected, parameters=fitted.parameters), fitted.nuisances))
     if again[1].misfit - fitted.misfit > 0.5 * 0.5 * reduction.structure**2 * fitted.count:
-        return _granted(problem, fitted, reduction, 1.0)
+        return _with_discrepancy(problem, fitted, reduction, 1.0)
     if missing is None:
-        missing = hypothesis((), *again).train.structure
-    return _granted(*again, reduction, min(1.0, REMAINS + missing / max(_motion(again[0]), 1e-9)))
+        missing = gated_hypothesis((), *again).train.structure
+    return _with_discrepancy(*again, reduction, min(1.0, REMAINS + missing / max(_motion(again[0]), 1e-9)))
 
 
-def _granted(problem: Problem, fitted: Fit, reduction: Reduction | None, share: float) -> Hypothesis:
+def _with_discrepancy(
+    problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None, share: float
+) -> GatedHypothesis:
     """The base judged, granted that share of the reduction's error and what no model of its motion knows better."""
     least = OF_MOTION * _motion(problem)
     lost = (0.0, 0.0) if reduction is None else (share * reduction.structure, share * reduction.judged)
-    return hypothesis((), problem, fitted, (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least))))
+    return gated_hypothesis((), problem, fitted, (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least))))
 
 
 def _searched_again(
-    found: Search, setting: Setting, base: tuple[Problem, Fit], reduction: Reduction | None
-) -> tuple[Search, Reduction | None]:
+    found: StepwiseSearch, setting: Setting, base: tuple[Problem, Fit], reduction: ModelDiscrepancy | None
+) -> tuple[StepwiseSearch, ModelDiscrepancy | None]:
     """The search once more where what was found explains much and yet leaves too much, and the reduction's error by
     which it went: now as the chain shows it that has the effects found. As before where this leaves no less.
     """
@@ -199,16 +213,16 @@ def _searched_again(
         return found, reduction
     if chosen.problem.arm.order != base[0].arm.order:
         return found, reduction
-    with_effects = reduction_error(setting.declaration, chosen.problem, chosen.fitted, chosen.effects)
+    with_effects = model_discrepancy(setting.declaration, chosen.problem, chosen.fitted, chosen.effects)
     if with_effects is None:
         return found, reduction
-    again = search(_relieved(*base, with_effects, chosen.train.structure), setting.arm())
+    again = stepwise_search(_corrected(*base, with_effects, chosen.train.structure), setting.arm())
     noise = noise_ratio(again.chosen.problem, chosen.problem)
     better = again.chosen.passed or again.chosen.excess_rms * noise <= chosen.excess_rms
     return (again, with_effects) if better else (found, reduction)
 
 
-def _unexplained(found: Search, prepared: list[Prepared], reduction: Reduction | None) -> float:
+def _unexplained(found: StepwiseSearch, prepared: list[Prepared], reduction: ModelDiscrepancy | None) -> float:
     """The share of the base's error in millimetres that an account leaves which the gates do not pass; else 1."""
     base, chosen = found.base, found.chosen
     if not chosen.effects or chosen.passed:
@@ -233,9 +247,3 @@ def _motion(problem: Problem) -> float:
             whitened = (points - points.mean(axis=0)) / observation.sigma if points.size else np.zeros(1)
         squares.append(float(np.mean((whitened / experiment.noise_gain) ** 2)))
     return float(np.sqrt(np.mean(squares))) if squares else 0.0
-
-
-def _most_coordinates(problem: Problem) -> int:
-    """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
-    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
-    return min((shape.order for shape in shapes), default=MOST_COORDINATES)

@@ -14,13 +14,19 @@ import numpy as np
 from affine_model.arm import Arm, parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
-from inference.hypothesis import Hypothesis, against_baseline, hypothesis, material_gain, nats_per_parameter
+from inference.hypothesis import (
+    GatedHypothesis,
+    against_baseline,
+    gated_hypothesis,
+    material_gain,
+    nats_per_parameter,
+)
 from inference.score import Candidate
 from inference.sufficient_step import sufficient_step, unbiased_noise
-from inference.trajectory import Fit, Problem, evaluate, fit
+from inference.trajectory import Fit, Problem, fit, unfitted
 
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
-SHARES = (1.0, 0.4)  # of a candidate's estimated strengths, to start from
+START_SHARES = (1.0, 0.4)  # of a candidate's estimated strengths, to start from
 # Beyond the linear picture the base has bent itself to what is missing, and a refit starts from elsewhere too:
 STIFFER = (0.6, 0.8, 1.0, 1.3, 1.7)  # times the elasticity
 RELAXATIONS = (None, 0.003, 0.01)  # s: damping over elasticity (None: as fitted)
@@ -30,7 +36,7 @@ COUNTERPART = {("damping", "eta"): ("elasticity", "E"), ("damping", "d0"): ("ela
 COUNTERPART[("damping", "d1")] = ("elasticity", "k1")
 
 
-def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
+def refit(current: GatedHypothesis, candidate: Candidate) -> GatedHypothesis:
     """The current model with the candidate added, fitted from its estimated strengths; from the next best start where
     that fails to gain what was promised.
     """
@@ -52,7 +58,7 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
     # have fled from where it needs one: so that is asked of where it began, too.
     places = [best] if beyond else []
     if best.misfit > promised:
-        places.append(evaluate(_at(problem, starts[-1] if beyond else starts[0]), nuisances))
+        places.append(unfitted(_at(problem, starts[-1] if beyond else starts[0]), nuisances))
     for place in places:
         if (step := sufficient_step(problem, place)) < problem.step:
             finer = replace(problem, step=step)
@@ -61,28 +67,28 @@ def refit(current: Hypothesis, candidate: Candidate) -> Hypothesis:
                 problem, best = finer, again
     effects = (*current.effects, candidate.effect.name)
     problem = replace(problem, parameters=best.parameters)
-    return hypothesis(effects, problem, best, current.reduction, current.laws_with(candidate.effect.name))
+    return gated_hypothesis(effects, problem, best, current.reduction, current.laws_with(candidate.effect.name))
 
 
-def refitted(current: Hypothesis, chosen: list[Candidate]) -> list[Hypothesis]:
+def refitted(current: GatedHypothesis, chosen: list[Candidate]) -> list[GatedHypothesis]:
     """Each candidate refitted, side by side: the kernel lets other threads run while it computes."""
     with ThreadPoolExecutor(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2) as pool:
         return list(pool.map(lambda candidate: refit(current, candidate), chosen))
 
 
-def without(current: Hypothesis, effect: str) -> Hypothesis:
+def without(current: GatedHypothesis, effect: str) -> GatedHypothesis:
     """The current model less one of its effects."""
-    less, problem, nuisances = _dropped(current, effect)
-    return _again(less, problem, nuisances)
+    smaller, problem, nuisances = _dropped(current, effect)
+    return _again(smaller, problem, nuisances)
 
 
-def removed_without_refit(current: Hypothesis, effect: str) -> Hypothesis:
+def removed_without_refit(current: GatedHypothesis, effect: str) -> GatedHypothesis:
     """The current model less one of its effects, as the effect leaves it: the rest has not bent itself to the loss."""
-    less, problem, nuisances = _dropped(current, effect)
-    return hypothesis(less.effects, problem, evaluate(problem, nuisances), less.reduction, less.laws)
+    smaller, problem, nuisances = _dropped(current, effect)
+    return gated_hypothesis(smaller.effects, problem, unfitted(problem, nuisances), smaller.reduction, smaller.laws)
 
 
-def _dropped(current: Hypothesis, effect: str) -> tuple[Hypothesis, Problem, tuple[Array, ...]]:
+def _dropped(current: GatedHypothesis, effect: str) -> tuple[GatedHypothesis, Problem, tuple[Array, ...]]:
     """The current model less an effect in name, its problem, and the nuisances to begin from."""
     parameters = current.fitted.parameters.copy()
     for parameter in catalogue()[effect].parameters:
@@ -93,7 +99,7 @@ def _dropped(current: Hypothesis, effect: str) -> tuple[Hypothesis, Problem, tup
     return replace(current, effects=tuple(e for e in current.effects if e != effect)), problem, nuisances
 
 
-def with_noise_of(h: Hypothesis, problem: Problem) -> Hypothesis:
+def with_noise_of(h: GatedHypothesis, problem: Problem) -> GatedHypothesis:
     """The hypothesis under another's noise and step, so that their evidence is comparable."""
     experiments = tuple(
         replace(own, noise_gain=other.noise_gain)
@@ -104,7 +110,7 @@ def with_noise_of(h: Hypothesis, problem: Problem) -> Hypothesis:
     return _again(replace(h, reduction=reduction, laws=laws), changed, h.fitted.nuisances)
 
 
-def on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
+def on_arm(h: GatedHypothesis, arm: Arm) -> GatedHypothesis:
     """The hypothesis on an arm of fewer coordinates; no reduction's loss is granted to it."""
     more, fewer = h.problem.arm.order, arm.order
     nuisances = []
@@ -115,7 +121,7 @@ def on_arm(h: Hypothesis, arm: Arm) -> Hypothesis:
     return _again(replace(h, reduction=(0.0, 0.0)), problem, tuple(nuisances))
 
 
-def at_fine_step(chosen: Hypothesis) -> Hypothesis:
+def at_fine_step(chosen: GatedHypothesis) -> GatedHypothesis:
     """The chosen hypothesis at a step so fine that its parameters are not biased by it."""
     step = sufficient_step(chosen.problem, chosen.fitted, unbiased_noise(chosen.problem))
     if not chosen.effects or step == chosen.problem.step:
@@ -124,7 +130,7 @@ def at_fine_step(chosen: Hypothesis) -> Hypothesis:
     return _again(chosen, problem, chosen.fitted.nuisances, tolerance=1e-7, most=40)
 
 
-def converged(chosen: Hypothesis) -> Hypothesis:
+def converged(chosen: GatedHypothesis) -> GatedHypothesis:
     """The chosen hypothesis with its fit continued where that used all its steps."""
     if chosen.fitted.result.converged:
         return chosen
@@ -132,7 +138,7 @@ def converged(chosen: Hypothesis) -> Hypothesis:
     return _again(chosen, problem, chosen.fitted.nuisances, most=60)
 
 
-def prune_shape_parameters(chosen: Hypothesis) -> Hypothesis:
+def prune_shape_parameters(chosen: GatedHypothesis) -> GatedHypothesis:
     """The chosen hypothesis without the shapes that its data do not need: at 0 the law is as if it had none.
 
     Against a baseline all are kept: its own rest, taken for noise, hides what a shape is worth.
@@ -156,14 +162,14 @@ def prune_shape_parameters(chosen: Hypothesis) -> Hypothesis:
 
 
 def _again(
-    h: Hypothesis, problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-6, most: int = 20
-) -> Hypothesis:
+    h: GatedHypothesis, problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-6, most: int = 20
+) -> GatedHypothesis:
     """The changed problem fitted, judged with what was granted before."""
     fitted = fit(problem, nuisances, tolerance=tolerance, most=most)
-    return hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted, h.reduction, h.laws)
+    return gated_hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted, h.reduction, h.laws)
 
 
-def _enough(current: Hypothesis) -> float:
+def _enough(current: GatedHypothesis) -> float:
     """When a trial fit has converged, as a share of its misfit: to a nat, or to little beside what is unexplained."""
     misfit = current.fitted.misfit
     unexplained = max(misfit - 0.5 * current.fitted.count, 0.0)
@@ -195,11 +201,13 @@ def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Proble
     return replace(problem, experiments=tuple(experiments)), tuple(kept)
 
 
-def _starts(problem: Problem, nuisances: tuple[Array, ...], current: Hypothesis, candidate: Candidate) -> list[Array]:
+def _starts(
+    problem: Problem, nuisances: tuple[Array, ...], current: GatedHypothesis, candidate: Candidate
+) -> list[Array]:
     """Values (F,) of the free parameters to begin from: the fitted base with shares of the estimated strengths; before
     them, where the residual is beyond the linear picture, the best of a grid of bases and strengths, one batch.
     """
-    given = [_started(problem, candidate, share * candidate.strengths) for share in SHARES]
+    given = [_started(problem, candidate, share * candidate.strengths) for share in START_SHARES]
     if current.train.structure < LINEAR:
         return given
     if candidate.from_grid is not None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from affine_model.arm import Arm
 from affine_model.effects import catalogue
+from discovery.answer import MOST_EFFECTS
 from discovery.rules.refit import (
     LINEAR,
     at_fine_step,
@@ -18,10 +19,10 @@ from discovery.rules.refit import (
     with_noise_of,
     without,
 )
-from inference.base_fit import settled
+from inference.base_fit import refit_noise_and_step
 from inference.hypothesis import (
-    Hypothesis,
-    hypothesis,
+    GatedHypothesis,
+    gated_hypothesis,
     material_gain,
     nats_per_parameter,
     noise_ratio,
@@ -32,43 +33,44 @@ from inference.score import Candidate, score, strength_grid, twin_cosines
 REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
 HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
 TIE = 5.0  # nats: effects closer than this to the best are not told apart
-TWINS = 0.25  # of the material gain: the same
+TIE_OF_MATERIAL_GAIN = 0.25  # of the material gain: the same
 ALIKE = 0.9  # canonical cosine of two effects' sensitivities, above which a small lead says nothing
-MOST_EFFECTS = 3
-NEAR = 20.0  # nats: alternatives this close to the best are refitted with its noise
+REFIT_WITHIN_NATS = 20.0  # nats: alternatives this close to the best are refitted with its noise
 SWAPS = 3  # of the score test's ranking, tried in the place of each earlier effect
 # Share of the first misfit that one, two, three effects may leave for another to be tried: a combination's first effect
 # explains a good part by itself, and what nothing here explains is not worth minutes.
 WORTH_GOING_ON = (1.0, 0.85, 0.6, 0.0)
 WORTH_TRYING = 0.25  # of a rest beyond the linear regime: a candidate's gain, below which nothing more is tried
-STANDS_OUT = 1.0  # noise sigmas: a rest that is as large as the noise is seen in the picture of residuals
-FINE = 0.3  # of what a model may err by itself: what leaves no more explains more than such an error's picture
+VISIBLE_REST = 1.0  # noise sigmas: a rest that is as large as the noise is seen in the picture of residuals
+FINE_DISCREPANCY_SHARE = (
+    0.3  # of what a model may err by itself: what leaves no more explains more than such an error's picture
+)
 CLEARED = 0.5  # of what was left
 LARGEST_MARGIN = 1e3  # nats: said where nothing else was worth a refit
 
 
 @dataclass(frozen=True)
-class Search:
+class StepwiseSearch:
     """What the search found: the base, the chosen hypothesis, rivals that the data cannot tell from it, and the first
     ranking.
 
-    core: the effects on which the chosen hypothesis and all rivals agree, alone (the chosen one where there is no
-    rival). margin [nats]: the chosen model's evidence less that of the next best of as many effects, loosened.
+    core: the effects that the chosen hypothesis and all rivals share (without rivals: the chosen hypothesis).
+    margin [nats]: how far the next best hypothesis with as many effects is behind, over the variance inflation.
     """
 
-    base: Hypothesis
-    chosen: Hypothesis
-    rivals: tuple[Hypothesis, ...]
+    base: GatedHypothesis
+    chosen: GatedHypothesis
+    rivals: tuple[GatedHypothesis, ...]
     candidates: tuple[Candidate, ...]
-    single: tuple[Hypothesis, ...]
+    single: tuple[GatedHypothesis, ...]
     variance_inflation: float
-    core: Hypothesis
+    core: GatedHypothesis
     margin: float
 
 
-def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candidate]:
+def _promising(current: GatedHypothesis, candidates: list[Candidate]) -> list[Candidate]:
     """The candidates worth a refit: the best of the score test and, where the residual is large, the best of the
-    survey too.
+    grid of strengths too.
     """
     price = nats_per_parameter(current.problem)
     best = [c for c in candidates if c.gain > price * len(c.effect.parameters)][:REFITTED]
@@ -83,7 +85,7 @@ def _promising(current: Hypothesis, candidates: list[Candidate]) -> list[Candida
     return list(chosen.values())
 
 
-def _tried(current: Hypothesis, promising: list[Candidate]) -> list[Hypothesis]:
+def _tried(current: GatedHypothesis, promising: list[Candidate]) -> list[GatedHypothesis]:
     """The candidates refitted, best first. In the linear regime those that the score puts far behind the first are
     left out.
     """
@@ -95,28 +97,28 @@ def _tried(current: Hypothesis, promising: list[Candidate]) -> list[Hypothesis]:
     return sorted([first, *refitted(current, rest)], key=lambda h: -h.penalised_log_likelihood)
 
 
-def settled_together(tried: list[Hypothesis]) -> list[Hypothesis]:
+def refit_noise_together(tried: list[GatedHypothesis]) -> list[GatedHypothesis]:
     """The best first, with the noise as it leaves it and a step that suffices; then those that come near it, refitted
     with the same noise and step, so that their evidence is comparable.
     """
     best = tried[0]
-    problem, fitted = settled(best.problem, best.fitted)
-    reach = max(NEAR * variance_inflation(best), material_gain(best))
+    problem, fitted = refit_noise_and_step(best.problem, best.fitted)
+    reach = max(REFIT_WITHIN_NATS * variance_inflation(best), material_gain(best))
     near = [h for h in tried[1:] if best.penalised_log_likelihood - h.penalised_log_likelihood < reach]
     if problem is not best.problem:
         near = [with_noise_of(h, problem) for h in near]
-        best = hypothesis(best.effects, problem, fitted, *best.discrepancy_in(problem))
+        best = gated_hypothesis(best.effects, problem, fitted, *best.discrepancy_in(problem))
     return sorted([best, *near], key=lambda h: -h.penalised_log_likelihood)
 
 
-def tied_within(current: Hypothesis, loose: float) -> float:
+def tied_within(current: GatedHypothesis, inflation: float) -> float:
     """Nats of evidence within which others are not told from it: models that differ by less than any of them errs are
     one, whatever the nats between them say.
     """
-    return max(TIE * loose, TWINS * material_gain(current))
+    return max(TIE * inflation, TIE_OF_MATERIAL_GAIN * material_gain(current))
 
 
-def search(base: Hypothesis, seen: Arm | None = None) -> Search:
+def stepwise_search(base: GatedHypothesis, seen: Arm | None = None) -> StepwiseSearch:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
     gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
 
@@ -129,12 +131,12 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     effect added the data can tell whether it does as well, and then it stands: they come from an arm without the rest.
     """
     current, alternatives = base, []
-    enough: tuple[Hypothesis, list[Hypothesis]] | None = None
+    enough: tuple[GatedHypothesis, list[GatedHypothesis]] | None = None
     first: list[Candidate] = []
-    single: list[Hypothesis] = []
+    single: list[GatedHypothesis] = []
     while len(current.effects) < MOST_EFFECTS:
         if current.passed:
-            if enough is not None or current.excess_rms < STANDS_OUT:
+            if enough is not None or current.excess_rms < VISIBLE_REST:
                 break
             enough, current = (current, alternatives), _finer(current)
             if current.passed:
@@ -150,7 +152,7 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
         gain = tried[0].penalised_log_likelihood - current.penalised_log_likelihood
         if gain < material_gain(current) and (current.passed or not _clears(tried[0], current)):
             break
-        current, *alternatives = settled_together(tried)
+        current, *alternatives = refit_noise_together(tried)
         current, alternatives = backward_elimination(current, alternatives)
         if seen is not None and seen.order < current.problem.arm.order:
             current, alternatives = _with_fewer_coordinates(current, alternatives, seen)
@@ -160,8 +162,8 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     if enough is not None and not _clears(current, enough[0]):
         current, alternatives = enough
         current = converged(prune_shape_parameters(at_fine_step(current)))
-    loose = variance_inflation(current)
-    tie = tied_within(current, loose)
+    inflation = variance_inflation(current)
+    tie = tied_within(current, inflation)
     rivals = [
         h
         for h in alternatives
@@ -171,19 +173,29 @@ def search(base: Hypothesis, seen: Arm | None = None) -> Search:
     rivals = [
         h
         for h in rivals
-        if current.penalised_log_likelihood - h.penalised_log_likelihood < TIE * loose or _alike(current, h, first)
+        if current.penalised_log_likelihood - h.penalised_log_likelihood < TIE * inflation or _alike(current, h, first)
     ]
     others = [h.penalised_log_likelihood for h in (alternatives or single) if h.effects != current.effects]
-    margin = (current.penalised_log_likelihood - max(others)) / loose if others and current.effects else LARGEST_MARGIN
-    return Search(base, current, tuple(rivals), tuple(first), tuple(single), loose, _agreed(current, rivals), margin)
+    margin = (
+        (current.penalised_log_likelihood - max(others)) / inflation if others and current.effects else LARGEST_MARGIN
+    )
+    return StepwiseSearch(
+        base, current, tuple(rivals), tuple(first), tuple(single), inflation, _agreed(current, rivals), margin
+    )
 
 
-def _finer(h: Hypothesis) -> Hypothesis:
+def _finer(h: GatedHypothesis) -> GatedHypothesis:
     """The hypothesis with a small share of its own error allowed."""
-    return hypothesis(h.effects, h.problem, h.fitted, (FINE * h.reduction[0], FINE * h.reduction[1]), h.laws)
+    return gated_hypothesis(
+        h.effects,
+        h.problem,
+        h.fitted,
+        (FINE_DISCREPANCY_SHARE * h.reduction[0], FINE_DISCREPANCY_SHARE * h.reduction[1]),
+        h.laws,
+    )
 
 
-def _clears(current: Hypothesis, enough: Hypothesis) -> bool:
+def _clears(current: GatedHypothesis, enough: GatedHypothesis) -> bool:
     """Whether a model leaves little of what one left that might have erred by itself."""
     noise = noise_ratio(current.problem, enough.problem)
     return (
@@ -191,7 +203,7 @@ def _clears(current: Hypothesis, enough: Hypothesis) -> bool:
     )
 
 
-def strength_at_bound(chosen: Hypothesis) -> bool:
+def strength_at_bound(chosen: GatedHypothesis) -> bool:
     """Whether a combination stands only with an effect as strong as it can be: it fills in for something else."""
     if len(chosen.effects) < 2:
         return False
@@ -200,7 +212,7 @@ def strength_at_bound(chosen: Hypothesis) -> bool:
     return any(name in strengths and values[name] != 0.0 for name in chosen.fitted.at_bound)
 
 
-def _hopeless(current: Hypothesis, promising: list[Candidate]) -> bool:
+def _hopeless(current: GatedHypothesis, promising: list[Candidate]) -> bool:
     """Whether no candidate comes near what is left: the rest is large, and none explains a good part of it."""
     unexplained = current.fitted.misfit - 0.5 * current.fitted.count
     best = max(candidate.gain for candidate in promising)
@@ -208,18 +220,20 @@ def _hopeless(current: Hypothesis, promising: list[Candidate]) -> bool:
 
 
 def _with_fewer_coordinates(
-    current: Hypothesis, alternatives: list[Hypothesis], arm: Arm
-) -> tuple[Hypothesis, list[Hypothesis]]:
+    current: GatedHypothesis, alternatives: list[GatedHypothesis], arm: Arm
+) -> tuple[GatedHypothesis, list[GatedHypothesis]]:
     """The hypotheses on an arm of fewer coordinates where the best fits no worse there; else as they are."""
     fewer = on_arm(current, arm)
     if fewer.penalised_log_likelihood < current.penalised_log_likelihood:
         return current, alternatives
     ordered = sorted([fewer, *(on_arm(h, arm) for h in alternatives)], key=lambda h: -h.penalised_log_likelihood)
-    best, *rest = settled_together(ordered)
+    best, *rest = refit_noise_together(ordered)
     return best, rest
 
 
-def backward_elimination(current: Hypothesis, alternatives: list[Hypothesis]) -> tuple[Hypothesis, list[Hypothesis]]:
+def backward_elimination(
+    current: GatedHypothesis, alternatives: list[GatedHypothesis]
+) -> tuple[GatedHypothesis, list[GatedHypothesis]]:
     """Whether an effect that was chosen before the last is still needed, or another in its place serves better.
 
     Gives the best, and the alternatives to it with those found on the way.
@@ -236,16 +250,18 @@ def backward_elimination(current: Hypothesis, alternatives: list[Hypothesis]) ->
         removed = [c for c in candidates if c.effect.name == effect]
         twins = {c.effect.name for c in swaps if twin_cosines([c, *removed]).min() > ALIKE} if removed else set[str]()
         if twins:
-            left = removed_without_refit(current, effect)
-            found += refitted(left, [c for c in score(left.problem, left.fitted) if c.effect.name in twins])
+            without_twin = removed_without_refit(current, effect)
+            found += refitted(
+                without_twin, [c for c in score(without_twin.problem, without_twin.fitted) if c.effect.name in twins]
+            )
     ordered = _best_of_each(current, found)
     if ordered[0] is current:
         return current, ordered[1:]
-    best, *rest = settled_together(ordered)
+    best, *rest = refit_noise_together(ordered)
     return best, rest
 
 
-def _best_of_each(current: Hypothesis, found: list[Hypothesis]) -> list[Hypothesis]:
+def _best_of_each(current: GatedHypothesis, found: list[GatedHypothesis]) -> list[GatedHypothesis]:
     """The hypotheses, best first, each set of effects once."""
     ordered, sets = [], set[frozenset[str]]()
     for h in sorted([current, *found], key=lambda h: -h.penalised_log_likelihood):
@@ -255,13 +271,13 @@ def _best_of_each(current: Hypothesis, found: list[Hypothesis]) -> list[Hypothes
     return ordered
 
 
-def _alike(current: Hypothesis, rival: Hypothesis, candidates: list[Candidate]) -> bool:
+def _alike(current: GatedHypothesis, rival: GatedHypothesis, candidates: list[Candidate]) -> bool:
     """Whether what one has and the other has not does nearly the same in these data."""
     only = {*current.effects} ^ {*rival.effects}
     return bool(twin_cosines([c for c in candidates if c.effect.name in only]).min(initial=1.0) > ALIKE)
 
 
-def _agreed(current: Hypothesis, rivals: list[Hypothesis]) -> Hypothesis:
+def _agreed(current: GatedHypothesis, rivals: list[GatedHypothesis]) -> GatedHypothesis:
     core = current
     for effect in current.effects:
         if any(effect not in rival.effects for rival in rivals):

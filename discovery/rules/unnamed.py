@@ -9,27 +9,27 @@ import numpy as np
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
-from inference.hypothesis import Hypothesis, held_out_misfit, hypothesis, nats_per_parameter
-from inference.score import absorbed_basis, sensitivities
+from inference.hypothesis import GatedHypothesis, gated_hypothesis, held_out_misfit, nats_per_parameter
+from inference.score import nuisance_tangent_basis, sensitivities
 from inference.trajectory import fit
 
-NAME = "unnamed"
+UNNAMED_EFFECT = "unnamed"
 MOST_TERMS = 3
 LARGEST_SHARE = 0.9  # of the held-out misfit beyond the noise that the terms may leave, to be worth their place
 
 
 @dataclass(frozen=True)
-class Rest:
+class UnnamedRest:
     """The chosen model refitted with the terms; their names; the share of the held-out misfit beyond the noise that
     they leave.
     """
 
-    refitted: Hypothesis
+    refitted: GatedHypothesis
     terms: tuple[str, ...]
     share: float
 
 
-def unnamed_rest(chosen: Hypothesis) -> Rest | None:
+def unnamed_rest(chosen: GatedHypothesis) -> UnnamedRest | None:
     """The terms of the rest that pay, chosen one by one to first order, then refitted with the whole model.
 
     None where none pays, nothing was held out, or the frames held out are not better followed for it.
@@ -39,10 +39,10 @@ def unnamed_rest(chosen: Hypothesis) -> Rest | None:
     if not count or not terms:
         return None
     parameters = chosen.fitted.parameters.copy()
-    limits = {parameter.name: parameter.bounds for parameter in catalogue()[NAME].parameters}
+    limits = {parameter.name: parameter.bounds for parameter in catalogue()[UNNAMED_EFFECT].parameters}
     for term, strength in zip(terms, strengths, strict=True):
-        parameters[parameter_index(NAME, term)] = np.clip(strength, *limits[term])
-    free = (*chosen.problem.free, *((NAME, term) for term in terms))
+        parameters[parameter_index(UNNAMED_EFFECT, term)] = np.clip(strength, *limits[term])
+    free = (*chosen.problem.free, *((UNNAMED_EFFECT, term) for term in terms))
     problem = replace(chosen.problem, free=free, parameters=parameters)
     fitted = fit(problem, chosen.fitted.nuisances, tolerance=1e-5, most=20)
     before, after = (
@@ -51,11 +51,13 @@ def unnamed_rest(chosen: Hypothesis) -> Rest | None:
     price = nats_per_parameter(problem) * len(terms)
     if before < price or after > LARGEST_SHARE * before or before - after < price:
         return None
-    refitted = hypothesis(chosen.effects, replace(problem, parameters=fitted.parameters), fitted, chosen.reduction)
-    return Rest(refitted, terms, max(after, 0.0) / before)
+    refitted = gated_hypothesis(
+        chosen.effects, replace(problem, parameters=fitted.parameters), fitted, chosen.reduction
+    )
+    return UnnamedRest(refitted, terms, max(after, 0.0) / before)
 
 
-def _held_out_values(chosen: Hypothesis) -> int:
+def _held_out_values(chosen: GatedHypothesis) -> int:
     """How many residuals the held-out frames have."""
     return sum(
         int(np.count_nonzero(residuals[~experiment.used]))
@@ -63,11 +65,11 @@ def _held_out_values(chosen: Hypothesis) -> int:
     )
 
 
-def _chosen_terms(chosen: Hypothesis) -> tuple[tuple[str, ...], Array]:
+def _chosen_terms(chosen: GatedHypothesis) -> tuple[tuple[str, ...], Array]:
     """Names and first-order strengths of the terms, each worth its price in nats beside those before it."""
-    effect = catalogue()[NAME]
-    ((_, raw),) = sensitivities(chosen.problem, chosen.fitted, (effect,))[NAME]
-    basis = absorbed_basis(chosen.fitted)
+    effect = catalogue()[UNNAMED_EFFECT]
+    ((_, raw),) = sensitivities(chosen.problem, chosen.fitted, (effect,))[UNNAMED_EFFECT]
+    basis = nuisance_tangent_basis(chosen.fitted)
     columns = raw - basis @ (basis.T @ raw)
     residual = chosen.fitted.used_residuals - basis @ (basis.T @ chosen.fitted.used_residuals)
     terms: list[int] = []

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from discovery.answer import MOST_EFFECTS
 from discovery.rules.refit import without
-from discovery.rules.search import CLEARED, MOST_EFFECTS, STANDS_OUT, Search, strength_at_bound, tied_within
-from inference.hypothesis import Hypothesis, against_baseline, noise_ratio
+from discovery.rules.search import CLEARED, VISIBLE_REST, StepwiseSearch, strength_at_bound, tied_within
+from inference.hypothesis import GatedHypothesis, against_baseline, noise_ratio
 from tentacle.diagnosis import Verdict
 
 NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
@@ -18,7 +19,7 @@ AGREED = 0.2  # where what all rivals agree on leaves no more than this share, t
 
 
 @dataclass(frozen=True)
-class Decision:
+class RulesDecision:
     """The verdict with its effects (third_curvature apart) and the confidence in it."""
 
     verdict: Verdict
@@ -27,12 +28,12 @@ class Decision:
     words: tuple[str, ...]
 
 
-def structure_share(search: Search, reached: Hypothesis) -> float:
+def structure_share(search: StepwiseSearch, reached: GatedHypothesis) -> float:
     """How much of the structured error (noise taken off) a model leaves, 0 .. 1, on held-out frames where there are
     any; both in sigmas of the noise that this model leaves.
     """
 
-    def structure(h: Hypothesis) -> float:
+    def structure(h: GatedHypothesis) -> float:
         return h.judged.structure if h.judged.gates else h.train.structure
 
     square = (1.0 + structure(search.base) ** 2) * noise_ratio(search.base.problem, reached.problem) ** 2
@@ -40,7 +41,7 @@ def structure_share(search: Search, reached: Hypothesis) -> float:
     return structure(reached) / before if before > 0 else 0.0
 
 
-def probabilities(search: Search) -> dict[str, float]:
+def probabilities(search: StepwiseSearch) -> dict[str, float]:
     """Weights of the single-effect models among themselves, tempered by the variance_inflation; they rank, they are no
     calibrated odds.
     """
@@ -53,7 +54,7 @@ def probabilities(search: Search) -> dict[str, float]:
     return {h.effects[0]: float(weight) for h, weight in zip(pool, weights, strict=True)}
 
 
-def decide(search: Search, unexplained: float = 1.0) -> Decision:
+def decide_by_rules(search: StepwiseSearch, unexplained: float = 1.0) -> RulesDecision:
     """The verdict; unexplained: the share of the first error that the chosen model leaves in millimetres.
 
     An explanation whose fit did not converge is no verdict by itself: the next best of as many effects that did
@@ -67,12 +68,12 @@ def decide(search: Search, unexplained: float = 1.0) -> Decision:
     others = [h for h in (*search.rivals, *search.single) if len(h.effects) == len(search.chosen.effects)]
     others = [h for h in others if h.effects != search.chosen.effects and h.fitted.result.converged]
     if not others:
-        return Decision("unknown", (), decision.confidence, words)
+        return RulesDecision("unknown", (), decision.confidence, words)
     beside = max(others, key=lambda h: h.penalised_log_likelihood).effects
-    return Decision("group", tuple(dict.fromkeys((*decision.effects, *beside))), 0.5 * decision.confidence, words)
+    return RulesDecision("group", tuple(dict.fromkeys((*decision.effects, *beside))), 0.5 * decision.confidence, words)
 
 
-def _by_limits(search: Search, unexplained: float) -> Decision:
+def _by_limits(search: StepwiseSearch, unexplained: float) -> RulesDecision:
     """The verdict, convergence aside.
 
     An explanation counts where the gates pass with it, or where what it leaves is small beside what it explains. Noise
@@ -85,7 +86,7 @@ def _by_limits(search: Search, unexplained: float) -> Decision:
     passed = adequate and not tense
     if not chosen.effects and passed:
         sure = float(np.clip(1.0 - 0.5 * _room_used(base), 0.5, 0.98))
-        return Decision("nothing_missing", (), sure, _hidden_below(base))
+        return RulesDecision("nothing_missing", (), sure, _hidden_below(base))
     share = structure_share(search, chosen)
     followed = unexplained < UNSEEN and 0 < len(chosen.effects) < MOST_EFFECTS and not tense
     named = chosen if passed or followed else _dominant(search, AGREED if adequate else 0.0)
@@ -96,7 +97,7 @@ def _by_limits(search: Search, unexplained: float) -> Decision:
                 f"The best partial account is {' + '.join(chosen.effects)}: "
                 f"it leaves {100 * share:.0f} % of the structured error."
             )
-        return Decision("unknown", (), float(np.clip(1.0 - np.exp(-8.0 * share), 0.5, 0.95)), tuple(words))
+        return RulesDecision("unknown", (), float(np.clip(1.0 - np.exp(-8.0 * share), 0.5, 0.95)), tuple(words))
     words = []
     if not passed:
         share = structure_share(search, named)
@@ -110,33 +111,33 @@ def _by_limits(search: Search, unexplained: float) -> Decision:
         twins = _twins_of(search, named)
         if twins:
             words.append("These data cannot separate " + ", ".join((*named.effects, *twins)) + ".")
-            return Decision("group", (*named.effects, *twins), 0.7, tuple(words))
-        return Decision("effect", named.effects, _confidence(search, passed, share), tuple(words))
+            return RulesDecision("group", (*named.effects, *twins), 0.7, tuple(words))
+        return RulesDecision("effect", named.effects, _confidence(search, passed, share), tuple(words))
     if not search.rivals:
-        return Decision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
+        return RulesDecision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
     alternatives = sorted({name for h in (chosen, *search.rivals) for name in h.effects} - set(search.core.effects))
     agreed = search.core.effects
     # what stands out without the rest, and is cleared by it, is no detail
-    detail = search.core.excess_rms < max(STANDS_OUT, chosen.excess_rms / CLEARED)
+    detail = search.core.excess_rms < max(VISIBLE_REST, chosen.excess_rms / CLEARED)
     if agreed and structure_share(search, search.core) < AGREED and detail:
         words.append(
             f"Beyond {' + '.join(agreed)}, a smaller part is shared by {', '.join(alternatives)}: "
             "these data cannot separate them."
         )
-        return Decision("effect", agreed, _confidence(search, passed, share), tuple(words))
+        return RulesDecision("effect", agreed, _confidence(search, passed, share), tuple(words))
     words.append("These data cannot separate " + ", ".join(alternatives) + ".")
-    return Decision("group", (*alternatives, *agreed), 0.9 if passed else 0.7, tuple(words))
+    return RulesDecision("group", (*alternatives, *agreed), 0.9 if passed else 0.7, tuple(words))
 
 
-def _room_used(h: Hypothesis) -> float:
+def _room_used(h: GatedHypothesis) -> float:
     """Share of what a model may leave, noise and its own error, that it does leave; of both stretches the larger."""
     sizes = [gate for gate in (*h.train.gates, *h.judged.gates) if gate.name == "chi-square"]
     return max((max(gate.statistic - 1.0, 0.0) / (gate.threshold - 1.0) for gate in sizes), default=1.0)
 
 
-def _hidden_below(h: Hypothesis) -> tuple[str, ...]:
+def _hidden_below(h: GatedHypothesis) -> tuple[str, ...]:
     """Says so where the model's own error, not the noise, bounds what can be seen."""
-    if h.excess_rms < STANDS_OUT:
+    if h.excess_rms < VISIBLE_REST:
         return ()
     return (
         f"What remains is {h.excess_rms:.1f} times the noise and within the reduced model's own error: "
@@ -144,7 +145,7 @@ def _hidden_below(h: Hypothesis) -> tuple[str, ...]:
     )
 
 
-def _dominant(search: Search, least: float) -> Hypothesis | None:
+def _dominant(search: StepwiseSearch, least: float) -> GatedHypothesis | None:
     """The first of the effects found, as few as leave a tolerated share under a rest that has no name.
 
     None where all of three are needed: what three do not bring down to the noise they do not explain. Against a
@@ -163,7 +164,7 @@ def _dominant(search: Search, least: float) -> Hypothesis | None:
     return None
 
 
-def _twins_of(search: Search, named: Hypothesis) -> tuple[str, ...]:
+def _twins_of(search: StepwiseSearch, named: GatedHypothesis) -> tuple[str, ...]:
     """Single effects that do as well alone as the one that is named."""
     alone = {h.effects: h for h in search.single}
     own = alone.pop(named.effects, None)
@@ -175,12 +176,12 @@ def _twins_of(search: Search, named: Hypothesis) -> tuple[str, ...]:
     )
 
 
-def _tolerated(chosen: Hypothesis) -> float:
+def _tolerated(chosen: GatedHypothesis) -> float:
     """The share of the first error that may stay unexplained under a named effect."""
-    return NEARLY if against_baseline(chosen) or chosen.excess_rms < STANDS_OUT else DOMINANT
+    return NEARLY if against_baseline(chosen) or chosen.excess_rms < VISIBLE_REST else DOMINANT
 
 
-def _confidence(search: Search, passed: bool, share: float) -> float:
+def _confidence(search: StepwiseSearch, passed: bool, share: float) -> float:
     """Distance to the next best explanation held against what was left over."""
     sure = 1.0 - 0.5 * float(np.exp(-max(search.margin, 0.0) / 10.0))
     return float(np.clip(sure * (1.0 if passed else 1.0 - 2.0 * share), 0.05, 0.98))

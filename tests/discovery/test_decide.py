@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discovery.posterior.decide import decide, log_prior_of_set
-from inference.posterior import SHARES, Hypothesis
+from discovery.posterior.decide import decide_by_mass, log_prior_of_set
+from inference.posterior import FORCE_SHARES, Hypothesis
 from inference.solver_result import RESULTS
 
 
@@ -15,7 +15,7 @@ def made(plain):
     """A hypothesis of these effects whose evidence peaks at a share, `nats` high."""
 
     def of(effects, share, nats, result=RESULTS.CONVERGED):
-        evidence = nats - 3.0 * np.log(SHARES / share) ** 2
+        evidence = nats - 3.0 * np.log(FORCE_SHARES / share) ** 2
         return Hypothesis(effects, plain.problem, replace(plain.fitted, result=result), (), evidence)
 
     return of
@@ -26,34 +26,34 @@ def test_a_prior_is_shared_by_all_sets_of_a_size():
 
 
 def test_nothing_is_missing_where_no_effect_pays_for_itself(made):
-    found = decide([made((), 0.003, 0.0), made(("current",), 0.003, 2.0)])
+    found = decide_by_mass([made((), 0.003, 0.0), made(("current",), 0.003, 2.0)])
     assert (found.verdict, found.effects) == ("nothing_missing", ())
     assert found.confidence > 0.5
 
 
 def test_an_effect_far_ahead_is_named_and_certain(made):
-    found = decide([made((), 0.1, 0.0), made(("current",), 0.003, 60.0), made(("wall",), 0.03, 20.0)])
+    found = decide_by_mass([made((), 0.1, 0.0), made(("current",), 0.003, 60.0), made(("wall",), 0.03, 20.0)])
     assert (found.verdict, found.effects, found.certain) == ("effect", ("current",), ("current",))
     assert found.confidence > 0.99
 
 
 def test_what_leaves_a_third_of_the_forces_is_no_name(made):
-    found = decide([made((), 0.3, 0.0), made(("current",), 0.3, 50.0)])
+    found = decide_by_mass([made((), 0.3, 0.0), made(("current",), 0.3, 50.0)])
     assert found.verdict == "unknown"
     assert found.leading.effects == ("current",)
 
 
 def test_explanations_that_do_as_well_are_a_group_and_what_they_share_is_certain(made):
     twins = [made((), 0.1, 0.0), made(("servo_lag",), 0.003, 50.0), made(("time_offset",), 0.003, 50.0)]
-    found = decide(twins)
+    found = decide_by_mass(twins)
     assert found.verdict == "group"
     assert set(found.effects) == {"servo_lag", "time_offset"}
     assert sum(mass for _, mass in found.sets) == pytest.approx(found.confidence)
     pairs = [made((), 0.1, 0.0), *(made(("tip_mass", other), 0.003, 50.0) for other in ("drag", "wall"))]
-    shared = decide(pairs)
+    shared = decide_by_mass(pairs)
     assert (shared.verdict, shared.certain) == ("effect", ("tip_mass",))
 
 
 def test_a_fit_that_did_not_converge_is_not_named(made):
-    found = decide([made((), 0.003, 0.0), made(("wall",), 0.003, 60.0, RESULTS.MAX_STEPS)])
+    found = decide_by_mass([made((), 0.003, 0.0), made(("wall",), 0.003, 60.0, RESULTS.MAX_STEPS)])
     assert found.verdict != "effect"

@@ -8,8 +8,8 @@ import pytest
 
 from affine_model.arm import parameter_index
 from discovery.laws.grammar import Scale, forms
-from discovery.laws.propose import propose, written
-from discovery.laws.search import Seen, Sought, search
+from discovery.laws.propose import as_found, propose_laws
+from discovery.laws.search import LawInputs, Sought, search_laws
 from inference.base_fit import Setting, fit_base
 from inference.missing_force import seen_motions, small_motions
 from inference.prepare import prepare
@@ -44,7 +44,7 @@ def magnet():
 
 @pytest.fixture(scope="module")
 def found(magnet):
-    return search(sought_in(*magnet))
+    return search_laws(sought_in(*magnet))
 
 
 def sought_in(problem, fitted):
@@ -52,7 +52,7 @@ def sought_in(problem, fitted):
     assert motion is not None
     arm = problem.arm
     stiffness = fitted.parameters[parameter_index("elasticity", "E")] * arm.node_quantities["second_moment"]
-    return Sought((Seen(arm, small_motions(problem, fitted, 0, motion)),), stiffness / arm.specimen.length)
+    return Sought((LawInputs(arm, small_motions(problem, fitted, 0, motion)),), stiffness / arm.specimen.length)
 
 
 def test_small_motions_under_the_missing_force_are_what_was_seen(magnet):
@@ -75,7 +75,7 @@ def test_a_magnet_is_found_with_its_power_and_its_place(found):
 
 
 def test_a_proposal_is_an_effect_file(found, tmp_path):
-    law = written(found[0])
+    law = as_found(found[0])
     file = tmp_path / "law.toml"
     file.write_text(effect_text(law))
     assert read_effects([file]) == (law,)
@@ -84,7 +84,7 @@ def test_a_proposal_is_an_effect_file(found, tmp_path):
 def test_where_the_force_is_noise_no_law_is_proposed():
     prepared = prepare(recording(0.0), hold_out=True)
     base = fit_base(Setting(prepared.recording.declaration, (prepared.experiment,), 4), 4)
-    missing = propose(base, [prepared])
+    missing = propose_laws(base, [prepared])
     assert missing.laws == ()
     assert "no law is proposed" in missing.words[0]
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from discovery.posterior.decide import decide
+from discovery.posterior.decide import decide_by_mass
 from discovery.posterior.detection import detection_limits
 from discovery.posterior.rank import ranked_sets
-from discovery.posterior.search import search
-from inference.posterior import declared_model, interval
+from discovery.posterior.search import search_posterior
+from inference.posterior import credible_interval, declared_model
 from inference.score import score
 
 
@@ -18,7 +18,7 @@ def base_with_current(with_current):
 
 @pytest.fixture(scope="module")
 def found(base_with_current):
-    return search(base_with_current, base_with_current.fitted)
+    return search_posterior(base_with_current, base_with_current.fitted)
 
 
 def test_a_set_s_first_order_strengths_are_the_least_squares_ones(base_with_current):
@@ -33,9 +33,9 @@ def test_a_set_s_first_order_strengths_are_the_least_squares_ones(base_with_curr
 
 
 def test_a_hidden_current_is_named_and_measured(found):
-    decision = decide(list(found.hypotheses))
+    decision = decide_by_mass(list(found.hypotheses))
     assert decision.certain == ("current",) or decision.effects == ("current",)
-    low, high = interval(decision.leading, ("current", "U_x"))
+    low, high = credible_interval(decision.leading, ("current", "U_x"))
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     # A 95 % interval, taken twice as wide: it holds the truth with a chance of 0.9999.
     assert abs(middle - 0.03) < 2.0 * half
@@ -44,7 +44,7 @@ def test_a_hidden_current_is_named_and_measured(found):
 
 def test_nothing_hidden_nothing_named_and_the_limits_say_what_that_excludes(plain):
     base = declared_model(plain.problem, plain.fitted.nuisances)
-    decision = decide(list(search(base, base.fitted).hypotheses))
+    decision = decide_by_mass(list(search_posterior(base, base.fitted).hypotheses))
     assert decision.verdict == "nothing_missing"
     limits = detection_limits(decision.leading)
     # The current of 30 mm/s that the other recording hides would have been named in this one.

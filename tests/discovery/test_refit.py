@@ -5,7 +5,7 @@ import pytest
 
 from discovery.rules.refit import prune_shape_parameters, refit
 from inference.base_fit import Setting, fit_base
-from inference.hypothesis import hypothesis, parameter_interval
+from inference.hypothesis import gated_hypothesis, parameter_interval
 from inference.prepare import prepare
 from inference.score import score
 from tests.made_recordings import as_markers, base_of
@@ -22,7 +22,7 @@ def test_a_bristle_stiffer_than_the_arm_is_fitted_at_the_step_that_it_needs(reco
     hidden = {("dry_friction", "c_f"): 0.01, ("dry_friction", "slip"): 0.00125}
     experiment = prepare(recorded(hidden, order=4, seconds=6.0, noise=2e-4), hold_out=True).experiment
     setting = Setting(recorded(seconds=0.5).declaration, (experiment,), 4)
-    base = hypothesis((), *fit_base(setting, 4))
+    base = gated_hypothesis((), *fit_base(setting, 4))
     found = added(base, "dry_friction")
     assert found.problem.step < base.problem.step
     # chi-square with `count` degrees of freedom, five standard deviations

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
-from discovery.next_experiment import _gap, candidates, propose
+from discovery.next_experiment import _gap, candidates, propose_experiment
 from discovery.rules.refit import refit, removed_without_refit, without
-from discovery.rules.search import CLEARED, _best_of_each, search
-from discovery.rules.verdict import decide, probabilities, structure_share
+from discovery.rules.search import CLEARED, _best_of_each, stepwise_search
+from discovery.rules.verdict import decide_by_rules, probabilities, structure_share
 from inference.adequacy import ljung_box
 from inference.compare import unexplained_share
-from inference.hypothesis import hypothesis, material_gain, parameter_interval, variance_inflation
+from inference.hypothesis import gated_hypothesis, material_gain, parameter_interval, variance_inflation
 from inference.prepare import prepare
 from inference.score import score
 from inference.solver_result import RESULTS
@@ -23,7 +23,7 @@ from tests.made_recordings import FPS
 
 @pytest.fixture(scope="module")
 def found(with_current):
-    return search(with_current)
+    return stepwise_search(with_current)
 
 
 def test_ljung_box_of_white_noise_is_its_degrees_of_freedom():
@@ -47,8 +47,8 @@ def test_the_gates_pass_what_is_complete_and_fail_what_is_not(plain, with_curren
 
 
 def test_nothing_hidden_nothing_named(plain):
-    outcome = search(plain)
-    decision = decide(outcome)
+    outcome = stepwise_search(plain)
+    decision = decide_by_rules(outcome)
     assert outcome.chosen is plain
     assert (decision.verdict, decision.effects) == ("nothing_missing", ())
     assert probabilities(outcome) == {}
@@ -72,32 +72,32 @@ def wandering(base, size, seed=0):
 def test_where_the_model_s_own_error_hides_the_rest_it_says_so_and_is_less_sure(plain):
     """A rest that is granted to the reduction, and that nothing explains: nothing is named, and nothing is sure."""
     problem, fitted = wandering(plain, 2.0)
-    assert not hypothesis((), problem, fitted).passed
-    decision = decide(search(hypothesis((), problem, fitted, (2.0, 2.0))))
+    assert not gated_hypothesis((), problem, fitted).passed
+    decision = decide_by_rules(stepwise_search(gated_hypothesis((), problem, fitted, (2.0, 2.0))))
     assert decision.verdict == "nothing_missing"
     assert any("would not be detected" in sentence for sentence in decision.words)
-    assert decision.confidence < decide(search(plain)).confidence - 0.1
+    assert decision.confidence < decide_by_rules(stepwise_search(plain)).confidence - 0.1
 
 
 def test_what_one_effect_brings_down_to_the_noise_was_no_error_of_the_model_s_own(with_current):
     """A current's residual that the model might have left by itself: no error of numerics looks just like a current."""
     size = with_current.train.structure
-    granted = hypothesis((), with_current.problem, with_current.fitted, (size, size))
+    granted = gated_hypothesis((), with_current.problem, with_current.fitted, (size, size))
     assert granted.passed
-    outcome = search(granted)
-    assert decide(outcome).effects[0] == "current"
+    outcome = stepwise_search(granted)
+    assert decide_by_rules(outcome).effects[0] == "current"
     assert outcome.chosen.excess_rms < CLEARED * granted.excess_rms
 
 
 def test_what_makes_a_model_pass_is_named_though_the_model_might_err_by_more_on_what_was_fitted(with_current):
     """On what was fitted its own error may hide a current, on what is held out it may not; the current clears both."""
     size = with_current.train.structure
-    granted = hypothesis((), with_current.problem, with_current.fitted, (size, 0.1 * size))
+    granted = gated_hypothesis((), with_current.problem, with_current.fitted, (size, 0.1 * size))
     assert granted.train.passed
     assert not granted.passed
-    outcome = search(granted)
+    outcome = stepwise_search(granted)
     assert outcome.chosen.penalised_log_likelihood - granted.penalised_log_likelihood < material_gain(granted)
-    assert decide(outcome).effects[0] == "current"
+    assert decide_by_rules(outcome).effects[0] == "current"
     assert outcome.chosen.excess_rms < CLEARED * granted.excess_rms
 
 
@@ -113,7 +113,7 @@ def test_an_effect_s_law_may_err_by_its_share_of_what_it_explains(with_current):
 
 
 def test_a_hidden_current_is_named_and_measured(found):
-    decision = decide(found)
+    decision = decide_by_rules(found)
     assert decision.verdict in ("effect", "group")
     assert "current" in decision.effects
     place = found.chosen.problem.free.index(("current", "U_x"))
@@ -128,12 +128,12 @@ def test_a_hidden_current_is_named_and_measured(found):
 
 def test_an_explanation_whose_fit_did_not_converge_is_no_verdict_alone(found):
     stopped = replace(found.chosen, fitted=replace(found.chosen.fitted, result=RESULTS.MAX_STEPS))
-    decision = decide(replace(found, chosen=stopped))
+    decision = decide_by_rules(replace(found, chosen=stopped))
     assert decision.verdict == "group"
     assert "current" in decision.effects
     assert len(decision.effects) > 1
     assert RESULTS.MAX_STEPS.message in decision.words[-1]
-    alone = decide(replace(found, chosen=stopped, rivals=(), single=(stopped,)))
+    alone = decide_by_rules(replace(found, chosen=stopped, rivals=(), single=(stopped,)))
     assert (alone.verdict, alone.effects) == ("unknown", ())
 
 
@@ -141,11 +141,11 @@ def test_an_account_that_leaves_next_to_nothing_in_millimetres_stands(found, wit
     """The gates weigh what is seen best; an account that fails them by what no midline shows is one, less surely."""
     failing = replace(found.chosen, train=with_current.train, judged=with_current.judged)
     outcome = replace(found, chosen=failing, rivals=(), core=failing)
-    assert decide(outcome).verdict == decide(outcome, 0.06).verdict == "unknown"
-    followed = decide(outcome, 0.04)
+    assert decide_by_rules(outcome).verdict == decide_by_rules(outcome, 0.06).verdict == "unknown"
+    followed = decide_by_rules(outcome, 0.04)
     assert followed.verdict == "effect"
     assert "current" in followed.effects
-    assert followed.confidence < decide(found).confidence
+    assert followed.confidence < decide_by_rules(found).confidence
     assert any("above the noise" in sentence for sentence in followed.words)
 
 
@@ -202,10 +202,10 @@ def test_proposals_keep_the_servo_s_limits_and_split_rivals(with_current):
         assert acceleration.max() <= limits.acceleration * 1.02  # a chirp's own term, small beside omega^2
     ranked = {c.effect.name: c for c in score(with_current.problem, with_current.fitted)}
     chosen, rival = refit(with_current, ranked["current"]), refit(with_current, ranked["gravity_tilt"])
-    proposal = propose(chosen, (rival,), limits, 0)
+    proposal = propose_experiment(chosen, (rival,), limits, 0)
     assert proposal is not None
     assert proposal.nats > 5.0
-    assert propose(chosen, (), limits, 0) is None
+    assert propose_experiment(chosen, (), limits, 0) is None
     # A rival that is the model itself cannot be split from it by any motion (Gauss-Newton: to a thousandth of a nat).
     motion = candidates(limits, 0)[5]
     assert _gap(chosen, chosen, with_current.problem.experiments[0], motion) < 1e-3

@@ -9,11 +9,11 @@ from affine_model.arm import parameter_index
 from affine_model.curvature import legendre_to_monomial, midline
 from discovery.rules.diagnose import REMAINS
 from inference.base_fit import Setting, fit_base
-from inference.compare import errors, floor_errors, restricted, run_comparison
-from inference.hypothesis import hypothesis
+from inference.compare import floor_errors, restricted, run_comparison, run_errors
+from inference.discrepancy import model_discrepancy, without_discrepancy
+from inference.hypothesis import gated_hypothesis
 from inference.observation import POSE, Tracker, fit_shapes
 from inference.prepare import prepare
-from inference.reduction import reduction_error, without_reduction
 from inference.trajectory import fit
 from mujoco_ref.simulate import Setup, simulate
 from tentacle.model import Estimate, Model
@@ -45,7 +45,7 @@ def test_a_complete_model_s_error_is_its_floor(recorded, plain):
     prepared = replace(prepared, experiment=plain.problem.experiments[0])
     own = (plain.problem, plain.fitted)
     runs = [run_comparison(prepared, 0, own, own, held_out=True)]
-    before, floor = errors(runs, [prepared], augmented=False), floor_errors(runs, [prepared], 0.0)
+    before, floor = run_errors(runs, [prepared], augmented=False), floor_errors(runs, [prepared], 0.0)
     # White noise of 0.1 mm in x and y: sqrt(2) 0.1 mm, over 160 frames of 21 points (2.5 % at three sigma);
     # a channel that looks noisier by chance (one in ten is off by 10 %) lifts the floor by 1 %.
     assert floor.midline_mm == pytest.approx(np.sqrt(2.0) * 0.1, rel=0.03)
@@ -58,7 +58,7 @@ def test_a_complete_model_s_error_is_its_floor(recorded, plain):
 
 
 def test_the_reduction_s_error_is_found_against_the_chain(recorded, plain):
-    lost = reduction_error(recorded().declaration, plain.problem, plain.fitted)
+    lost = model_discrepancy(recorded().declaration, plain.problem, plain.fitted)
     # Two coordinates on a cone with r_tip/r0 = .4 lose about a tenth of a millimetre (closing the loop: .145 mm at
     # r_tip/r0 = .12 and 10 mm of motion), more than numerics and less than a millimetre.
     assert 0.01 < lost.millimetres < 1.0
@@ -81,13 +81,13 @@ def test_the_chain_s_error_taken_off_leaves_little_of_it(recorded):
     motor = MotorSignal(chain.t, WAVE(chain.t)[0], WAVE(chain.t)[0])
     setting = Setting(d, (prepare(replace(made, midline=seen, motor=motor), hold_out=True).experiment,), 3)
     problem, fitted = fit_base(setting, 3)
-    lost = reduction_error(d, problem, fitted)
+    lost = model_discrepancy(d, problem, fitted)
     assert lost.structure > 1.0
-    less = without_reduction(problem, lost)
+    less = without_discrepancy(problem, lost)
     relieved = fit(replace(less, parameters=fitted.parameters), fitted.nuisances)
-    before = hypothesis((), problem, fitted).train.structure
+    before = gated_hypothesis((), problem, fitted).train.structure
     assert before == pytest.approx(lost.structure, rel=0.3)  # the chain's own error is what was left
-    assert hypothesis((), less, relieved).train.structure < REMAINS * before
+    assert gated_hypothesis((), less, relieved).train.structure < REMAINS * before
 
 
 @pytest.mark.parametrize("rigid", [True, False])
@@ -123,11 +123,11 @@ def test_the_chain_is_seen_as_a_tracker_sees(recorded, rigid):
     recording = replace(made, midline=None, shape=track, motor=MotorSignal(chain.t, theta, theta))
     setting = Setting(d, (prepare(recording, hold_out=True).experiment,), 3)
     problem, fitted = fit_base(setting, 3)
-    lost = reduction_error(d, problem, fitted)
+    lost = model_discrepancy(d, problem, fitted)
     assert lost.structure > 1.0
-    less = without_reduction(problem, lost)
+    less = without_discrepancy(problem, lost)
     relieved = fit(replace(less, parameters=fitted.parameters), fitted.nuisances)
-    assert hypothesis((), less, relieved).train.structure < 0.3
+    assert gated_hypothesis((), less, relieved).train.structure < 0.3
 
 
 def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(recorded):
@@ -137,7 +137,7 @@ def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(rec
     made = recorded({("current", "U_x"): 0.03}, order=3)
     experiment = prepare(made, hold_out=True).experiment
     problem, fitted = fit_base(Setting(made.declaration, (experiment,), 3), 3)
-    bare = reduction_error(made.declaration, problem, fitted)
+    bare = model_discrepancy(made.declaration, problem, fitted)
 
     def lost_with(**added: dict[str, float]):
         parameters, free = fitted.parameters.copy(), problem.free
@@ -145,12 +145,12 @@ def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(rec
             for name, value in table.items():
                 parameters[parameter_index(effect, name)] = value
                 free = (*free, (effect, name))
-        return reduction_error(
+        return model_discrepancy(
             made.declaration, replace(problem, free=free), replace(fitted, parameters=parameters), tuple(added)
         )
 
     np.testing.assert_array_equal(lost_with(camera_roll={"roll": 0.02}).beyond[0], bare.beyond[0])
     current = lost_with(current={"U_x": 0.03, "U_y": 0.0})
     assert current.structure < 2.0 * bare.structure
-    without = hypothesis((), problem, fitted).train.structure  # what a current less in the model leaves
+    without = gated_hypothesis((), problem, fitted).train.structure  # what a current less in the model leaves
     assert current.structure < 0.2 * without

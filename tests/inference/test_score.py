@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from inference.score import absorbed_basis, score, twin_cosines
+from inference.score import nuisance_tangent_basis, score, twin_cosines
 
 
 def test_a_hidden_effect_is_found_with_its_strength(with_current):
@@ -15,7 +15,7 @@ def test_a_hidden_effect_is_found_with_its_strength(with_current):
 
 
 def test_gains_are_what_the_freed_columns_explain(with_current):
-    basis = absorbed_basis(with_current.fitted)
+    basis = nuisance_tangent_basis(with_current.fitted)
     np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-9)
     residual = with_current.fitted.used_residuals
     residual = residual - basis @ (basis.T @ residual)

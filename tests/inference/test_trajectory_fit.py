@@ -16,7 +16,7 @@ from inference.levenberg_marquardt import minimise
 from inference.observation import POSE, ShapeObservation, Tracker, fit_shapes, from_track
 from inference.solver_result import RESULTS
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import RAN_AWAY, Problem, evaluate, fit
+from inference.trajectory import RAN_AWAY, Problem, fit, unfitted
 from tentacle.signals import Midline, ShapeTrack
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp, Sine
@@ -181,8 +181,8 @@ def test_a_step_at_which_the_motion_runs_away_is_not_taken_for_one_that_suffices
     observation = ShapeObservation(t, wave(t)[0], 0.14, blank, unit, np.zeros(t.size), np.zeros(t.size))
     experiment = Experiment("own", observation, wave, 0.0, 4.2, None, np.ones(t.size, bool), np.ones(POSE + 6))
     problem = Problem(arm, (experiment,), (("elasticity", "E"),), parameters, 1 / 1200)
-    fitted = evaluate(problem, (np.zeros(14),))
-    coarse = [evaluate(replace(problem, step=1 / rate), (np.zeros(14),)) for rate in (75, 150)]
+    fitted = unfitted(problem, (np.zeros(14),))
+    coarse = [unfitted(replace(problem, step=1 / rate), (np.zeros(14),)) for rate in (75, 150)]
     assert np.max(np.abs(fitted.used_residuals)) < RAN_AWAY
     assert all(np.max(np.abs(found.used_residuals)) == RAN_AWAY for found in coarse)
     assert sufficient_step(problem, fitted) < 1 / 150

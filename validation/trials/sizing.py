@@ -12,8 +12,8 @@ from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, MarkerObservation, ShapeObservation, Tracker, fit_shapes, from_track
-from inference.score import absorbed_basis
-from inference.trajectory import Problem, evaluate, fit_multistart
+from inference.score import nuisance_tangent_basis
+from inference.trajectory import Problem, fit_multistart, unfitted
 from mujoco_ref.simulate import DEFAULT_LINKS
 from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
 from mujoco_ref.undeclared.strength import LARGEST, SCALED, SIZES, is_catalogued, scaled, typical
@@ -92,8 +92,8 @@ def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list
     """R (V,) of an effect at each set of parameters, to first order: rms of the whitened residual that is not within
     the base's columns.
     """
-    state = evaluate(problem, (nuisances,))
-    basis = absorbed_basis(state)
+    state = unfitted(problem, (nuisances,))
+    basis = nuisance_tangent_basis(state)
     columns = np.repeat(problem.parameters[:, None], len(variants), axis=1)
     for place, values in enumerate(variants):
         for name, value in values.items():
@@ -127,7 +127,7 @@ def left_by_refit(problem: Problem, nuisances: Array, rows: Array) -> float:
     """
     base = problem.parameters[problem.rows()]
     (experiment,) = problem.experiments
-    measured = replace(experiment, observation=experiment.observation.less(rows))
+    measured = replace(experiment, observation=experiment.observation.subtract_residual(rows))
     stiff, damped = (np.array([name == wanted for name, _ in problem.free]) for wanted in ("elasticity", "damping"))
     starts = np.stack(
         [base * np.where(stiff, E, np.where(damped, eta, 1.0)) for E in STIFFER for eta in MORE_DAMPED], axis=1

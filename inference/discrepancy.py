@@ -27,15 +27,15 @@ from tentacle.recording import Declaration
 from tentacle.signals import Midline
 from tentacle.waveform import Waveform
 
-LONGEST = 40.0  # s of each recording that the chain is run for
-POINTS = np.linspace(0.0, 1.0, 41)
-EDGES = np.linspace(0.02, 0.98, 41)  # a tracker sees edges all along, but for the corners at the ends
+LONGEST_CHAIN_RUN = 40.0  # s of each recording that the chain is run for
+MIDLINE_POINTS = np.linspace(0.0, 1.0, 41)
+EDGE_POINTS = np.linspace(0.02, 0.98, 41)  # a tracker sees edges all along, but for the corners at the ends
 RIGID = 1e-9  # rad: a base angle's offset that varies less is one number for the whole recording
 BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not bend it
 
 
 @dataclass(frozen=True)
-class Reduction:
+class ModelDiscrepancy:
     """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch
     that was fitted and over the one held out; millimetres: rms on the midline, over both. beyond: one a recording, what
     the chain shows beyond the reduced model, (T, K) at the recording's frames, in its shape coefficients; None where
@@ -65,9 +65,9 @@ class _Later:
         return self.motion(np.asarray(t) + self.t0)
 
 
-def reduction_error(
+def model_discrepancy(
     declaration: Declaration, problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
-) -> Reduction | None:
+) -> ModelDiscrepancy | None:
     """The reduction's error at the fitted parameters; None where no recording shows shapes of a moving base, or where
     the chain cannot be run with these parameters (then nothing is known of it).
 
@@ -104,10 +104,10 @@ def reduction_error(
     if not distances:
         return None
     lost = 1e3 * float(np.sqrt(np.mean(np.square(distances))))
-    return Reduction(_rms(fitted_rows), _rms(judged_rows), lost, tuple(beyond))
+    return ModelDiscrepancy(_rms(fitted_rows), _rms(judged_rows), lost, tuple(beyond))
 
 
-def without_reduction(problem: Problem, reduction: Reduction) -> Problem | None:
+def without_discrepancy(problem: Problem, reduction: ModelDiscrepancy) -> Problem | None:
     """The problem with what was measured less what the chain shows beyond the reduced model; None where that is not
     known of every recording.
     """
@@ -116,8 +116,8 @@ def without_reduction(problem: Problem, reduction: Reduction) -> Problem | None:
         observation = experiment.observation
         if beyond is None or not isinstance(observation, ShapeObservation):
             return None
-        less = replace(observation, coefficients=observation.coefficients - beyond)
-        experiments.append(replace(experiment, observation=less))
+        corrected = replace(observation, coefficients=observation.coefficients - beyond)
+        experiments.append(replace(experiment, observation=corrected))
     return replace(problem, experiments=tuple(experiments))
 
 
@@ -145,7 +145,7 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
     interval = float(np.median(np.diff(observation.t)))
-    duration = min(experiment.duration - 0.3, LONGEST)
+    duration = min(experiment.duration - 0.3, LONGEST_CHAIN_RUN)
     shape, moving, _, _ = experiment.parts(arm.order, fitted.nuisances[place])
     chain = simulate(
         model,
@@ -168,7 +168,7 @@ def _points(observation: ShapeObservation) -> Array:
     """Where along the arm (0 .. 1) the chain is looked at, that it be bent into fewer coordinates as in the recording:
     a least-squares shape depends on where it is told.
     """
-    return EDGES if observation.tracked else POINTS
+    return EDGE_POINTS if observation.tracked else MIDLINE_POINTS
 
 
 def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midline) -> Experiment:
