@@ -22,6 +22,7 @@ SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
 # Relative spread of an arm's parameters between recordings: two of a silicone beam differ by .6 % in E; losses, in
 # silicone and in water, change with temperature by some per cent.
 PARAMETER_SPREAD = {"elasticity": 0.01, "damping": 0.05, "drag": 0.03}
+SPREAD_REACH = 3.0  # spreads, however strongly the data pull: else a payload would be taken for a softer arm
 RATE_PRIOR = 30.0  # rad/s: initial rates of curvature, where the observation shows none
 RATE_REACH = (
     3.0  # times the rates seen in the recording: limit of an initial rate, even if it decays between two frames
@@ -97,7 +98,7 @@ class Experiment:
             + moving
             + memory
             + [SHIFT_LIMIT * length] * 2 * self.sees_shift
-            + [1.0] * len(self.varies)
+            + [SPREAD_REACH * spread for spread in self._spreads()]
         )
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:

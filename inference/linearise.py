@@ -92,10 +92,14 @@ def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> Se
 
 
 def _own_time(arm: Arm, run: Prediction) -> float:
-    """The motion's own time [s]: rms of coordinates and base angle about their means, over that of their rates."""
+    """The motion's own time [s]: rms of mean curvature and base angle about their means, over that of their rates.
+
+    Higher coordinates are left out: what a guess of the initial shape lets ring is not the motion.
+    """
     batch = run.batch
-    moved = np.concatenate([batch.q[:, :, 0] @ arm.from_monomial.T, batch.theta], axis=1)
-    rates = np.concatenate([batch.q_rate[:, :, 0] @ arm.from_monomial.T, batch.theta_rate], axis=1)
+    mean = arm.from_monomial[:1]
+    moved = np.concatenate([batch.q[:, :, 0] @ mean.T, batch.theta], axis=1)
+    rates = np.concatenate([batch.q_rate[:, :, 0] @ mean.T, batch.theta_rate], axis=1)
     return float(np.sqrt(moved.var(axis=0).sum() / max(rates.var(axis=0).sum(), 1e-300)))
 
 

@@ -78,6 +78,11 @@ class ShapeObservation:
         error[:, POSE : POSE + kept] -= z[:, :kept]
         return np.matmul(self.root, error)
 
+    def first(self, count: int) -> ShapeObservation:
+        """The first frames alone."""
+        frames = ("t", "theta", "coefficients", "root", "residual_chi2", "residual_count")
+        return replace(self, **{name: getattr(self, name)[:count] for name in frames})
+
     def subtract_residual(self, rows: Array) -> ShapeObservation:
         """The same less whitened residuals (T, K): the shapes that the model that left them has."""
         change = np.einsum("tkl,tl->tk", np.linalg.pinv(self.root), rows)
@@ -106,6 +111,10 @@ class MarkerObservation:
         points = points + shift.T[:, None, :]
         error = (self.xy[:, None] - points) / self.sigma
         return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))
+
+    def first(self, count: int) -> MarkerObservation:
+        """The first frames alone."""
+        return replace(self, t=self.t[:count], theta=self.theta[:count], xy=self.xy[:count])
 
     def subtract_residual(self, rows: Array) -> MarkerObservation:
         """The same less whitened residuals (T, 2 M): the markers where the model that left them has them."""

@@ -17,6 +17,7 @@ from discovery.posterior.decide import decide_by_mass
 from discovery.posterior.detection import detection_limits
 from discovery.posterior.search import search_posterior
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
+from inference.decay import fit_from_release
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
 from inference.experiment import PARAMETER_SPREAD
 from inference.posterior import Hypothesis, declared_model, followed_closely, with_rest
@@ -85,11 +86,11 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
     """The declared model judged: on what was measured less what the chain shows that the reduction to few coordinates
     loses, where that has the larger evidence; else on what was measured.
     """
-    plain = declared_model(problem, fitted.nuisances)
+    plain = declared_model(*fit_from_release(problem, fitted.nuisances))
     corrected = None if reduction is None else without_discrepancy(problem, reduction)
     if corrected is None:
         return plain
-    corrected_model = declared_model(corrected, fitted.nuisances)
+    corrected_model = declared_model(*fit_from_release(corrected, fitted.nuisances))
     return corrected_model if corrected_model.log_evidence.max() > plain.log_evidence.max() else plain
 
 

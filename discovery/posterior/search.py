@@ -21,6 +21,8 @@ from discovery.answer import MOST_EFFECTS
 from discovery.posterior.decide import log_masses, log_prior_of_set, missing_of
 from discovery.posterior.rank import RankedSet, ranked_sets
 from discovery.posterior.starts import RefitStart, refit_starts
+from inference.decay import DECAY_SHARE, has_decay, horizons_of
+from inference.linearise import latent_forces
 from inference.posterior import Hypothesis, RoughFit, fit_hypothesis, rough_fit, with_rest
 from inference.score import Candidate, score
 from inference.trajectory import Fit, Problem, linearised_fit
@@ -58,7 +60,8 @@ def search_posterior(
         singles = _begun(centre if number else _at(base, origin), alone)
         several = [one for one in ranked if len(one.names) > 1]
         linear = max((one.evidence for one in ranked if len(one.names) == 1), default=np.inf)
-        several = _begun(centre, [one for one in several if one.evidence > linear][:SETS])
+        several = [one for one in several if one.evidence > linear][:SETS]
+        several = [] if has_decay(base.problem) and centre is base else _begun(centre, several)
         wanted = [
             begun
             for begun in (*singles[: SINGLES if number == 0 else SETS], *several)
@@ -129,7 +132,7 @@ def _ranked(centre: Hypothesis) -> tuple[list[Candidate], list[RankedSet]]:
 
 def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
     """The base where its fit began, where that is a decay's; else as it is."""
-    if all(experiment.release is None for experiment in base.problem.experiments):
+    if not has_decay(base.problem):
         return base
     problem = replace(base.problem, parameters=origin.parameters)
     there = np.concatenate([origin.values, *origin.nuisances])
@@ -146,7 +149,8 @@ class Begun:
 
 def _begun(centre: Hypothesis, ranked: list[RankedSet]) -> list[Begun]:
     """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads."""
-    begun = _side_by_side([lambda one=one: Begun(one, tuple(refit_starts(centre, one))) for one in ranked])
+    horizons = horizons_of(replace(centre.problem, parameters=centre.fitted.parameters), centre.fitted.nuisances)
+    begun = _side_by_side([lambda one=one: Begun(one, tuple(refit_starts(centre, one, horizons))) for one in ranked])
     return sorted(begun, key=lambda one: one.starts[0].cost)
 
 
@@ -186,8 +190,12 @@ def removed(centre: Hypothesis, effect: str) -> RoughFit:
 
 
 def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis) -> RoughFit:
-    """Fitted roughly from those starts."""
-    return rough_fit(effects, [_remembering(effects, *start) for start in begun], centre.forces, centre.share)
+    """Fitted roughly from those starts; a decay beside unknown forces as about its first start, not its centre's."""
+    begun = [_remembering(effects, *start) for start in begun]
+    if not has_decay(centre.problem):
+        return rough_fit(effects, begun, centre.forces, centre.share)
+    problem, nuisances = begun[0]
+    return rough_fit(effects, begun, latent_forces(problem, problem.parameters, nuisances, effects), DECAY_SHARE)
 
 
 def _remembering(

@@ -15,16 +15,14 @@ import numpy as np
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from discovery.posterior.rank import RankedSet
+from inference.decay import LEFT, Points, followed_from_release, residuals_at
 from inference.posterior import Hypothesis
 from inference.score import Candidate, nuisance_tangent_basis
-from inference.trajectory import ONE_SIDED, Problem, split
+from inference.trajectory import Problem, split
 
 START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
 SHAPES = 6  # points of the grid of one effect's shapes, at most
-KEPT = 2  # starts that are refined
 LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
-STEP_DAMPING = 1e-2  # of the information's diagonal
-START_BATCH = 256  # individuals at once: what memory holds for a long recording
 
 
 @dataclass(frozen=True)
@@ -36,75 +34,39 @@ class RefitStart:
     cost: float
 
 
-def refit_starts(centre: Hypothesis, chosen: RankedSet) -> list[RefitStart]:
-    """The best KEPT places to begin from, best first."""
+def refit_starts(centre: Hypothesis, chosen: RankedSet, horizons: tuple[Problem, ...] = ()) -> list[RefitStart]:
+    """The LEFT best places to begin from, best first; horizons: of decays (inference.decay; none: nothing decays)."""
     plan = np.stack(_plan(centre, chosen), axis=1)
     problem = replace(centre.problem, parameters=centre.fitted.parameters)
-    unknowns = np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
-    residuals = _residuals(problem, plan, np.repeat(unknowns[:, None], plan.shape[1], axis=1))
-    if any(experiment.release is not None for experiment in problem.experiments):
-        cost, moved = _stepped(problem, plan, unknowns, residuals)
+    if horizons:
+        free = (*problem.free, *(name for one in chosen.candidates for name in one.free))
+        problem = replace(problem, free=free)
+        points = followed_from_release(
+            tuple(replace(early, free=free) for early in horizons), centre.fitted.nuisances, plan
+        )
     else:
-        cost, moved = _absorbed(centre, residuals)
+        points = _absorbed(centre, plan).best(LEFT)
     found = []
-    for place in np.argsort(np.where(np.isfinite(cost), cost, np.inf), kind="stable")[:KEPT]:
-        parameters, nuisances = split(replace(problem, parameters=plan[:, place]), moved[:, place])
-        found.append(RefitStart(parameters, nuisances, float(cost[place])))
+    for parameters, unknowns, cost in zip(points.parameters.T, points.unknowns.T, points.cost, strict=True):
+        found.append(RefitStart(*split(replace(problem, parameters=parameters), unknowns), float(cost)))
     return found
 
 
-def _residuals(problem: Problem, parameters: Array, unknowns: Array) -> Array:
-    """Residuals (N, B), in batches that memory holds."""
-    parts = range(0, unknowns.shape[1], START_BATCH)
-    return np.concatenate(
-        [problem.residuals_of(parameters[:, k : k + START_BATCH], unknowns[:, k : k + START_BATCH]) for k in parts],
-        axis=1,
-    )
-
-
-def _absorbed(centre: Hypothesis, residuals: Array) -> tuple[Array, Array]:
-    """Cost (B,) and unknowns (P, B) after the base's own best step, with the derivatives that it has without effects;
-    the initial states stay.
+def _absorbed(centre: Hypothesis, plan: Array) -> Points:
+    """A grid of parameter vectors (R, B) after the base's own best step, with the derivatives that it has without
+    effects; the initial states stay.
     """
-    basis = nuisance_tangent_basis(centre.fitted)
+    problem = replace(centre.problem, parameters=centre.fitted.parameters)
+    unknowns = np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
+    residuals = residuals_at(problem, plan, np.repeat(unknowns[:, None], plan.shape[1], axis=1))
+    basis, scales = nuisance_tangent_basis(centre.fitted), centre.problem.scales()
     absorbed = basis.T @ residuals
     cost = np.einsum("nb,nb->b", residuals, residuals) - np.einsum("nb,nb->b", absorbed, absorbed)
-    scales, unknowns = centre.problem.scales(), np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
     step = -np.linalg.lstsq(centre.fitted.jacobian * scales, residuals, rcond=1e-8)[0]
     step[len(centre.fitted.values) :] = 0.0
-    return 0.5 * cost, _within(
-        centre.problem, unknowns[:, None] + np.clip(step, -LARGEST_BASE_MOVE, LARGEST_BASE_MOVE) * scales[:, None]
-    )
-
-
-def _stepped(problem: Problem, plan: Array, unknowns: Array, residuals: Array) -> tuple[Array, Array]:
-    """The same for decays, whose phase runs away with any error of the frequency: each point of the grid has its own
-    derivatives, the initial states step too, and the cost is that where the step ends.
-    """
-    scales, count = problem.scales(), unknowns.size
-    shift = ONE_SIDED * scales
-    shifted = np.concatenate([np.repeat(plan[:, [k]], count, axis=1) for k in range(plan.shape[1])], axis=1)
-    moved = np.tile(unknowns[:, None] + np.diag(shift), plan.shape[1])
-    shifted[problem.rows()] = moved[: len(problem.free)]
-    there = _residuals(problem, shifted, moved)
-    ends = []
-    for k in range(plan.shape[1]):
-        slope = (there[:, k * count : (k + 1) * count] - residuals[:, [k]]) / ONE_SIDED
-        information = slope.T @ slope
-        step = -np.linalg.solve(
-            information + STEP_DAMPING * np.diag(np.diag(information) + 1e-12), slope.T @ residuals[:, k]
-        )
-        ends.append(unknowns + np.clip(step, -LARGEST_BASE_MOVE, LARGEST_BASE_MOVE) * scales)
-    moved = _within(problem, np.stack(ends, axis=1))
-    stepped = plan.copy()
-    stepped[problem.rows()] = moved[: len(problem.free)]
-    values = _residuals(problem, stepped, moved)
-    return 0.5 * np.einsum("nb,nb->b", values, values), moved
-
-
-def _within(problem: Problem, unknowns: Array) -> Array:
     low, high = problem.bounds()
-    return np.clip(unknowns, low[:, None], high[:, None])
+    step = np.clip(step, -LARGEST_BASE_MOVE, LARGEST_BASE_MOVE) * scales[:, None]
+    return Points(plan, np.clip(unknowns[:, None] + step, low[:, None], high[:, None]), 0.5 * cost)
 
 
 def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
