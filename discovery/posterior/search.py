@@ -1,6 +1,6 @@
-"""The search: sets of effects ranked by linear algebra about a fitted model, and the best few refitted.
+"""The search: all sets of effects are ranked by linear algebra about a fitted model, and the best few are refitted.
 
-It repeats about the best of these, and stops when a round finds no better set.
+The next round does the same about the best of these. The search stops if a round finds no better set.
 """
 
 from __future__ import annotations
@@ -27,15 +27,13 @@ from inference.trajectory import Fit, Problem, linearised_fit
 
 T = TypeVar("T")
 SINGLES, SETS, ROUNDS = 7, 2, 4
-FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
-NEGLIGIBLE_NATS = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
+FAR, ROOM = 15.0, 0.5  # nats, or share of the best rough gain: a rough fit further behind cannot become the best
+NEGLIGIBLE_NATS = 12.0  # nats behind the best: a hypothesis further behind has no mass
 
 
 @dataclass(frozen=True)
 class PosteriorSearch:
-    """The base, all hypotheses that were refitted (the base first), and the candidates as the base's residual ranks
-    them.
-    """
+    """The base, all refitted hypotheses (the base first), and the candidates as the base's score test ranks them."""
 
     base: Hypothesis
     hypotheses: tuple[Hypothesis, ...]
@@ -45,8 +43,9 @@ class PosteriorSearch:
 def search_posterior(
     base: Hypothesis, origin: Fit, progress: Callable[[float], None] = lambda _: None
 ) -> PosteriorSearch:
-    """Hypotheses about what the base lacks. origin: where the base's own fit began: effects begin there too, for in a
-    decay that fit may be far from where any of them has its valley.
+    """Search hypotheses about what the base lacks. origin: the start of the base's own fit.
+
+    In a decay the effects begin there too, as the fitted base may be far from the minimum of any of them.
     """
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     first: list[Candidate] = []
@@ -85,7 +84,7 @@ def search_posterior(
 
 
 def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str], Hypothesis]:
-    """The hypotheses, those that may count with the rest that they leave."""
+    """The hypotheses; those that may have mass get their rest."""
     missing = missing_of(list(tried.values()))
     reach = max(max(log_masses(h, missing)) for h in tried.values()) - NEGLIGIBLE_NATS
     base = tried[frozenset()]
@@ -96,14 +95,14 @@ def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str],
 
 
 def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
-    """Those that may still be the best when they are fitted closely."""
+    """The rough fits that may still be the best after a close fit."""
     costs = np.array([one.cost for one in roughs])
     least, most = (costs.min(), costs.max()) if costs.size else (0.0, 0.0)
     return [one for one in roughs if one.cost <= least + max(FAR, ROOM * (most - least))]
 
 
 def _side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
-    """The results of the tasks that have one: the kernel and the filter let other threads run while they compute."""
+    """The results of the tasks, in threads: kernel and filter release the lock. Tasks without a result are left out."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2
     with ThreadPoolExecutor(workers) as pool:
         results: list[T | None] = list(pool.map(lambda task: _done(task), tasks))
@@ -111,7 +110,7 @@ def _side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
 
 
 def _done(task: Callable[[], T]) -> T | None:
-    """The task's result; None where its runs left all bounds, so that no likelihood is known of it."""
+    """The task's result; None if its simulations diverged, so that it has no likelihood."""
     try:
         return task()
     except np.linalg.LinAlgError:
@@ -128,7 +127,7 @@ def _ranked(centre: Hypothesis) -> tuple[list[Candidate], list[RankedSet]]:
 
 
 def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
-    """The base where its fit began, where that is a decay's; else as it is."""
+    """The base at the start of its fit if a recording is a decay; otherwise unchanged."""
     if all(experiment.release is None for experiment in base.problem.experiments):
         return base
     problem = replace(base.problem, parameters=origin.parameters)
@@ -145,18 +144,18 @@ class Begun:
 
 
 def _begun(centre: Hypothesis, ranked: list[RankedSet]) -> list[Begun]:
-    """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads."""
+    """The sets with their starts, the lowest cost first: the score test misleads beyond the linear regime."""
     begun = _side_by_side([lambda one=one: Begun(one, tuple(refit_starts(centre, one))) for one in ranked])
     return sorted(begun, key=lambda one: one.starts[0].cost)
 
 
 def _has_plain(chosen: RankedSet) -> bool:
-    """Whether one of the effects has a shape that may be none at all, such as a payload at the tip itself."""
+    """Whether one of the effects has a shape that may be zero, such as a payload at the tip itself."""
     return any(shape.neutral == 0.0 for candidate in chosen.candidates for shape in candidate.effect.shapes)
 
 
 def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> RoughFit:
-    """A set of effects more, fitted roughly from the best starts. plain: shapes that may be none are none."""
+    """Fit roughly with these effects added, from the best starts. plain: shapes that may be zero are zero."""
     chosen = of.chosen
     new = [name for candidate in chosen.candidates for name in candidate.free]
     none = []
@@ -175,7 +174,7 @@ def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> RoughFit:
 
 
 def removed(centre: Hypothesis, effect: str) -> RoughFit:
-    """One of the effects less, fitted roughly."""
+    """Fit roughly without one of the effects."""
     parameters = centre.fitted.parameters.copy()
     for parameter in catalogue()[effect].parameters:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
@@ -186,14 +185,14 @@ def removed(centre: Hypothesis, effect: str) -> RoughFit:
 
 
 def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis) -> RoughFit:
-    """Fitted roughly from those starts."""
+    """Fit roughly from those starts."""
     return rough_fit(effects, [_remembering(effects, *start) for start in begun], centre.forces, centre.share)
 
 
 def _remembering(
     effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array, ...]
 ) -> tuple[Problem, tuple[Array, ...]]:
-    """With the memory at the start of each run among the unknowns where an effect relaxes, else without."""
+    """Make the initial memory of each run an unknown if an effect has a relaxation time; otherwise remove it."""
     wanted = any(catalogue()[name].relaxation_time is not None for name in effects)
     experiments, kept = [], []
     for experiment, values in zip(problem.experiments, nuisances, strict=True):

@@ -1,8 +1,10 @@
-"""Where a refit with more effects begins: a grid of shapes and strengths, each judged with the base refitted to it.
+"""Starts of a refit with more effects: a grid of shapes and strengths, each judged with the base refitted.
 
-A large effect has bent the base parameters to itself, and a law with a shape (a distance, a time, a place) has several
-valleys. At each point k of the grid the residual r_k is simulated; what the base and the initial states can absorb of
-it, to first order, is taken off: cost_k = |r_k - B B' r_k|^2 / 2, and the base begins at its own best step, -J+ r_k.
+    cost_k = |r_k - B B' r_k|^2 / 2,        first step of the base = -J+ r_k
+
+A large missing effect biases the base parameters, and a law with a shape (a distance, a time, a place) has several
+minima. r_k is the simulated residual at point k of the grid, J the Jacobian of the base, and B an orthonormal basis of
+its columns: the base and the initial states can absorb these to first order.
 """
 
 from __future__ import annotations
@@ -22,14 +24,14 @@ from inference.trajectory import ONE_SIDED, Problem, split
 START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
 SHAPES = 6  # points of the grid of one effect's shapes, at most
 KEPT = 2  # starts that are refined
-LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
+LARGEST_BASE_MOVE = 0.7  # of its own value: the largest first move of a base parameter
 STEP_DAMPING = 1e-2  # of the information's diagonal
 START_BATCH = 256  # individuals at once: what memory holds for a long recording
 
 
 @dataclass(frozen=True)
 class RefitStart:
-    """Where a refit begins: a parameter vector and each recording's nuisances; half the sum of squares [nats] there."""
+    """Start of a refit: a parameter vector, each recording's nuisances; half the sum of squares [nats] there."""
 
     parameters: Array
     nuisances: tuple[Array, ...]
@@ -37,7 +39,7 @@ class RefitStart:
 
 
 def refit_starts(centre: Hypothesis, chosen: RankedSet) -> list[RefitStart]:
-    """The best KEPT places to begin from, best first."""
+    """The best KEPT starts, best first."""
     plan = np.stack(_plan(centre, chosen), axis=1)
     problem = replace(centre.problem, parameters=centre.fitted.parameters)
     unknowns = np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
@@ -63,8 +65,9 @@ def _residuals(problem: Problem, parameters: Array, unknowns: Array) -> Array:
 
 
 def _absorbed(centre: Hypothesis, residuals: Array) -> tuple[Array, Array]:
-    """Cost (B,) and unknowns (P, B) after the base's own best step, with the derivatives that it has without effects;
-    the initial states stay.
+    """Cost (B,) and unknowns (P, B) after the base's best step, with its derivatives without effects.
+
+    The initial states stay.
     """
     basis = nuisance_tangent_basis(centre.fitted)
     absorbed = basis.T @ residuals
@@ -78,8 +81,10 @@ def _absorbed(centre: Hypothesis, residuals: Array) -> tuple[Array, Array]:
 
 
 def _stepped(problem: Problem, plan: Array, unknowns: Array, residuals: Array) -> tuple[Array, Array]:
-    """The same for decays, whose phase runs away with any error of the frequency: each point of the grid has its own
-    derivatives, the initial states step too, and the cost is that where the step ends.
+    """The same for decays: each point of the grid has its own derivatives, and the initial states step too.
+
+    The cost is that at the end of the step. A decay needs this, as a small error of its frequency gives a large error
+    of phase.
     """
     scales, count = problem.scales(), unknowns.size
     shift = ONE_SIDED * scales
@@ -108,8 +113,8 @@ def _within(problem: Problem, unknowns: Array) -> Array:
 
 
 def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
-    """Parameter vectors of the grid: the set's linear estimate and shares of it; of a single effect all shapes and
-    sizes too.
+    """Parameter vectors of the grid: the set's linear estimate and a share of it; for a single effect also shapes,
+    sizes.
     """
     linear = list(zip(chosen.candidates, chosen.strengths, strict=True))
     plan = [_with(centre.fitted.parameters, linear, share) for share in (1.0, 0.4)]
@@ -132,8 +137,9 @@ def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
 
 
 def _with(parameters: Array, chosen: list[tuple[Candidate, Array]], share: float) -> Array:
-    """The parameter vector with the candidates in it at that share of their strengths, within bounds and on none: there
-    the difference quotients are one-sided and a fit may stick.
+    """The parameter vector with the candidates at that share of their strengths, strictly within their bounds.
+
+    At a bound the difference quotients are one-sided, and a fit may not leave it.
     """
     parameters = parameters.copy()
     for candidate, values in chosen:
