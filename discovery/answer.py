@@ -1,4 +1,4 @@
-"""Parts of every answer, however it was decided: the error's budget, the next experiment in words, and no answer."""
+"""Parts of every answer of both loops: the error budget, the next experiment in words, and "cannot tell"."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from tentacle.recording import Recording
 from tentacle.servo_limits import ServoLimits
 
 MOST_EFFECTS = 3  # that one answer names together
-ACCOUNTS = 3  # of an unknown, one effect each, that the next experiment is to tell apart
+ACCOUNTS = 3  # hypotheses of one effect that the next experiment separates after an unknown
 HOBBY_SERVO = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
 def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
-    """Unknown, for the data show too little; with no error, no ranking and no parameters, since none can be stated."""
+    """The verdict "unknown" of data that show too little. It states no error, no ranking and no parameters."""
     d = recording.declaration
     model = Model(d.specimen, d.fluid, d.gravity)
     nothing = ErrorMeasure()
@@ -44,20 +44,20 @@ def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
 
 
 def proposal_words(proposal: Proposal) -> str:
-    """What the proposed base motion is expected to tell apart, in a sentence."""
+    """A sentence on the effects that the proposed base motion is expected to separate."""
     if proposal.nats < 5.0:
         return (
-            f"No base motion within the servo's limits splits {', '.join(proposal.splits)}: "
-            f"the best of those tried would give {proposal.nats:.1f} nats."
+            f"No base motion within the servo's limits separates {', '.join(proposal.splits)}: "
+            f"the best one tried would give {proposal.nats:.1f} nats."
         )
     return (
-        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would split "
+        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would separate "
         f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
     )
 
 
 def error_budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:
-    """The error before, in parts [mm]: noise, reduction (lost), what the effects added take away, and what stays."""
+    """The error before in parts [mm]: noise, reduction (lost), explained by the added effects, and unexplained."""
 
     def apart(large: float | None, small: float | None) -> float:
         if large is None or small is None:

@@ -1,4 +1,4 @@
-"""From a verdict's own confidence to the share of such verdicts that is right, as blind trials showed it."""
+"""Calibration: from a stated confidence to the hit rate of such verdicts in blind trials."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class Calibration:
         return float(np.clip(np.interp(stated, knots, right), *HIT_RATE_BOUNDS))
 
     def words(self, verdict: str, stated: float) -> str:
-        """A sentence on whose trials the confidence is of."""
+        """A sentence on the blind trials behind the confidence."""
         if verdict not in self.tables:
             return f"The confidence is uncalibrated: no blind trial gave this verdict ({self.made})."
         trials = self.tables[verdict][2]
         if not trials:
-            return f"The confidence is that of other arms: no blind trial of this one gave this verdict ({self.made})."
+            return f"The confidence comes from other arms: no blind trial of this arm gave this verdict ({self.made})."
         return f"The confidence is the hit rate at {stated:.2f} in {trials} blind trials of this verdict ({self.made})."
 
     def toml(self) -> str:

@@ -28,8 +28,8 @@ def diagnose(
 ) -> Diagnosis:
     """Find what the declared model lacks, and the error before and after it is added.
 
-    baseline: recordings whose declaration is complete: no absent effect acts there, and they share the arm's
-    parameters with the others. held_out: recordings that only judge; without any, the last third of each does.
+    baseline: recordings with a complete declaration. No absent effect acts in them, and they share the arm's parameters
+    with the others. held_out: recordings that only judge. Without any, the last third of each recording judges.
     Raises InputError on unusable input.
     """
     if not recordings:
@@ -44,9 +44,9 @@ def diagnose(
 
 
 def decided_by(given: Given) -> How:
-    """How the loop decides where nobody says: by posterior mass, and by the rules where a recording is a free decay.
+    """How the loop decides by default: by posterior mass, but by the rules if a recording is a free decay.
 
-    In a decay the phase runs away with any error of the frequency, and the search under the one likelihood is not safe
-    there yet (docs/loop.md has the figures).
+    In a decay a small error of the frequency gives a large error of phase, and the search by posterior mass is not
+    reliable there yet (docs/loop.md has the figures).
     """
     return "rules" if any(recording.declaration.release_t is not None for recording in given.all) else "posterior"

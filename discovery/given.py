@@ -1,4 +1,4 @@
-"""What a diagnosis is given: recordings of one arm, of which some only judge."""
+"""The input of a diagnosis: recordings of one arm. Some of them only judge."""
 
 from __future__ import annotations
 
@@ -31,8 +31,10 @@ How = Literal["posterior", "rules"]
 
 @dataclass(frozen=True)
 class Deciding:
-    """How a diagnosis is decided (None: discovery.diagnose.decided_by); by which blind trials its confidence is stated
-    (None: the posterior mass, or the map that ships with the rules); whether laws are sought after an unknown.
+    """How a diagnosis is decided.
+
+    how: by posterior mass or by the rules (None: discovery.diagnose.decided_by). calibration: of the confidence (None:
+    the posterior mass itself, or the stored calibration of the rules). laws: search laws after an unknown.
     """
 
     how: How | None = None
@@ -40,7 +42,7 @@ class Deciding:
     laws: bool = True
 
 
-SETTLING = 2.0  # s at the head of a held-out recording that pin down its initial state
+SETTLING = 2.0  # s at the start of a held-out recording, from which its initial state is fitted
 
 
 def held_out_run(prepared: Prepared) -> Prepared:

@@ -1,4 +1,4 @@
-"""The next experiment: the base motion within the servo's limits that best splits two rival models."""
+"""The next experiment: the base motion within the servo's limits that best separates rival models."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from inference.trajectory import Fit, Problem, unfitted
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 
-DURATION = 15.0  # s: long against every relaxation of an arm in water, short against a working day
+DURATION = 15.0  # s: longer than every relaxation of an arm in water
 FRAMES = 30.0  # 1/s at which a proposal is judged
 
 
 class FittedHypothesis(Protocol):
-    """A model with some absent effects, fitted: by the rules or under the likelihood alike."""
+    """A fitted model with some absent effects, of either loop."""
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -40,7 +40,7 @@ class FittedHypothesis(Protocol):
 
 @dataclass(frozen=True)
 class Proposal:
-    """A base motion, the effects that it is to split, and the nats by which it would split the nearest two."""
+    """A base motion, the effects that it separates, and the nats that separate the two nearest models."""
 
     waveform: Waveform
     splits: tuple[str, ...]
@@ -72,7 +72,7 @@ def _amplitude(limits: ServoLimits, frequencies: Array) -> float:
 
 
 def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
-    """A run that has not been made yet: this camera and noise, another base motion, starting from rest."""
+    """A future run with this camera and noise, another base motion and a start from rest."""
     t = np.arange(0.0, DURATION, 1.0 / FRAMES)
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
@@ -91,11 +91,10 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
 def propose_experiment(
     chosen: FittedHypothesis, rivals: tuple[FittedHypothesis, ...], limits: ServoLimits, seed: int
 ) -> Proposal | None:
-    """The motion with the largest gap, in nats, between the chosen model's motion and the nearest that a rival can
-    come to it.
+    """The base motion with the largest gap [nats] between the chosen model and the nearest rival.
 
-    A rival is allowed to refit all its parameters and initial states (to first order). None where there is no rival,
-    or where the recordings have no motor or no midline: then no base motion can be commanded or judged.
+    Each rival refits all its parameters and initial states to first order. None if there is no rival, or if the
+    recordings have no motor or no midline, as then no base motion can be commanded or judged.
     """
     source = chosen.problem.experiments[0]
     if not rivals or source.release is not None or not isinstance(source.observation, ShapeObservation):
@@ -126,7 +125,7 @@ def _gap(chosen: FittedHypothesis, rival: FittedHypothesis, source: Experiment, 
     coefficients[:, 0] = shown.theta[:, 0] - observation.theta
     measured = replace(experiment, observation=replace(observation, coefficients=coefficients))
     problem: Problem = replace(rival.problem, experiments=(measured,), prior_mean=None, prior_root=None, filters=())
-    # One Gauss-Newton look: what the rival cannot absorb of the difference.
+    # The part of the difference that the rival cannot absorb, to first order.
     state = unfitted(replace(problem, parameters=rival.fitted.parameters), (start,))
     basis = nuisance_tangent_basis(state)
     rest = state.used_residuals - basis @ (basis.T @ state.used_residuals)

@@ -15,15 +15,13 @@ from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Gate
 
 SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fit, false alarms well under 1 %
-MATERIAL = (
-    0.12  # noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
-)
+# Noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
+MATERIAL = 0.12
 ALLOWANCE = 1.5  # times the measured error of the reduction: another simulator, or a real arm, has a different one
 UNCERTAINTY = 2.0  # standard deviations of the parameters, by which held-out frames may be wrong
 LAGS = 20
-LIKE_BASELINE = (
-    2.0  # times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
-)
+# Times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
+LIKE_BASELINE = 2.0
 
 
 @dataclass(frozen=True)

@@ -22,14 +22,12 @@ from tentacle.recording import Declaration
 
 FIRST_STEP = 1.0 / 150.0  # s: a fit begins with this step; inference.sufficient_step finds the last one
 SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
-VISIBLE_COORDINATE_SHARE = (
-    0.05  # a curvature coordinate counts as seen where it adds this share to the noise's variance, or more
-)
-FIRST_FRAMES, PLACED = (
-    6,
-    0.003,
-)  # frames of a start; arm lengths to which a marker shows the shape beside 1 rad of prior
-MOST_FOR_MARKERS, FOLLOWED = 4, 0.2  # coordinates; noise sigmas to which fewer of them are to follow those
+# A curvature coordinate counts as seen where it adds this share to the noise's variance, or more
+VISIBLE_COORDINATE_SHARE = 0.05
+FIRST_FRAMES = 6  # of a recording: a marker's place at the start is their mean
+PLACED = 0.003  # arm lengths: deviation of a marker beside 1 rad of prior on the shape
+MOST_FOR_MARKERS = 4  # coordinates
+FOLLOWED = 0.2  # noise sigmas to which a run with fewer coordinates must follow one with MOST_FOR_MARKERS
 
 
 @dataclass(frozen=True)

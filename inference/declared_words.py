@@ -8,9 +8,8 @@ from inference.declared_arm import names_of
 from inference.trajectory import Fit, Problem
 from tentacle.declared import Uncertain
 
-FAR_FROM_DECLARED = (
-    3.0  # standard deviations of the declaration: one honest declaration in 400 is farther from its number
-)
+# Standard deviations of the declaration: one honest declaration in 400 is farther from its number
+FAR_FROM_DECLARED = 3.0
 SILENT = 0.9  # of the declared spread: if the fit leaves more than this share, the data say nothing about the number
 
 

@@ -1,8 +1,10 @@
-"""What the affine reduction itself loses: the declared model's fit to a MuJoCo chain with the very same parameters.
+"""The error of the affine reduction itself: the declared model is fitted to a MuJoCo chain with the same parameters.
 
-The chain knows nothing missing, so what the reduced model cannot follow of it is the reduction's own error, and no
-physics. It is known frame by frame, and so it is taken off what was measured before anything is sought there (a control
-variate, as in multi-fidelity estimation: Peherstorfer, Willcox and Gunzburger 2018).
+    discrepancy(t) = chain(t; parameters) - reduced model(t; fitted to the chain)
+
+The chain has no missing effect. The misfit of the reduced model to it is therefore an error of the reduction and no
+missing physics. It is known in every frame and is subtracted from the measurement before effects are searched (a
+control variate, as in multi-fidelity estimation: Peherstorfer, Willcox and Gunzburger 2018).
 """
 
 from __future__ import annotations
@@ -36,10 +38,11 @@ BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not ben
 
 @dataclass(frozen=True)
 class ModelDiscrepancy:
-    """structure, judged: rms in noise sigmas of what the reduced model cannot follow of the chain, over the stretch
-    that was fitted and over the one held out; millimetres: rms on the midline, over both. beyond: one a recording, what
-    the chain shows beyond the reduced model, (T, K) at the recording's frames, in its shape coefficients; None where
-    the chain was not run, or not over all of it.
+    """The misfit of the reduced model to the chain.
+
+    structure, judged: rms in noise sigmas over the fitted and over the held-out stretch. millimetres: rms on the
+    midline over both. beyond: for each recording chain minus reduced model (T, K) at its frames, in shape coefficients;
+    None if the chain was not run, or not over the whole recording.
     """
 
     structure: float
@@ -49,7 +52,7 @@ class ModelDiscrepancy:
 
     @property
     def worst(self) -> float:
-        """The larger of both stretches' [noise sigmas]."""
+        """The larger value of the two stretches [noise sigmas]."""
         return max(self.structure, self.judged)
 
 
@@ -68,10 +71,10 @@ class _Later:
 def model_discrepancy(
     declaration: Declaration, problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
 ) -> ModelDiscrepancy | None:
-    """The reduction's error at the fitted parameters; None where no recording shows shapes of a moving base, or where
-    the chain cannot be run with these parameters (then nothing is known of it).
+    """The error of the reduction at the fitted parameters.
 
-    added: effects beside the base's, which stay as fitted. Those of servo and camera do not bend the arm: neither chain
+    None if no recording shows shapes of a moving base, or if the chain cannot run with these parameters. added: absent
+    effects that the model has; they stay as fitted. Effects of servo and camera do not bend the arm, so neither chain
     nor reduced model has them.
     """
     bending = tuple(name for name in added if catalogue()[name].family not in BESIDE_THE_ARM)
@@ -108,9 +111,7 @@ def model_discrepancy(
 
 
 def without_discrepancy(problem: Problem, reduction: ModelDiscrepancy) -> Problem | None:
-    """The problem with what was measured less what the chain shows beyond the reduced model; None where that is not
-    known of every recording.
-    """
+    """The problem with the discrepancy subtracted from the measurement; None if it is not known for every recording."""
     experiments = []
     for experiment, beyond in zip(problem.experiments, reduction.beyond, strict=True):
         observation = experiment.observation
@@ -125,10 +126,10 @@ def _beyond(experiment: Experiment, virtual: Experiment, rows: Array) -> Array |
     """Residuals (T', K) of the reduced model against the chain, as coefficients at the recording's frames."""
     seen, shown = experiment.observation, virtual.observation
     assert isinstance(shown, ShapeObservation)
-    if seen.t[-1] > shown.t[-1] + 0.5:  # a frame or two behind the chain's end hold its last value
+    if seen.t[-1] > shown.t[-1] + 0.5:  # frames just after the chain's end keep its last value
         return None
     coefficients: Array = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
-    # a straight line between frames would cut a swing at its turns, by more than an arm's motion is known to
+    # linear interpolation would cut the turns of a swing by more than the noise
     t = np.minimum(seen.t, shown.t[-1])
     return np.array([CubicSpline(shown.t, column)(t) for column in coefficients.T]).T
 
@@ -138,8 +139,8 @@ def _rms(parts: list[Array]) -> float:
 
 
 def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> tuple[Experiment, Array, float]:
-    """The chain's run as an experiment, begun in the fitted state; whitened residuals (T, K) of the reduced model
-    fitted to it; the midlines' rms distance [m].
+    """The chain's run from the fitted initial state as an experiment; whitened residuals (T, K) of the reduced model
+    fitted to it; rms distance [m] of the two midlines.
     """
     experiment, arm = problem.experiments[place], problem.arm
     observation = experiment.observation
@@ -165,8 +166,9 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
 
 
 def _points(observation: ShapeObservation) -> Array:
-    """Where along the arm (0 .. 1) the chain is looked at, that it be bent into fewer coordinates as in the recording:
-    a least-squares shape depends on where it is told.
+    """Places along the arm (0 .. 1) at which the chain is read, as in the recording.
+
+    A least-squares shape of few coordinates depends on these places.
     """
     return EDGE_POINTS if observation.tracked else MIDLINE_POINTS
 

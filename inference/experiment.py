@@ -24,9 +24,7 @@ SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
 PARAMETER_SPREAD = {"elasticity": 0.01, "damping": 0.05, "drag": 0.03}
 SPREAD_REACH = 3.0  # spreads, however strongly the data pull: else a payload would be taken for a softer arm
 RATE_PRIOR = 30.0  # rad/s: initial rates of curvature, where the observation shows none
-RATE_REACH = (
-    3.0  # times the rates seen in the recording: limit of an initial rate, even if it decays between two frames
-)
+RATE_REACH = 3.0  # times the rates seen in the recording: limit of an initial rate
 HIGHER_PRIOR = 0.3  # rad: initial curvature that the observation cannot see
 MEMORY_PRIOR = 0.5  # rad: memory of a Maxwell branch at the start, from the motion before the recording
 

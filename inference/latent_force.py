@@ -3,15 +3,15 @@
     y(t_k) = h(x(t_k); parameters, effects) + H_k (z + b + e) + noise_k,        noise_k white, unit after whitening
     M z'' + D z' + K z = a F (f(t) + f_0) + Q(t) c - (M_b b'' + D_b b' + K_b b)
 
-f: forces and bending moments along the arm, in units of those that act there and then, correlated over REACH arm
-lengths and, in time, a Matern-3/2 process of ELL times the motion's own time; f_0 the same, constant. c: the laws'
-coefficients are known up to a slow variation along the arm, and Q(t) c is what it does. b: a slow error of the base's
-angle, a times the base's motion; e: slow and constant errors of the measured shape, of size a times the shape's motion,
-and of where the markers sit. All are Gaussian, of unit size but for what is said here. a, the share of the acting
-forces that is unknown, is the one hyperparameter. M, D, K are those of the model's laws, averaged along the fitted
-motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a force so smooth moves them by their
-stiffness alone. One Kalman pass whitens any number of residual columns
-alike: the sum of squares of the whitened rows and log_determinant are the marginal likelihood, linear in frames.
+f: forces and bending moments along the arm, in units of those that act there and then, correlated over
+CORRELATION_LENGTH arm lengths and, in time, a Matern-3/2 process of ELL times the motion's own time; f_0 the same,
+constant. c: the laws' coefficients are known up to a slow variation along the arm, and Q(t) c is what it does. b: a
+slow error of the base's angle, a times the base's motion; e: slow and constant errors of the measured shape, of size a
+times the shape's motion, and of where the markers sit. All are Gaussian, of unit size but for what is said here. a, the
+share of the acting forces that is unknown, is the one hyperparameter. M, D, K are those of the model's laws, averaged
+along the fitted motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a force so smooth
+moves them by their stiffness alone. One Kalman pass whitens any number of residual columns alike: the sum of squares of
+the whitened rows and log_determinant are the marginal likelihood, linear in frames.
 
 Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models); Alvarez, Luengo and Lawrence 2009
 (latent forces); Kennedy and O'Hagan 2001 (a model's discrepancy as a Gaussian process).

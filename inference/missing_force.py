@@ -2,13 +2,14 @@
 
     M(u) u'' = F(u, u', t; parameters) + Q(t)            (eq. 8 with the missing force Q)
 
-The motion u(t) is what a Rauch-Tung-Striebel smoother makes of the measured shapes, with the latent force of
-inference.latent_force about the model's own run; Q(t) is what the full equations then lack. A law B(u, u', t) with
-strength a explains the data where the small motions d about u, driven by a B - Q, bring the model onto what was seen:
+A Rauch-Tung-Striebel smoother with the latent force of inference.latent_force gives the motion u(t) from the measured
+shapes and the model's own run. Q(t) is the force that the full equations need for this motion. A law B(u, u', t) with
+strength a explains the data if the small motions d about u, driven by a B - Q, bring the model onto the observation:
 
     M d'' + D d' + K d = a B(t) + (dF/dp) dp - Q(t),        K = d(M u'' - F)/du,  D = -dF/du'
 
-d is of the noise's size where the law is right, so that this is exact to its square, however large the missing force.
+If the law is right, d is as small as the noise. The equation is then exact to first order in d, however large the
+missing force.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from inference.trajectory import Fit, Problem
 
 MOTION_STEP = 1.0 / 150.0  # s, of the small motions
 STATE_DIFFERENCE = 1e-5  # rad, rad/s: slopes of the equations
-TIME_SCALE = 0.08  # s, of the latent force: a stop or a jet is shorter than what the evidence allows for
+TIME_SCALE = 0.08  # s, of the latent force: short enough for a stop or a jet
 SMOOTHER_SHARES = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of the acting forces
 START_SHAPE, START_RATE, TINY = 0.3, 5.0, 1e-10  # rad, rad/s of the state before the first frame; against rounding
 END_MARGIN = 0.05  # s: frames nearer to the run's ends are left out
@@ -38,9 +39,11 @@ END_MARGIN = 0.05  # s: frames nearer to the run's ends are left out
 
 @dataclass(frozen=True)
 class SeenMotion:
-    """What the arm did, at the middles of T steps of STEP [s]: t (T,), u, rate and acceleration (T, n + 2); force
-    (T, n) [N m], the generalised force that the model misses, and spread (T, n), its standard deviation where the
-    smoother's state is read off; share: of the acting forces, the size that the data want.
+    """The smoothed motion of the arm, at the middles of T steps of MOTION_STEP [s].
+
+    t (T,) [s]; u, rate and acceleration (T, n + 2); force (T, n) [N m]: the generalised force that the model misses;
+    spread (T, n): its standard deviation; share: the most likely size of the latent force, as a share of the acting
+    forces.
     """
 
     t: Array
@@ -71,8 +74,9 @@ def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]
 
 
 def _cells_of(problem: Problem, experiment: Experiment, force: LatentForce, residuals: Array) -> tuple[Array, Array]:
-    """Whitened residuals (C, K) in the cells, and what they see (C, K, n + 2) of the coordinates and of the clamp's
-    shift in units of its prior: a model that lacks a force errs in that shift too.
+    """Whitened residuals (C, K) in the cells, and how they see (C, K, n + 2) the coordinates and the clamp's shift.
+
+    The shift is in units of its prior. A model that lacks a force has an error in that shift too.
     """
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
@@ -99,8 +103,10 @@ def likeliest(force: LatentForce, given: tuple[Array, Array]) -> Smoothed:
 
 
 def smoothed(force: LatentForce, given: tuple[Array, Array], share: float) -> Smoothed:
-    """The state driven by a latent force alone; servo and camera are taken to be right. given: the model's whitened
-    residuals (C, K) in the cells, and what they see (C, K, n + 2). Rauch, Tung and Striebel 1965.
+    """The smoothed state, driven by a latent force alone; servo and camera are assumed to be right.
+
+    given: the model's whitened residuals (C, K) in the cells, and how they see the state (C, K, n + 2). Source: Rauch,
+    Tung and Striebel 1965.
     """
     rows, columns = given
     lin, n = force.linearised, force.linearised.mass.shape[0]
@@ -179,10 +185,13 @@ def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], t: 
 
 @dataclass(frozen=True)
 class SmallMotions:
-    """How one recording's arm answers to small forces about what it did: over each of T steps the state (d, d') goes on
-    by advance (T, 2n, 2n), and by push (T, 2n, n) times the force; frames (F,) are seen at place (F,) [steps] with rows
-    (F, K, n) in noise deviations; target (F K,): what was measured less what was smoothed, and less the answer to -Q.
-    absorbed (F K, P): orthonormal basis of what the model's own unknowns can take up.
+    """How one recording's arm responds to small forces about its smoothed motion.
+
+        (d, d')_k+1 = advance_k (d, d')_k + push_k force_k,        observation of frame f = rows_f d(place_f)
+
+    advance (T, 2n, 2n); push (T, 2n, n); place (F,) [steps] of the frames; rows (F, K, n) in noise deviations. target
+    (F K,): measured minus smoothed, minus the response to -Q. absorbed (F K, P): orthonormal basis of what a refit of
+    the model's own unknowns can absorb.
     """
 
     motion: SeenMotion
@@ -208,12 +217,12 @@ class SmallMotions:
         return np.matmul(self.rows, at_frames).reshape(-1, columns)
 
     def freed(self, columns: Array) -> Array:
-        """Columns (F K, B) without what the model's own unknowns take up."""
+        """Columns (F K, B) without what the model's own unknowns can absorb."""
         return columns - self.absorbed @ (self.absorbed.T @ columns)
 
 
 def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion) -> SmallMotions:
-    """The small motions about what was seen in one recording."""
+    """The small motions about the smoothed motion of one recording."""
     problem, parameters = problem.known(fitted.parameters)
     arm, experiment = problem.arm, problem.experiments[place]
     observation = experiment.observation
@@ -281,7 +290,7 @@ def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, 
 
 
 def _parameter_forces(problem: Problem, parameters: Array, motion: SeenMotion) -> Array:
-    """What a change of each free parameter of the model does, as generalised forces (T, n, P)."""
+    """Derivatives (T, n, P) of the generalised forces by each free parameter of the model."""
     arm, columns = problem.arm, []
     own = (motion.u, motion.rate, motion.acceleration)
     for row, scale in zip(problem.rows(), problem.scales(), strict=False):

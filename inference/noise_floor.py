@@ -1,4 +1,4 @@
-"""The floor: how noisy a measured signal is by itself, found from what no smooth motion can do between frames."""
+"""The noise floor of a measured signal, from its fourth differences: a smooth motion has almost none."""
 
 from __future__ import annotations
 

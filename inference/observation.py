@@ -1,10 +1,10 @@
-"""What was seen of the arm's shape, as numbers with a covariance that a model's prediction is compared with.
+"""The observed shape of the arm, as numbers with a covariance, to be compared with a model's prediction.
 
-A frame's midline is reduced, without loss, to shape coefficients: [q1 .. qm, base angle offset, shift x, shift y,
-log scale], fitted by least squares, with the root R of their information matrix, so that R (measured - predicted) has
-independent entries of unit variance. The columns are ordered so that the last rows of R belong to the highest
-curvature coordinates alone: whether a further coordinate is needed is read off them directly.
-Markers are compared as points.
+    R (measured - predicted) ~ N(0, 1)
+
+Each frame's midline is reduced by least squares to shape coefficients [base angle offset, shift x, shift y, log scale,
+z_1 .. z_m]. R is the root of their information matrix. In this order the last rows of R belong to the highest curvature
+coordinates alone, so they show directly whether a further coordinate is needed. Markers are compared as points.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ class ShapeObservation:
     """Shape coefficients of T frames in the order [offset, shift x, shift y, log scale, z_1 .. z_m] (Legendre z).
 
     t (T,) [s]; theta (T,) [rad] the recorded base angle that the offset is counted from; coefficients (T, K); length
-    [m] of the arm; root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): what the
-    coefficients leave of the frame's points, in units of the stated variance (0, 0 where unknown).
+    [m] of the arm; root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): the
+    chi-square of the frame's points about the fitted shape, and its degrees of freedom (0, 0 where unknown).
     """
 
     t: Array
@@ -56,12 +56,12 @@ class ShapeObservation:
 
     @property
     def seen(self) -> NDArray[np.bool_]:
-        """Frames (T,) that weigh anything: those whose shape was found and trusted."""
+        """Frames (T,) with weight: the shape was found and accepted."""
         return self.root[:, -1, -1] > 0
 
     @property
     def tracked(self) -> bool:
-        """Whether they are a video's track, which knows its base: where that is, is no frame's unknown."""
+        """Whether this is a video's track: its base is known, so that a frame has no unknown shift."""
         return bool(np.all(self.root[self.seen][:, 1, 1] == 0.0))
 
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
@@ -84,7 +84,7 @@ class ShapeObservation:
         return replace(self, **{name: getattr(self, name)[:count] for name in frames})
 
     def subtract_residual(self, rows: Array) -> ShapeObservation:
-        """The same less whitened residuals (T, K): the shapes that the model that left them has."""
+        """The observation minus whitened residuals (T, K): the shapes of the model that has these residuals."""
         change = np.einsum("tkl,tl->tk", np.linalg.pinv(self.root), rows)
         return replace(self, coefficients=self.coefficients - change)
 
@@ -117,17 +117,17 @@ class MarkerObservation:
         return replace(self, t=self.t[:count], theta=self.theta[:count], xy=self.xy[:count])
 
     def subtract_residual(self, rows: Array) -> MarkerObservation:
-        """The same less whitened residuals (T, 2 M): the markers where the model that left them has them."""
+        """The observation minus whitened residuals (T, 2 M): the markers of the model that has these residuals."""
         return replace(self, xy=self.xy - self.sigma * rows.reshape(self.xy.shape))
 
 
 @dataclass(frozen=True)
 class Tracker:
-    """How a midline came about: sigma [m] stands in where the data state none.
+    """How a midline was measured. sigma [m]: its standard deviation if the data state none.
 
-    by_edges: as a tracker of the arm's edges sees it, from a base and at a scale that it knows: shift and scale stay 0
-    and only the distance along the normals counts. A shape that has more coordinates is then bent into fewer as there.
-    rigid: the base angle is the recorded one in every frame, as a tracker holds it where the mounting does not give.
+    by_edges: a tracker followed the arm's edges from a known base at a known scale. Shift and scale then stay 0, and
+    only the distance along the normals counts. rigid: the base angle is the recorded one in every frame, as the
+    mounting does not give.
     """
 
     sigma: float
@@ -138,7 +138,7 @@ class Tracker:
 def fit_shapes(data: Midline, theta: Array, length: float, order: int, tracker: Tracker) -> ShapeObservation:
     """Least-squares shape coefficients of every frame of a midline.
 
-    theta (T,) recorded base angle. Frames with too few points get root 0: they weigh nothing. Gauss-Newton from the
+    theta (T,) recorded base angle. Frames with too few points get root 0 and have no weight. Gauss-Newton from the
     straight arm along the points' mean direction; all frames at once.
     """
     frames, points = data.xy.shape[:2]
@@ -200,9 +200,9 @@ def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: i
 
 
 def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservation:
-    """A video's shape track as an observation; scale and shift are known once for the recording, with their own sigma.
+    """A video's shape track as an observation. The recording has one scale and one shift, with their own sigma.
 
-    theta (T,) is the recorded base angle at the frames. Rejected frames weigh nothing.
+    theta (T,) is the recorded base angle at the frames. Rejected frames have no weight.
     """
     order = track.coefficients.shape[1] - 1
     count = POSE + order
@@ -221,7 +221,7 @@ def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservati
     inner = np.swapaxes(np.linalg.cholesky(np.linalg.inv(covariance)), 1, 2)
     kept = np.array([0, *range(POSE, count)])
     root[np.ix_(good, kept, kept)] = inner
-    # The recording's one scale, seen in every frame: spread its information evenly, so that the sum is right.
+    # The recording has one scale: its information is spread evenly over the frames, so that the sum is right.
     coefficients[good, 3] = np.log(track.scale)
     if good.size and np.isfinite(track.scale_sigma) and track.scale_sigma > 0:
         root[good, 3, 3] = 1.0 / (track.scale_sigma * np.sqrt(good.size))

@@ -28,15 +28,15 @@ from inference.trajectory import Fit, ParameterName, Problem, fit, linearised_fi
 from tentacle.model import Estimate
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
-ROUGHLY, CLOSELY = 1e-3, 5e-5  # a fit's tolerance, as a share of its sum of squares: some nats, and a tenth of one
+ROUGHLY, CLOSELY = 1e-3, 5e-5  # tolerances of a fit, shares of its sum of squares: some nats, a tenth of a nat
 
 
 @dataclass(frozen=True)
 class Hypothesis:
     """The declared model with some absent effects added, fitted at the share of unknown forces that fits it best.
 
-    log_evidence (A,) [nats] at each of SHARES. alone: the model fitted without unknown forces; rest: what it leaves of
-    the data, mean square beyond noise [noise variances] (None and nan: not asked yet).
+    log_evidence (A,) [nats] at each of FORCE_SHARES. alone: the model fitted without unknown forces (None: not fitted
+    yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet).
     """
 
     effects: tuple[str, ...]
@@ -49,7 +49,7 @@ class Hypothesis:
 
     @property
     def share(self) -> float:
-        """The share of unknown forces that the data want beside this model."""
+        """The most likely share of unknown forces beside this model."""
         fine, values = self.profile()
         return float(fine[np.argmax(values)])
 
@@ -68,7 +68,7 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class RoughFit:
-    """A problem near its best under some share of unknown forces: half its sum of squares there [nats]."""
+    """A problem fitted roughly at a given share of unknown forces. cost [nats]: half its sum of squares."""
 
     effects: tuple[str, ...]
     problem: Problem
@@ -82,8 +82,10 @@ def rough_fit(
     forces: tuple[LatentForce, ...],
     share: float,
 ) -> RoughFit:
-    """The best of several starts of a problem, whose free parameters include those of the effects, fitted with as large
-    a share of unknown forces as is missing without them: it finds its valley from afar.
+    """Fit a problem roughly from several starts and return the best.
+
+    The share of unknown forces is what is missing without the effects. So large a share widens the minimum, and the fit
+    finds it from far away.
     """
     filters = tuple(force.filter(share) for force in forces)
     found = []
@@ -95,14 +97,14 @@ def rough_fit(
 
 
 def declared_model(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
-    """The model as declared, from where a fit without unknown forces left it."""
+    """The declared model, fitted from the end of a fit without unknown forces."""
     return fit_hypothesis(RoughFit((), problem, nuisances, 0.0))
 
 
 def fit_hypothesis(rough: RoughFit) -> Hypothesis:
-    """The problem fitted and judged with the share of unknown forces that fits best there.
+    """Fit the problem at the share of unknown forces that has the largest evidence.
 
-    A fit may follow the data far better where less is forgiven, so the share is looked for again after each.
+    With a smaller share a fit may follow the data far better. Therefore the best share is found again after each fit.
     """
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects)
@@ -121,9 +123,10 @@ def fit_hypothesis(rough: RoughFit) -> Hypothesis:
 
 
 def with_rest(h: Hypothesis, nested: Hypothesis | None = None) -> Hypothesis:
-    """The hypothesis with the rest that its model alone leaves, fitted to follow the data as well as it goes; what it
-    leaves counts as noise, so that no parameter leaves its prior for it. nested: a model that this one holds, with its
-    rest: a fit that ends above it is begun once more from there.
+    """The hypothesis with its rest: the model alone is fitted to follow the data as closely as possible.
+
+    Its residual counts as noise, so that no parameter leaves its prior. nested: a submodel of this one with its rest.
+    If this fit has a larger rest than the submodel, it is repeated from the submodel's parameters.
     """
     there = np.concatenate([h.fitted.values, *h.fitted.nuisances])
     plain = replace(h.problem, filters=())
@@ -142,7 +145,7 @@ def with_rest(h: Hypothesis, nested: Hypothesis | None = None) -> Hypothesis:
 
 
 def followed_closely(h: Hypothesis) -> Hypothesis:
-    """The hypothesis, its rest known, with the fit of its model alone brought to its end."""
+    """The hypothesis with the fit of its model alone continued to a small tolerance."""
     assert h.alone is not None
     plain = replace(h.problem, filters=(), parameters=h.alone.parameters)
     again = _followed(h, plain, h.alone.nuisances, float(np.sqrt(max(h.rest, 0.0) + 1.0)), tolerance=1e-7)
@@ -152,7 +155,7 @@ def followed_closely(h: Hypothesis) -> Hypothesis:
 def _followed(
     h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float, tolerance: float = 1e-4
 ) -> Hypothesis:
-    """The fit from there, with noise of that many of its deviations."""
+    """Fit the model alone, with noise `size` times its standard deviation."""
     louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
     alone = fit(replace(plain, experiments=louder), nuisances, tolerance=tolerance, most=40)
     followed = size * _rms(plain, [rows[:, :, None] for rows in alone.residuals])
@@ -160,7 +163,7 @@ def _followed(
 
 
 def _rms(problem: Problem, residuals: Sequence[Array]) -> float:
-    """Rms of whitened residuals (T, K, 1) a recording on the used frames, those that are not seen left out."""
+    """Rms of whitened residuals (T, K, 1) of each recording on the used frames, without unseen ones."""
     rows = np.concatenate([r[e.used].ravel() for e, r in zip(problem.experiments, residuals, strict=True)])
     return float(np.sqrt(np.mean(rows[rows != 0.0] ** 2)))
 
@@ -171,7 +174,7 @@ def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...
 
 
 def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:
-    """Log evidence (A,) [nats] at each of SHARES; at each the unknowns are moved to their best to first order."""
+    """Log evidence (A,) [nats] at each of FORCE_SHARES. At each, one Gauss-Newton step moves the unknowns."""
     both = [
         np.concatenate([rows[:, :, None], slopes], axis=2)
         for rows, slopes in zip(fitted.residuals, fitted.slopes, strict=True)
@@ -199,7 +202,7 @@ def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]
 
 
 def _prior_rows(problem: Problem, fitted: Fit) -> Array:
-    """Rows [residual, Jacobian] of the priors alone, out of those on the used frames."""
+    """Rows [residual, Jacobian] of the priors alone."""
     rows = [int(e.used.sum()) * e.noise_gain.size for e in problem.experiments]
     if problem.filters:
         rows = [one.observation.shape[0] * one.observation.shape[1] for one in problem.filters]
@@ -214,7 +217,7 @@ def _prior_rows(problem: Problem, fitted: Fit) -> Array:
 
 
 def _added(problem: Problem) -> list[tuple[int, Parameter]]:
-    """Places among the free parameters of those that are not the base's, with what the catalogue says of them."""
+    """Places of the added effects' parameters among the free ones, with their catalogue entries."""
     known = {(row.effect, row.parameter.name): row.parameter for row in parameter_rows()}
     return [
         (place, known[name])
@@ -224,7 +227,7 @@ def _added(problem: Problem) -> list[tuple[int, Parameter]]:
 
 
 def prior_precision(problem: Problem, fitted: Fit) -> Array:
-    """Information (P,) that the prior alone has of each unknown: it bounds what no data tell."""
+    """Information (P,) of the prior of each unknown. It bounds unknowns that the data do not determine."""
     precision = np.zeros(len(problem.free) + sum(problem.sizes()))
     for place, parameter in _added(problem):
         low, high = parameter.bounds

@@ -1,4 +1,4 @@
-"""From a recording to an experiment: which channel is judged, over which window, with which noise."""
+"""From a recording to an experiment: the channel that is judged, its time window and its noise."""
 
 from __future__ import annotations
 
@@ -26,25 +26,27 @@ from tentacle.recording import Recording
 from tentacle.slips import root_direction, root_turning
 from tentacle.waveform import Rest, Waveform
 
-MOST_COORDINATES = 6  # measured per frame; what lies beyond is noise for every arm seen so far
+MOST_COORDINATES = 6  # measured per frame; higher ones were noise for every arm so far
 LONGEST_RECORDING = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
 NEIGHBOURS, JUMP, OF_WAY = 15, 10.0, 0.3
 RELEASE = "release.t_s"
 LEAST_MOTION = 2.0  # noise sigmas
 LEAST_RATE = 0.01  # rad/s
-# Radians that the seen root turns for a radian of the servo, below which its frame turns along, or one sign is wrong.
+# Radians that the seen root turns for a radian of the servo. Below, its frame turns along, or one sign is wrong.
 TURNING, OPPOSITE = 0.35, -0.6
 
 
 class CannotTellError(InputError):
-    """A recording is readable, but shows too little to judge a model by; the message says why, in a sentence."""
+    """A recording is readable but shows too little to judge a model. The message gives the reason in a sentence."""
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """A recording with its experiment; points (T, P, 2) [m] of its midline in the standing frame (None without a
-    midline); sigma [m] of a coordinate where the midline states none; and in words what had to be decided on the way.
+    """A recording with its experiment.
+
+    points (T, P, 2) [m]: its midline in the standing frame (None without a midline). sigma [m]: of a coordinate if the
+    midline states none. words: decisions that were made on the way.
     """
 
     recording: Recording
@@ -56,7 +58,7 @@ class Prepared:
 
 @dataclass(frozen=True)
 class HeldOutside:
-    """A base motion known from first to last [s]; before and after, the base is taken to stand still where it was."""
+    """A base motion that is known from first to last [s]. Before and after, the base stands still."""
 
     motion: Waveform
     first: float
@@ -77,7 +79,7 @@ def _base(recording: Recording) -> Waveform:
 
 
 def _following(recording: Recording, base: Waveform) -> float | None:
-    """How far the seen root turns for a radian of the servo; None where the base hardly turns or no root is seen."""
+    """How far the seen root turns for a radian of the servo; None if the base hardly turns or no root is seen."""
     if recording.shape is not None and recording.midline is None:
         track = recording.shape
         seen = track.accepted & np.isfinite(track.coefficients).all(axis=1)
@@ -89,7 +91,7 @@ def _following(recording: Recording, base: Waveform) -> float | None:
 
 
 def _with_sign_reversed(recording: Recording, base: Waveform) -> Recording:
-    """The recording with its servo's log in the opposite sense; what was seen stays as it was seen."""
+    """The recording with its servo's log in the opposite sense; the observation stays the same."""
     assert recording.motor is not None
     motor = replace(recording.motor, command=-recording.motor.command, angle=-recording.motor.angle)
     shape = recording.shape
@@ -114,13 +116,13 @@ def _observation(
         data = recording.midline
         theta = base(data.t)[0]
         if turning:
-            words.append("The midline turns with the base: it is taken as given in the base's own turning frame.")
+            words.append("The midline turns with the base: it is read as measured in the base's own turning frame.")
             data = type(data)(data.t, data.s, _turned(data.xy, theta), data.sigma)
         counts = np.isfinite(data.xy).all(axis=2).sum(axis=1)
         points = int(np.median(counts[counts > 0])) if counts.any() else 0
         order = min(MOST_COORDINATES, points - POSE)
         if order < 2:
-            raise CannotTellError(f"The midline of {recording.name} has {points} points a frame; 6 are the least.")
+            raise CannotTellError(f"The midline of {recording.name} has {points} points a frame; 6 are needed.")
         sigma = 1e-4
         if not np.isfinite(data.sigma).any():
             free = noise_deviation(data.xy)
@@ -136,7 +138,7 @@ def _observation(
         words.append(f"Markers: {1e3 * sigma:.3f} mm of noise between frames.")
         return from_markers(data, base(data.t)[0], length, sigma), None, sigma, words
     raise InputError(
-        "nothing was seen of the arm's shape", file=recording.name, expected="a midline, markers or a tracked video"
+        "has no measurement of the arm's shape", file=recording.name, expected="a midline, markers or a tracked video"
     )
 
 
@@ -171,11 +173,10 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         rates = np.zeros(0)
         channels = 2 * observation.s.size
     if seen.sum() < FEWEST_FRAMES:
-        raise CannotTellError(f"{recording.name} has {int(seen.sum())} usable frames; {FEWEST_FRAMES} are the least.")
+        count = int(seen.sum())
+        raise CannotTellError(f"{recording.name} has {count} usable frames; at least {FEWEST_FRAMES} are needed.")
     if not _moves(observation, seen):
-        raise CannotTellError(
-            f"{recording.name}: the arm hardly moves beyond the noise; nothing of its dynamics can be seen."
-        )
+        raise CannotTellError(f"{recording.name}: the arm hardly moves beyond the noise; its dynamics cannot be seen.")
     release = recording.declaration.release_t
     first = times[seen][0]
     last = min(times[seen][-1], first + LONGEST_RECORDING)
@@ -204,13 +205,13 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
 
 
 def _release_sd(recording: Recording, usual: float) -> float:
-    """How well the instant of the release is known [s]: as declared, or to some frames."""
+    """Standard deviation [s] of the instant of the release: as declared, or some frames."""
     declared = recording.declaration.uncertain
     return next((number.spread for number in declared if number.field == RELEASE), usual)
 
 
 def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) -> bool:
-    """Whether the shape changes, or the base turns it, by more than the noise does."""
+    """Whether the shape changes, or the base turns, by more than the noise."""
     if isinstance(observation, MarkerObservation):
         spread = np.nanstd(observation.xy[seen], axis=0)
         return bool(np.max(spread) > LEAST_MOTION * observation.sigma)
@@ -222,9 +223,7 @@ def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) 
 
 
 def rates_seen(observation: ShapeObservation) -> Array:
-    """rms rates of the Legendre coordinates (K,) [rad/s], over four frames each: noise is part of it, and it is an
-    upper bound.
-    """
+    """rms rates (K,) [rad/s] of the Legendre coordinates, over four frames each. They include noise: an upper bound."""
     good = np.flatnonzero(observation.seen)
     z, t = observation.coefficients[good, POSE:], observation.t[good]
     rates = (z[4:] - z[:-4]) / (t[4:] - t[:-4])[:, None]
@@ -234,10 +233,9 @@ def rates_seen(observation: ShapeObservation) -> Array:
 def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:
     """Frames (T,) that jump out of the motion: shown twice, stamped wrongly, or misread.
 
-    Each is held against the cubic through the two frames before and the two after it, base angle included, in units of
-    its own noise. An arm's motion strays from that alike over many frames, and by little beside its way from frame to
-    frame; a frame that is JUMP times as far off as those around it, and OF_WAY of that way, and the farthest of its
-    neighbours, is none.
+    Each frame, with its base angle, is compared with the cubic through the two frames before and the two after it, in
+    units of its own noise. A frame jumps if its distance from that cubic is JUMP times as large as that of its
+    neighbours, at least OF_WAY of the motion from frame to frame, and the largest among five frames.
     """
     total = observation.coefficients.copy()
     total[:, 0] += observation.theta
@@ -255,7 +253,7 @@ def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:
 
 
 def without_jumps(observation: ShapeObservation) -> tuple[ShapeObservation, int]:
-    """The observation with jumping frames left out (they weigh nothing), and how many they are."""
+    """The observation without jumping frames (their weight is 0), and their number."""
     if observation.t.size < NEIGHBOURS:
         return observation, 0
     jumping = jumping_frames(observation)
@@ -264,11 +262,10 @@ def without_jumps(observation: ShapeObservation) -> tuple[ShapeObservation, int]
 
 
 def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
-    """The experiment with its noise as found in the residuals of a fit, where the stated noise is too small (or not
-    stated).
+    """The experiment with the noise that the residuals of a fit show, if the stated noise is too small or missing.
 
-    A channel noisier than stated by more than 10 % gets the larger value; a quieter one keeps what was stated, for a
-    source that smooths its data looks quiet between frames and is not.
+    A channel that is more than 10 % noisier than stated gets the larger value. A quieter channel keeps the stated
+    value, as smoothed data look quieter between frames than they are.
     """
     found = noise_deviation(np.where(residuals == 0.0, np.nan, residuals)) * experiment.noise_gain
     gain = np.where(np.isfinite(found) & (found > 1.1), found, 1.0)

@@ -1,8 +1,10 @@
 """The paper's identification (eq. 18-19): pseudo-inverse regression on numerically differentiated curvatures.
 
-The baseline, kept as the paper has it. Noise in q enters the regressors (q, q', |v| v) and the accelerations, so the
-estimate is biased, and more data do not help: 1 mrad of noise at 60 samples a second already moves damping by tens of
-per cent (tests/affine_model/test_regression.py). The trajectory fit has no such bias.
+    delta = Y(q, q') pi,        pi = pinv(Y) delta
+
+This is the method of the paper, kept as a baseline. Noise in q enters the regressors (q, q', |v| v) and the
+accelerations, so the estimate is biased, and more data do not help: 1 mrad of noise at 60 samples a second already
+moves damping by tens of per cent (tests/inference/test_regression.py). The trajectory fit has no such bias.
 """
 
 from __future__ import annotations

@@ -1,7 +1,10 @@
-"""The score test: how much of the residual each absent effect would explain, to first order, all from one batch.
+"""The score test: how much of the residual each absent effect would explain, to first order, from one batch.
 
-With r the whitened residual of the fitted model, J its Jacobian and S the sensitivity to an effect's strengths, the
-log-likelihood gained is 1/2 |P_S r|^2, where S is first freed of what refitting J's parameters absorbs.
+    gain = 1/2 |P_S r|^2 [nats],        S = (1 - B B') S_raw
+
+r is the whitened residual of the fitted model, S_raw the sensitivity to an effect's strengths, and B an orthonormal
+basis of the columns of the model's Jacobian: a refit of the model's own parameters can absorb them. P_S projects on S.
+Source: Rao 1948.
 """
 
 from __future__ import annotations
@@ -28,9 +31,10 @@ VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by le
 
 @dataclass(frozen=True)
 class Candidate:
-    """An absent effect as the score test sees it: gain [nats], linear estimate of its strengths, the shape values at
-    which the gain is largest, its sensitivity freed of the base (N, S); from_grid: strengths found beyond the linear
-    regime, another place to start from (None where that was not asked).
+    """An absent effect in the score test.
+
+    gain [nats]; strengths: linear estimates; shapes: the values with the largest gain; sensitivity (N, S): without what
+    the base can absorb. from_grid: strengths from the grid, a second start of a refit (None: no grid was needed).
     """
 
     effect: Effect
@@ -47,14 +51,14 @@ class Candidate:
 
 
 def _variants(effect: Effect, peaks: tuple[float, ...]) -> list[tuple[float, ...]]:
-    """All combinations of the shapes' scan values; of a frequency also where the residual's own peaks lie."""
+    """All combinations of the shapes' scan values. A frequency also gets the peaks of the residual's spectrum."""
     return list(product(*((*shape.scan, *(peaks if shape.unit == "Hz" else ())) for shape in effect.shapes)))
 
 
 def spectral_peaks(problem: Problem, fitted: Fit) -> tuple[float, ...]:
     """The PEAKS highest peaks [Hz] of the residuals' power over all channels and recordings, within BAND.
 
-    A line is as narrow as the recording is long: a fixed scan steps over it.
+    The width of a spectral line is one over the duration: a fixed scan would miss it.
     """
     frequencies = np.arange(BAND[0], BAND[1], RESOLUTION)
     power = np.zeros(frequencies.size)
@@ -112,11 +116,10 @@ def sensitivities(
 
 
 def strength_grid(problem: Problem, fitted: Fit, candidates: list[Candidate]) -> dict[str, tuple[float, Array]]:
-    """Where the residual is large a linear estimate misleads: the best of a coarse grid of strengths, per candidate.
+    """The best of a coarse grid of strengths for each candidate. A linear estimate misleads if the residual is large.
 
     Every strength is tried alone at nominal sizes times SURVEYED (both signs where bounds allow), with the shape
-    values that the score test prefers; base and initial states stay. Gives effect -> (gain in nats, strengths); one
-    batch for all.
+    values that the score test prefers; base and initial states stay. Returns effect -> (gain [nats], strengths).
     """
     problem = replace(problem, parameters=fitted.parameters)
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
@@ -148,14 +151,14 @@ def strength_grid(problem: Problem, fitted: Fit, candidates: list[Candidate]) ->
 
 
 def nuisance_tangent_basis(fitted: Fit) -> Array:
-    """Orthonormal basis (N, P) of all that refitting the model's own parameters and initial states can absorb."""
+    """Orthonormal basis (N, P) of what a refit of the model's own parameters and initial states can absorb."""
     scaled = fitted.jacobian / np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
     left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
     return left[:, singular > 1e-9 * singular[0]]
 
 
 def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Candidate]:
-    """All candidate effects, best first. Effects that cannot be seen in these data are left out."""
+    """All candidate effects, best first, without those that these data cannot show."""
     chosen = tuple(e for e in (effects or absent_effects()) if e.strengths)
     basis = nuisance_tangent_basis(fitted)
     residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
@@ -184,7 +187,7 @@ def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = No
 
 
 def twin_cosines(candidates: list[Candidate]) -> Array:
-    """Largest canonical cosine between each two candidates' sensitivities: at 1 these data cannot split them."""
+    """Largest canonical cosine of each pair of sensitivities. At 1 these data cannot separate the pair."""
     bases = [np.linalg.qr(candidate.sensitivity)[0] for candidate in candidates]
     result = np.eye(len(bases))
     for a, first in enumerate(bases):

@@ -1,4 +1,4 @@
-"""The coarsest step that a fit may use: its error must drown in the noise, or in what is not explained yet."""
+"""The coarsest step of a fit: its error must be small beside the noise, or beside the unexplained residual."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from affine_model.curvature import Array
 from inference.trajectory import RAN_AWAY, Fit, Problem
 
 CANDIDATE_STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
-OF_NOISE = 0.05  # noise sigmas (rms): a nat for every 800 values, and of it all models have the same
-OF_REST = 0.02  # of the rest's rms: a model that errs so much anyway is not known better by a finer step
+OF_NOISE = 0.05  # noise sigmas (rms): one nat in 800 values, nearly the same for all models
+OF_REST = 0.02  # of the residual's rms: a finer step would not help a model with such a residual
 
 
 def unbiased_noise(problem: Problem) -> float:
-    """The error of the motion, in noise sigmas (rms), that moves no parameter by more than half its own deviation.
+    """The largest error of the motion, in noise sigmas (rms), that moves no parameter by over half its deviation.
 
-    Unlike noise it does not average out over the residuals: all of it may lie along one parameter's column.
+    Unlike noise it does not average out: all of it may lie along one parameter's column.
     """
     return 0.5 / float(np.sqrt(sum(e.used.sum() * e.noise_gain.size for e in problem.experiments)))
 
@@ -27,8 +27,8 @@ def sufficient_step(problem: Problem, fitted: Fit, of_noise: float = OF_NOISE) -
     """The coarsest of STEPS [s] at which the fitted motion errs by less than of_noise, or OF_REST of the rest, on the
     fitted frames of every recording and on those kept for judging.
 
-    The error is estimated by halving the step: the midpoint rule is of second order, so what a halving changes is
-    three quarters of it. The finest step where none suffices.
+    The error is estimated by halving the step. The midpoint rule is of second order, so the change is three quarters of
+    the error. If no step suffices, the finest is returned.
     """
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])[:, None]
 

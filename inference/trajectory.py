@@ -58,14 +58,16 @@ class Fit:
 
 @dataclass(frozen=True)
 class Problem:
-    """What is to be fitted: an arm, recordings, the names of the free parameters, the fixed rest of the vector.
+    """A fit to be made: an arm, recordings, the names of the free parameters, the vector with the fixed ones.
 
-    declared: the numbers of the declaration that are not known exactly. Where there are any, parameters is (R + D,)
-    with their values at its end, and free may name them ("declared", field). Each has the prior that the declaration
-    states, unless prior_free holds it. prior: mean (F,) and root (F, F) of the information of the parameters
-    prior_free, from a baseline fit (None: no prior). They stay within PRIOR_REACH standard deviations, however strongly
-    the data pull: else a heavy tip would be taken for a soft arm. filters: what whitens each recording's residuals,
-    where forces that no law knows are allowed for (inference.latent_force; empty: noise alone, white).
+        r = [filter (measured - predicted) / noise, root (parameters - mean), priors of the nuisances],   min |r|^2 / 2
+
+    declared: the uncertain numbers of the declaration. With them, parameters is (R + D,) with their values at its end,
+    and free may name them ("declared", field). Each has the prior that the declaration states, unless it is in
+    prior_free. prior_mean (F,) and prior_root (F, F), root of the information: of the parameters prior_free, from a
+    baseline fit (None: no prior). They stay within PRIOR_REACH standard deviations, because otherwise a heavy tip would
+    look like a soft arm. filters: they whiten each recording's residuals if unknown forces are allowed for
+    (inference.latent_force; empty: white noise alone).
     """
 
     arm: Arm
@@ -196,7 +198,7 @@ class Problem:
         return self.jacobian_everywhere(unknowns)[0]
 
     def jacobian_everywhere(self, unknowns: Array) -> tuple[Array, list[Array]]:
-        """The same, and that of all frames (T, K, P) a recording, as residuals()."""
+        """The same, and the derivatives on all frames (T, K, P) of each recording."""
         scales, (low, high) = self.scales(), self.bounds()
         ahead = np.minimum(unknowns + PARAMETER_DIFFERENCE * scales, high)
         behind = np.maximum(unknowns - PARAMETER_DIFFERENCE * scales, low)
@@ -210,7 +212,7 @@ class Problem:
         ]
 
     def slope(self, unknowns: Array, value: Array) -> Array:
-        """The same by one-sided differences from the residuals (N,) there: for the steps of a search."""
+        """The same by one-sided differences from the residuals (N,) there, for the steps of the solver."""
         step = ONE_SIDED * self.scales()
         step = np.where(unknowns + step > self.bounds()[1], -step, step)
         values, _ = self.residuals(unknowns[:, None] + np.diag(step))
@@ -227,7 +229,7 @@ def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e
 
 
 def minimised(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float, most: int) -> tuple[Array, Minimum]:
-    """Where a fit ends: its unknowns (P,), and how the solver ended; nothing is said of their spread."""
+    """The unknowns (P,) at the minimum, and how the solver ended, without their covariance."""
     low, high = problem.bounds()
     scales = problem.scales()
     start = np.concatenate([problem.parameters[problem.rows()], *nuisances])
@@ -254,7 +256,7 @@ def split(problem: Problem, unknowns: Array) -> tuple[Array, tuple[Array, ...]]:
 
 
 def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
-    """The model at these unknowns (P,), with its derivatives and the covariance that they give."""
+    """The model at these unknowns (P,), with its derivatives there and the covariance from them."""
     used, everything = problem.residuals(unknowns[:, None])
     jacobian, slopes = problem.jacobian_everywhere(unknowns)
     low, high = problem.bounds()
@@ -285,7 +287,7 @@ def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
 
 
 def _held_out_spread(problem: Problem, slopes: list[Array], covariance: Array) -> float:
-    """What the unknowns' own covariance (P, P) makes of the frames that were not fitted: rms in noise sigmas."""
+    """rms in noise sigmas that the unknowns' covariance (P, P) adds to the frames that were not fitted."""
     total, count = 0.0, 0
     for experiment, slope in zip(problem.experiments, slopes, strict=True):
         rows = slope[~experiment.used].reshape(-1, slope.shape[2])
@@ -296,14 +298,15 @@ def _held_out_spread(problem: Problem, slopes: list[Array], covariance: Array) -
 
 
 def unfitted(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
-    """The problem at its start, not fitted (its Jacobian included)."""
+    """The problem at its start, with its Jacobian, not fitted."""
     unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
     return linearised_fit(problem, unknowns, 0)
 
 
 def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:
-    """The best of several starts; starts (F, S) are values of the free parameters, screened in one batch, `keep`
-    refined roughly, the best of these to the end.
+    """The best fit from several starts (F, S) of the free parameters.
+
+    One batch screens them. The best `keep` are refined roughly, and the best of these is fitted to the end.
     """
     flat = np.concatenate(nuisances)[:, None]
     unknowns = np.concatenate([starts, np.repeat(flat, starts.shape[1], axis=1)])

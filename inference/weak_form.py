@@ -67,7 +67,7 @@ class Bumps:
 def weak_system(arm: Arm, course: MeasuredCourse, weights: Bumps, *, window: int = 7) -> Callable[[Array], Array]:
     """The weighted residual (N,) of these curvatures as a function of the parameters (R,).
 
-    Rates are still smoothed over `window` samples. Overlapping bumps count once: see fit_linear's `independent`.
+    Rates are still smoothed over `window` samples. Overlapping bumps are not independent: see fit_linear.
     """
     motion = measured_motion(arm, course.t, course.q, course.base, q_rate=course.q_rate, window=window)
     psi, psi_rate = bumps(course.t, weights.width, weights.overlap)

@@ -1,7 +1,8 @@
-"""The missing force laid out: a smooth normal force along the arm and a normal force at the tip, as little of both as
-does what the coordinates lack.
+"""The missing force as a smooth normal force along the arm and a normal force at the tip.
 
-    f(s) ~ Gaussian process over REACH arm lengths,  F ~ Gaussian,
+Many such forces give the same generalised force. The posterior mean under these priors is shown:
+
+    f(s) ~ Gaussian process over FORCE_CORRELATION_LENGTH,  F ~ Gaussian,
     Q_j = L int (dr/dz_j . n) f ds + (dr/dz_j . n)(1) F + error,         f and F given Q: Gaussian
 """
 
@@ -16,7 +17,7 @@ from tentacle.proposed_law import ForceMap
 
 FORCE_MAP_TIMES = 3000  # of the map, at most
 FORCE_MAP_PLACES = 25
-FORCE_CORRELATION_LENGTH = 0.15  # arm lengths over which the force that is shown hangs together
+FORCE_CORRELATION_LENGTH = 0.15  # arm lengths: correlation length of the force that is shown
 
 
 def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
@@ -38,7 +39,7 @@ def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
     by_tip = np.einsum("tj,tl->tjl", at_tip, at_tip)
     force, spread = motion.force[keep], motion.spread[keep]
     power = float(np.mean(force**2))
-    # Each alone would make as large a force on the coordinates as is missing.
+    # Each part alone is as large as the missing generalised force.
     line, tip = (power / max(float(np.mean(np.einsum("tjj->tj", part))), 1e-300) for part in (by_line, by_tip))
     covariance = line * by_line + tip * by_tip + np.einsum("tj,jl->tjl", spread**2, np.eye(n))
     inverse = np.linalg.inv(covariance)

@@ -24,9 +24,7 @@ NOMINAL = {"line": 0.02, "tip": 0.002, "moment": 0.1}
 
 @dataclass(frozen=True)
 class Form:
-    """A family of laws of one form: the written law, the values of its shapes that are tried first, and its form in
-    words.
-    """
+    """A family of laws of one form: the written law with its first shape values, and a description."""
 
     law: WrittenLaw
     words: str
@@ -154,17 +152,17 @@ def _of_place(scale: Scale) -> list[Form]:
               [*_place(scale, 9, "at"), power((1.0, 2.0, 3.0, 4.0))], {"d": distance}),
         _form("tether", "a thread from a point to the tip, slack up to a length", "tip", tether,
               [*_place(scale, 7, "at"), slack], {"d": distance}),
-        _form("tip_spring", "a force at the tip across, with a power of its way", "tip",
+        _form("tip_spring", "a force across at the tip, with a power of its displacement", "tip",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
         _form("tip_push", "a steady force at the tip", "tip", {"force_x": "a", "force_y": "b"}, []),
         _form("jet", "a steady force near a point in space", "line",
               {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), reach]),
-        _form("line_spring", "a force along the arm across, with a power of the way", "line",
+        _form("line_spring", "a force across all along the arm, with a power of the displacement", "line",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
     ]  # fmt: skip
     for side, sign in (("right", ""), ("left", "-")):
         found.append(
-            _form(f"stop_{side}", f"a stop at the tip on the {side}, with a power of the way beyond its edge", "tip",
+            _form(f"stop_{side}", f"a stop at the tip on the {side}, a power of the way beyond its edge", "tip",
                   {"force_x": f"-a * {sign or '1 * '}(positive({sign}(x - edge)) / (0.1 * length))^power"},
                   [edge, power((1.0, 1.5, 2.0))])
         )  # fmt: skip

@@ -22,7 +22,7 @@ from tentacle.law.written_law import WrittenLaw, WrittenParameter
 from tentacle.proposed_law import MissingForce, ProposedLaw
 
 MOST = 5  # laws that are fitted and shown
-EXPLAINS = 0.7  # share of the missing force's answer that a law may leave, to be worth a fit
+EXPLAINS = 0.7  # largest share of the missing force's answer that a law may leave and still be fitted
 BETTER = 0.8  # of the base's error on held-out frames: what a proposal must reach
 LEAST_FORCE = 0.5  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
@@ -32,7 +32,7 @@ LAW_KINDS = {
     "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"), 
     "the place of every section": ("jet", "line_spring"),
     "time": ("vortex", "beat_x", "tip_beat"), "nothing (a steady force)": ("tip_push",),
-    "the curvature": ("bending", "one_sided"), "the curvature of before": ("late",),
+    "the curvature": ("bending", "one_sided"), "the curvature before": ("late",),
 }  # fmt: skip
 
 
@@ -79,7 +79,7 @@ def _stiffness(problem: Problem, fitted: Fit) -> Array:
 
 
 def as_found(found: FittedLaw) -> WrittenLaw:
-    """The law with what was found as its nominal values, under a name of its own."""
+    """The law with the fitted values as its nominal ones, and a name of its own."""
 
     def own(p: WrittenParameter) -> WrittenParameter:
         value = found.values[p.name]
@@ -95,9 +95,10 @@ def as_found(found: FittedLaw) -> WrittenLaw:
 def _fitted(
     base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[FittedLaw], motions: tuple[SeenMotion, ...]
 ) -> tuple[tuple[ProposedLaw, ...], tuple[SeenMotion, ...]]:
-    """The laws fitted one by one in the model's own simulation, best first on the frames that were fitted; and the
-    motions with the force that is missing beside the parameters of the best: those of the base have bent to make up
-    for it.
+    """The laws fitted one by one in the model's own simulation, best first on the fitted frames; and the motions.
+
+    The motions get the missing force at the parameters that were fitted with the best law. The base parameters that
+    were fitted without a law are biased by the missing force.
     """
     problem, fitted = base
     before = midline_error(prepared, problem, fitted, _held_out(prepared))
@@ -126,7 +127,7 @@ def _fitted(
 
 
 def _beside(problem: Problem, fitted: Fit, law: WrittenLaw, motion: SeenMotion) -> SeenMotion:
-    """The motion with the force that the model lacks without the law, at the parameters fitted with it."""
+    """The motion with the force that is missing without the law, at the parameters that were fitted with the law."""
     arm, parameters = problem.known(fitted.parameters)[0].arm, problem.known(fitted.parameters)[1].copy()
     for p in law.parameters:
         if not p.scan:
@@ -146,7 +147,7 @@ def _held_out(prepared: list[Prepared]) -> bool:
 
 
 def _unexplained_share(before: Fit, after: Fit) -> float:
-    """The share of the structured error, noise taken off, that stays."""
+    """The share of the structured error (without noise) that remains."""
 
     def structure(one: Fit) -> float:
         return max(2.0 * one.misfit / one.count - 1.0, 0.0)
@@ -168,7 +169,7 @@ def _with_law(plain: Problem, start: Fit, found: FittedLaw, law: WrittenLaw) -> 
 def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) -> tuple[str, ...]:
     """What the search found, each with its evidence."""
     if not laws:
-        return ("No law of the grammar follows the held-out frames: none is proposed.",)
+        return ("No law of the grammar predicts the held-out frames: none is proposed.",)
     best = laws[0]
     words = [
         f"Proposed law: {best.words}. It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
@@ -177,5 +178,5 @@ def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) 
     if len(laws) > 1:
         words.append(f"The next law, {laws[1].words}, is {laws[0].evidence - laws[1].evidence:.0f} nats behind.")
     shares = ", ".join(f"{kind} {100.0 * left:.0f} %" for kind, left in sorted(kinds, key=lambda row: row[1]))
-    words.append(f"The best law of each kind leaves of the missing force's effect: {shares}.")
+    words.append(f"Share of the missing force's effect that the best law of each kind leaves: {shares}.")
     return tuple(words)

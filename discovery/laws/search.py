@@ -1,11 +1,11 @@
-"""The search over the grammar: every law's answer in the frames by linear algebra, then the best few refined.
+"""The search over the grammar of laws: every law is ranked by linear algebra, then the best few are refined.
 
 With t the missing force's own answer in the frames, S the answers of a law's strengths at given shapes (both freed of
 what the model's own parameters take up; inference.missing_force), a law explains
 
     gain = (|t|^2 - min over a of |t - S a|^2) / 2 v        [nats],
 
-v the variance of what the best law leaves, 1 or more; each parameter costs log(F) / 2 nats, F the number of frames.
+v is the variance of the best law's residual, at least 1. Each parameter costs log(F) / 2 nats, F the number of frames.
 """
 
 from __future__ import annotations
@@ -57,14 +57,14 @@ class FittedLaw:
 
 @dataclass(frozen=True)
 class LawInputs:
-    """One recording: its small motions, and what a law sees along the arm and at the tip in what it did."""
+    """One recording: its small motions, and the quantities along the arm and at the tip that a law depends on."""
 
     arm: Arm
     small: SmallMotions
 
     @property
     def motion(self) -> SeenMotion:
-        """What the arm did."""
+        """The smoothed motion of the arm."""
         return self.small.motion
 
     @cached_property
@@ -115,7 +115,7 @@ class LawInputs:
         }  # fmt: skip
 
     def remembered(self, tau: float) -> Array:
-        """The curvature (T, N) that a spring in series with a dashpot of that time [s] remembers."""
+        """The memory (T, N) of a spring in series with a dashpot of that relaxation time [s]."""
         c_rate, decay = self.along["c_rate"], float(np.exp(-MOTION_STEP / tau))
         memory = np.zeros_like(c_rate)
         for k in range(1, len(c_rate)):
@@ -157,7 +157,7 @@ class Sought:
 
     @property
     def frames(self) -> int:
-        """Frames in which it is seen."""
+        """Number of frames that show it."""
         return sum(one.small.place.size for one in self.seen)
 
     @property

@@ -1,1 +1,1 @@
-"""What the loop says of many recordings: each diagnosed once, and again only where it changed."""
+"""Diagnoses of many recordings: each is diagnosed once, and again only after a change."""

@@ -13,7 +13,7 @@ MAP_PLACES, MAP_TIMES = 16, 60  # of the residual map: what a thumbnail shows
 
 
 def layer_of(diagnosis: Diagnosis, content: str, code: str) -> dict[str, Any]:
-    """The layer's data; content and code as the hashes that it was made from."""
+    """The layer's data. content, code: hashes of the recording and of the code."""
     parameters = [
         {"effect": effect, "parameter": name, "value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
         for effect, values in diagnosis.augmented_model.parameters.items()

@@ -1,1 +1,1 @@
-"""The loop decided by posterior mass under one likelihood (inference.latent_force)."""
+"""The loop that decides by posterior mass under one likelihood (inference.latent_force)."""

@@ -25,8 +25,8 @@ from tentacle.model import Estimate, Model
 
 @dataclass(frozen=True)
 class PosteriorContext:
-    """What stands beside a finding: the paper's model as fitted, the recordings, how many coordinates their shapes
-    show, what the reduction to few coordinates loses (None: not known), and the detection limits.
+    """What an answer needs beside the search: the fitted model of the paper, the recordings, the number of coordinates
+    that their shapes show, the reduction's error (None: not known), and the detection limits.
     """
 
     paper: tuple[Problem, Fit]
@@ -44,9 +44,9 @@ def assemble_posterior(
     seed: int,
     calibration: Calibration | None,
 ) -> Diagnosis:
-    """The diagnosis: hypotheses and the decision over them, the paper's model beside the chosen one on every recording.
+    """The diagnosis from the hypotheses and the decision, with the paper's model beside the chosen one.
 
-    open_loop: the chosen model that is written; calibration of the confidence (None: it is the posterior mass).
+    open_loop: the chosen model, as it is written. calibration: of the confidence (None: the posterior mass itself).
     """
     paper, prepared, order, reduction = around.paper, around.prepared, around.order, around.reduction
     chosen = decision.leading
@@ -79,7 +79,7 @@ def assemble_posterior(
     proposal = propose_experiment(*_to_be_split(found, decision), HOBBY_SERVO, seed)
     words += _decision_words(found, decision)
     if withdrawn:
-        words.append("With it the model follows the judged frames worse than without: it is not named.")
+        words.append("With it the model predicts the judged frames worse than without it: it is not named.")
     if proposal is not None:
         words.append(proposal_words(proposal))
     if calibration is not None:
@@ -120,8 +120,9 @@ def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estim
 
 
 def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
-    """The share of the unknown forces' power that the chosen model took away, with the spread of both amplitudes; no
-    more than the share of the squared error that it took away when it runs alone.
+    """The share of the unknown forces' power that the chosen model explains, with its interval.
+
+    It is at most the share of the squared error that the model explains when it runs alone.
     """
     most = 1.0
     if base.rest > 0.0 and np.isfinite(chosen.rest):
@@ -135,28 +136,28 @@ def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
 
 
 def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]:
-    """What the posterior says beyond the verdict."""
+    """Sentences of the posterior beyond the verdict."""
     left = 100.0 * decision.leading.share
-    words = [f"Beside this model the data want unknown forces of {left:.2g} % of those that act."]
+    words = [f"Beside this model the data need unknown forces of {left:.2g} % of the acting forces."]
     if decision.verdict == "unknown":
         names = " + ".join(decision.leading.effects)
         if names:
             words.append(f"The best model adds {names}. Its remaining error is too large to name these effects.")
     elif decision.certain and len(decision.sets) > 1:
         open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
-        words.append(f"{' + '.join(decision.certain)} is certain; open is {', '.join(open_names)}.")
+        words.append(f"{' + '.join(decision.certain)} is certain; {', '.join(open_names)} may act too.")
     elif decision.verdict == "group":
         words.append("These data cannot separate " + ", ".join(decision.effects) + ".")
     missing = missing_of(found.hypotheses)
     reached = log_masses(decision.leading, missing)[0]
     stuck = [h for h in found.hypotheses if not usable(h) and max(log_masses(h, missing)) > reached]
-    words += [f"{' + '.join(h.effects)} did not converge or stands at a bound, and is not named." for h in stuck]
+    words += [f"{' + '.join(h.effects)} did not converge or ended at a bound, and is not named." for h in stuck]
     return words
 
 
 def _to_be_split(found: PosteriorSearch, decision: PosteriorDecision) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:
-    """The hypotheses that the next experiment is to tell apart: those of the credible set; where nothing explains the
-    data, the best accounts by one effect.
+    """The hypotheses that the next experiment separates: the credible sets, or after an unknown the best single
+    effects.
     """
     if decision.verdict != "unknown":
         return decision.leading, decision.rivals

@@ -4,14 +4,14 @@
     P(set, else  | y) ~ P(set)  ELSE       int (1 - k(a, r)) evidence(set, a)^(1/T) d log a
     k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = DECLARED_FORM^2 + (FORM a_0)^2,  T = 1 + FORM_ALIKE^2 G
 
-a: the share of the acting forces that no law of the set explains (inference.latent_force), flat in its logarithm. The
-declared laws leave a share of DECLARED_FORM. Laws that are added are known no better than to FORM: they leave that
-share of the force a_0 that is missing without them, and of the error: r^2 is the rest that the set's model alone leaves
-of the data, over the rest without it. "Something else" is every set with more left than that.
-Models whose form is known so far only cannot be told apart by less than what their form costs: of the G nats that the
-best set gains, FORM_ALIKE^2 G may fall to any effect that resembles the error of form. The likelihood is therefore
-coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening); where little is gained, T is 1.
-The verdict is what holds the most; a group is the smallest family of sets that holds CREDIBLE of what is known.
+a is the share of the acting forces that no law of the set explains (inference.latent_force), with a prior that is flat
+in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share of
+DECLARED_FORM of the acting forces, and added laws leave a share of FORM of the force a_0 that is missing without them.
+r^2 is the residual that the set's model alone leaves, over the residual without the set. "Something else" (ELSE) means
+that more is left than the forms allow. An error of form can also look like another effect: of the G nats that the best
+set gains, such an effect can gain FORM_ALIKE^2 G. The likelihood is therefore coarsened by T (Miller and Dunson 2019,
+Robust Bayesian inference via coarsening). T is near 1 if G is small. The verdict is the outcome with the largest mass.
+A group is the smallest family of sets with CREDIBLE of the known mass.
 """
 
 from __future__ import annotations
@@ -37,8 +37,10 @@ CREDIBLE = 0.95
 
 @dataclass(frozen=True)
 class PosteriorDecision:
-    """The verdict, its effects and its posterior mass; certain: effects of every set that is credible; sets: these with
-    their mass; effect -> posterior mass of its being there.
+    """The verdict, its effects and its posterior mass.
+
+    certain: effects that are in every credible set. sets: the credible sets with their mass. masses: effect ->
+    posterior mass of all sets that contain it. leading, rivals: hypotheses of the credible sets.
     """
 
     verdict: Verdict
@@ -65,8 +67,10 @@ def usable(h: Hypothesis) -> bool:
 
 @dataclass(frozen=True)
 class Missing:
-    """What the declared model leaves: share of the acting forces, rest of the data beyond noise [noise variances], and
-    the best log evidence [nats] with it and with any set.
+    """What the declared model leaves unexplained.
+
+    share: of the acting forces. rest [noise variances]: residual beyond noise. log_evidence, best [nats]: the best log
+    evidence of the declared model and of any set.
     """
 
     share: float
@@ -76,19 +80,19 @@ class Missing:
 
     @property
     def temperature(self) -> float:
-        """By how much the likelihood is coarsened."""
+        """T: the factor by which the likelihood is coarsened."""
         return 1.0 + FORM_ALIKE**2 * max(self.best - self.log_evidence, 0.0)
 
 
 def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
-    """What the empty set among them leaves."""
+    """What the hypothesis without effects leaves unexplained."""
     base = next(h for h in hypotheses if not h.effects)
     best = max(float(h.log_evidence.max()) for h in hypotheses)
     return Missing(base.share, base.rest, float(base.log_evidence.max()), best)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
-    """Log posterior mass, not normalised, of the set with laws that are known, and with something else beside it."""
+    """Log posterior mass, not normalised, of the set with known laws alone, and with something else beside them."""
     shares, evidence = h.profile()
     width = np.log(shares[1] / shares[0])
     form = np.hypot(DECLARED_FORM, FORM * missing.share if h.effects else 0.0)
@@ -105,7 +109,7 @@ def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
 
 
 def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
-    """The verdict over hypotheses, one a set of effects, the empty set among them."""
+    """The verdict over hypotheses, one for each set of effects and one without effects."""
     missing = missing_of(hypotheses)
     logs = np.array([log_masses(h, missing) for h in hypotheses])
     mass = np.exp(logs - np.logaddexp.reduce(logs.ravel()))
@@ -122,7 +126,7 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
     total, credible = 0.0, list[int]()
     for k in order:
         total += mass[k, 0]
-        # A set that holds a credible one says no more than it: its further effects are not supported.
+        # A set that contains a credible set is left out: the data do not support its further effects.
         if not any(set(hypotheses[c].effects) < set(hypotheses[k].effects) for c in credible if c != empty):
             credible.append(int(k))
         if total >= CREDIBLE * (1.0 - unexplained):

@@ -1,7 +1,9 @@
-"""Detection limits: for each absent effect the smallest strength that these recordings would have named.
+"""Detection limits: the smallest strength of each absent effect that these recordings would show.
 
-A strength p that the data know to a deviation s beside the chosen model is named where p^2 / 2 s^2 exceeds its prior
-odds and the price of a free strength; a true strength 1.645 s above that is named in 95 of 100 recordings.
+    limit = s (sqrt(2 (log prior odds + price of a free strength)) + 1.645)
+
+s is the standard deviation of the strength beside the chosen model. An estimate p is named if p^2 / 2 s^2 exceeds the
+log prior odds and the price of a free strength. A true strength 1.645 s above that is named in 95 of 100 recordings.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Closing the loop, from recordings to a diagnosis (docs/loop.md): one likelihood, and what it makes of the catalogue.
+"""Closing the loop by posterior mass, from recordings to a diagnosis (docs/loop.md).
 
-Recordings are fitted and judged on their first two thirds: their marginal likelihood is a product of predictions of one
-frame from those before it, and needs no second stretch. The last third, or what is given to judge, is untouched: the
-errors before and after are stated there.
+Recordings are fitted and judged on their first two thirds. Their marginal likelihood is a product of predictions of
+each frame from the frames before it, so it needs no second stretch. The last third, or the held-out recordings, are not
+used for that: the errors before and after are stated there.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
 from tentacle.progress import Stage
 
-FINER = 0.5  # of the step that suffices for the declared model: laws that are added may bend more sharply
+FINER = 0.5  # of the sufficient step of the declared model: added laws may need a finer one
 
 
 def diagnose_by_posterior(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
@@ -83,8 +83,9 @@ def diagnose_by_posterior(given: Given, seed: int, deciding: Deciding, progress:
 
 
 def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> Hypothesis:
-    """The declared model judged: on what was measured less what the chain shows that the reduction to few coordinates
-    loses, where that has the larger evidence; else on what was measured.
+    """The declared model, judged on the measurement with or without the reduction's error subtracted.
+
+    The choice is the one with the larger evidence.
     """
     plain = declared_model(*fit_from_release(problem, fitted.nuisances))
     corrected = None if reduction is None else without_discrepancy(problem, reduction)
@@ -95,7 +96,7 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
 
 
 def _cut(problem: Problem) -> Problem:
-    """The problem with its runs simulated as far as they are fitted."""
+    """The problem with each run simulated only as far as it is fitted."""
     experiments = []
     for e in problem.experiments:
         last = float(e.observation.t[e.used].max()) - (e.t0 if e.release is None else e.release)
@@ -104,8 +105,9 @@ def _cut(problem: Problem) -> Problem:
 
 
 def _open_loop(h: Hypothesis) -> Hypothesis:
-    """The hypothesis with the parameters that follow the recordings best by themselves, without unknown forces: the
-    model that is written, and whose errors are stated.
+    """The hypothesis with the parameters that follow the recordings best without unknown forces.
+
+    This is the model that is written, and its errors are stated.
     """
     known = replace(h, problem=_cut(h.problem))
     alone = followed_closely(known if known.alone is not None else with_rest(known)).alone
@@ -114,7 +116,7 @@ def _open_loop(h: Hypothesis) -> Hypothesis:
 
 
 def _whole(h: Hypothesis, prepared: Sequence[Prepared]) -> Hypothesis:
-    """The hypothesis with its runs as long as they were measured, and what was measured: reduction and all."""
+    """The hypothesis with whole runs, and with the measurement before the reduction's error was subtracted."""
     experiments = list(h.problem.experiments)
     for place, p in enumerate(prepared):
         own = p.experiment

@@ -1,7 +1,7 @@
 """All sets of up to three absent effects ranked at once, to first order about a fitted model, by linear algebra.
 
 With r the whitened residual and S the sensitivities to the effects' strengths, both freed of what refitting the model's
-own parameters absorbs, a set T of strengths p has the evidence (Laplace)
+own parameters can absorb, a set T of strengths p has the evidence (Laplace)
 
     max over p of  -|r + S_T p|^2 / 2  +  log prior(p)  -  log det(S_T' S_T / 2 pi) / 2
 """
@@ -21,9 +21,7 @@ from inference.trajectory import Fit
 
 @dataclass(frozen=True)
 class RankedSet:
-    """A set of candidates with the first-order evidence that it adds [nats] and its estimated strengths, one array an
-    effect.
-    """
+    """A set of candidates, the evidence [nats] that it adds to first order, and the strengths of each effect."""
 
     candidates: tuple[Candidate, ...]
     evidence: float

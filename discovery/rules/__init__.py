@@ -1,1 +1,1 @@
-"""The loop decided by tests with limits: score test, refits, gates. It diagnoses free decays (discovery.diagnose)."""
+"""The loop that decides by tests with limits: score test, refits, gates. It diagnoses free decays."""

@@ -26,8 +26,8 @@ from tentacle.model import Model
 
 @dataclass(frozen=True)
 class RulesContext:
-    """What stands beside a finding: the paper's model as fitted, the recordings, order, how many coordinates their
-    shapes show, sentences said before, and what the reduction to few coordinates loses (None: not known).
+    """What an answer needs beside the search: the fitted model of the paper, the recordings, the number of coordinates
+    that their shapes show, earlier sentences, and the reduction's error (None: not known).
     """
 
     paper: tuple[Problem, Fit]
@@ -45,8 +45,8 @@ def assemble_rules(
     seed: int,
     calibration: Calibration | None,
 ) -> Diagnosis:
-    """The diagnosis: the search's outcome and its decision, with the rest of the chosen model; calibration of the
-    confidence (None: the package's).
+    """The diagnosis from the search, its decision and the unnamed rest. calibration: of the confidence (None: the
+    stored one).
     """
     chosen = found.chosen if rest is None else rest.refitted
     is_held_out = any(bool((~p.experiment.used).any()) for p in beside.prepared) and bool(chosen.judged.gates)
@@ -114,8 +114,8 @@ def assemble_rules(
 
 
 def _to_be_split(found: StepwiseSearch, verdict: str) -> tuple[GatedHypothesis, tuple[GatedHypothesis, ...]]:
-    """The hypotheses that the next experiment is to tell apart: the chosen one and its rivals; where nothing explains
-    the data and nothing rivals it, the best accounts by one effect.
+    """The hypotheses that the next experiment separates: the chosen one and its rivals, or after an unknown without
+    rivals the best single effects.
     """
     if found.rivals or verdict != "unknown" or len(found.single) < 2:
         return found.chosen, found.rivals
@@ -126,7 +126,7 @@ def _rest_words(rest: UnnamedRest) -> str:
     terms = ", ".join(rest.terms)
     return (
         f"A small force without a name ({terms}; the effect `unnamed` of the augmented model) leaves "
-        f"{100 * rest.share:.0f} % of what stood above the noise on the held-out frames; it is no explanation."
+        f"{100 * rest.share:.0f} % of the error above the noise on the held-out frames; it explains nothing."
     )
 
 

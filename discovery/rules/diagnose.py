@@ -1,4 +1,4 @@
-"""Closing the loop, from recordings to a diagnosis (the protocol of docs/loop.md)."""
+"""Closing the loop by rules, from recordings to a diagnosis (the protocol of docs/loop.md)."""
 
 from __future__ import annotations
 
@@ -33,12 +33,13 @@ from tentacle.diagnosis import Diagnosis
 from tentacle.progress import Stage
 from tentacle.recording import Recording
 
-ALMOST_NOISE = 1.3  # a baseline whose rest is under this many noise variances is taken as explained
-PARTIAL = 0.5  # an account that leaves more of the structured error than this is none to build on
-SMALL_REDUCTION = 0.2  # noise sigmas: below, a coordinate more is not worth its time
+ALMOST_NOISE = 1.3  # noise variances: a baseline with a smaller residual counts as explained
+PARTIAL = 0.5  # of the structured error: a hypothesis that leaves more is not used further
+SMALL_REDUCTION = 0.2  # noise sigmas: below, one more coordinate is not worth its time
 HELPS = 0.8  # more coordinates must bring the reduction's error below this share of what it was
-OF_MOTION = 7e-4  # of an arm's motion: neither its shape nor its laws, nor another's numerics, are known better
-REMAINS = 0.3  # of the reduction's error once the chain's is taken off: another simulator, or an arm, has a like one
+OF_MOTION = 7e-4  # of an arm's motion: accuracy of its declared shape, of its laws and of another simulator
+# Of the reduction's error after the chain's is subtracted: another simulator or a real arm differs by as much
+REMAINS = 0.3
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Baseline:
 
 
 def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple[Baseline, int]:
-    """Fit the baseline; what it cannot follow counts as noise from then on, correlated as it is."""
+    """Fit the baseline. Its residual then counts as noise, with its correlation."""
     prepared = [prepare(recording, hold_out=False) for recording in recordings]
     setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), 2)
     order = order or needed_order(setting, complete=True)
@@ -72,7 +73,7 @@ def _learn_baseline(recordings: Sequence[Recording], order: int | None) -> tuple
 
 
 def _with_baseline(setting: Setting, baseline: Baseline) -> Setting:
-    """The experiments with what the baseline leaves unexplained counted as noise: that is not what is sought here."""
+    """The experiments with the residual of the baseline counted as noise: it is not searched."""
     experiments = []
     for experiment in setting.experiments:
         if baseline.rest_rms.size == experiment.noise_gain.size:
@@ -94,7 +95,7 @@ def diagnose_by_rules(given: Given, seed: int, deciding: Deciding, progress: Sta
     known: Baseline | None = None
     if baseline:
         progress("fitting the baseline")
-        # Markers show their order by fits only, and those are then the baseline's to make.
+        # Markers show their order only by fits. The fits of the baseline do this here.
         known, order = _learn_baseline(baseline, needed_order(setting) if setting.sees_shapes() else None)
         setting = _with_baseline(setting, known)
     else:
@@ -112,7 +113,7 @@ def diagnose_by_rules(given: Given, seed: int, deciding: Deciding, progress: Sta
     progress("searching the catalogue")
     found = stepwise_search(_corrected(base_problem, base, reduction), setting.arm())
     found, reduction = _searched_again(found, setting, (base_problem, base), reduction)
-    # With the noise as the final model leaves it; the errors are stated of what was measured, reduction and all.
+    # With the noise of the final model. The errors are those of the measurement, with the reduction's error in it.
     final = found.chosen.problem.experiments
     prepared = [
         replace(p, experiment=replace(experiment, observation=p.experiment.observation))
@@ -151,9 +152,9 @@ def _base_hypothesis(
 def _reduced_enough(
     setting: Setting, problem: Problem, fitted: Fit, known: Baseline | None
 ) -> tuple[Problem, Fit, ModelDiscrepancy | None]:
-    """The base with as many coordinates that its own error drowns in the noise, or as help; and that error.
+    """The base with enough coordinates that its own error is below the noise, or no longer falls; and that error.
 
-    Shapes show a coordinate only where it stands out of the noise by itself; the chain shows those that matter below.
+    Shapes show a coordinate only if it is larger than the noise. The chain also shows smaller ones that matter.
     """
     reduction = model_discrepancy(setting.declaration, problem, fitted)
     alone = gated_hypothesis((), problem, fitted)
@@ -173,11 +174,12 @@ def _reduced_enough(
 def _corrected(
     problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None, missing: float | None = None
 ) -> GatedHypothesis:
-    """The base fitted to what was measured less the reduction's error, granted what may be left of that error: the
-    chain was run with a model whose motion is wrong by what is missing [noise sigmas] (None: by what the base leaves).
+    """The base fitted to the measurement minus the reduction's error, with an allowance for the rest of that error.
 
-    As it was, and granted all of the error, where that is small, is not known everywhere, or is not this arm's: taken
-    off data that do not hold it, its whole square would come on top of the misfit, and here half of it does.
+    The rest grows with `missing` [noise sigmas], the error of the model with which the chain was run (None: the
+    residual of the base). The measurement stays as it is, with an allowance for the whole error, if that error is
+    small, is not known everywhere, or is not in these data: its subtraction then raises the misfit by half its square
+    or more.
     """
     corrected = (
         None if reduction is None or reduction.worst < SMALL_REDUCTION else without_discrepancy(problem, reduction)
@@ -195,7 +197,7 @@ def _corrected(
 def _with_discrepancy(
     problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None, share: float
 ) -> GatedHypothesis:
-    """The base judged, granted that share of the reduction's error and what no model of its motion knows better."""
+    """Judge the base with an allowance for that share of the reduction's error and for OF_MOTION."""
     least = OF_MOTION * _motion(problem)
     lost = (0.0, 0.0) if reduction is None else (share * reduction.structure, share * reduction.judged)
     return gated_hypothesis((), problem, fitted, (float(np.hypot(lost[0], least)), float(np.hypot(lost[1], least))))
@@ -204,8 +206,10 @@ def _with_discrepancy(
 def _searched_again(
     found: StepwiseSearch, setting: Setting, base: tuple[Problem, Fit], reduction: ModelDiscrepancy | None
 ) -> tuple[StepwiseSearch, ModelDiscrepancy | None]:
-    """The search once more where what was found explains much and yet leaves too much, and the reduction's error by
-    which it went: now as the chain shows it that has the effects found. As before where this leaves no less.
+    """The search and its reduction error, repeated with the reduction error of the chain that has the found effects.
+
+    It is repeated only if the found effects explain much but still leave too much. The first search is kept if the
+    second does not leave less.
     """
     chosen = found.chosen
     done = reduction is None or chosen.passed
@@ -223,7 +227,7 @@ def _searched_again(
 
 
 def _unexplained(found: StepwiseSearch, prepared: list[Prepared], reduction: ModelDiscrepancy | None) -> float:
-    """The share of the base's error in millimetres that an account leaves which the gates do not pass; else 1."""
+    """The share of the base's error [mm] that the chosen hypothesis leaves if the gates refuse it; otherwise 1."""
     base, chosen = found.base, found.chosen
     if not chosen.effects or chosen.passed:
         return 1.0
@@ -233,7 +237,7 @@ def _unexplained(found: StepwiseSearch, prepared: list[Prepared], reduction: Mod
 
 
 def _motion(problem: Problem) -> float:
-    """rms of the motion in noise sigmas, as far as shapes or markers show it."""
+    """rms of the motion that shapes or markers show [noise sigmas]."""
     squares = []
     for experiment in problem.experiments:
         observation = experiment.observation

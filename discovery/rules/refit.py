@@ -1,6 +1,4 @@
-"""A hypothesis changed and fitted again: an effect more or less, other noise, an arm of fewer coordinates, a finer
-step.
-"""
+"""Refits of a hypothesis: with one more or one fewer effect, other noise, fewer coordinates, or a finer step."""
 
 from __future__ import annotations
 
@@ -27,18 +25,19 @@ from inference.trajectory import Fit, Problem, fit, unfitted
 
 LINEAR = 2.0  # noise sigmas of structure up to which the score test's linear picture holds
 START_SHARES = (1.0, 0.4)  # of a candidate's estimated strengths, to start from
-# Beyond the linear picture the base has bent itself to what is missing, and a refit starts from elsewhere too:
+# Beyond the linear regime the missing effect biases the base, and a refit also starts from other base values:
 STIFFER = (0.6, 0.8, 1.0, 1.3, 1.7)  # times the elasticity
 RELAXATIONS = (None, 0.003, 0.01)  # s: damping over elasticity (None: as fitted)
 DRAGGIER = (1.0, 1.4)  # times the drag
-NEAR_NOISE = 0.5 * (1.0 + LINEAR**2)  # nats a residual: a fit this good has found its valley
+NEAR_NOISE = 0.5 * (1.0 + LINEAR**2)  # nats a residual: a fit this good is near its minimum
 COUNTERPART = {("damping", "eta"): ("elasticity", "E"), ("damping", "d0"): ("elasticity", "k0")}
 COUNTERPART[("damping", "d1")] = ("elasticity", "k1")
 
 
 def refit(current: GatedHypothesis, candidate: Candidate) -> GatedHypothesis:
-    """The current model with the candidate added, fitted from its estimated strengths; from the next best start where
-    that fails to gain what was promised.
+    """Fit the current model with the candidate added, from its estimated strengths.
+
+    If the fit gains less than the score test predicts, the next best start is tried.
     """
     problem = _with_candidate(current.problem, current.fitted, candidate)
     problem, nuisances = _remembering(problem, current.fitted.nuisances)
@@ -54,8 +53,8 @@ def refit(current: GatedHypothesis, candidate: Candidate) -> GatedHypothesis:
         if near_noise and best.misfit < promised:
             break
     assert best is not None
-    # A law that bends sharply may need a finer step than the model without it. Where a fit breaks its promise, it may
-    # have fled from where it needs one: so that is asked of where it began, too.
+    # A stiff law may need a finer step than the model without it. A fit that gains too little may have left the region
+    # where the step is too coarse, so the step is checked at the start of the fit too.
     places = [best] if beyond else []
     if best.misfit > promised:
         places.append(unfitted(_at(problem, starts[-1] if beyond else starts[0]), nuisances))
@@ -71,25 +70,25 @@ def refit(current: GatedHypothesis, candidate: Candidate) -> GatedHypothesis:
 
 
 def refitted(current: GatedHypothesis, chosen: list[Candidate]) -> list[GatedHypothesis]:
-    """Each candidate refitted, side by side: the kernel lets other threads run while it computes."""
+    """Refit each candidate, in threads: the kernel releases the lock while it computes."""
     with ThreadPoolExecutor(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2) as pool:
         return list(pool.map(lambda candidate: refit(current, candidate), chosen))
 
 
 def without(current: GatedHypothesis, effect: str) -> GatedHypothesis:
-    """The current model less one of its effects."""
+    """Refit the current model without one of its effects."""
     smaller, problem, nuisances = _dropped(current, effect)
     return _again(smaller, problem, nuisances)
 
 
 def removed_without_refit(current: GatedHypothesis, effect: str) -> GatedHypothesis:
-    """The current model less one of its effects, as the effect leaves it: the rest has not bent itself to the loss."""
+    """The current model without one of its effects, not refitted."""
     smaller, problem, nuisances = _dropped(current, effect)
     return gated_hypothesis(smaller.effects, problem, unfitted(problem, nuisances), smaller.reduction, smaller.laws)
 
 
 def _dropped(current: GatedHypothesis, effect: str) -> tuple[GatedHypothesis, Problem, tuple[Array, ...]]:
-    """The current model less an effect in name, its problem, and the nuisances to begin from."""
+    """The current model without an effect (not fitted yet), its problem, and the nuisances to start from."""
     parameters = current.fitted.parameters.copy()
     for parameter in catalogue()[effect].parameters:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
@@ -100,7 +99,7 @@ def _dropped(current: GatedHypothesis, effect: str) -> tuple[GatedHypothesis, Pr
 
 
 def with_noise_of(h: GatedHypothesis, problem: Problem) -> GatedHypothesis:
-    """The hypothesis under another's noise and step, so that their evidence is comparable."""
+    """Refit the hypothesis with another's noise and step, so that both likelihoods are comparable."""
     experiments = tuple(
         replace(own, noise_gain=other.noise_gain)
         for own, other in zip(h.problem.experiments, problem.experiments, strict=True)
@@ -111,7 +110,7 @@ def with_noise_of(h: GatedHypothesis, problem: Problem) -> GatedHypothesis:
 
 
 def on_arm(h: GatedHypothesis, arm: Arm) -> GatedHypothesis:
-    """The hypothesis on an arm of fewer coordinates; no reduction's loss is granted to it."""
+    """Refit the hypothesis with fewer coordinates, without an allowance for the reduction's error."""
     more, fewer = h.problem.arm.order, arm.order
     nuisances = []
     for experiment, values in zip(h.problem.experiments, h.fitted.nuisances, strict=True):
@@ -122,7 +121,7 @@ def on_arm(h: GatedHypothesis, arm: Arm) -> GatedHypothesis:
 
 
 def at_fine_step(chosen: GatedHypothesis) -> GatedHypothesis:
-    """The chosen hypothesis at a step so fine that its parameters are not biased by it."""
+    """The chosen hypothesis at a step that is fine enough not to bias its parameters."""
     step = sufficient_step(chosen.problem, chosen.fitted, unbiased_noise(chosen.problem))
     if not chosen.effects or step == chosen.problem.step:
         return chosen
@@ -131,7 +130,7 @@ def at_fine_step(chosen: GatedHypothesis) -> GatedHypothesis:
 
 
 def converged(chosen: GatedHypothesis) -> GatedHypothesis:
-    """The chosen hypothesis with its fit continued where that used all its steps."""
+    """The chosen hypothesis; its fit is continued if it used all its steps."""
     if chosen.fitted.result.converged:
         return chosen
     problem = replace(chosen.problem, parameters=chosen.fitted.parameters)
@@ -139,9 +138,9 @@ def converged(chosen: GatedHypothesis) -> GatedHypothesis:
 
 
 def prune_shape_parameters(chosen: GatedHypothesis) -> GatedHypothesis:
-    """The chosen hypothesis without the shapes that its data do not need: at 0 the law is as if it had none.
+    """The chosen hypothesis without the shapes that the data do not need; such a shape is set to 0.
 
-    Against a baseline all are kept: its own rest, taken for noise, hides what a shape is worth.
+    Against a baseline all shapes are kept, as the baseline's residual counts as noise and hides their gain.
     """
     if against_baseline(chosen):
         return chosen
@@ -164,13 +163,13 @@ def prune_shape_parameters(chosen: GatedHypothesis) -> GatedHypothesis:
 def _again(
     h: GatedHypothesis, problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-6, most: int = 20
 ) -> GatedHypothesis:
-    """The changed problem fitted, judged with what was granted before."""
+    """Fit the changed problem and judge it with the same allowances."""
     fitted = fit(problem, nuisances, tolerance=tolerance, most=most)
     return gated_hypothesis(h.effects, replace(problem, parameters=fitted.parameters), fitted, h.reduction, h.laws)
 
 
 def _enough(current: GatedHypothesis) -> float:
-    """When a trial fit has converged, as a share of its misfit: to a nat, or to little beside what is unexplained."""
+    """Tolerance of a trial fit, as a share of its misfit: one nat, or a small share of the unexplained misfit."""
     misfit = current.fitted.misfit
     unexplained = max(misfit - 0.5 * current.fitted.count, 0.0)
     return max(1.0, 2e-3 * unexplained) / max(misfit, 1.0)
@@ -185,7 +184,7 @@ def _with_candidate(problem: Problem, start: Fit, candidate: Candidate) -> Probl
 
 
 def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, tuple[Array, ...]]:
-    """The problem with the memory at the start of each run among its unknowns where an effect relaxes, else without."""
+    """Make the initial memory of each run an unknown if an effect has a relaxation time; otherwise remove it."""
     wanted = any(catalogue()[effect].relaxation_time is not None for effect, _ in problem.free)
     order = problem.arm.order
     experiments, kept = [], []
@@ -204,8 +203,9 @@ def _remembering(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Proble
 def _starts(
     problem: Problem, nuisances: tuple[Array, ...], current: GatedHypothesis, candidate: Candidate
 ) -> list[Array]:
-    """Values (F,) of the free parameters to begin from: the fitted base with shares of the estimated strengths; before
-    them, where the residual is beyond the linear picture, the best of a grid of bases and strengths, one batch.
+    """Starts (F,) of the free parameters: the fitted base with shares of the estimated strengths.
+
+    Beyond the linear regime the first start is the best of a grid of base values and strengths, screened in one batch.
     """
     given = [_started(problem, candidate, share * candidate.strengths) for share in START_SHARES]
     if current.train.structure < LINEAR:
@@ -221,15 +221,16 @@ def _starts(
 
 
 def _at(problem: Problem, values: Array) -> Problem:
-    """The problem begun at those values (F,) of its free parameters."""
+    """The problem with these starting values (F,) of its free parameters."""
     parameters = problem.parameters.copy()
     parameters[problem.rows()] = values
     return replace(problem, parameters=parameters)
 
 
 def _started(problem: Problem, candidate: Candidate, strengths: Array) -> Array:
-    """The free parameters (F,) with the candidate's strengths, within bounds and never on one: there the difference
-    quotients are one-sided and the fit may stick.
+    """The free parameters (F,) with the candidate's strengths, strictly within their bounds.
+
+    At a bound the difference quotients are one-sided, and the fit may not leave it.
     """
     parameters = problem.parameters.copy()
     for strength, value in zip(candidate.effect.strengths, strengths, strict=True):

@@ -1,4 +1,4 @@
-"""The search: which absent effects, added to the model, explain the residual. Forward by refits, back by removal."""
+"""The stepwise search of absent effects that explain the residual: forward selection and backward elimination."""
 
 from __future__ import annotations
 
@@ -30,23 +30,22 @@ from inference.hypothesis import (
 )
 from inference.score import Candidate, score, strength_grid, twin_cosines
 
-REFITTED = 6  # of the score test's ranking: the truth was in its first three in 98-100 % of trials
-HOPELESS = 0.6  # a candidate with less than this share of the best's gain to first order does not catch up
-TIE = 5.0  # nats: effects closer than this to the best are not told apart
+REFITTED = 6  # of the score test's ranking: in 98-100 % of trials the truth was among its first three
+HOPELESS = 0.6  # of the best's gain to first order: a candidate with less is not refitted
+TIE = 5.0  # nats: closer effects are not separated
 TIE_OF_MATERIAL_GAIN = 0.25  # of the material gain: the same
-ALIKE = 0.9  # canonical cosine of two effects' sensitivities, above which a small lead says nothing
+ALIKE = 0.9  # canonical cosine of two effects' sensitivities, above which a small lead decides nothing
 REFIT_WITHIN_NATS = 20.0  # nats: alternatives this close to the best are refitted with its noise
 SWAPS = 3  # of the score test's ranking, tried in the place of each earlier effect
-# Share of the first misfit that one, two, three effects may leave for another to be tried: a combination's first effect
-# explains a good part by itself, and what nothing here explains is not worth minutes.
+# Share of the first misfit that none, one, two, three effects may leave if another is to be tried. The first effect
+# of a combination explains a good part by itself, so a search that explains little is stopped.
 WORTH_GOING_ON = (1.0, 0.85, 0.6, 0.0)
-WORTH_TRYING = 0.25  # of a rest beyond the linear regime: a candidate's gain, below which nothing more is tried
-VISIBLE_REST = 1.0  # noise sigmas: a rest that is as large as the noise is seen in the picture of residuals
-FINE_DISCREPANCY_SHARE = (
-    0.3  # of what a model may err by itself: what leaves no more explains more than such an error's picture
-)
-CLEARED = 0.5  # of what was left
-LARGEST_MARGIN = 1e3  # nats: said where nothing else was worth a refit
+WORTH_TRYING = 0.25  # of a residual beyond the linear regime: the least gain of the best candidate that is tried
+VISIBLE_REST = 1.0  # noise sigmas: a residual as large as the noise is visible in a plot
+# Of the allowed model error: a model that passes with this share explains more than that error
+FINE_DISCREPANCY_SHARE = 0.3
+CLEARED = 0.5  # of the earlier residual
+LARGEST_MARGIN = 1e3  # nats: the margin if nothing else was refitted
 
 
 @dataclass(frozen=True)
@@ -86,9 +85,7 @@ def _promising(current: GatedHypothesis, candidates: list[Candidate]) -> list[Ca
 
 
 def _tried(current: GatedHypothesis, promising: list[Candidate]) -> list[GatedHypothesis]:
-    """The candidates refitted, best first. In the linear regime those that the score puts far behind the first are
-    left out.
-    """
+    """The refitted candidates, best first. In the linear regime those with a far smaller score are left out."""
     first = refit(current, promising[0])
     rest = promising[1:]
     if current.train.structure < LINEAR:
@@ -98,9 +95,7 @@ def _tried(current: GatedHypothesis, promising: list[Candidate]) -> list[GatedHy
 
 
 def refit_noise_together(tried: list[GatedHypothesis]) -> list[GatedHypothesis]:
-    """The best first, with the noise as it leaves it and a step that suffices; then those that come near it, refitted
-    with the same noise and step, so that their evidence is comparable.
-    """
+    """The hypotheses near the best, refitted with its noise and step, so that their likelihoods are comparable."""
     best = tried[0]
     problem, fitted = refit_noise_and_step(best.problem, best.fitted)
     reach = max(REFIT_WITHIN_NATS * variance_inflation(best), material_gain(best))
@@ -112,23 +107,24 @@ def refit_noise_together(tried: list[GatedHypothesis]) -> list[GatedHypothesis]:
 
 
 def tied_within(current: GatedHypothesis, inflation: float) -> float:
-    """Nats of evidence within which others are not told from it: models that differ by less than any of them errs are
-    one, whatever the nats between them say.
+    """The distance [nats] within which others are not separated from it.
+
+    Models whose difference is smaller than their own errors cannot be separated, whatever their likelihoods.
     """
     return max(TIE * inflation, TIE_OF_MATERIAL_GAIN * material_gain(current))
 
 
 def stepwise_search(base: GatedHypothesis, seen: Arm | None = None) -> StepwiseSearch:
     """Forward from the base: score all, refit the best, take the best, until the gates pass or nothing more is
-    gained. After each step back: an effect that is no longer needed goes, one that another serves better is swapped.
+    gained. After each step an effect that is no longer needed is removed, or swapped for a better one.
 
     A model may pass only because its own error is allowed for, and still leave as much as the noise. Then the search
-    goes on, and a further effect is kept if it leaves little: an error of numerics or of the reduction does not look
+    goes on, and a further effect is kept if it leaves little, as an error of numerics or of the reduction does not look
     like an effect. An effect is also kept if it makes the model pass and leaves little, even when its gain is smaller
     than the model's own error.
 
-    seen: the arm with the coordinates that the shapes show, where the base has more on the chain's account. With an
-    effect added the data can tell whether it does as well, and then it stands: they come from an arm without the rest.
+    seen: the arm with only the coordinates that the shapes show, if the base has more because the chain needs them. It
+    is used if a hypothesis with an effect fits no worse on it.
     """
     current, alternatives = base, []
     enough: tuple[GatedHypothesis, list[GatedHypothesis]] | None = None
@@ -196,7 +192,7 @@ def _finer(h: GatedHypothesis) -> GatedHypothesis:
 
 
 def _clears(current: GatedHypothesis, enough: GatedHypothesis) -> bool:
-    """Whether a model leaves little of what one left that might have erred by itself."""
+    """Whether a model leaves little of the residual of one that passed only by its own error."""
     noise = noise_ratio(current.problem, enough.problem)
     return (
         current.passed and not strength_at_bound(current) and current.excess_rms * noise < CLEARED * enough.excess_rms
@@ -204,7 +200,7 @@ def _clears(current: GatedHypothesis, enough: GatedHypothesis) -> bool:
 
 
 def strength_at_bound(chosen: GatedHypothesis) -> bool:
-    """Whether a combination stands only with an effect as strong as it can be: it fills in for something else."""
+    """Whether a combination has an effect with a strength at its bound: that effect replaces something else."""
     if len(chosen.effects) < 2:
         return False
     strengths = {(name, strength.name) for name in chosen.effects for strength in catalogue()[name].strengths}
@@ -213,7 +209,7 @@ def strength_at_bound(chosen: GatedHypothesis) -> bool:
 
 
 def _hopeless(current: GatedHypothesis, promising: list[Candidate]) -> bool:
-    """Whether no candidate comes near what is left: the rest is large, and none explains a good part of it."""
+    """Whether the residual is large and no candidate explains a good part of it."""
     unexplained = current.fitted.misfit - 0.5 * current.fitted.count
     best = max(candidate.gain for candidate in promising)
     return current.train.structure > LINEAR and best < WORTH_TRYING * unexplained
@@ -222,7 +218,7 @@ def _hopeless(current: GatedHypothesis, promising: list[Candidate]) -> bool:
 def _with_fewer_coordinates(
     current: GatedHypothesis, alternatives: list[GatedHypothesis], arm: Arm
 ) -> tuple[GatedHypothesis, list[GatedHypothesis]]:
-    """The hypotheses on an arm of fewer coordinates where the best fits no worse there; else as they are."""
+    """The hypotheses with fewer coordinates if the best fits no worse; otherwise unchanged."""
     fewer = on_arm(current, arm)
     if fewer.penalised_log_likelihood < current.penalised_log_likelihood:
         return current, alternatives
@@ -234,9 +230,9 @@ def _with_fewer_coordinates(
 def backward_elimination(
     current: GatedHypothesis, alternatives: list[GatedHypothesis]
 ) -> tuple[GatedHypothesis, list[GatedHypothesis]]:
-    """Whether an effect that was chosen before the last is still needed, or another in its place serves better.
+    """Remove each earlier effect that is no longer needed, or swap it for a better one.
 
-    Gives the best, and the alternatives to it with those found on the way.
+    Returns the best hypothesis and its alternatives.
     """
     found = list(alternatives)
     for effect in current.effects[:-1]:
@@ -246,7 +242,7 @@ def backward_elimination(
         candidates = score(smaller.problem, smaller.fitted)
         swaps = [c for c in candidates if c.effect.name not in current.effects][:SWAPS]
         found += refitted(smaller, swaps)
-        # A twin takes the effect's place without a refit between: the other parameters might end in another minimum.
+        # A twin replaces the effect without a refit in between, which could lead to another minimum.
         removed = [c for c in candidates if c.effect.name == effect]
         twins = {c.effect.name for c in swaps if twin_cosines([c, *removed]).min() > ALIKE} if removed else set[str]()
         if twins:
@@ -272,7 +268,7 @@ def _best_of_each(current: GatedHypothesis, found: list[GatedHypothesis]) -> lis
 
 
 def _alike(current: GatedHypothesis, rival: GatedHypothesis, candidates: list[Candidate]) -> bool:
-    """Whether what one has and the other has not does nearly the same in these data."""
+    """Whether the effects that only one of the two has look nearly the same in these data."""
     only = {*current.effects} ^ {*rival.effects}
     return bool(twin_cosines([c for c in candidates if c.effect.name in only]).min(initial=1.0) > ALIKE)
 

@@ -1,4 +1,4 @@
-"""The rest without a name: after the catalogue, a few smooth terms of `unnamed`, where held-out data want them."""
+"""The unnamed rest: after the catalogue a few smooth terms of `unnamed`, if they help on held-out frames."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from inference.trajectory import fit
 
 UNNAMED_EFFECT = "unnamed"
 MOST_TERMS = 3
-LARGEST_SHARE = 0.9  # of the held-out misfit beyond the noise that the terms may leave, to be worth their place
+LARGEST_SHARE = 0.9  # of the held-out misfit beyond the noise: terms that leave more are not used
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class UnnamedRest:
 
 
 def unnamed_rest(chosen: GatedHypothesis) -> UnnamedRest | None:
-    """The terms of the rest that pay, chosen one by one to first order, then refitted with the whole model.
+    """The terms of the rest that are worth their penalty, chosen one by one, then refitted with the whole model.
 
-    None where none pays, nothing was held out, or the frames held out are not better followed for it.
+    None if no term is worth it, if nothing was held out, or if the held-out frames are not predicted better.
     """
     count = _held_out_values(chosen)
     terms, strengths = _chosen_terms(chosen)
@@ -66,7 +66,7 @@ def _held_out_values(chosen: GatedHypothesis) -> int:
 
 
 def _chosen_terms(chosen: GatedHypothesis) -> tuple[tuple[str, ...], Array]:
-    """Names and first-order strengths of the terms, each worth its price in nats beside those before it."""
+    """Names and first-order strengths of the terms, each worth its penalty beside those before it."""
     effect = catalogue()[UNNAMED_EFFECT]
     ((_, raw),) = sensitivities(chosen.problem, chosen.fitted, (effect,))[UNNAMED_EFFECT]
     basis = nuisance_tangent_basis(chosen.fitted)

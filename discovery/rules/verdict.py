@@ -12,10 +12,10 @@ from discovery.rules.search import CLEARED, VISIBLE_REST, StepwiseSearch, streng
 from inference.hypothesis import GatedHypothesis, against_baseline, noise_ratio
 from tentacle.diagnosis import Verdict
 
-NEARLY = 0.12  # of the first misfit: what an effect may leave and still be named, if that rest is under a noise sigma
-DOMINANT = 0.07  # the same, whatever the noise: measured arms are never followed down to a motion capture's microns
-UNSEEN = 0.05  # of the first error in millimetres: finer than that laws agree, but no arm with its declaration
-AGREED = 0.2  # where what all rivals agree on leaves no more than this share, the rest of their difference is a detail
+NEARLY = 0.12  # of the first misfit: a named effect may leave this, if the residual is under a noise sigma
+DOMINANT = 0.07  # the same for any noise: no model of a real arm reaches the microns of motion capture
+UNSEEN = 0.05  # of the first error in millimetres: no declaration of a real arm is more accurate
+AGREED = 0.2  # if the effects common to all rivals leave no more than this share, their difference is a detail
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,10 @@ class RulesDecision:
 
 
 def structure_share(search: StepwiseSearch, reached: GatedHypothesis) -> float:
-    """How much of the structured error (noise taken off) a model leaves, 0 .. 1, on held-out frames where there are
-    any; both in sigmas of the noise that this model leaves.
+    """The share 0 .. 1 of the structured error (without noise) that a model leaves, on held-out frames if there are
+    any.
+
+    Both errors are in sigmas of the noise found with this model.
     """
 
     def structure(h: GatedHypothesis) -> float:
@@ -42,9 +44,7 @@ def structure_share(search: StepwiseSearch, reached: GatedHypothesis) -> float:
 
 
 def probabilities(search: StepwiseSearch) -> dict[str, float]:
-    """Weights of the single-effect models among themselves, tempered by the variance_inflation; they rank, they are no
-    calibrated odds.
-    """
+    """Weights of the single-effect models, tempered by the variance inflation. They rank, but are not calibrated."""
     pool = list(search.single)
     if not pool:
         return {}
@@ -57,8 +57,8 @@ def probabilities(search: StepwiseSearch) -> dict[str, float]:
 def decide_by_rules(search: StepwiseSearch, unexplained: float = 1.0) -> RulesDecision:
     """The verdict; unexplained: the share of the first error that the chosen model leaves in millimetres.
 
-    An explanation whose fit did not converge is no verdict by itself: the next best of as many effects that did
-    converge stands beside it, and where there is none the answer is unknown.
+    If the fit of an explanation did not converge, the next best converged one with as many effects joins it in a group.
+    Without such a one the verdict is unknown.
     """
     decision = _by_limits(search, unexplained)
     ending = search.chosen.fitted.result
@@ -76,9 +76,9 @@ def decide_by_rules(search: StepwiseSearch, unexplained: float = 1.0) -> RulesDe
 def _by_limits(search: StepwiseSearch, unexplained: float) -> RulesDecision:
     """The verdict, convergence aside.
 
-    An explanation counts where the gates pass with it, or where what it leaves is small beside what it explains. Noise
-    sigmas weigh most what a camera sees best, even a thousandth of a millimetre; therefore an explanation that leaves
-    next to none of the millimetres counts as well.
+    An explanation counts if it passes the gates, or if it leaves little beside what it explains. Noise sigmas give most
+    weight to what a camera sees best, even to a thousandth of a millimetre. Therefore an explanation that leaves almost
+    no error in millimetres counts as well.
     """
     base, chosen = search.base, search.chosen
     adequate = chosen.train.passed and (chosen.judged.passed or not chosen.judged.gates)
@@ -117,7 +117,7 @@ def _by_limits(search: StepwiseSearch, unexplained: float) -> RulesDecision:
         return RulesDecision("effect", chosen.effects, _confidence(search, passed, share), tuple(words))
     alternatives = sorted({name for h in (chosen, *search.rivals) for name in h.effects} - set(search.core.effects))
     agreed = search.core.effects
-    # what stands out without the rest, and is cleared by it, is no detail
+    # a residual that is visible without the other effects, and that they remove, is no detail
     detail = search.core.excess_rms < max(VISIBLE_REST, chosen.excess_rms / CLEARED)
     if agreed and structure_share(search, search.core) < AGREED and detail:
         words.append(
@@ -130,13 +130,13 @@ def _by_limits(search: StepwiseSearch, unexplained: float) -> RulesDecision:
 
 
 def _room_used(h: GatedHypothesis) -> float:
-    """Share of what a model may leave, noise and its own error, that it does leave; of both stretches the larger."""
+    """The residual beyond noise over the allowed one; the larger value of fitted and held-out frames."""
     sizes = [gate for gate in (*h.train.gates, *h.judged.gates) if gate.name == "chi-square"]
     return max((max(gate.statistic - 1.0, 0.0) / (gate.threshold - 1.0) for gate in sizes), default=1.0)
 
 
 def _hidden_below(h: GatedHypothesis) -> tuple[str, ...]:
-    """Says so where the model's own error, not the noise, bounds what can be seen."""
+    """A sentence if the model's own error, and not the noise, limits what can be seen."""
     if h.excess_rms < VISIBLE_REST:
         return ()
     return (
@@ -146,10 +146,10 @@ def _hidden_below(h: GatedHypothesis) -> tuple[str, ...]:
 
 
 def _dominant(search: StepwiseSearch, least: float) -> GatedHypothesis | None:
-    """The first of the effects found, as few as leave a tolerated share under a rest that has no name.
+    """The smallest number of found effects, in their order, that leaves a tolerated share of the error.
 
-    None where all of three are needed: what three do not bring down to the noise they do not explain. Against a
-    baseline, whose own rest is granted already, all that were found. least: a share that is tolerated at any rate.
+    None if three are needed: three effects that do not reach the noise explain nothing. Against a baseline, whose
+    residual already counts as noise, all found effects are kept. least: a share that is always tolerated.
     """
     part = search.chosen
     if against_baseline(part):
@@ -165,7 +165,7 @@ def _dominant(search: StepwiseSearch, least: float) -> GatedHypothesis | None:
 
 
 def _twins_of(search: StepwiseSearch, named: GatedHypothesis) -> tuple[str, ...]:
-    """Single effects that do as well alone as the one that is named."""
+    """Single effects that fit as well as the named one."""
     alone = {h.effects: h for h in search.single}
     own = alone.pop(named.effects, None)
     if own is None:
@@ -177,11 +177,11 @@ def _twins_of(search: StepwiseSearch, named: GatedHypothesis) -> tuple[str, ...]
 
 
 def _tolerated(chosen: GatedHypothesis) -> float:
-    """The share of the first error that may stay unexplained under a named effect."""
+    """The share of the first error that a named effect may leave."""
     return NEARLY if against_baseline(chosen) or chosen.excess_rms < VISIBLE_REST else DOMINANT
 
 
 def _confidence(search: StepwiseSearch, passed: bool, share: float) -> float:
-    """Distance to the next best explanation held against what was left over."""
+    """Confidence from the margin to the next best explanation and from the share that is left."""
     sure = 1.0 - 0.5 * float(np.exp(-max(search.margin, 0.0) / 10.0))
     return float(np.clip(sure * (1.0 if passed else 1.0 - 2.0 * share), 0.05, 0.98))

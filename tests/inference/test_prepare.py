@@ -88,5 +88,5 @@ def test_too_few_frames_too_few_points_and_a_still_arm_cannot_tell(recorded, wit
             prepare(replace(recording, midline=midline), hold_out=True)
     with pytest.raises(CannotTellError, match="hardly moves"):
         prepare(without_motion, hold_out=True)
-    with pytest.raises(InputError, match="nothing was seen"):
+    with pytest.raises(InputError, match="no measurement"):
         prepare(replace(recording, midline=None), hold_out=True)
