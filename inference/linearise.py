@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
-from affine_model.dynamics import balance
+from affine_model.dynamics import Balance, balance
 from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
 from inference.experiment import Experiment, Prediction, predict
@@ -134,7 +134,8 @@ def _linearised(
         return np.array(columns).T
 
     index = np.clip(np.searchsorted(batch.t, cells.t), 0, batch.t.size - 1)
-    moving = (u.T[index], rate.T[index], acceleration.T[index])
+    there, turning = u.T[index], rate.T[index]
+    moving = States(there, turning, acceleration.T[index], balance(arm, effects, parameters, there, turning))
     laws = [
         (LAW_FOUND if effect.name in added else LAW_KNOWN)
         * varied_force(arm, effects, effect, parameters, moving, factor)
@@ -173,16 +174,25 @@ def _passive(columns: Array) -> Array:
     return np.concatenate([(vectors * np.maximum(values, 0.0)) @ vectors.T, columns[:, n:]], axis=1)
 
 
+@dataclass(frozen=True)
+class States:
+    """States of a run: u, u', u'' (C, n + 2) in Legendre coordinates, and the equations' balance in them."""
+
+    u: Array
+    rate: Array
+    acceleration: Array
+    balance: Balance
+
+
 def varied_force(
     arm: Arm,
     effects: tuple[Effect, ...],
     effect: Effect,
     parameters: Array,
-    run: tuple[Array, Array, Array],
+    states: States,
     factor: Callable[[Array], Array],
 ) -> Array:
-    """Generalised force (C, n) of one effect's laws, each taken times factor(s), in states u, u', u'' (C, n + 2)."""
-    u, rate, acceleration = run
+    """Generalised force (C, n) of one effect's laws, each taken times factor(s), in given states."""
     changes: dict[str, object] = {
         name: _times(law, factor) for name in VARIED if (law := getattr(effect, name)) is not None
     }
@@ -191,9 +201,8 @@ def varied_force(
         changes["force"] = lambda x, p: tuple(factor(x.s) * part for part in law(x, p))
     nothing = dict.fromkeys(("hung_mass", "gravity_tilt", "water_velocity", "couple", "tip_force"))
     more = replace(effect, **(nothing | changes))  # type: ignore[arg-type]
-    with_it = balance(arm, (*effects, more), parameters, u, rate)
-    without = balance(arm, effects, parameters, u, rate)
-    inertia = np.einsum("cij,cj->ci", with_it.mass_matrix - without.mass_matrix, acceleration)
+    with_it, without = balance(arm, (*effects, more), parameters, states.u, states.rate), states.balance
+    inertia = np.einsum("cij,cj->ci", with_it.mass_matrix - without.mass_matrix, states.acceleration)
     return np.asarray((with_it.force - without.force - inertia)[:, : arm.order])
 
 

@@ -36,7 +36,8 @@ class Hypothesis:
     """The declared model with some absent effects added, fitted at the share of unknown forces that fits it best.
 
     log_evidence (A,) [nats] at each of FORCE_SHARES. alone: the model fitted without unknown forces (None: not fitted
-    yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet).
+    yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet). baseline_share: of
+    unknown forces that the recordings whose declaration is complete need by themselves (0: there is none).
     """
 
     effects: tuple[str, ...]
@@ -46,6 +47,7 @@ class Hypothesis:
     log_evidence: Array
     alone: Fit | None = None
     rest: float = float("nan")
+    baseline_share: float = 0.0
 
     @property
     def share(self) -> float:
@@ -94,6 +96,16 @@ def rough_fit(
         unknowns, lowest = minimised(problem, nuisances, tolerance=ROUGHLY, most=30)
         found.append(RoughFit(effects, *_moved(problem, unknowns), lowest.cost))
     return min(found, key=lambda one: one.cost)
+
+
+def baseline_share(problem: Problem, nuisances: tuple[Array, ...]) -> float:
+    """The share of unknown forces that the complete recordings need, fitted alone; 0 where there is none."""
+    both = [(e, n) for e, n in zip(problem.experiments, nuisances, strict=True) if e.complete]
+    if not both:
+        return 0.0
+    experiments = tuple(replace(e, varies=()) for e, _ in both)
+    own = tuple(n[: len(n) - len(e.varies)] for e, n in both)
+    return declared_model(replace(problem, experiments=experiments), own).share
 
 
 def declared_model(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
@@ -255,22 +267,22 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
     return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))
 
 
-def credible_interval(h: Hypothesis, name: ParameterName) -> tuple[float, float]:
-    """95 % interval of a free parameter, cut at its physical bounds."""
+def credible_interval(h: Hypothesis, name: ParameterName, temperature: float = 1.0) -> tuple[float, float]:
+    """95 % interval of a free parameter, cut at its physical bounds; temperature: by which the likelihood is coarsened."""
     place = h.problem.free.index(name)
-    half = 1.96 * float(np.sqrt(max(h.fitted.covariance[place, place], 0.0)))
+    half = 1.96 * float(np.sqrt(temperature * max(h.fitted.covariance[place, place], 0.0)))
     low, high = (limit[place] for limit in h.problem.bounds())
     value = float(h.fitted.values[place])
     return max(low, value - half), min(high, value + half)
 
 
-def posterior_estimates(h: Hypothesis) -> dict[str, dict[str, Estimate]]:
+def posterior_estimates(h: Hypothesis, temperature: float = 1.0) -> dict[str, dict[str, Estimate]]:
     """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
     units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
     table: dict[str, dict[str, Estimate]] = {}
     for place, (effect, name) in enumerate(h.problem.free):
         if effect == DECLARED:
             continue
-        low, high = credible_interval(h, (effect, name))
+        low, high = credible_interval(h, (effect, name), temperature)
         table.setdefault(effect, {})[name] = Estimate(float(h.fitted.values[place]), low, high, units[effect, name])
     return table

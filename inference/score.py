@@ -163,7 +163,8 @@ def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = No
     basis = nuisance_tangent_basis(fitted)
     residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
     names = {name for name, _ in problem.free} | set(declared_effects(problem.arm.specimen, problem.arm.fluid))
-    chosen = tuple(effect for effect in chosen if effect.name not in names)
+    no_fluid = problem.arm.fluid.density == 0.0
+    chosen = tuple(e for e in chosen if e.name not in names and not (no_fluid and e.family == "fluid"))
     table = sensitivities(problem, fitted, chosen)
     candidates = []
     for effect in chosen:

@@ -1,11 +1,14 @@
-"""Buoyancy: the arm's density is not what was declared; its weight in the fluid and its inertia change alike."""
+"""Buoyancy: the arm's density is not what was declared; its weight in the fluid and its inertia change alike.
+
+The bounds are those of cast elastomers: from foams (some 300 kg/m^3) to filled silicones (some 1700 kg/m^3).
+"""
 
 from affine_model.effect import Effect, Parameter
 
 BUOYANCY = Effect(
     name="buoyancy",
     title="Density error",
-    parameters=(Parameter("density_error", "kg/m^3", 50.0, (-900.0, 3000.0), "true density less the declared one"),),
+    parameters=(Parameter("density_error", "kg/m^3", 50.0, (-700.0, 700.0), "true density less the declared one"),),
     source="Archimedes; eq. 10",
     family="weight",
     weight=lambda x, p: p.density_error * x.area,

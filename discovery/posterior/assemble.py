@@ -72,8 +72,9 @@ def assemble_posterior(
         elif verdict in ("effect", "group"):
             effects = (*effects, "third_curvature")
     known: dict[str, dict[str, Estimate]] = {}
+    temperature = missing_of(found.hypotheses).temperature
     for h in (*reversed(decision.rivals), chosen):
-        known |= posterior_estimates(h)
+        known |= posterior_estimates(h, temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base = hypothesis_of_paper(paper)
     proposal = propose_experiment(*_to_be_split(found, decision), HOBBY_SERVO, seed)

@@ -2,16 +2,17 @@
 
     P(set, known | y) ~ P(set) (1 - ELSE)  int  k(a, r)      evidence(set, a)^(1/T) d log a
     P(set, else  | y) ~ P(set)  ELSE       int (1 - k(a, r)) evidence(set, a)^(1/T) d log a
-    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = DECLARED_FORM^2 + (FORM a_0)^2,  T = 1 + FORM_ALIKE^2 G
+    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = d^2 + (FORM a_0)^2,  T = 1 + FORM_ALIKE^2 G
 
 a is the share of the acting forces that no law of the set explains (inference.latent_force), with a prior that is flat
-in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share of
-DECLARED_FORM of the acting forces, and added laws leave a share of FORM of the force a_0 that is missing without them.
-r^2 is the residual that the set's model alone leaves, over the residual without the set. "Something else" (ELSE) means
-that more is left than the forms allow. An error of form can also look like another effect: of the G nats that the best
-set gains, such an effect can gain FORM_ALIKE^2 G. The likelihood is therefore coarsened by T (Miller and Dunson 2019,
-Robust Bayesian inference via coarsening). T is near 1 if G is small. The verdict is the outcome with the largest mass.
-A group is the smallest family of sets with CREDIBLE of the known mass.
+in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share d of the
+acting forces: DECLARED_FORM, or what the baseline's recordings need by themselves; added laws leave a share of FORM of
+the force a_0 that is missing without them. r^2 is the residual that the set's model alone leaves, over the residual
+without the set. "Something else" (ELSE) means that more is left than the forms allow. An error of form can also look
+like another effect: of the G nats that the best set gains, such an effect can gain FORM_ALIKE^2 G. The likelihood is
+therefore coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening). T is near 1 if G is small.
+The verdict is the outcome with the largest mass. A group is the smallest family of sets with CREDIBLE of the known
+mass.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from tentacle.diagnosis import Verdict
 COMPLETE = (0.4, 0.4, 0.15, 0.05)  # prior of none, one, two and three effects missing: chosen, not measured yet
 ELSE = 0.15  # prior of something outside the catalogue; chosen, its sensitivity is not measured yet
 DECLARED_FORM = 0.003  # share of the acting forces that the declared laws leave
+MOST_DECLARED_FORM = 0.05  # the same where a baseline shows it: a model that leaves more certifies nothing
 FORM = 0.3  # share of what an added law explains that its true form may differ by
 FORM_ALIKE = 0.15  # share of it that resembles another effect
 CREDIBLE = 0.95
@@ -58,11 +60,15 @@ def log_prior_of_set(count: int) -> float:
     return float(np.log(COMPLETE[count] / comb(len(absent_effects()), count)))
 
 
+def stands_at_bound(h: Hypothesis) -> bool:
+    """Whether a strength of its effects stands at a bound of what is physically possible: the set explains nothing."""
+    strengths = {(name, strength.name) for name in h.effects for strength in catalogue()[name].strengths}
+    return any(name in strengths for name in h.fitted.at_bound)
+
+
 def usable(h: Hypothesis) -> bool:
     """Whether a hypothesis may be named: its fit converged, and no strength stands at a bound."""
-    strengths = {(name, strength.name) for name in h.effects for strength in catalogue()[name].strengths}
-    at_bound = any(name in strengths for name in h.fitted.at_bound)
-    return h.fitted.result is not RESULTS.MAX_STEPS and not at_bound
+    return h.fitted.result is not RESULTS.MAX_STEPS and not stands_at_bound(h)
 
 
 @dataclass(frozen=True)
@@ -71,12 +77,14 @@ class Missing:
 
     share: of the acting forces. rest [noise variances]: residual beyond noise. log_evidence, best [nats]: the best log
     evidence of the declared model and of any set.
+    declared: share of the acting forces that the form of the declared laws leaves.
     """
 
     share: float
     rest: float
     log_evidence: float
     best: float
+    declared: float
 
     @property
     def temperature(self) -> float:
@@ -87,15 +95,16 @@ class Missing:
 def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     """What the hypothesis without effects leaves unexplained."""
     base = next(h for h in hypotheses if not h.effects)
-    best = max(float(h.log_evidence.max()) for h in hypotheses)
-    return Missing(base.share, base.rest, float(base.log_evidence.max()), best)
+    form = max(DECLARED_FORM, min(base.baseline_share, MOST_DECLARED_FORM))
+    best = max(float(h.log_evidence.max()) for h in hypotheses if not stands_at_bound(h))
+    return Missing(base.share, base.rest, float(base.log_evidence.max()), best, form)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     """Log posterior mass, not normalised, of the set with known laws alone, and with something else beside them."""
     shares, evidence = h.profile()
     width = np.log(shares[1] / shares[0])
-    form = np.hypot(DECLARED_FORM, FORM * missing.share if h.effects else 0.0)
+    form = np.hypot(missing.declared, FORM * missing.share if h.effects else 0.0)
     left = h.rest / missing.rest if h.effects and np.isfinite(h.rest) and missing.rest > 0.0 else 0.0
     followed = -0.5 * max(left, 0.0) / FORM**2
     known = -0.5 * (shares / form) ** 2
@@ -105,6 +114,8 @@ def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     coarse = evidence / missing.temperature
     within = float(np.logaddexp.reduce(coarse + known)) + followed + prior + np.log(1.0 - ELSE)
     beyond = float(np.logaddexp.reduce(coarse + anything)) + prior + np.log(ELSE)
+    if stands_at_bound(h):
+        return -np.inf, -np.inf
     return (within if usable(h) else -np.inf), beyond
 
 

@@ -20,7 +20,7 @@ from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_c
 from inference.decay import fit_from_release
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
 from inference.experiment import PARAMETER_SPREAD
-from inference.posterior import Hypothesis, declared_model, followed_closely, with_rest
+from inference.posterior import Hypothesis, baseline_share, declared_model, followed_closely, with_rest
 from inference.prepare import Prepared, prepare
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Fit, Problem
@@ -58,8 +58,10 @@ def diagnose_by_posterior(given: Given, seed: int, deciding: Deciding, progress:
     progress("running the reference")
     reduction = model_discrepancy(setting.declaration, problem, fitted)
     progress("searching the catalogue")
+    fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
+    base = replace(_base(fine, fitted, reduction), baseline_share=baseline_share(fine, fitted.nuisances))
     found = search_posterior(
-        _base(_cut(replace(problem, step=FINER * sufficient_step(problem, fitted))), fitted, reduction),
+        base,
         fitted,
         lambda done: progress("searching the catalogue", done),
     )

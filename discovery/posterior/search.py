@@ -30,6 +30,7 @@ from inference.trajectory import Fit, Problem, linearised_fit
 T = TypeVar("T")
 SINGLES, SETS, ROUNDS = 7, 2, 4
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
+FOR_A_SHAPE = 3.0  # nats: what a fitted shape must gain over its neutral value
 NEGLIGIBLE_NATS = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
 
 
@@ -73,10 +74,11 @@ def search_posterior(
             *(partial(added, centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
             *(partial(removed, centre, name) for name in fewer),
         ]
-        for h in _side_by_side([partial(fit_hypothesis, one) for one in _promising(_side_by_side(tasks))]):
+        found = _side_by_side([partial(fit_hypothesis, one) for one in _promising(_side_by_side(tasks))])
+        temperature = missing_of([*tried.values(), *found]).temperature
+        for h in found:
             known = tried.get(frozenset(h.effects))
-            if known is None or h.log_evidence.max() > known.log_evidence.max():
-                tried[frozenset(h.effects)] = h
+            tried[frozenset(h.effects)] = h if known is None else _preferred(h, known, temperature)
         progress((number + 1.0) / ROUNDS)
         tried = _with_rests(tried)
         missing = missing_of(list(tried.values()))
@@ -85,6 +87,15 @@ def search_posterior(
             break
         centre = best
     return PosteriorSearch(tried[frozenset()], tuple(tried.values()), tuple(first))
+
+
+def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothesis:
+    """The one of two fits of a set with the larger evidence; a shape is fitted only where the evidence, coarsened like
+    the decision's, asks for it.
+    """
+    few, more = sorted((h, known), key=lambda one: len(one.problem.free))
+    asked = FOR_A_SHAPE * temperature if len(few.problem.free) < len(more.problem.free) else 0.0
+    return more if more.log_evidence.max() > few.log_evidence.max() + asked else few
 
 
 def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str], Hypothesis]:
