@@ -9,7 +9,7 @@ import numpy as np
 from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
 from discovery.calibration import Calibration
 from discovery.next_experiment import propose_experiment
-from discovery.posterior.decide import PosteriorDecision, log_masses, missing_of, usable
+from discovery.posterior.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, missing_of, usable
 from discovery.posterior.search import PosteriorSearch
 from inference.compare import floor_errors, midline_error, run_comparison, run_errors
 from inference.discrepancy import ModelDiscrepancy
@@ -139,7 +139,14 @@ def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
 def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]:
     """Sentences of the posterior beyond the verdict."""
     left = 100.0 * decision.leading.share
-    words = [f"Beside this model the data need unknown forces of {left:.2g} % of the acting forces."]
+    known = found.base.baseline_share
+    words = []
+    if known > MOST_DECLARED_FORM:
+        words.append(
+            f"The declared model leaves {100.0 * known:.2g} % of the acting forces unexplained in the baseline's own "
+            "recordings, and so certifies nothing."
+        )
+    words += [f"Beside this model the data need unknown forces of {left:.2g} % of the acting forces."]
     if decision.verdict == "unknown":
         names = " + ".join(decision.leading.effects)
         if names:
