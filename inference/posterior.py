@@ -28,6 +28,7 @@ from inference.trajectory import Fit, ParameterName, Problem, fit, linearised_fi
 from tentacle.model import Estimate
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
+NOISE_REACH = 2.0  # standard deviations of a mean square over pure noise
 ROUGHLY, CLOSELY = 1e-3, 5e-5  # tolerances of a fit, shares of its sum of squares: some nats, a tenth of a nat
 
 
@@ -36,8 +37,8 @@ class Hypothesis:
     """The declared model with some absent effects added, fitted at the share of unknown forces that fits it best.
 
     log_evidence (A,) [nats] at each of FORCE_SHARES. alone: the model fitted without unknown forces (None: not fitted
-    yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet). baseline_share: of
-    unknown forces that the recordings whose declaration is complete need by themselves (0: there is none).
+    yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows.
+    baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none).
     """
 
     effects: tuple[str, ...]
@@ -47,7 +48,15 @@ class Hypothesis:
     log_evidence: Array
     alone: Fit | None = None
     rest: float = float("nan")
+    rows: int = 0
     baseline_share: float = 0.0
+
+    @property
+    def structured(self) -> float:
+        """Nats by which the residual of the model alone exceeds what noise may leave; inf while it is not known."""
+        if not np.isfinite(self.rest):
+            return float("inf")
+        return 0.5 * self.rows * max(self.rest - NOISE_REACH * float(np.sqrt(2.0 / self.rows)), 0.0)
 
     @property
     def share(self) -> float:
@@ -142,7 +151,7 @@ def with_rest(h: Hypothesis, nested: Hypothesis | None = None) -> Hypothesis:
     """
     there = np.concatenate([h.fitted.values, *h.fitted.nuisances])
     plain = replace(h.problem, filters=())
-    size = max(_rms(plain, plain.residuals(there[:, None])[1]), 1.0)
+    size = max(float(np.sqrt(np.mean(_seen_rows(plain, plain.residuals(there[:, None])[1]) ** 2))), 1.0)
     found = _followed(h, plain, h.fitted.nuisances, size)
     if nested is None or nested.alone is None or found.rest <= nested.rest:
         return found
@@ -170,14 +179,16 @@ def _followed(
     """Fit the model alone, with noise `size` times its standard deviation."""
     louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
     alone = fit(replace(plain, experiments=louder), nuisances, tolerance=tolerance, most=40)
-    followed = size * _rms(plain, [rows[:, :, None] for rows in alone.residuals])
-    return replace(h, alone=alone, rest=followed**2 - 1.0)
+    rows = _seen_rows(plain, [rows[:, :, None] for rows in alone.residuals])
+    return replace(h, alone=alone, rest=float(size**2 * np.mean(rows**2)) - 1.0, rows=rows.size)
 
 
-def _rms(problem: Problem, residuals: Sequence[Array]) -> float:
-    """Rms of whitened residuals (T, K, 1) of each recording on the used frames, without unseen ones."""
+def _seen_rows(problem: Problem, residuals: Sequence[Array]) -> Array:
+    """Whitened residuals (T, K, 1) of each recording as one row, on the used frames and without rows that were not
+    seen.
+    """
     rows = np.concatenate([r[e.used].ravel() for e, r in zip(problem.experiments, residuals, strict=True)])
-    return float(np.sqrt(np.mean(rows[rows != 0.0] ** 2)))
+    return np.asarray(rows[rows != 0.0])
 
 
 def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...]]:
@@ -268,7 +279,7 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
 
 
 def credible_interval(h: Hypothesis, name: ParameterName, temperature: float = 1.0) -> tuple[float, float]:
-    """95 % interval of a free parameter, cut at its physical bounds; temperature: by which the likelihood is coarsened."""
+    """95 % interval of a free parameter, cut at its bounds; temperature: by which the likelihood is coarsened."""
     place = h.problem.free.index(name)
     half = 1.96 * float(np.sqrt(temperature * max(h.fitted.covariance[place, place], 0.0)))
     low, high = (limit[place] for limit in h.problem.bounds())

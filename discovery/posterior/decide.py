@@ -2,17 +2,18 @@
 
     P(set, known | y) ~ P(set) (1 - ELSE)  int  k(a, r)      evidence(set, a)^(1/T) d log a
     P(set, else  | y) ~ P(set)  ELSE       int (1 - k(a, r)) evidence(set, a)^(1/T) d log a
-    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = d^2 + (FORM a_0)^2,  T = 1 + FORM_ALIKE^2 G
+    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = d^2 + (FORM a_0)^2,  T = 1 + min(FORM_ALIKE^2 G, D)
 
 a is the share of the acting forces that no law of the set explains (inference.latent_force), with a prior that is flat
 in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share d of the
 acting forces: DECLARED_FORM, or what the baseline's recordings need by themselves; added laws leave a share of FORM of
 the force a_0 that is missing without them. r^2 is the residual that the set's model alone leaves, over the residual
 without the set. "Something else" (ELSE) means that more is left than the forms allow. An error of form can also look
-like another effect: of the G nats that the best set gains, such an effect can gain FORM_ALIKE^2 G. The likelihood is
-therefore coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening). T is near 1 if G is small.
-The verdict is the outcome with the largest mass. A group is the smallest family of sets with CREDIBLE of the known
-mass.
+like another effect: of the G nats that the best set gains, such an effect can gain FORM_ALIKE^2 G, and no more than the
+D nats by which the residual of the best set's model alone exceeds its noise. The likelihood is therefore coarsened by T
+(Miller and Dunson 2019, Robust Bayesian inference via coarsening). T is 1 if that model follows the data to their
+noise. The verdict is the outcome with the largest mass. A group is the smallest family of sets with CREDIBLE of the
+known mass.
 """
 
 from __future__ import annotations
@@ -75,29 +76,30 @@ def usable(h: Hypothesis) -> bool:
 class Missing:
     """What the declared model leaves unexplained.
 
-    share: of the acting forces. rest [noise variances]: residual beyond noise. log_evidence, best [nats]: the best log
-    evidence of the declared model and of any set.
-    declared: share of the acting forces that the form of the declared laws leaves.
+    share: of the acting forces. rest [noise variances]: residual beyond noise. gained [nats]: by the best set, whose
+    model alone leaves a residual of `structured` nats beyond noise. declared: share of the acting forces that the form
+    of the declared laws leaves.
     """
 
     share: float
     rest: float
-    log_evidence: float
-    best: float
+    gained: float
+    structured: float
     declared: float
 
     @property
     def temperature(self) -> float:
         """T: the factor by which the likelihood is coarsened."""
-        return 1.0 + FORM_ALIKE**2 * max(self.best - self.log_evidence, 0.0)
+        return 1.0 + min(FORM_ALIKE**2 * self.gained, self.structured)
 
 
 def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     """What the hypothesis without effects leaves unexplained."""
     base = next(h for h in hypotheses if not h.effects)
     form = max(DECLARED_FORM, min(base.baseline_share, MOST_DECLARED_FORM))
-    best = max(float(h.log_evidence.max()) for h in hypotheses if not stands_at_bound(h))
-    return Missing(base.share, base.rest, float(base.log_evidence.max()), best, form)
+    best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: float(h.log_evidence.max()))
+    gained = float(best.log_evidence.max()) - float(base.log_evidence.max())
+    return Missing(base.share, base.rest, gained, best.structured, form)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
