@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     from affine_model.swim.device import chosen_device
     from affine_model.swim.table2_curves import ratio_curves
     from tentacle.cli._progress import stages
-    from tentacle.cli.pages.table2 import curves_table, row_table, write_page
+    from tentacle.cli.pages.table2 import curves_table, row_table, write_table2_page
     from tentacle.io.result_folder import written
     from validation.reference_swim import reference_speed
 
@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
         (folder / "table2.json").write_text(json.dumps([row_table(row) for row in rows], indent=1) + "\n")
         if curves is not None:
             (folder / "ratios.json").write_text(json.dumps(curves_table(curves), indent=1) + "\n")
-        write_page(rows, curves, arguments.evaluations, arguments.seed, folder / "report.html")
+        write_table2_page(rows, curves, arguments.evaluations, arguments.seed, folder / "report.html")
     _print_table(table.HEADER, lines)
     for remark in table.REMARKS:
         print(remark)

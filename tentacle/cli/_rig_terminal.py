@@ -20,7 +20,7 @@ def say(words: str) -> None:
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[str, float], None]]:
+def rig_progress_bar() -> Iterator[Callable[[str, float], None]]:
     """A bar that is told the phase and the share done."""
     from rich.console import Console
     from rich.progress import Progress
