@@ -8,7 +8,7 @@ from affine_model.effect import ARM_QUANTITIES, NODE_QUANTITIES, STATE_QUANTITIE
 from affine_model.effects import catalogue
 from affine_model.kernel.trace import symbols_for, traced
 
-LAWS = {
+LAW_NAMES = {
     "stiffness": "stiffness k [N m/rad]",
     "stiffness_share": "relative change of the stiffness",
     "natural_curvature": "curvature of the unloaded arm [rad]",
@@ -36,7 +36,7 @@ def formulas(effect: Effect) -> list[tuple[str, str]]:
     names = {symbol: sympy.Symbol(name, real=True) for name, symbol in vars(p).items()}
     return [
         (words, ", ".join(str(expression.subs(names).evalf(5)) for expression in traced(effect, kind)))
-        for kind, words in LAWS.items()
+        for kind, words in LAW_NAMES.items()
         if getattr(effect, kind) is not None
     ]
 

@@ -24,10 +24,10 @@ from affine_model.arm import Arm, active_effects, parameter_rows
 from affine_model.dynamics import remembering
 from affine_model.effects import catalogue
 
-OFFSET = 1e-5  # of a quantity's own size: truncation ~ offset^2, rounding ~ 1e-16 / offset
+RELATIVE_OFFSET = 1e-5  # of a quantity's own size: truncation ~ offset^2, rounding ~ 1e-16 / offset
 LANES = 16384  # single steps a batch of the kernel
-SUMS = 4  # rows of the summary that are means over the steps
-Run = Callable[..., tuple[Tensor, ...]]
+MEAN_ROWS = 4  # rows of the summary that are means over the steps
+AdjointRun = Callable[..., tuple[Tensor, ...]]
 
 
 def numbers_of(pace: Pace) -> list[float]:
@@ -79,11 +79,11 @@ def _columns(arm: Arm, drive: Drive, parameters: Tensor, of_parameters: bool, of
 
 def _offsets(parameters: Tensor, h: float, size: int, rows: int) -> tuple[Tensor, Tensor, Tensor]:
     """Sizes by which state (X, 1), parameters (R, B) and base (3, 1) are moved."""
-    state = parameters.new_full((rows, 1), OFFSET)
-    state[2 * size : 4 * size] = OFFSET / h  # accelerations: as far as they move the rates in a step
+    state = parameters.new_full((rows, 1), RELATIVE_OFFSET)
+    state[2 * size : 4 * size] = RELATIVE_OFFSET / h  # accelerations: as far as they move the rates in a step
     nominal = parameters.new_tensor([row.parameter.nominal for row in parameter_rows()])
-    own = OFFSET * torch.maximum(parameters.abs(), nominal.abs()[:, None])
-    return state, own, parameters.new_tensor([[OFFSET], [OFFSET], [OFFSET / h]])
+    own = RELATIVE_OFFSET * torch.maximum(parameters.abs(), nominal.abs()[:, None])
+    return state, own, parameters.new_tensor([[RELATIVE_OFFSET], [RELATIVE_OFFSET], [RELATIVE_OFFSET / h]])
 
 
 def _split(arm: Arm, state: Tensor) -> tuple[Tensor, ...]:
@@ -93,7 +93,7 @@ def _split(arm: Arm, state: Tensor) -> tuple[Tensor, ...]:
     return u, u_rate, past, store.unflatten(0, (-1, arm.nodes))
 
 
-def _single_steps(run: Run, arm: Arm, given: _Inputs, pace: Pace) -> Tensor:
+def _single_steps(run: AdjointRun, arm: Arm, given: _Inputs, pace: Pace) -> Tensor:
     """(X + 4 + 4, ...): state after, forces and the summary's means of one step each; all axes of `given` are lanes."""
     lanes = given.state.shape[1:]
     flat = [tensor.reshape(tensor.shape[0], -1) for tensor in (given.state, given.parameters, given.base)]
@@ -102,11 +102,11 @@ def _single_steps(run: Run, arm: Arm, given: _Inputs, pace: Pace) -> Tensor:
     single = replace(pace, stride=1, average_from=0, complete=True)
     base = flat[2][:, None].contiguous()
     u, u_rate, force, past, store, summary = run(flat[1], base, starts, numbers_of(single))
-    after = torch.cat([u[1], u_rate[1], past[0], store[0].flatten(0, 1), force[0], summary[:SUMS]])
+    after = torch.cat([u[1], u_rate[1], past[0], store[0].flatten(0, 1), force[0], summary[:MEAN_ROWS]])
     return after.reshape(-1, *lanes)
 
 
-def _jacobians(run: Run, arm: Arm, drive: Drive, given: _Inputs, columns: _Columns, pace: Pace) -> Tensor:
+def _jacobians(run: AdjointRun, arm: Arm, drive: Drive, given: _Inputs, columns: _Columns, pace: Pace) -> Tensor:
     """d (state, forces, sums) / d column (C, rows, K, B) of K steps; given has axes (rows, K, B)."""
     size, doubled = arm.order + 2, 2 * len(columns)
     moved = _Inputs(
@@ -144,7 +144,7 @@ class Asked:
 
 
 def pulled_back(
-    run: Run, arm: Arm, drive: Drive, tensors: Sequence[Tensor], pace: Pace, asked: Asked
+    run: AdjointRun, arm: Arm, drive: Drive, tensors: Sequence[Tensor], pace: Pace, asked: Asked
 ) -> tuple[Tensor | None, ...]:
     """Gradients of parameters, base, times (None), u, u_rate, past and store from those of advance's outputs.
 
@@ -215,7 +215,7 @@ class _Pull:
         summary = self.gradients[5]
         if summary is None:
             return nothing
-        nothing[: 2 * self.size] = torch.where(self.sound, summary[SUMS + 1 :], 0.0)
+        nothing[: 2 * self.size] = torch.where(self.sound, summary[MEAN_ROWS + 1 :], 0.0)
         return nothing
 
     def at_state(self, k: int, like: Tensor) -> Tensor:
@@ -233,11 +233,11 @@ class _Pull:
 
     def at_step(self, k: int, like: Tensor) -> Tensor:
         """Of forces and means of step k (8, B)."""
-        pull, stride = like.new_zeros(2 * SUMS, like.shape[1]), self.pace.stride
+        pull, stride = like.new_zeros(2 * MEAN_ROWS, like.shape[1]), self.pace.stride
         force, summary = self.gradients[2], self.gradients[5]
         if force is not None and stride and k // stride < force.shape[0]:
-            pull[:SUMS] = torch.where(self.sound, force[k // stride], 0.0) / stride
+            pull[:MEAN_ROWS] = torch.where(self.sound, force[k // stride], 0.0) / stride
         if summary is not None and k >= self.pace.average_from:
             kept = max(self.steps - self.pace.average_from, 1)
-            pull[SUMS:] = torch.where(self.sound, summary[:SUMS], 0.0) / kept
+            pull[MEAN_ROWS:] = torch.where(self.sound, summary[:MEAN_ROWS], 0.0) / kept
         return pull

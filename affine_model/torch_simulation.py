@@ -17,7 +17,7 @@ from affine_model.effects import catalogue
 from affine_model.simulate import STRAIGHT, Start, Timing
 from affine_model.torch_advance import advanced
 
-PENALTY = -1.0  # N, thousand times what an arm can push: stands for the mean thrust of a diverged individual
+DIVERGED_THRUST = -1.0  # N, thousand times what an arm can push: stands for the mean thrust of a diverged individual
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def torch_simulate(
         fluid_force=force[:, :2],
         load=force[:, 2],
         torque=force[:, 3],
-        mean_thrust=torch.where(sound, summary[1], PENALTY),
+        mean_thrust=torch.where(sound, summary[1], DIVERGED_THRUST),
         mean_power=torch.where(sound, summary[2], torch.nan),
         diverged=torch.where(sound, torch.nan, summary[4]).detach(),
     )

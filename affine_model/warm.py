@@ -15,10 +15,10 @@ from affine_model.simulate import Timing, simulate
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 
-USUAL = (2, 5)  # coordinates: the paper's model, and the most that a diagnosis fits
+USUAL_ORDERS = (2, 5)  # coordinates: the paper's model, and the most that a diagnosis fits
 
 
-def not_compiled(orders: Sequence[int] = USUAL) -> list[int]:
+def not_compiled(orders: Sequence[int] = USUAL_ORDERS) -> list[int]:
     """The orders whose kernel this computer has not compiled yet."""
     return [order for order in orders if not is_compiled(arm_of(_model(order)).nodes, order)]
 
@@ -30,7 +30,7 @@ def compile_orders(orders: Sequence[int]) -> None:
         simulate(arm_of(model), parameter_vector(model)[:, None], np.zeros((3, 1, 1)), Timing(1e-3))
 
 
-def start_compiling(orders: Sequence[int] = USUAL) -> subprocess.Popen[bytes] | None:
+def start_compiling(orders: Sequence[int] = USUAL_ORDERS) -> subprocess.Popen[bytes] | None:
     """A process that compiles the kernels that are missing; None where there are none."""
     missing = not_compiled(orders)
     if not missing:

@@ -10,7 +10,7 @@ from affine_model.laws import cos, exp, sin, sqrt, tanh
 from tentacle.law.quantities import ACTS
 from tentacle.law.written_law import WrittenLaw, functions_from
 
-FUNCTIONS = functions_from(sqrt, exp, sin, cos, tanh)
+EFFECT_FUNCTIONS = functions_from(sqrt, exp, sin, cos, tanh)
 
 
 def effect_of(law: WrittenLaw) -> Effect:
@@ -35,14 +35,14 @@ def _relaxation(law: WrittenLaw) -> Law | None:
         return None
 
     def relaxation_time(_: Any, p: Any) -> Any:
-        return law.relaxation_time(vars(p), FUNCTIONS)
+        return law.relaxation_time(vars(p), EFFECT_FUNCTIONS)
 
     return relaxation_time
 
 
 def _values(law: WrittenLaw, x: Any, p: Any) -> Mapping[str, Any]:
     seen = {name: getattr(x, name) for name in ACTS[law.acts][0] if hasattr(x, name)}
-    return law.values(seen, vars(p), FUNCTIONS)
+    return law.values(seen, vars(p), EFFECT_FUNCTIONS)
 
 
 def _pair(law: WrittenLaw) -> PairLaw:

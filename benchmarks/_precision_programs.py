@@ -18,7 +18,7 @@ from affine_model.arm import Arm, neutral_parameters, parameter_index
 from affine_model.curvature import midline
 from affine_model.simulate import Timing, simulate
 from mujoco_ref.engine import mujoco
-from mujoco_ref.midline import midline_points
+from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.simulate import Setup
 from mujoco_ref.simulate import simulate as simulate_chain
 from tentacle.errors import InputError
@@ -196,7 +196,7 @@ def native(case: Case, links: int, substeps: int, integrator: str, own_water: bo
     if not np.all(np.abs(angles) < 100.0):
         raise FloatingPointError("ran away")
     angles = angles[case.motion.periods // 2 * FRAMES - 1 :]
-    xy = midline_points(angles, np.zeros((len(angles), 2)), case.material.specimen.length, S)
+    xy = chain_midline_points(angles, np.zeros((len(angles), 2)), case.material.specimen.length, S)
     cost = np.nan
     if timed:
         cost = processor_seconds(lambda: rollout.rollout(model, [data], start, command, nstep=steps))

@@ -28,15 +28,15 @@ from benchmarks._rig_scene import (
 from rig.board import Board
 from rig.build_core import compiled
 from rig.calibrate import camera_offset
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.connection import connected, opened_camera
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator, EmulatorSettings
 from rig.link import Link
-from rig.motion import motion_of
-from rig.play import arm
-from rig.protocol import Event, Frame, LoadSample, Parser, Type, encode
-from rig.record import Attendance, record
+from rig.motion import rig_motion
+from rig.play import arm_board
+from rig.protocol import BoardEvent, LoadSample, Parser, Type, WireFrame, encode
+from rig.record import Attendance, record_run
 from rig.run_file import read_run
 from rig.safety import ServoCalibration
 from rig.setup_file import CameraSettings
@@ -102,7 +102,7 @@ def faulty_line(folder: Path, share: float, seconds: float) -> tuple[Outcome, in
         board = Board(Link(emulator.url))
         board.connect()
         emulator.say("line", share, share, share)
-        arm(board, LIMITS, ServoCalibration())
+        arm_board(board, LIMITS, ServoCalibration())
         samples, start, end = played(board, seconds)
         counters = board.counters
         emulator.say("line", 0.0, 0.0, 0.0)
@@ -129,10 +129,10 @@ def run_faults(folder: Path) -> tuple[list[Outcome], list[float]]:
         with Emulator(folder / name.split()[0], EmulatorSettings(seed=13)) as emulator:
             board = Board(Link(emulator.url))
             board.connect()
-            arm(board, LIMITS, ServoCalibration())
+            arm_board(board, LIMITS, ServoCalibration())
             samples, start, end = played(board, 4.0, once(at, lambda: deed(emulator)))
             after = to_neutral(emulator)
-            events = ", ".join(sorted({f"{s.code}" for s in samples if isinstance(s, Event)}))
+            events = ", ".join(sorted({f"{s.code}" for s in samples if isinstance(s, BoardEvent)}))
             good = end.outcome in expected and after < 1.0 and wrong_samples(samples, start, 4.0) == 0
             outcomes.append(
                 Outcome(
@@ -182,11 +182,11 @@ def full_disk(folder: Path) -> Outcome:
         setup = setup_for(emulator)
         begun = time.monotonic()
         with connected(setup) as board:
-            result = record(
+            result = record_run(
                 setup,
                 board,
                 None,
-                motion_of(WAVE, 20.0, setup.limits, TABLE),
+                rig_motion(WAVE, 20.0, setup.limits, TABLE),
                 folder / "full.rrd",
                 Attendance(name="full", free_bytes=lambda _: 0 if time.monotonic() - begun > 4.0 else 10**10),
             )
@@ -201,9 +201,9 @@ def stalled_camera(folder: Path) -> Outcome:
         setup = setup_for(emulator, camera=CameraSettings("emulated", 0.049, 0.001))
         optics = replace(EmulatedOptics.of(DECLARED), stall=(5.0, 6.5))
         with connected(setup) as board:
-            camera = Camera(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
-            motion = motion_of(WAVE, 4.0, setup.limits, TABLE)
-            result = record(setup, board, camera, motion, folder / "stall.rrd", Attendance(name="stall"))
+            camera = CameraThread(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
+            motion = rig_motion(WAVE, 4.0, setup.limits, TABLE)
+            result = record_run(setup, board, camera, motion, folder / "stall.rrd", Attendance(name="stall"))
             camera.close()
         run = read_run(folder / "stall.rrd")
     seconds = [round(b - a, 2) for a, b in run.stop["camera"]["gaps_host_s"]] if run.stop else []
@@ -223,7 +223,7 @@ def fuzz(frames: int) -> Outcome:
         parser.feed(source.randbytes(source.randrange(1, 60)) + b"\0")
     for number in range(frames):
         original = encode(
-            Frame(Type.LOAD, number & 255, (number & 0xFFFFFFFF).to_bytes(4, "little") + source.randbytes(12))
+            WireFrame(Type.LOAD, number & 255, (number & 0xFFFFFFFF).to_bytes(4, "little") + source.randbytes(12))
         )
         data = bytearray(original)
         damage(data, source)

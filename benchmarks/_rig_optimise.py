@@ -13,7 +13,7 @@ from rig.emulator import Emulator, EmulatorSettings
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits
-from rig.optimise import StudyPlan, Suggestions, Trial, best, optimise
+from rig.optimise import RigTrial, StudyPlan, Suggestions, best, optimise_on_rig
 from rig.record import trial_runner
 from rig.reidentify import proposer
 from rig.setup_file import CameraSettings
@@ -74,7 +74,7 @@ def true_propulsion(space: GaitSpace, plan: TrialPlan, point: dict[str, float]) 
 
 def optimised(
     folder: Path, space: GaitSpace, plan: TrialPlan, trials: int, reidentify: int, rate: float
-) -> tuple[list[Trial], list[str]]:
+) -> tuple[list[RigTrial], list[str]]:
     """`rig optimise` from a model that lacks what the arm has: its trials, and what the diagnoses said."""
     folder.mkdir(parents=True, exist_ok=True)
     write_model(DECLARED, folder / "model.toml")
@@ -91,9 +91,9 @@ def optimised(
             propose = proposer(space, plan, believed=DECLARED, told=verdicts.append)
         with connected(setup) as board, opened_camera(setup, board.time) as camera:
             runner = trial_runner(setup, board, camera)
-            done: list[Trial] = []
+            done: list[RigTrial] = []
             try:
-                done.extend(optimise(folder / "study", study, runner, Suggestions(first, propose)))
+                done.extend(optimise_on_rig(folder / "study", study, runner, Suggestions(first, propose)))
             except Fault as fault:
                 print(f"{folder.name}: broke off after {len(done)} trials: {fault}")
             return done, verdicts

@@ -15,7 +15,7 @@ from pathlib import Path
 from rig.board import Board
 from rig.emulator import Emulator
 from rig.play import PlayEnd, PlayStart, play
-from rig.protocol import Event, EventCode, LoadSample, Sample, ServoSample
+from rig.protocol import BoardEvent, EventCode, LoadSample, Sample, ServoSample
 from rig.safety import SafetyLimits, set_points
 from rig.settle import SettleRule
 from rig.setup_file import LoadCellCalibration, RigSetup, write_setup
@@ -100,7 +100,7 @@ def wrong_samples(samples: list[Sample], start: PlayStart, seconds: float) -> in
     if not start.start_us:
         return 0  # it never started: there is nothing to compare with
     wrong, last = 0, -1
-    ends = [s.board_us for s in samples if isinstance(s, Event) and s.code in ENDED]
+    ends = [s.board_us for s in samples if isinstance(s, BoardEvent) and s.code in ENDED]
     seconds = min([seconds, *(1e-6 * (us - start.start_us) for us in ends)])
     for sample in samples:
         wrong += sample.board_us < last

@@ -29,7 +29,7 @@ from affine_model.simulate import simulate  # noqa: E402
 from affine_model.swim.limits import GaitLimits, search_box  # noqa: E402
 from affine_model.swim.objectives import weighted  # noqa: E402
 from affine_model.swim.search import search  # noqa: E402
-from affine_model.swim.trial import Trial  # noqa: E402
+from affine_model.swim.trial import GaitTrial  # noqa: E402
 from benchmarks._other_simulators import OTHERS, environment, run  # noqa: E402
 from benchmarks.mujoco_chain import chain_model, roll  # noqa: E402
 from inference.experiment import Experiment  # noqa: E402
@@ -217,7 +217,7 @@ def others(short: bool, figures: dict[str, float]) -> None:
 
 def paper_search(short: bool, figures: dict[str, float]) -> None:
     """The paper's optimisation: 50 gaits, 100 generations, 10 s each."""
-    trial = Trial(ARM, parameters()[:, None], settle=4.0, window=6.0, step=STEP)
+    trial = GaitTrial(ARM, parameters()[:, None], settle=4.0, window=6.0, step=STEP)
     generations = 4 if short else 100
     start = time.perf_counter()
     for _ in search(

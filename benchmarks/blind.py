@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from tentacle.runner import Runner
 from validation.trials.figures import figures
-from validation.trials.plant_design import DRAWN, plant_designs
+from validation.trials.plant_design import DRAWN_PLANTS, plant_designs
 from validation.trials.series import run_series
 
 FULL, SHORT = 400, 8
@@ -39,7 +39,7 @@ def main() -> None:
     parser.add_argument("--results", type=Path, help="folder of results, so that a stopped run goes on")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(
-        "--plant", nargs="+", default=DRAWN, help=f"drawn from for each trial (default {' '.join(DRAWN)})"
+        "--plant", nargs="+", default=DRAWN_PLANTS, help=f"drawn from for each trial (default {' '.join(DRAWN_PLANTS)})"
     )
     arguments = parser.parse_args()
     count = arguments.trials or (SHORT if arguments.short else FULL)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from discovery.diagnose import diagnose
 from mujoco_ref.export.mjcf import export_mjcf
-from mujoco_ref.undeclared import Noise, Scenario, make
+from mujoco_ref.undeclared import Noise, Scenario, make_recording
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Chirp
@@ -33,7 +33,9 @@ def figures() -> dict[str, float]:
     ratios, alone = [], []
     for seed, hidden in enumerate(HIDDEN):
         name = "+".join(hidden) or "nothing"
-        recording, _ = make(hidden, Scenario(model, wave, SECONDS, FPS), seed, Noise(midline=1.5e-4), name=name)
+        recording, _ = make_recording(
+            hidden, Scenario(model, wave, SECONDS, FPS), seed, Noise(midline=1.5e-4), name=name
+        )
         found = diagnose([recording], [], [], seed=seed)
         answer = found.augmented_model
         made = export_mjcf(answer)

@@ -31,7 +31,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from vision.render import Filming
+from vision.render import RenderSettings
 
 ROOT = Path(__file__).parents[1]
 PAPER_SECONDS = 39.0
@@ -83,7 +83,7 @@ def film(folder: Path, seconds: float) -> Path:
     camera = Camera(30.0, 0.0006, (320.0, 40.0), (0.0, 1.0))
     midline = moved.midline
     video = folder.parent / f"{folder.name}.mp4"
-    write_video(video, render(midline, arm, camera, Filming((640, 360), CLEAN, 1)), midline.t, crf=18)
+    write_video(video, render(midline, arm, camera, RenderSettings((640, 360), CLEAN, 1)), midline.t, crf=18)
     t = np.arange(0.0, seconds + 1.0, 0.01)
     angle = waveform(t)[0]
     recording = Recording(

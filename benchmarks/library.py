@@ -25,7 +25,7 @@ from affine_model.curvature import midline
 from affine_model.from_model import simulate_model
 from affine_model.simulate import Timing
 from tentacle.io.library import conditions, open_library
-from tentacle.io.library.layers import code_version, write_layer
+from tentacle.io.library.layers import library_code_version, write_layer
 from tentacle.io.recording_rrd import read_rrd, write_rrd
 from tentacle.model import Estimate, Model
 from tentacle.recording import Declaration, Recording
@@ -70,7 +70,7 @@ def stand_in_verdicts(folder: Path) -> None:
         E, sd = 2e5 * (1.0 - 2e-5 * k), 2e3
         verdict, effects = ("effect", "current") if k % 5 == 0 else ("nothing_missing", "")
         layer = {
-            "sha256": row["sha256"], "code": code_version(), "verdict": verdict, "effects": effects,
+            "sha256": row["sha256"], "code": library_code_version(), "verdict": verdict, "effects": effects,
             "confidence": float(random.uniform(0.8, 1.0)), "before_mm": 0.3, "floor_mm": 0.14, "held_out": True,
             "after_mm": float(random.uniform(0.14, 0.2)), "failed": None,
             "residual_mm": random.uniform(0, 0.3, (16, 60)).tolist(),

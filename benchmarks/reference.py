@@ -23,7 +23,7 @@ import numpy as np
 from mujoco_ref.engine import mujoco
 from mujoco_ref.modes import natural_frequencies
 from mujoco_ref.simulate import Setup, make_stepper, simulate
-from mujoco_ref.step import State
+from mujoco_ref.step import ChainState
 from mujoco_ref.third_opinion import first_frequency, is_installed
 from tentacle.model import Estimate, Model
 from tentacle.runner import Runner
@@ -86,7 +86,7 @@ def momentum() -> dict[str, float]:
     model = replace(swimmer(), parameters={k: v for k, v in swimmer().parameters.items() if k != "added_mass"})
     stepper, wave, step = make_stepper(model), Sine(0.5, 1.3), 1e-3
     compiled, data = stepper.chain.model, mujoco.MjData(stepper.chain.model)
-    state, total = State.at_rest(stepper.chain.links), float(stepper.chain.model.body_mass.sum())
+    state, total = ChainState.at_rest(stepper.chain.links), float(stepper.chain.model.body_mass.sum())
     carried = (
         total - compiled.body_mass[1] - model.fluid.density * stepper.body.links[:, 1].sum()
     ) * compiled.opt.gravity[:2]

@@ -24,13 +24,13 @@ from rig.record import Attendance
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # before benchmarks/, which holds a rig.py too
 
 from benchmarks._rig_scene import setup_for
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.connection import connected
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator, EmulatorSettings
 from rig.fault import Fault
-from rig.motion import described, motion_of
-from rig.record import RunResult, record
+from rig.motion import described, rig_motion
+from rig.record import RunResult, record_run
 from rig.run_file import Run, iterate_frames, read_run
 from rig.settle import SettleRule
 from tentacle.errors import InputError
@@ -81,16 +81,16 @@ def one_run(folder: Path, number: int, random: np.random.Generator) -> tuple[str
         full = name == "disk full"
         try:
             with connected(setup) as board:
-                camera = Camera(
+                camera = CameraThread(
                     lambda: EmulatedSource(emulator.trace, EmulatedOptics.of(setup.recording.declaration), board.time),
                     board.time,
                 )
                 try:
-                    result = record(
+                    result = record_run(
                         setup,
                         board,
                         camera,
-                        motion_of(wave, SECONDS, setup.limits, described(wave)),
+                        rig_motion(wave, SECONDS, setup.limits, described(wave)),
                         path,
                         Attendance(
                             name=path.stem, progress=progress, free_bytes=lambda _: 0 if full and done else 10**9

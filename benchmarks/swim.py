@@ -30,7 +30,7 @@ from affine_model.swim import (
     OBJECTIVES,
     SearchPlan,
     assumed_model,
-    optimise,
+    optimise_gait,
     paper_cone,
     robust_trial,
     run,
@@ -38,8 +38,8 @@ from affine_model.swim import (
     search_box,
     trial_of,
 )
-from affine_model.swim.objectives import scores
-from affine_model.swim.table2 import HEADER, REMARKS, cells, ratios, table2
+from affine_model.swim.objectives import gait_scores
+from affine_model.swim.table2 import REMARKS, TABLE2_HEADER, cells, ratios, table2
 from benchmarks.affine import operations_per_step
 from validation.reference_swim import reference_speed
 
@@ -49,7 +49,7 @@ EVALUATIONS = 5000  # the paper's 50 x 100
 
 def measure_table2(figures: dict[str, float], evaluations: int) -> None:
     rows = table2(evaluations=evaluations, seed=1, reference=reference_speed)
-    print(*HEADER, sep=" | ")
+    print(*TABLE2_HEADER, sep=" | ")
     gaps = []
     for line in cells(rows):
         print(*line, sep=" | ")
@@ -65,9 +65,9 @@ def measure_table2(figures: dict[str, float], evaluations: int) -> None:
 
 def measure_time(figures: dict[str, float], evaluations: int) -> None:
     trial = trial_of(assumed_model(paper_cone(0.21), SILICONE))
-    optimise(trial, OBJECTIVES["thrust"], SearchPlan(evaluations=50))  # loads the compiled kernels
+    optimise_gait(trial, OBJECTIVES["thrust"], SearchPlan(evaluations=50))  # loads the compiled kernels
     begin, cpu = time.perf_counter(), time.process_time()
-    found = optimise(trial, OBJECTIVES["thrust"], SearchPlan(evaluations=evaluations))
+    found = optimise_gait(trial, OBJECTIVES["thrust"], SearchPlan(evaluations=evaluations))
     figures["optimise_s"] = time.perf_counter() - begin
     figures["optimise_cpu_s"] = time.process_time() - cpu
     print(
@@ -142,11 +142,11 @@ def gpu_seconds(work: Callable[[], object]) -> float:
 def measure_robust(figures: dict[str, float], evaluations: int, samples: int) -> None:
     model = assumed_model(paper_cone(0.21), SILICONE)
     trial, thrust = trial_of(model), OBJECTIVES["thrust"]
-    plain = optimise(trial, thrust, SearchPlan(evaluations=evaluations))
-    robust = optimise(robust_trial(trial, model, samples, seed=0), thrust, SearchPlan(evaluations=evaluations))
+    plain = optimise_gait(trial, thrust, SearchPlan(evaluations=evaluations))
+    robust = optimise_gait(robust_trial(trial, model, samples, seed=0), thrust, SearchPlan(evaluations=evaluations))
     judges = robust_trial(trial, model, 64, seed=99)
     both = np.array([robust.gait.alpha, plain.gait.alpha]).T
-    of_robust, of_plain = scores(thrust, judges, run(judges, both))
+    of_robust, of_plain = gait_scores(thrust, judges, run(judges, both))
     figures["robust_gain"] = float(of_robust / of_plain)
     print(f"worst quarter of 64 fresh arms: robust {1e3 * of_robust:.1f} mN, plain {1e3 * of_plain:.1f} mN")
 

@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from vision.render import Filming
+from vision.render import RenderSettings
 
 sys.path[0] = str(Path(__file__).resolve().parents[1])  # this file's own name would hide the room that it measures
 
@@ -31,8 +31,8 @@ from vision.frames import read_frames  # noqa: E402
 from vision.looks import CLEAN, LOOKS  # noqa: E402
 from vision.render import render  # noqa: E402
 from vision.scene import swaying  # noqa: E402
-from vision.track import stream  # noqa: E402
-from vision.validate import as_json, judge_disturbed, judge_look, table  # noqa: E402
+from vision.track import stream_tracking  # noqa: E402
+from vision.validate import judge_disturbed, judge_look, look_table, results_json  # noqa: E402
 
 WORM_FPS = 15.0
 SHORT_FILMS = ("fish", "light", "debris")
@@ -70,7 +70,7 @@ def worm(short: bool) -> dict[str, float]:
 def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
     """Tracking rate with decoding, past the first frames, on a clip that runs to and fro until it has length frames."""
     scene = swaying(seed=1, frames=frames, size=size)
-    pictures = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1)))
     there_and_back = [*range(frames), *range(frames - 2, 0, -1)]
     order = [there_and_back[k % len(there_and_back)] for k in range(length)]
     times = np.arange(length) / scene.camera.fps
@@ -78,7 +78,7 @@ def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
         video = Path(folder) / "video.mp4"
         write_video(video, (pictures[k] for k in order), times, crf=18)
         motor = MotorSignal(times, scene.theta[order], scene.theta[order])
-        _, results = stream(video, Declaration(scene.specimen, camera=scene.camera), motor)
+        _, results = stream_tracking(video, Declaration(scene.specimen, camera=scene.camera), motor)
         begin, busy, accepted = 0.0, 0.0, 0
         for k, seen in enumerate(results):
             accepted += seen.accepted
@@ -93,7 +93,7 @@ def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
 def memory_growth(frames: int) -> float:
     """Growth of the resident memory [MB] while a long stream is followed, from its first tenth to its end."""
     scene = swaying(seed=1, frames=40, size=(160, 120))
-    pictures = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1)))
     there_and_back = [*range(40), *range(38, 0, -1)]
     order = [there_and_back[k % len(there_and_back)] for k in range(frames)]
     times = np.arange(frames) / scene.camera.fps
@@ -101,7 +101,7 @@ def memory_growth(frames: int) -> float:
         video = Path(folder) / "video.mp4"
         write_video(video, (pictures[k] for k in order), times)
         motor = MotorSignal(times, scene.theta[order], scene.theta[order])
-        _, results = stream(video, Declaration(scene.specimen, camera=scene.camera), motor)
+        _, results = stream_tracking(video, Declaration(scene.specimen, camera=scene.camera), motor)
         begin = 0.0
         for k, _ in enumerate(results):
             if k == frames // 10:
@@ -157,7 +157,7 @@ def main() -> None:
     for name in looks:
         size = (640, 360) if short else (1280, 720)
         results.append(judge_look(LOOKS[name], (1,) if short else (1, 2, 3), 30 if short else 150, size))
-        print(table(results[-1:]) if len(results) == 1 else table(results[-1:]).splitlines()[-1], flush=True)
+        print(look_table(results[-1:]) if len(results) == 1 else look_table(results[-1:]).splitlines()[-1], flush=True)
     figures["rms_over_limit_max"] = max(result.rms_over_limit for result in results)
     figures["rms_over_pose_known_max"] = max(result.rms_over_pose_known for result in results)
     figures["z_rms_min"] = min(result.z_rms for result in results)
@@ -167,7 +167,9 @@ def main() -> None:
         tracked, wrong = judge_disturbed(disturb, 3, 30 if short else 90, (640, 360) if short else (1280, 720))
         figures[f"false_accepts_{disturb}"] = float(wrong)
         print(f"{disturb}: {tracked.shape.accepted.mean():.0%} accepted, {wrong} wrongly; {'; '.join(tracked.remarks)}")
-    arguments.json.write_text(json.dumps({"figures": figures, "looks": as_json(results)}, indent=1), encoding="utf-8")
+    arguments.json.write_text(
+        json.dumps({"figures": figures, "looks": results_json(results)}, indent=1), encoding="utf-8"
+    )
     for name, value in figures.items():
         print(f"{name:32s} {value:.4g}")
 

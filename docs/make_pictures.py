@@ -117,8 +117,8 @@ def live(folder: Path) -> None:
     """A run on the emulated rig, photographed while it lasts."""
     from rig import live_feed
     from rig.connection import connected, opened_camera
-    from rig.motion import motion_of
-    from rig.record import record
+    from rig.motion import rig_motion
+    from rig.record import record_run
     from rig.setup_file import read_setup
     from tentacle.cli._rig_terminal import live_paths
     from tentacle.io.waveform_file import read_waveform
@@ -135,12 +135,12 @@ def live(folder: Path) -> None:
         while not (folder / "emulated" / "rig.toml").exists():
             time.sleep(0.2)
         setup = read_setup(folder / "emulated" / "rig.toml")
-        motion = motion_of(read_waveform(folder / "wave.toml"), 8.0, setup.limits, {})
+        motion = rig_motion(read_waveform(folder / "wave.toml"), 8.0, setup.limits, {})
         with headless_viewer() as viewer, connected(setup) as board, opened_camera(setup, board.time) as camera:
-            send_live_layout(viewer.url, live_feed.APPLICATION, live_paths(camera=True))
+            send_live_layout(viewer.url, live_feed.RIG_APPLICATION, live_paths(camera=True))
             out, address = folder / "run.rrd", viewer.url
             words = {"name": "run", "viewer": address}
-            run = threading.Thread(target=record, args=(setup, board, camera, motion, out), kwargs=words)
+            run = threading.Thread(target=record_run, args=(setup, board, camera, motion, out), kwargs=words)
             run.start()
             time.sleep(13.0)  # it settles, and synchronises the camera, before it moves
             (folder / "view.png").write_bytes(viewer.take_screenshot())
@@ -186,7 +186,7 @@ def maps(folder: Path) -> None:
     from docs.arm import shown_arm
     from tentacle.io.model_file import read_model
     from tentacle.runner import Runner
-    from validation.validity_map import AMPLITUDES, LEVELS, ORDERS, RATIOS, validity_maps, variants
+    from validation.validity_map import AMPLITUDES, LEVELS, MAP_ORDERS, RATIOS, validity_maps, variants
     from viz.figures.flexibility import flexibility_figure
     from viz.figures.style import save
     from viz.figures.validity_map import validity_figure
@@ -196,10 +196,10 @@ def maps(folder: Path) -> None:
     keep(photograph(folder / "mapped" / "report.html", 1180), "report_validity")
     # The same call as the verb's: its results are found, not computed.
     found = validity_maps(variants(read_model(folder / "thick.toml"), [0.5], [20.0]), Runner(folder / "mapped/cells"))
-    errors = {f"shape, order {o}": found[0].shape[i] for i, o in enumerate(ORDERS)}
-    errors |= {f"mean thrust, order {o}": found[0].thrust[i] for i, o in enumerate(ORDERS)}
+    errors = {f"shape, order {o}": found[0].shape[i] for i, o in enumerate(MAP_ORDERS)}
+    errors |= {f"mean thrust, order {o}": found[0].thrust[i] for i, o in enumerate(MAP_ORDERS)}
     save(validity_figure(RATIOS, AMPLITUDES, errors, LEVELS), folder / "validity.png")
-    over = {f"shape, order {o}": {m.label: m.shape[i] for m in found} for i, o in enumerate(ORDERS)}
+    over = {f"shape, order {o}": {m.label: m.shape[i] for m in found} for i, o in enumerate(MAP_ORDERS)}
     save(flexibility_figure(RATIOS, {m.label: m.flexibility for m in found}, over, LEVELS), folder / "flexibility.png")
     tentacle("tentacle reproduce fig9 --out fig9", folder)
     photograph(folder / "fig9" / "report.html", 1300).rename(folder / "fig9.png")

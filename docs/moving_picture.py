@@ -13,7 +13,7 @@ from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.figures.finding import in_base_frame, rms_at
 from viz.palette import MEASURED
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 from viz.video import frames, upright
 
 PANEL, STRIP = (360, 394), 70  # px
@@ -22,7 +22,7 @@ EVERY, SECONDS = 2, 6.0  # of the film's frames; of the judged part
 INK, FAINT = (27, 27, 27), (120, 120, 120)
 
 
-def moving_picture(scene: Scene, recording: Recording, file: Path) -> Path:
+def moving_picture(scene: ViewedRun, recording: Recording, file: Path) -> Path:
     """Write an animated WebP of the judged part of a run."""
     camera = recording.declaration.camera
     assert camera is not None
@@ -43,7 +43,7 @@ def moving_picture(scene: Scene, recording: Recording, file: Path) -> Path:
     return file
 
 
-def page(scene: Scene, under: Image.Image, instant: int, chosen: Array) -> Image.Image:
+def page(scene: ViewedRun, under: Image.Image, instant: int, chosen: Array) -> Image.Image:
     """One picture: a panel a model, and under each its error so far."""
     width, height = PANEL
     whole = Image.new("RGB", (2 * width + 12, height + STRIP + 26), "white")

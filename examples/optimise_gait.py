@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from affine_model.swim import OBJECTIVES, SearchPlan, assumed_model, optimise, paper_cone, trial_of
+from affine_model.swim import OBJECTIVES, SearchPlan, assumed_model, optimise_gait, paper_cone, trial_of
 from viz.figures.motion import motion_figure
 from viz.figures.style import save
 
 trial = trial_of(assumed_model(paper_cone(0.21), "dragon-skin-10"))
-found = optimise(trial, OBJECTIVES["speed"], SearchPlan(evaluations=1500, seed=1))
+found = optimise_gait(trial, OBJECTIVES["speed"], SearchPlan(evaluations=1500, seed=1))
 best, sine = found.promise, found.sine_promise
 print(f"on a rail it swims {100 * best.speed:.2f} cm/s, the best sine {100 * sine.speed:.2f}: {found.gain:.2f} times")
 print(f"clamped it pulls {1e3 * best.thrust:.1f} mN, the sine {1e3 * sine.thrust:.1f} mN")

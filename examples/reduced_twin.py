@@ -18,7 +18,7 @@ from mujoco_ref.simulate import simulate as simulate_reference
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Ramped, Sine
-from viz.compare import Motion, motions_scene
+from viz.compare import ComparedMotion, motions_scene
 from viz.figures.shapes import shapes_figure
 from viz.figures.style import save
 
@@ -46,7 +46,7 @@ apart = np.linalg.norm(xy - reference.midline.xy, axis=2)
 print(f"distance of the midlines: {1e3 * np.sqrt(np.mean(apart**2)):.2f} mm rms, {1e3 * apart.max():.2f} mm at most")
 
 # %%
-motions = {"reference": Motion(reference.midline.xy), "two coordinates": Motion(xy)}
+motions = {"reference": ComparedMotion(reference.midline.xy), "two coordinates": ComparedMotion(xy)}
 figure = shapes_figure(motions_scene("twin", reference.t, s, reference.theta, motions))
 save(figure, Path("reduced_twin.png"))
 figure

@@ -19,7 +19,7 @@ from vision.encode import write_picture, write_video
 from vision.frames import read_frames
 from vision.looks import look_named
 from vision.overlay import contact_sheet
-from vision.render import Filming, frame_times, render
+from vision.render import RenderSettings, frame_times, render
 from vision.track import track_fully
 from viz.figures.style import house_style, new_figure
 from viz.track import track_scene
@@ -31,7 +31,7 @@ motion = Ramped(Sine(0.6, 1.2), duration=0.5)  # rad, Hz; s
 run = simulate(model, motion, 1.5, 30.0)
 
 camera, look = Camera(30.0, 0.0006, (240.0, 40.0), (0.0, 1.0)), look_named("tank")
-frames = render(run.midline, arm, camera, Filming((480, 360), look, 1))
+frames = render(run.midline, arm, camera, RenderSettings((480, 360), look, 1))
 write_video(Path("tank.mp4"), frames, frame_times(run.t, look, seed=1), crf=6)
 
 # %%

@@ -18,13 +18,15 @@ from tentacle.recording import Camera
 from tentacle.signals import Array, Midline
 from tentacle.specimen import Specimen
 
-PIECES = 120  # cylinders along the arm: shorter than the arm is thick, so the outline is smooth to .05 px
+CYLINDERS = 120  # cylinders along the arm: shorter than the arm is thick, so the outline is smooth to .05 px
 DISTANCE = 1.0  # m from the arm's plane; an orthographic picture does not depend on it
 ARM_COLOUR, GROUND_COLOUR = (0.16, 0.17, 0.20, 1.0), (0.80, 0.83, 0.85)
 NO_BACKEND = "an offscreen backend: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri, then MUJOCO_GL=egl"
 
 
-def film(midline: Midline, specimen: Specimen, camera: Camera, size: tuple[int, int]) -> Iterator[NDArray[np.uint8]]:
+def mujoco_film(
+    midline: Midline, specimen: Specimen, camera: Camera, size: tuple[int, int]
+) -> Iterator[NDArray[np.uint8]]:
     """Yield an RGB frame (height, width, 3) for each time of the midline; size (width, height) [px].
 
     The midline is in the base frame and reaches from base to tip. InputError where there is no backend to draw with,
@@ -36,10 +38,10 @@ def film(midline: Midline, specimen: Specimen, camera: Camera, size: tuple[int, 
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     try:
-        renderer = mujoco.Renderer(model, size[1], size[0], max_geom=2 * PIECES + 20)
+        renderer = mujoco.Renderer(model, size[1], size[0], max_geom=2 * CYLINDERS + 20)
     except Exception as error:  # whatever the backend raises where there is none
         raise InputError(f"MuJoCo cannot draw ({error})", field="--video mujoco", expected=NO_BACKEND) from None
-    s = np.linspace(0.0, 1.0, PIECES + 1)
+    s = np.linspace(0.0, 1.0, CYLINDERS + 1)
     radius = specimen.section.half_thickness(0.5 * (s[1:] + s[:-1]))
     with renderer:
         for points in midline.xy:

@@ -13,7 +13,7 @@ from tentacle.model import Model
 from tentacle.signals import Array
 
 
-def drag_along(model: Model, t: Array, s: Array, xy: Array) -> Array:
+def chain_drag_along(model: Model, t: Array, s: Array, xy: Array) -> Array:
     """Drag per length (T, P, 2) [N/m] in the base frame, of a midline xy (T, P, 2) [m] at t (T,) [s] and s (P,).
 
     Relative to the water of the model's effects; added mass and buoyancy are not among it. NaN where the motion is.

@@ -20,7 +20,7 @@ Fields = Any  # one record, or a row of them, inside compiled code: its fields a
 Parameters = Mapping[str, Mapping[str, float]]
 
 _F = np.float64
-WATER = np.dtype(
+WATER_RECORD = np.dtype(
     [
         ("density", _F),  # [kg/m^3]
         ("C_perp", _F),  # normal drag coefficient on the width, eq. 15
@@ -91,7 +91,7 @@ HINGE = np.dtype(
         ("one_sided", _F),  # relative change of stiffness per hinge angle [1/rad]
     ]
 )
-BASE = np.dtype(
+BASE_RECORD = np.dtype(
     [
         ("free_x", _F),  # 1: the mount moves along x on a spring [N/m] and damper [N s/m]
         ("spring_x", _F),
@@ -114,7 +114,7 @@ BASE = np.dtype(
 )
 
 
-def record(dtype: np.dtype, **values: float) -> Record:
+def make_record(dtype: np.dtype, **values: float) -> Record:
     """One record (1,) of that type, zero but for the values given."""
     made = np.zeros(1, dtype)
     for name, value in values.items():
@@ -201,8 +201,8 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
     def take(effect: str, name: str, default: float = 0.0) -> float:
         return value(parameters, effect, name, default)
 
-    return record(
-        WATER,
+    return make_record(
+        WATER_RECORD,
         density=density,
         C_perp=take("drag", "C_perp"),
         C_t=take("skin_drag", "C_t"),
@@ -237,7 +237,7 @@ def rest_record(parameters: Parameters, length: float, density: float) -> Record
     names = ("push", "tether", "tip_tether", "bowed_tether", "tip_brake")
     numbers = {name: value(parameters, "unnamed", name) for name in names}
     numbers["bowed_tether"] /= length
-    return record(REST, **numbers, density=density, acts=float(any(numbers.values())))
+    return make_record(REST, **numbers, density=density, acts=float(any(numbers.values())))
 
 
 def tip_record(parameters: Parameters, length: float) -> Record:
@@ -246,7 +246,7 @@ def tip_record(parameters: Parameters, length: float) -> Record:
     def take(effect: str, name: str, default: float = 0.0) -> float:
         return value(parameters, effect, name, default)
 
-    return record(
+    return make_record(
         TIP,
         thread_x=take("thread", "anchor_x", -0.5 * length),
         thread_y=take("thread", "anchor_y", length),

@@ -11,7 +11,7 @@ from tentacle.signals import Array
 _FINE = 8  # Simpson intervals between two nodes: the quadrature error is far below the spline's
 
 
-def midline_points(angles: Array, mount: Array, length: float, s: Array) -> Array:
+def chain_midline_points(angles: Array, mount: Array, length: float, s: Array) -> Array:
     """Points (F, P, 2) [m] of the midline in the base frame.
 
     angles (F, n + 1): tangent angle at s = k/n [rad]; mount (F, 2) [m]; s (P,) in [0, 1]. r(s) = L int (-sin phi, cos

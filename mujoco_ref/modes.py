@@ -5,26 +5,26 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
-from mujoco_ref.statics import equilibrium
-from mujoco_ref.step import State, Stepper
+from mujoco_ref.statics import chain_equilibrium
+from mujoco_ref.step import ChainState, Stepper
 from tentacle.signals import Array
 
 _PERTURBATION = 1e-6  # [rad]
 
 
-def mass_matrix(stepper: Stepper, state: State) -> Array:
+def mass_matrix(stepper: Stepper, state: ChainState) -> Array:
     """MuJoCo's mass matrix plus the added mass (n + 3, n + 3) in this state."""
     return stepper.balance(state)[0]
 
 
-def stiffness_matrix(stepper: Stepper, state: State) -> Array:
+def stiffness_matrix(stepper: Stepper, state: ChainState) -> Array:
     """Change of the static moments at the hinges with the hinge angles (n, n) [N m/rad], weight included."""
     links = stepper.chain.links
     matrix = np.empty((links, links))
     for j in range(links):
         sides = []
         for sign in (1.0, -1.0):
-            moved = State(state.q.copy(), state.v, state.a, state.hinge_memory, state.base_memory, state.t)
+            moved = ChainState(state.q.copy(), state.v, state.a, state.hinge_memory, state.base_memory, state.t)
             moved.q[3 + j] += sign * _PERTURBATION
             sides.append(stepper.residual(moved)[3:])
         matrix[:, j] = -(sides[0] - sides[1]) / (2.0 * _PERTURBATION)
@@ -33,6 +33,6 @@ def stiffness_matrix(stepper: Stepper, state: State) -> Array:
 
 def natural_frequencies(stepper: Stepper, theta: float = 0.0, count: int = 3) -> Array:
     """The lowest undamped natural frequencies (count,) [Hz] of the clamped chain about its shape at rest."""
-    state = equilibrium(stepper, theta)
+    state = chain_equilibrium(stepper, theta)
     squares = eigh(stiffness_matrix(stepper, state), mass_matrix(stepper, state)[3:, 3:], eigvals_only=True)
     return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * np.pi)

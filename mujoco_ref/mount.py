@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from mujoco_ref.chain import Mount
 from mujoco_ref.hinges import bristle
-from mujoco_ref.influence import BASE, Fields, Parameters, Record, record, value
+from mujoco_ref.influence import BASE_RECORD, Fields, Parameters, Record, make_record, value
 from mujoco_ref.step_arguments import Equation, Midpoint
 from tentacle.compiled import njit
 from tentacle.errors import InputError
@@ -19,7 +19,7 @@ RAIL_STRETCH = 1e-5  # [m] at which the rail's friction yields
 
 
 @dataclass(frozen=True)
-class Servo:
+class MountServo:
     """PID servo: stiffness [N m/rad], damping [N m s/rad], torque_limit [N m], integral [N m/(rad s)]; rotor [kg m^2]
     at the horn."""
 
@@ -36,7 +36,7 @@ class Servo:
 
 
 @dataclass(frozen=True)
-class Rail:
+class MountRail:
     """A carriage that slides along y: its mass [kg], viscous friction [N s/m], dry friction [N]."""
 
     mass: float
@@ -49,7 +49,7 @@ class Rail:
 
 
 def base_record(
-    parameters: Parameters, servo: Servo | None, rail: Rail | None, arm_mass: float
+    parameters: Parameters, servo: MountServo | None, rail: MountRail | None, arm_mass: float
 ) -> tuple[Record, Mount]:
     """How the base is held, and the mass and inertia that move with it. Without servo, rail or an influence it is
     rigid."""
@@ -76,7 +76,7 @@ def base_record(
         moving = mass + arm_mass
         ratio = value(parameters, "mount_resonance", "damping_ratio", 0.05)
         fields |= {"free_x": 1.0, "spring_x": moving * omega**2, "damper_x": 2.0 * ratio * omega * moving}
-    return record(BASE, **fields), Mount(mass=mass, hub_inertia=inertia)
+    return make_record(BASE_RECORD, **fields), Mount(mass=mass, hub_inertia=inertia)
 
 
 @njit(cache=True)

@@ -16,10 +16,10 @@ import numpy as np
 from mujoco_ref.chain import Flexure, Hung, build_chain, flexural, hinge_positions
 from mujoco_ref.hinges import hinge_records, soft_spot
 from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
-from mujoco_ref.midline import midline_points
-from mujoco_ref.mount import Rail, Servo, base_record
-from mujoco_ref.statics import equilibrium
-from mujoco_ref.step import State, Stepper
+from mujoco_ref.midline import chain_midline_points
+from mujoco_ref.mount import MountRail, MountServo, base_record
+from mujoco_ref.statics import chain_equilibrium
+from mujoco_ref.step import ChainState, Stepper
 from mujoco_ref.step_arguments import Laws
 from mujoco_ref.written_laws import WrittenLaws, acting_laws
 from tentacle.errors import InputError
@@ -99,8 +99,8 @@ class Setup:
     """
 
     links: int = DEFAULT_LINKS
-    servo: Servo | None = None
-    rail: Rail | None = None
+    servo: MountServo | None = None
+    rail: MountRail | None = None
     s: Array | None = None
     lead_in: float = 0.0
     longest_step: float = LONGEST_STEP
@@ -134,8 +134,8 @@ def make_stepper(
     hidden: Parameters | None = None,
     *,
     links: int = DEFAULT_LINKS,
-    servo: Servo | None = None,
-    rail: Rail | None = None,
+    servo: MountServo | None = None,
+    rail: MountRail | None = None,
 ) -> Stepper:
     """The chain of a model, with hidden effects acting beside the model's own, ready to be stepped.
 
@@ -168,9 +168,9 @@ def make_stepper(
     return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, rest, base), drift, written)
 
 
-def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> State:
+def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> ChainState:
     """In the shape c(s) = q1 + q2 s + ... (eq. 1), q (K,) [rad], changing at q_rate (K,) [rad/s] (default: at rest)."""
-    state = State.at_rest(stepper.chain.links, theta)
+    state = ChainState.at_rest(stepper.chain.links, theta)
     curvature = np.polynomial.polynomial.polyval(stepper.chain.hinge_s, np.asarray(q, dtype=float))
     state.q[3:] = curvature / stepper.chain.links
     state.hinge_memory[:, 1] = state.q[3:]
@@ -240,8 +240,8 @@ def simulate(
         clock = Clock.of(duration, fps, setup.lead_in, setup.longest_step / 2**halvings)
         motor = motor_signal(waveform, clock.half_steps, lag, setup.lead_in).T  # (2 steps + 1, 3)
         if setup.initial.q is None:
-            state = equilibrium(stepper, motor[0, 0])
-            tare = rest_reading(stepper, equilibrium(stepper, float(waveform(0.0)[0])))
+            state = chain_equilibrium(stepper, motor[0, 0])
+            tare = rest_reading(stepper, chain_equilibrium(stepper, float(waveform(0.0)[0])))
         else:
             state = state_of_shape(stepper, setup.initial.q, motor[0, 0], setup.initial.q_rate)
             tare = rest_reading(stepper, state)
@@ -256,7 +256,7 @@ def simulate(
             "the simulation went out of bounds", field="model", expected="a motion that the arm can follow"
         )
     angles = np.cumsum(q[:, 2:], axis=1)
-    points = midline_points(angles, q[:, :2], stepper.chain.specimen.length, sampled)
+    points = chain_midline_points(angles, q[:, :2], stepper.chain.specimen.length, sampled)
     command = motor_signal(waveform, clock.half_steps, 0.0, setup.lead_in)[0]
     return Simulation(
         t=clock.frames,
@@ -272,12 +272,14 @@ def simulate(
     )
 
 
-def rest_reading(stepper: Stepper, state: State) -> Array:
+def rest_reading(stepper: Stepper, state: ChainState) -> Array:
     """What the load cell carries where the chain stands still: the arm's force on the mount (2,) [N]."""
     return stepper.residual(state)[:2].copy()
 
 
-def _march(stepper: Stepper, state: State, motor: Array, clock: Clock, release_t: float | None) -> tuple[Array, Array]:
+def _march(
+    stepper: Stepper, state: ChainState, motor: Array, clock: Clock, release_t: float | None
+) -> tuple[Array, Array]:
     """Step through: positions (F, n + 3) at the frames, and readings (F, 5), the mean of the two steps beside each.
 
     Stops early, leaving infinite positions, where the chain leaves all bounds.

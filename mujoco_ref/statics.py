@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from mujoco_ref.step import State, Stepper
+from mujoco_ref.step import ChainState, Stepper
 from tentacle.errors import InputError
 
 _PERTURBATION = 1e-6  # [rad], balances truncation and rounding of the difference quotient
 _BIGGEST_CHANGE = 0.5  # [rad] the hinges may turn together in one iteration: Newton's method is then safe for elastica
 
 
-def equilibrium(stepper: Stepper, theta: float, tolerance: float = 1e-10, iterations: int = 200) -> State:
+def chain_equilibrium(stepper: Stepper, theta: float, tolerance: float = 1e-10, iterations: int = 200) -> ChainState:
     """The state at rest with the base at theta [rad]; found from the straight arm, so of several shapes a near one.
 
     tolerance: largest hinge moment left unbalanced over the largest that acts. InputError where none is found.
     """
     links = stepper.chain.links
-    state = State.at_rest(links, theta)
+    state = ChainState.at_rest(links, theta)
     scale = float(np.max(stepper.chain.stiffness)) * 1e-3
     for _ in range(iterations):
         residual = stepper.residual(state)[3:]

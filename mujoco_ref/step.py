@@ -35,7 +35,7 @@ Plain = tuple[Any, ...]  # the fields of a NamedTuple of step_arguments
 
 
 @dataclass
-class State:
+class ChainState:
     """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges, base and written
     laws (laws, n; empty: nothing remembered). Mutable."""
 
@@ -53,12 +53,12 @@ class State:
         return Moving(self.q, self.v, self.a, self.hinge_memory, self.base_memory)
 
     @staticmethod
-    def at_rest(links: int, theta: float = 0.0) -> State:
+    def at_rest(links: int, theta: float = 0.0) -> ChainState:
         """Straight, at rest, turned by theta [rad]."""
         zeros = np.zeros(links + 3)
         q = zeros.copy()
         q[2] = theta
-        return State(q, zeros.copy(), zeros.copy(), np.zeros((links, 2)), np.zeros(4))
+        return ChainState(q, zeros.copy(), zeros.copy(), np.zeros((links, 2)), np.zeros(4))
 
 
 @njit(cache=True)
@@ -233,7 +233,7 @@ class Stepper:
         self._chain = tuple(self.body), tuple(self.laws)
         self._remember = laws.hinges, laws.base
 
-    def step(self, state: State, motor: Array, step: float, corrections: int = 1) -> None:
+    def step(self, state: ChainState, motor: Array, step: float, corrections: int = 1) -> None:
         """Move state on by `step` [s]. motor (3, 3): angle, rate, acceleration at the start, middle and end of it."""
         model, data, work = self.chain.model, self.data, self._work
         moving, workspace = tuple(state.moving), tuple(work)
@@ -256,7 +256,7 @@ class Stepper:
         _finish(moving, self.held, motor, self._remember, self.reading[4], step)
         state.t += step
 
-    def _written(self, state: State, t: float, step: float) -> Array:
+    def _written(self, state: ChainState, t: float, step: float) -> Array:
         """Put what the written laws do at MuJoCo's present state into its bias force, and the slopes of their moments
         over a step into its mass matrix, which becomes Newton's; the forces' sum (2,) [N].
         """
@@ -275,16 +275,16 @@ class Stepper:
         work.mass[diagonal[3:]] += slope
         return pull
 
-    def residual(self, state: State) -> Array:
+    def residual(self, state: ChainState) -> Array:
         """Generalised force (n + 3,) that is not balanced where the chain stands still in this state, at its time.
 
         Bristles and dashpots are slack at rest: friction holds nothing, a Maxwell branch has relaxed.
         """
         memory = np.stack([np.zeros(self.chain.links), state.q[3:]], axis=1)
         zeros = np.zeros(self.chain.links + 3)
-        return self.balance(State(state.q, zeros, zeros, memory, state.base_memory, state.t))[1]
+        return self.balance(ChainState(state.q, zeros, zeros, memory, state.base_memory, state.t))[1]
 
-    def balance(self, state: State) -> tuple[Array, Array]:
+    def balance(self, state: ChainState) -> tuple[Array, Array]:
         """(M, F): mass matrix (n + 3, n + 3), with the water that is carried, and force (n + 3,) of M a = F in this
         state; without what acts at the base."""
         size, model, data, work = self.chain.links + 3, self.chain.model, self.data, self._work

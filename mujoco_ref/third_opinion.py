@@ -15,9 +15,9 @@ from scipy.optimize import least_squares
 
 from tentacle.specimen import Cone, Specimen
 
-STEP = 2e-5  # s: under the rod's fastest shear wave, from 1 mm of radius up
+ROD_STEP = 2e-5  # s: under the rod's fastest shear wave, from 1 mm of radius up
 SHEAR_OVER_YOUNG = 1.0 / 3.0  # incompressible
-NUDGE = 0.01  # m/s at the tip: a swing of a third of a millimetre
+TIP_NUDGE = 0.01  # m/s at the tip: a swing of a third of a millimetre
 
 
 def is_installed() -> bool:
@@ -44,7 +44,7 @@ def first_frequency(specimen: Specimen, modulus: float, guess: float, elements: 
         specimen.section.half_thickness(s), specimen.density,
         youngs_modulus=modulus, shear_modulus=SHEAR_OVER_YOUNG * modulus,
     )  # fmt: skip
-    rod.velocity_collection[0] = NUDGE * np.linspace(0.0, 1.0, elements + 1) ** 2
+    rod.velocity_collection[0] = TIP_NUDGE * np.linspace(0.0, 1.0, elements + 1) ** 2
     times: list[float] = []
     tips: list[float] = []
 
@@ -65,7 +65,7 @@ def first_frequency(specimen: Specimen, modulus: float, guess: float, elements: 
     simulator.finalize()
     duration = 5.0 / guess
     with contextlib.redirect_stdout(io.StringIO()):
-        elastica.integrate(elastica.PositionVerlet(), simulator, duration, int(duration / STEP), progress_bar=False)
+        elastica.integrate(elastica.PositionVerlet(), simulator, duration, int(duration / ROD_STEP), progress_bar=False)
     return _lowest_sine(np.array(times), np.array(tips), guess)
 
 

@@ -16,19 +16,19 @@ from pathlib import Path
 
 import numpy as np
 
-from mujoco_ref.midline import midline_points
+from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.simulate import make_stepper, rest_reading
-from mujoco_ref.statics import equilibrium
-from rig.emulator import POINTS
+from mujoco_ref.statics import chain_equilibrium
+from rig.emulator import ARM_POINTS
 from tentacle.io.model_file import read_model
 from tentacle.model import Model
 from tentacle.signals import Array
 
-STEP = 0.002  # s; half of mujoco_ref.simulate.LONGEST_STEP: a servo that is told a step jerks the arm
-LINKS = 12
+PLANT_STEP = 0.002  # s; half of mujoco_ref.simulate.LONGEST_STEP: a servo that is told a step jerks the arm
+PLANT_LINKS = 12
 SERVO_PACE = 25.0  # 1/s: a critically damped position servo, as the built-in stand-in has it
 SERVO_SPEED = 12.0  # rad/s, of a fast waterproof servo
-_REQUEST, _ANSWER = struct.Struct("<3d"), struct.Struct(f"<{3 + 2 * POINTS}d")
+_REQUEST, _ANSWER = struct.Struct("<3d"), struct.Struct(f"<{3 + 2 * ARM_POINTS}d")
 
 
 class ServoMotion:
@@ -55,8 +55,8 @@ class ArmPlant:
     """The arm at rest, then moved by the servo. `advance` goes to a time; the readings are those of the last step."""
 
     def __init__(self, model: Model, hidden: dict[str, dict[str, float]]) -> None:
-        self._stepper = make_stepper(model, hidden, links=LINKS)
-        self._state = equilibrium(self._stepper, 0.0)
+        self._stepper = make_stepper(model, hidden, links=PLANT_LINKS)
+        self._state = chain_equilibrium(self._stepper, 0.0)
         self._tare = rest_reading(self._stepper, self._state)
         self._servo = ServoMotion()
         self._length = model.specimen.length
@@ -65,10 +65,12 @@ class ArmPlant:
 
     def advance(self, to_s: float, command: float, armed: bool) -> None:
         """Steps of STEP up to `to_s` [s]; an unarmed servo stays where it is."""
-        while self._state.t + STEP <= to_s + 1e-9:
+        while self._state.t + PLANT_STEP <= to_s + 1e-9:
             wanted = command if armed else float(self._servo.state[0])
-            motor = np.stack([self._servo.state.copy(), *(self._servo.advance(wanted, STEP / 2) for _ in range(2))])
-            self._stepper.step(self._state, motor, STEP, 4 if self._first else self._stepper.corrections)
+            motor = np.stack(
+                [self._servo.state.copy(), *(self._servo.advance(wanted, PLANT_STEP / 2) for _ in range(2))]
+            )
+            self._stepper.step(self._state, motor, PLANT_STEP, 4 if self._first else self._stepper.corrections)
             self._first = False
             self.force = float(-self._stepper.reading[3] - self._tare[1])
 
@@ -80,13 +82,13 @@ class ArmPlant:
     def midline(self, s: Array) -> Array:
         """Points (N, 2) [m] of the arm in the base frame at s (N,), 0 at the base and 1 at the tip."""
         angles = np.cumsum(self._state.q[2:])
-        return midline_points(angles[None], self._state.q[None, :2], self._length, s)[0]
+        return chain_midline_points(angles[None], self._state.q[None, :2], self._length, s)[0]
 
     def answer(self) -> bytes:
         """angle [rad], force on the load cell along +y less its reading at rest [N], current [mA], midline points
         [m].
         """
-        points = self.midline(np.linspace(0, 1, POINTS))
+        points = self.midline(np.linspace(0, 1, ARM_POINTS))
         current = 30.0 + 20.0 * abs(self._servo.state[2]) / 10.0
         return _ANSWER.pack(self.servo_angle, self.force, current, *points.ravel().tolist())
 
@@ -97,7 +99,7 @@ def main(words: list[str]) -> int:
     read_end, write_end = int(words[0]), int(words[1])
     hidden = json.loads(Path(words[3]).read_text()) if len(words) > 3 else {}
     plant = ArmPlant(read_model(Path(words[2])), hidden)
-    plant.advance(STEP, 0.0, True)  # the kernels compile before the board's clock starts
+    plant.advance(PLANT_STEP, 0.0, True)  # the kernels compile before the board's clock starts
     while True:
         request = b""
         while len(request) < _REQUEST.size:

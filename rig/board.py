@@ -17,24 +17,24 @@ from rig.fault import Fault
 from rig.host_time import HostTime
 from rig.link import BAUD, Link
 from rig.protocol import (
-    Answer,
+    BoardEvent,
+    BoardState,
     Boot,
-    Event,
-    Frame,
+    CommandAnswer,
     Gone,
     LoadSample,
     Pong,
     Reason,
     Sample,
     ServoSample,
-    State,
     Type,
+    WireFrame,
     reason_words,
 )
 from rig.sequence import SampleSequence
 
 SLOWEST_BOARD = 0.01  # s to answer a command, beside the line's own time
-MAX_TRIES = 40
+MOST_TRIES = 40
 BACK_OFF, LONGEST_WAIT = 1.15, 0.08  # each try waits longer than the last, up to so many seconds: 2.5 s in all
 PING_EVERY = 0.05  # s; five within the board's watchdog
 PING_EVERY_BAD_LINE = 0.02  # s; where 3 % of bytes are damaged five pings are all lost once in 350 times, twelve never
@@ -70,7 +70,7 @@ class Board:
         self._counters = LineCounters()
         self._sequence = SampleSequence()
         self._inbox: list[Sample] = []
-        self._answers: dict[int, Answer] = {}  # by the command's number
+        self._answers: dict[int, CommandAnswer] = {}  # by the command's number
         self._board_bad_before: int | None = None
         self._command_number = 0
         self._ping_token = 0
@@ -89,7 +89,7 @@ class Board:
         until = time.monotonic() + BOOT_WITHIN
         while self.boot is None and time.monotonic() < until:
             number = self._numbered()
-            self.link.send(Frame(Type.HELLO, number, protocol.hello()))
+            self.link.send(WireFrame(Type.HELLO, number, protocol.hello()))
             self._listen_until(lambda number=number: self.boot is not None or number in self._answers, 0.15)
             answer = self._answers.get(number)
             if answer is not None and answer.reason == Reason.BAD_VERSION:
@@ -142,14 +142,14 @@ class Board:
         """Sends a command until it is answered; Fault("refused") with the reason, or Fault("no_answer")."""
         number = self.post(kind, body)
         within = self.answer_time(len(body))
-        for attempt in range(MAX_TRIES):
+        for attempt in range(MOST_TRIES):
             if attempt:
                 self.post(kind, body, again=number)
                 within = max(min(within * BACK_OFF, LONGEST_WAIT), self.answer_time(len(body)))
             self._listen_until(lambda: number in self._answers, within)
             if self.accepted(number, kind):
                 return
-        raise Fault("no_answer", f"the board did not answer {kind.name} in {MAX_TRIES} tries")
+        raise Fault("no_answer", f"the board did not answer {kind.name} in {MOST_TRIES} tries")
 
     def post(self, kind: Type, body: bytes = b"", *, again: int | None = None) -> int:
         """Sends a command once and does not wait for its answer. The number it has, `again` where it had one."""
@@ -159,7 +159,7 @@ class Board:
             self._counters = replace(counted, commands=counted.commands + 1)
         else:
             self._counters = replace(counted, retries=counted.retries + 1)
-        self.link.send(Frame(kind, number, body))
+        self.link.send(WireFrame(kind, number, body))
         return number
 
     def accepted(self, number: int, kind: Type) -> bool:
@@ -205,7 +205,7 @@ class Board:
             raise Fault("board_reset", "the board started anew (power or reset button?)")
         now = self.time.now()
         for request in self._sequence.requests(now):
-            self.link.send(Frame(Type.RESEND, 0, protocol.resend(*request)))
+            self.link.send(WireFrame(Type.RESEND, 0, protocol.resend(*request)))
         self._inbox += self._sequence.give_up()
 
     def take(self) -> list[Sample]:
@@ -233,11 +233,11 @@ class Board:
             self.service(0.005)
 
     @property
-    def state(self) -> State:
+    def state(self) -> BoardState:
         """The board's state at the last pong."""
         if self.pong is None:
-            return State.UNARMED
-        return State(self.pong.state) if self.pong.state in set(State) else State.UNKNOWN
+            return BoardState.UNARMED
+        return BoardState(self.pong.state) if self.pong.state in set(BoardState) else BoardState.UNKNOWN
 
     @property
     def counters(self) -> LineCounters:
@@ -278,16 +278,16 @@ class Board:
         self._pings[self._ping_token] = now
         while len(self._pings) > 100:
             del self._pings[min(self._pings)]
-        self.link.send(Frame(Type.PING, 0, protocol.ping(self._ping_token)))
+        self.link.send(WireFrame(Type.PING, 0, protocol.ping(self._ping_token)))
 
-    def _dispatch(self, frame: Frame) -> None:
+    def _dispatch(self, frame: WireFrame) -> None:
         message = protocol.decode(frame)
         match message:
-            case Answer():
+            case CommandAnswer():
                 self._answers[message.sequence] = message
             case Pong():
                 self._heard_pong(message)
-            case LoadSample() | ServoSample() | Event():
+            case LoadSample() | ServoSample() | BoardEvent():
                 if self.boot is not None:
                     self._inbox += self._sequence.add(message, self.time.now())
             case Boot():

@@ -9,11 +9,11 @@ import numpy as np
 
 from rig import protocol
 from rig.board import Board
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.camera_offset import CameraOffset
 from rig.camera_watch import FLASH_EVERY, FLASH_MS, Flashes
 from rig.fault import Fault
-from rig.protocol import Event, LoadSample, Type
+from rig.protocol import BoardEvent, LoadSample, Type
 from rig.safety import ServoCalibration
 from rig.setup_file import LoadCellCalibration
 from tentacle.errors import InputError
@@ -119,7 +119,7 @@ def read_cell(board: Board, seconds: float) -> Reading:
     return Reading(float(counts.mean()), float(counts.std(ddof=1)), len(samples), 1e6 / float(spacing))
 
 
-def camera_offset(board: Board, camera: Camera, flashes: int = 16, seed: int = 1) -> CameraOffset:
+def camera_offset(board: Board, camera: CameraThread, flashes: int = 16, seed: int = 1) -> CameraOffset:
     """Flashes the LED and finds the camera's delay; Fault("camera") where no flash is seen."""
     spacing = np.random.default_rng(seed)
     camera.take()
@@ -132,7 +132,7 @@ def camera_offset(board: Board, camera: Camera, flashes: int = 16, seed: int = 1
             board.service()
             seen.add_frames(camera.take())
             for sample in board.take():
-                if isinstance(sample, Event):
+                if isinstance(sample, BoardEvent):
                     seen.add_event(sample)
 
     listen(0.3)

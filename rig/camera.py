@@ -97,7 +97,7 @@ class FileSource:
         self._capture.release()
 
 
-class Camera:
+class CameraThread:
     """Reads a source in a thread of its own, so that a slow camera never keeps the board waiting."""
 
     def __init__(self, open_source: Callable[[], FrameSource], host_time: HostTime) -> None:

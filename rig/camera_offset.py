@@ -14,7 +14,7 @@ JITTER_FLOOR = 5e-4  # s; no camera's stamps are better than that
 LARGEST_OFFSET = 0.5  # s
 COARSE = 0.01  # s, steps of the delay while the lamp is looked for
 FOLLOWS = 0.7  # least correlation of a lamp's pixel with the flashes; frames lit in part cost a lamp 0.1 at most
-FEWEST_FRAMES = 10
+FEWEST_FLASH_FRAMES = 10
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ def lit_frames(thumbnails: Array, frame_times: Array, on: Array, off: Array) -> 
     """
     frame_times, on, off = (np.asarray(x, dtype=float) for x in (frame_times, on, off))
     flashes = min(on.size, off.size)
-    if len(thumbnails) < FEWEST_FRAMES or not flashes:
+    if len(thumbnails) < FEWEST_FLASH_FRAMES or not flashes:
         raise Fault(
             "camera", f"{len(thumbnails)} frames and {flashes} flashes were seen; the camera must run meanwhile"
         )

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from rig.camera import Camera, CameraFrame
+from rig.camera import CameraFrame, CameraThread
 from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frames
 from rig.clock import ClockFit
 from rig.fault import Fault
 from rig.host_time import HostTime
-from rig.protocol import Event, EventCode
+from rig.protocol import BoardEvent, EventCode
 from rig.setup_file import CameraSettings
 
 FLASH_MS = 120
@@ -30,7 +30,7 @@ class Flashes:
         """Frames, oldest first."""
         self._frames += frames
 
-    def add_event(self, event: Event) -> None:
+    def add_event(self, event: BoardEvent) -> None:
         """An event of the board; flashes are kept."""
         if event.code in self._edges:
             self._edges[event.code].append(1e-6 * event.board_us)
@@ -49,7 +49,7 @@ class Flashes:
 class CameraWatch:
     """A camera while one run lasts. Frames from before it are let go."""
 
-    def __init__(self, camera: Camera, settings: CameraSettings, host_time: HostTime) -> None:
+    def __init__(self, camera: CameraThread, settings: CameraSettings, host_time: HostTime) -> None:
         self._camera, self._settings, self._time = camera, settings, host_time
         self._flashes: Flashes | None = Flashes()
         self._offset: CameraOffset | None = None
@@ -73,7 +73,7 @@ class CameraWatch:
             self._stalled_since = None
         return frames
 
-    def event(self, event: Event) -> None:
+    def event(self, event: BoardEvent) -> None:
         """An event of the board."""
         if self._flashes is not None:
             self._flashes.add_event(event)

@@ -16,15 +16,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rig.board import Board
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.fault import Fault
 from rig.journal import set_aside
-from rig.motion import Motion, described, motion_of
-from rig.record import UNATTENDED, Attendance, RunResult, record
+from rig.motion import RigMotion, described, rig_motion
+from rig.record import UNATTENDED, Attendance, RunResult, record_run
 from rig.run_file import iterate_frames, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
-from tentacle.io.sound_recording import LONGEST
+from tentacle.io.sound_recording import LONGEST_SPAN
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.io.waveform_file import parse_waveform
 
@@ -34,7 +34,7 @@ class CampaignRun:
     """One recording to be made: its name, and the motion, checked against the limits."""
 
     name: str
-    motion: Motion
+    motion: RigMotion
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ def _parse_run(table: Table, setup: RigSetup) -> list[CampaignRun]:
     name = table.string("name")
     if not name or any(c in name for c in "/\\\0") or name.startswith("."):
         raise table.error(f"{name!r} is no file name", "name", "a plain name")
-    duration = table.number("duration_s", above=0, most=LONGEST)
+    duration = table.number("duration_s", above=0, most=LONGEST_SPAN)
     repeat = table.whole_number("repeat", 1, least=1)
     waveform = parse_waveform(table.required_table("waveform"))
     table.finish()
     try:
-        motion = motion_of(waveform, duration, setup.limits, described(waveform))
+        motion = rig_motion(waveform, duration, setup.limits, described(waveform))
     except InputError as error:
         raise table.error(error.problem, "waveform", error.expected) from None
     return [CampaignRun(name if k == 1 else f"{name}-{k}", motion) for k in range(1, repeat + 1)]
@@ -84,7 +84,7 @@ def _parse_run(table: Table, setup: RigSetup) -> list[CampaignRun]:
 def run_campaign(
     setup: RigSetup,
     board: Board,
-    camera: Camera | None,
+    camera: CameraThread | None,
     campaign: Campaign,
     folder: Path,
     attendance: Attendance = UNATTENDED,
@@ -101,7 +101,7 @@ def run_campaign(
         if attendance.interrupts is not None and attendance.interrupts.pause:
             return
         name = f"{campaign.name} {run.name}"
-        result = record(
+        result = record_run(
             setup,
             board,
             camera,

@@ -10,7 +10,7 @@ import numpy as np
 from rig import protocol
 from rig.board import Board
 from rig.calibrate import read_cell
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.fault import Fault
 from rig.protocol import ServoSample, Type
 from rig.setup_file import RigSetup
@@ -27,7 +27,7 @@ class CheckItem:
     words: str = ""
 
 
-def check(setup: RigSetup, board: Board, camera: Camera | None, seconds: float = 3.0) -> list[CheckItem]:
+def check_rig(setup: RigSetup, board: Board, camera: CameraThread | None, seconds: float = 3.0) -> list[CheckItem]:
     """Looks at round trips, clock, limits, load cell, servo feedback and camera of an armed board for some seconds
     each.
     """
@@ -112,7 +112,7 @@ def _servo(board: Board, seconds: float) -> list[CheckItem]:
     return items
 
 
-def _camera(board: Board, camera: Camera, seconds: float) -> list[CheckItem]:
+def _camera(board: Board, camera: CameraThread, seconds: float) -> list[CheckItem]:
     camera.take()
     times: list[float] = []
     until = time.monotonic() + seconds

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rig.board import Board
-from rig.camera import Camera, FileSource, FrameSource, WebcamSource
+from rig.camera import CameraThread, FileSource, FrameSource, WebcamSource
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.host_time import HostTime
 from rig.link import Link
-from rig.play import arm, require_unlatched
+from rig.play import arm_board, require_unlatched
 from rig.setup_file import EMULATED, RigSetup
 
 
@@ -21,7 +21,7 @@ def connected(setup: RigSetup) -> Iterator[Board]:
     board = Board(Link(setup.port), HostTime(setup.rate))
     try:
         board.connect()
-        arm(board, setup.limits, setup.servo)
+        arm_board(board, setup.limits, setup.servo)
         yield board
     finally:
         board.close()
@@ -31,17 +31,17 @@ def connect_again(setup: RigSetup, board: Board) -> None:
     """Greets and arms anew a board whose link was lost between runs, or that was not listened to for long."""
     if not board.link.is_open or board.neglected:
         board.connect()
-        arm(board, setup.limits, setup.servo)
+        arm_board(board, setup.limits, setup.servo)
     require_unlatched(board)
 
 
 @contextmanager
-def opened_camera(setup: RigSetup, host_time: HostTime) -> Iterator[Camera | None]:
+def opened_camera(setup: RigSetup, host_time: HostTime) -> Iterator[CameraThread | None]:
     """The setup's camera, running; None where it has none."""
     if setup.camera is None:
         yield None
         return
-    camera = Camera(lambda: _source(setup, host_time), host_time)
+    camera = CameraThread(lambda: _source(setup, host_time), host_time)
     try:
         yield camera
     finally:

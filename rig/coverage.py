@@ -8,7 +8,7 @@ import numpy as np
 
 from rig.play import PlayEnd
 
-LONGEST_GAP = 1.0  # s without a reading; the cell's chip takes half of it to be started again after a bad read
+LONGEST_SILENCE = 1.0  # s without a reading; the cell's chip takes half of it to be started again after a bad read
 
 
 def told_gaps(end: PlayEnd, load_us: Sequence[int], servo_us: Sequence[int], seconds: float) -> PlayEnd:
@@ -28,4 +28,4 @@ def missing_seconds(times_us: np.ndarray, start_us: float, seconds: float) -> fl
     t = 1e-6 * (times_us - start_us)
     inside = np.concatenate([[0.0], t[(t > 0.0) & (t < seconds)], [seconds]])
     gaps = np.diff(inside)
-    return float(gaps[gaps > LONGEST_GAP].sum())
+    return float(gaps[gaps > LONGEST_SILENCE].sum())

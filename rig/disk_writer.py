@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rig.fault import Fault
 
-WITHIN = 4.0  # s; a disk that takes longer is lost
+SLOWEST_DISK = 4.0  # s; a disk that takes longer is lost
 
 
 class DiskWriter:
@@ -35,7 +35,7 @@ class DiskWriter:
         """
         if self._under_way is not None:
             if not self._under_way.done():
-                if time.monotonic() - self._begun_at > WITHIN:
+                if time.monotonic() - self._begun_at > SLOWEST_DISK:
                     raise self._late()
                 return False
             self.wait()
@@ -50,7 +50,7 @@ class DiskWriter:
         if under_way is None:
             return
         try:
-            under_way.result(max(WITHIN - (time.monotonic() - self._begun_at), 0.0))
+            under_way.result(max(SLOWEST_DISK - (time.monotonic() - self._begun_at), 0.0))
         except TimeoutError:
             raise self._late() from None
 
@@ -59,7 +59,7 @@ class DiskWriter:
         self._jobs.put(None)
 
     def _late(self) -> Fault:
-        return Fault("disk", f"{self._path} was not written within {WITHIN:g} s")
+        return Fault("disk", f"{self._path} was not written within {SLOWEST_DISK:g} s")
 
     def _run(self) -> None:
         while (entry := self._jobs.get()) is not None:

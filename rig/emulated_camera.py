@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from rig.camera import Image
-from rig.emulator import POINTS, Truth, read_past, read_truth
+from rig.emulator import ARM_POINTS, Truth, read_past, read_truth
 from rig.host_time import HostTime
 from tentacle.errors import InputError
 from tentacle.recording import Camera as CameraDeclaration
@@ -37,7 +37,9 @@ class EmulatedOptics:
         """A camera in front of the declared arm. InputError where no camera is declared."""
         if declared.camera is None:
             raise InputError("an emulated camera needs the declaration's camera", field="recording.camera")
-        return cls(declared.camera, tuple(declared.specimen.section.half_thickness(np.linspace(0, 1, POINTS)).tolist()))
+        return cls(
+            declared.camera, tuple(declared.specimen.section.half_thickness(np.linspace(0, 1, ARM_POINTS)).tolist())
+        )
 
     @property
     def offset(self) -> float:
@@ -68,7 +70,7 @@ class EmulatedSource:
             truth = read_truth(self._trace)
             middle = truth.board_time(0.5 * (opened + closed) / self._time.rate)
             try:
-                image = draw(read_past(self._trace, middle), self._lit(truth, opened, closed), optics)
+                image = draw_picture(read_past(self._trace, middle), self._lit(truth, opened, closed), optics)
             except InputError:
                 continue  # a computer too busy to draw it in time drops the frame, as a camera would
             return image, closed + optics.latency + float(self._random.normal(0.0, optics.jitter))
@@ -86,7 +88,7 @@ class EmulatedSource:
         return float(np.clip(min(end, lit_until) - max(begin, on), 0.0, None) / max(end - begin, 1.0))
 
 
-def draw(points: Array, lit: float, optics: EmulatedOptics) -> Image:
+def draw_picture(points: Array, lit: float, optics: EmulatedOptics) -> Image:
     """A grey picture (height, width): dark arm on light ground, an LED in the corner. points (24, 2) [m] in the base
     frame.
     """

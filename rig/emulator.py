@@ -19,10 +19,10 @@ from rig.build_core import compiled
 from tentacle.errors import InputError
 from tentacle.signals import Array
 
-POINTS = 24
-_STATE = struct.Struct(f"<Q{10 + 3 + 2 * POINTS}d")  # TraceState in firmware/host/trace.hpp
-_PAST = (512, 1 + 2 * POINTS)  # after it, TracePast: board_us and points
-Plant = Literal["paddle", "arm"]
+ARM_POINTS = 24
+_STATE = struct.Struct(f"<Q{10 + 3 + 2 * ARM_POINTS}d")  # TraceState in firmware/host/trace.hpp
+_PAST = (512, 1 + 2 * ARM_POINTS)  # after it, TracePast: board_us and points
+EmulatedPlant = Literal["paddle", "arm"]
 Said = Literal["unplug", "replug", "reset", "line", "mute", "cell_off", "cell_glitch", "jam", "load"]
 
 
@@ -57,7 +57,7 @@ def read_truth(path: Path) -> Truth:
     """The emulator's trace file, read between two of its writes."""
     values = _STATE.unpack(_at_rest(path, _STATE.size))
     head, plant = values[1:11], values[11:]
-    points = np.array(plant[3:]).reshape(POINTS, 2)
+    points = np.array(plant[3:]).reshape(ARM_POINTS, 2)
     zero, rate, boot, now, on, off, pulse, since, conversions, boots = head
     counted = (int(conversions), int(boots))
     return Truth(zero, rate, boot, now, on, off, pulse, since, *counted, plant[0], plant[1], plant[2], points)
@@ -76,7 +76,7 @@ def read_past(path: Path, board_s: float) -> Array:
         raise InputError(f"does not hold board time {board_s:.3f} s", file=path, expected="a time less than 0.5 s ago")
     early, late = data[place - 1], data[place]
     share = (1e6 * board_s - early[0]) / (late[0] - early[0])
-    return (early[1:] + share * (late[1:] - early[1:])).reshape(POINTS, 2)
+    return (early[1:] + share * (late[1:] - early[1:])).reshape(ARM_POINTS, 2)
 
 
 def _at_rest(path: Path, size: int) -> bytes:
@@ -107,7 +107,7 @@ class EmulatorSettings:
     cell_offset: float = 52000.0
     counts_per_newton: float = 180000.0
     noise_counts: float = 60.0
-    plant: Plant = "paddle"
+    plant: EmulatedPlant = "paddle"
     plant_options: tuple[str, ...] = field(default=())
 
 

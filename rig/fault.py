@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-Kind = Literal[
+FaultKind = Literal[
     "link_lost", "no_answer", "refused", "board_reset", "watchdog", "underrun", "overcurrent", "load_cell",
     "not_settled", "camera", "disk", "wrong_version", "interrupted",
 ]  # fmt: skip
@@ -13,6 +13,6 @@ Kind = Literal[
 class Fault(RuntimeError):  # noqa: N818 (the rig has faults; an error is the input's)
     """A fault of the rig, by kind; the message is one line that says what to look at."""
 
-    def __init__(self, kind: Kind, message: str) -> None:
-        self.kind: Kind = kind
+    def __init__(self, kind: FaultKind, message: str) -> None:
+        self.kind: FaultKind = kind
         super().__init__(message)

@@ -11,7 +11,7 @@ from rig.safety import SafetyLimits
 from tentacle.errors import InputError
 from tentacle.waveform import Multisine
 
-MARGIN = 0.98  # of the limits: set points are linear between samples, and start from neutral
+LIMIT_SHARE = 0.98  # of the limits: set points are linear between samples, and start from neutral
 _PHASES = np.linspace(0.0, 2.0 * np.pi, 256, endpoint=False)
 
 
@@ -64,7 +64,7 @@ class GaitSpace:
         speed = sum(a * n * np.cos(n * _PHASES + p) for a, n, p in zip(shares, orders, phases, strict=True))
         reach = min(self.limits.max_angle, -self.limits.min_angle) / np.abs(angle).max()
         pace = self.limits.max_speed / (2.0 * np.pi * frequency * np.abs(speed).max())
-        amplitude = MARGIN * point["effort"] * float(min(reach, pace))
+        amplitude = LIMIT_SHARE * point["effort"] * float(min(reach, pace))
         return Multisine(tuple(amplitude * share for share in shares), tuple(frequency * n for n in orders), phases)
 
     def sample(self, count: int, seed: int) -> list[dict[str, float]]:

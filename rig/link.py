@@ -11,12 +11,12 @@ import serial
 from serial.tools import list_ports
 
 from rig.fault import Fault
-from rig.protocol import Frame, Parser, encode
+from rig.protocol import Parser, WireFrame, encode
 from tentacle.errors import InputError
 
 BAUD = 115200
 SCHEMES = ("socket", "rfc2217", "loop")
-PATIENCE = 0.002  # s a read waits; set once, for a port over rfc2217:// negotiates every change with its server
+READ_PATIENCE = 0.002  # s a read waits; set once, for a port over rfc2217:// negotiates every change with its server
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class PortFound:
     due: bool
 
 
-def ports() -> list[PortFound]:
+def serial_ports() -> list[PortFound]:
     """The serial ports present. The Due's programming port (2341:003d) is the one to use, not its native port."""
     found = []
     for port in list_ports.comports():
@@ -62,7 +62,7 @@ class Link:
         require_scheme(self.url)
         target = self.url if "://" in self.url else os.path.realpath(self.url)  # a link's pty may change under its name
         try:
-            port = serial.serial_for_url(target, baudrate=BAUD, timeout=PATIENCE)
+            port = serial.serial_for_url(target, baudrate=BAUD, timeout=READ_PATIENCE)
             if "://" not in self.url:
                 port.exclusive = True
                 port.write_timeout = 0.5  # rfc2217:// knows none
@@ -92,7 +92,7 @@ class Link:
                 self._port.close()
             self._port = None
 
-    def send(self, frame: Frame) -> None:
+    def send(self, frame: WireFrame) -> None:
         """Writes one frame."""
         data = encode(frame)
         port = self._require()
@@ -102,7 +102,7 @@ class Link:
             self._lost(error)
         self.bytes_written += len(data)
 
-    def receive(self, wait: float) -> list[Frame]:
+    def receive(self, wait: float) -> list[WireFrame]:
         """The frames that have come, after at most `wait` real seconds."""
         port = self._require()
         data = b""

@@ -15,7 +15,7 @@ import rerun as rr
 from rig.camera import CameraFrame
 from rig.clock import ClockFit
 
-APPLICATION = "tentacle-twin rig"
+RIG_APPLICATION = "tentacle-twin rig"
 BOARD_TIME = "board_time"
 PREVIEW = "/rig/preview"
 PREVIEW_EVERY = 0.25  # s
@@ -28,7 +28,7 @@ class LiveFeed:
     """Feeds the viewer at an address (rerun+http://...). `clock` must have been called before pictures are shown."""
 
     def __init__(self, viewer: str) -> None:
-        self._stream = rr.RecordingStream(APPLICATION)
+        self._stream = rr.RecordingStream(RIG_APPLICATION)
         self._stream.connect_grpc(viewer)
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)

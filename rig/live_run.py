@@ -13,14 +13,14 @@ import numpy as np
 
 from rig import protocol
 from rig.board import Board
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.camera_watch import FLASH_EVERY, FLASH_MS, CameraWatch
 from rig.coverage import told_gaps
 from rig.fault import Fault
 from rig.interrupts import Interrupts
-from rig.motion import Motion
+from rig.motion import RigMotion
 from rig.play import PlayEnd, PlayStart, play
-from rig.protocol import Event, LoadSample, Sample, ServoSample, Type
+from rig.protocol import BoardEvent, LoadSample, Sample, ServoSample, Type
 from rig.recorder import Recorder
 from rig.settle import Settling
 from rig.setup_file import RigSetup
@@ -38,8 +38,8 @@ class LiveRun:
         self,
         setup: RigSetup,
         board: Board,
-        camera: Camera | None,
-        motion: Motion,
+        camera: CameraThread | None,
+        motion: RigMotion,
         progress: Progress,
         interrupts: Interrupts | None,
     ) -> None:
@@ -127,7 +127,7 @@ class LiveRun:
                 self._load.append((sample.board_us, sample.counts))
             elif isinstance(sample, ServoSample):
                 self._servo_us.append(sample.board_us)
-            elif isinstance(sample, Event) and self._watch is not None:
+            elif isinstance(sample, BoardEvent) and self._watch is not None:
                 self._watch.event(sample)
         if self._watch is not None:
             recorder.frames(self._watch.take())

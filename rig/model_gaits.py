@@ -12,8 +12,8 @@ from rig.gait_space import GaitSpace, TrialPlan
 from tentacle.model import Model
 from tentacle.signals import Array
 
-STEP = 1.0 / 250.0  # s
-BATCH = 128
+GAIT_STEP = 1.0 / 250.0  # s
+GAITS_AT_ONCE = 128
 APART = 0.25  # of the space's width: closer points are the same proposal
 
 
@@ -26,15 +26,15 @@ def predicted_propulsion(
     arm, row = arm_of(model), parameter_vector(model)
     result = np.full(len(points), np.nan)
     by_length = sorted(range(len(points)), key=lambda k: points[k]["frequency_hz"])  # a batch is as long as its longest
-    for low in range(0, len(points), BATCH):
-        part = by_length[low : low + BATCH]
-        steps = int(np.ceil(plan.duration(points[part[0]]["frequency_hz"]) / STEP))
-        t = STEP * (np.arange(steps) + 0.5)
+    for low in range(0, len(points), GAITS_AT_ONCE):
+        part = by_length[low : low + GAITS_AT_ONCE]
+        steps = int(np.ceil(plan.duration(points[part[0]]["frequency_hz"]) / GAIT_STEP))
+        t = GAIT_STEP * (np.arange(steps) + 0.5)
         base = np.stack([space.gait(points[k])(t) for k in part], axis=-1)
         parameters = np.repeat(row[:, None], len(part), axis=1)
-        batch = simulate(arm, parameters, base, Timing(STEP))
+        batch = simulate(arm, parameters, base, Timing(GAIT_STEP))
         for place, k in enumerate(part):
-            begin, end = (round(x / STEP) for x in plan.window(points[k]["frequency_hz"]))
+            begin, end = (round(x / GAIT_STEP) for x in plan.window(points[k]["frequency_hz"]))
             if np.isnan(batch.diverged[place]):
                 result[k] = -float(batch.fluid_force[begin:end, 1, place].mean())
     return result

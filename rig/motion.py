@@ -12,7 +12,7 @@ from tentacle.waveform import Waveform
 
 
 @dataclass(frozen=True)
-class Motion:
+class RigMotion:
     """What the base is to do: set points (N,) [rad] every `period` [s]; zero_index, where the waveform's time 0 is;
     description, plain data for the start record.
     """
@@ -33,10 +33,10 @@ class Motion:
         return self.zero_index * self.period
 
 
-def motion_of(waveform: Waveform, duration: float, limits: SafetyLimits, description: dict[str, Any]) -> Motion:
+def rig_motion(waveform: Waveform, duration: float, limits: SafetyLimits, description: dict[str, Any]) -> RigMotion:
     """A waveform as set points within the limits; InputError where it is beyond them."""
     points = set_points(waveform, duration, limits)
-    return Motion(points, SERVO_FRAME, lead_samples(waveform), description)
+    return RigMotion(points, SERVO_FRAME, lead_samples(waveform), description)
 
 
 def described(waveform: Waveform) -> dict[str, Any]:

@@ -32,7 +32,7 @@ from tentacle.waveform import Waveform
 
 NAME = "gaits"
 STARTUP = 8  # trials before the Gaussian process proposes
-NEAR = 0.04  # of the space's width, standard deviation of a step from the best
+STEP_FROM_BEST = 0.04  # of the space's width, standard deviation of a step from the best
 FAULTS_IN_A_ROW = 3  # then someone has to look at the rig
 
 
@@ -43,7 +43,7 @@ Proposer = Callable[[Sequence[Path]], Sequence[Mapping[str, float]]]
 
 
 @dataclass(frozen=True)
-class Trial:
+class RigTrial:
     """A finished trial: its number, point, propulsion [N] (mean, minus thrust along +y) and where it came from."""
 
     number: int
@@ -81,7 +81,7 @@ class Suggestions:
 NO_SUGGESTIONS = Suggestions()
 
 
-def optimise(
+def optimise_on_rig(
     folder: Path,
     study: StudyPlan,
     run_trial: TrialRunner,
@@ -89,7 +89,7 @@ def optimise(
     *,
     interrupts: Interrupts | None = None,
     told: Callable[[str], None] = lambda _words: None,
-) -> Iterator[Trial]:
+) -> Iterator[RigTrial]:
     """Runs trials until `study.trials` are finished, yielding each; those of an earlier start are yielded first.
 
     told hears of a journal that had to be made again. Fault after
@@ -126,7 +126,7 @@ def optimise(
             yield trial
 
 
-def best(trials: Sequence[Trial]) -> Trial:
+def best(trials: Sequence[RigTrial]) -> RigTrial:
     """The trial of the highest measured propulsion; InputError where there is none."""
     if not trials:
         raise InputError("no trial has finished", expected="at least one")
@@ -208,7 +208,7 @@ def _settle_unfinished(
         opened.enqueue_trial(point, user_attrs={"source": "again"})
 
 
-def _one_trial(opened: optuna.Study, folder: Path, study: StudyPlan, run_trial: TrialRunner) -> Trial | None:
+def _one_trial(opened: optuna.Study, folder: Path, study: StudyPlan, run_trial: TrialRunner) -> RigTrial | None:
     asked = opened.ask()
     point = {name: asked.suggest_float(name, low, high) for name, (low, high) in study.space.bounds.items()}
     source = str(asked.user_attrs.get("source", "search"))
@@ -224,7 +224,7 @@ def _one_trial(opened: optuna.Study, folder: Path, study: StudyPlan, run_trial: 
         opened.enqueue_trial(point, user_attrs={"source": "again"})
         return None
     opened.tell(asked, value)
-    return Trial(asked.number, point, value, source, path)
+    return RigTrial(asked.number, point, value, source, path)
 
 
 def _enqueue_proposals(opened: optuna.Study, propose: Proposer, recordings: Sequence[Path], done: int) -> None:
@@ -243,16 +243,16 @@ def _enqueue_near_best(opened: optuna.Study, study: StudyPlan, done: int) -> Non
         return  # proposals of a model, or what is to be tried again, come first
     source = np.random.default_rng((study.seed, done))
     point = {
-        name: float(np.clip(opened.best_params[name] + NEAR * (high - low) * source.normal(), low, high))
+        name: float(np.clip(opened.best_params[name] + STEP_FROM_BEST * (high - low) * source.normal(), low, high))
         for name, (low, high) in study.space.bounds.items()
     }
     opened.enqueue_trial(point, user_attrs={"source": "near the best"})
 
 
-def _finished(opened: optuna.Study, folder: Path) -> list[Trial]:
+def _finished(opened: optuna.Study, folder: Path) -> list[RigTrial]:
     found = opened.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
     return [
-        Trial(
+        RigTrial(
             t.number,
             dict(t.params),
             float(t.values[0]),

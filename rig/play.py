@@ -11,17 +11,17 @@ import numpy as np
 
 from rig import protocol
 from rig.board import Board
-from rig.fault import Fault, Kind
+from rig.fault import Fault, FaultKind
 from rig.interrupts import Interrupts
-from rig.protocol import Event, EventCode, Sample, State, Type
+from rig.protocol import BoardEvent, BoardState, EventCode, Sample, Type
 from rig.safety import SERVO_FRAME, SafetyLimits, ServoCalibration, check_limits, check_set_points, limits_message
-from rig.upload import AHEAD, Upload
+from rig.upload import QUEUED_AHEAD, Upload
 from tentacle.signals import Array
 
 LONGEST_AHEAD = 2.0  # s
 RECONNECT_WITHIN = 5.0  # s
 OVERDUE = 5.0  # s after which a run whose end was not heard of is given up
-_ENDS: dict[int, Kind] = {
+_ENDS: dict[int, FaultKind] = {
     EventCode.UNDERRUN: "underrun",
     EventCode.WATCHDOG: "watchdog",
     EventCode.OVERCURRENT: "overcurrent",
@@ -44,7 +44,7 @@ class PlayEnd:
     start_us: int
 
 
-def arm(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
+def arm_board(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
     """Hands the limits to the board and waits until it is ready at neutral.
 
     A latch of an earlier fault is cleared: to start a program again is deliberate.
@@ -55,7 +55,7 @@ def arm(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
     board.command(Type.CLEAR)
     board.command(Type.LIMITS, board.limits)
     until = time.monotonic() + 3.0
-    while board.state != State.READY:
+    while board.state != BoardState.READY:
         board.service()
         if time.monotonic() > until:
             raise Fault("no_answer", f"the board did not reach neutral after it was armed (it is {board.state.name})")
@@ -64,7 +64,7 @@ def arm(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
 
 def require_unlatched(board: Board) -> None:
     """Fault("overcurrent") where the board has switched the servo off: a new start of the program arms it again."""
-    if board.state == State.LATCHED:
+    if board.state == BoardState.LATCHED:
         raise Fault("overcurrent", "the board has switched the servo off: look at the arm, then start again")
 
 
@@ -117,7 +117,7 @@ def _begin(board: Board, urad: list[int], period: float) -> tuple[Upload, int, i
     require_unlatched(board)
     board.command(Type.CLEAR)
     upload = Upload(board, urad)
-    while upload.arrived < min(AHEAD, len(urad)):
+    while upload.arrived < min(QUEUED_AHEAD, len(urad)):
         upload.service()
         board.service(0.002)
     ahead = _ahead(board)
@@ -143,7 +143,7 @@ def _ahead(board: Board) -> float:
 
 def _end_of(batch: Sequence[Sample], asked_us: int, start_us: int, stopping: bool) -> PlayEnd | None:
     for sample in batch:
-        if not isinstance(sample, Event) or sample.board_us < asked_us:
+        if not isinstance(sample, BoardEvent) or sample.board_us < asked_us:
             continue
         if sample.code == EventCode.COMPLETE:
             return PlayEnd("complete", "", start_us)

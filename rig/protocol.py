@@ -58,7 +58,7 @@ class Reason(IntEnum):
     NOT_CLEARED = 12
 
 
-class State(IntEnum):
+class BoardState(IntEnum):
     """What the board is doing; it is RETURNING to neutral after every run, whatever ended it.
 
     LATCHED: the servo is off after a fault, until CLEAR and LIMITS. UNKNOWN: a newer board's state.
@@ -102,7 +102,7 @@ def reason_words(code: int) -> str:
 
 
 @dataclass(frozen=True)
-class Frame:
+class WireFrame:
     """One checked frame, not yet taken apart."""
 
     type: int
@@ -142,7 +142,7 @@ class Pong:
 
 
 @dataclass(frozen=True)
-class Answer:
+class CommandAnswer:
     """ACK (reason 0) or NAK of the command with this sequence and type."""
 
     sequence: int
@@ -174,7 +174,7 @@ class ServoSample:
 
 
 @dataclass(frozen=True)
-class Event:
+class BoardEvent:
     """Something happened on the board at board_us [us]; value's meaning goes with the code."""
 
     number: int
@@ -191,20 +191,20 @@ class Gone:
     count: int
 
 
-Sample = LoadSample | ServoSample | Event
-Message = Boot | Pong | Answer | LoadSample | ServoSample | Event | Gone
+Sample = LoadSample | ServoSample | BoardEvent
+Message = Boot | Pong | CommandAnswer | LoadSample | ServoSample | BoardEvent | Gone
 
 _LAYOUTS = {
     Type.BOOT: ("<BIQHHiIII", Boot),
     Type.PONG: ("<IQIBHIII", Pong),
     Type.LOAD: ("<IQi", LoadSample),
     Type.SERVO: ("<IQiiHH", ServoSample),
-    Type.EVENT: ("<IQBi", Event),
+    Type.EVENT: ("<IQBi", BoardEvent),
     Type.GONE: ("<IB", Gone),
 }
 
 
-def encode(frame: Frame) -> bytes:
+def encode(frame: WireFrame) -> bytes:
     """The frame's bytes, delimiter included. ValueError where the body is longer than MAX_BODY."""
     if len(frame.body) > MAX_BODY:
         raise ValueError(f"a body of {len(frame.body)} bytes; at most {MAX_BODY} go into a frame")
@@ -213,7 +213,7 @@ def encode(frame: Frame) -> bytes:
     return b"".join(bytes((len(run) + 1,)) + run for run in payload.split(b"\0")) + b"\0"
 
 
-def decode_frame(encoded: bytes) -> Frame | None:
+def decode_frame(encoded: bytes) -> WireFrame | None:
     """The frame in the COBS bytes between two zeros; None where stuffing, length or CRC is wrong."""
     payload = bytearray()
     at, size = 0, len(encoded)
@@ -229,7 +229,7 @@ def decode_frame(encoded: bytes) -> Frame | None:
             payload.append(0)
     if len(payload) < 6 or struct.unpack("<I", payload[-4:])[0] != zlib.crc32(payload[:-4]):
         return None
-    return Frame(payload[0], payload[1], bytes(payload[2:-4]))
+    return WireFrame(payload[0], payload[1], bytes(payload[2:-4]))
 
 
 class Parser:
@@ -240,7 +240,7 @@ class Parser:
         self._skipping = False
         self.bad = 0
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[WireFrame]:
         """The frames that these bytes complete, in order."""
         *whole, rest = (self._rest + data).split(b"\0")
         frames = []
@@ -259,17 +259,17 @@ class Parser:
         return frames
 
 
-def decode(frame: Frame) -> Message | None:
+def decode(frame: WireFrame) -> Message | None:
     """What the board said; None where type or length is not of version 1, or a sample contradicts its own sequence."""
     if frame.type == Type.ACK and len(frame.body) == 1:
-        return Answer(frame.sequence, frame.body[0])
+        return CommandAnswer(frame.sequence, frame.body[0])
     if frame.type == Type.NAK and len(frame.body) == 2:
-        return Answer(frame.sequence, frame.body[0], frame.body[1])
+        return CommandAnswer(frame.sequence, frame.body[0], frame.body[1])
     layout = _LAYOUTS.get(frame.type)  # type: ignore[call-overload]
     if layout is None or struct.calcsize(layout[0]) != len(frame.body):
         return None
     message = layout[1](*struct.unpack(layout[0], frame.body))
-    if isinstance(message, LoadSample | ServoSample | Event) and message.number & 0xFF != frame.sequence:
+    if isinstance(message, LoadSample | ServoSample | BoardEvent) and message.number & 0xFF != frame.sequence:
         return None
     return message
 

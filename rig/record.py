@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from rig.board import Board
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.connection import connect_again
 from rig.fault import Fault
 from rig.interrupts import Interrupts
 from rig.live_run import LiveRun, Progress
-from rig.motion import Motion, motion_of
+from rig.motion import RigMotion, rig_motion
 from rig.play import PlayEnd
 from rig.recorder import Recorder
-from rig.run_file import write_film
+from rig.run_file import write_run_film
 from rig.safety import check_set_points
 from rig.setup_file import RigSetup, setup_tables
 from tentacle.errors import InputError
@@ -56,11 +56,11 @@ class Attendance:
 UNATTENDED = Attendance()
 
 
-def record(
+def record_run(
     setup: RigSetup,
     board: Board,
-    camera: Camera | None,
-    motion: Motion,
+    camera: CameraThread | None,
+    motion: RigMotion,
     path: Path,
     attendance: Attendance = UNATTENDED,
 ) -> RunResult:
@@ -94,7 +94,7 @@ def record(
 def trial_runner(
     setup: RigSetup,
     board: Board,
-    camera: Camera | None,
+    camera: CameraThread | None,
     interrupts: Interrupts | None = None,
     progress: Progress = lambda _phase, _share: None,
 ) -> Callable[[Waveform, float, Path, dict[str, Any]], None]:
@@ -102,8 +102,8 @@ def trial_runner(
 
     def run_trial(gait: Waveform, duration: float, path: Path, description: dict[str, Any]) -> None:
         connect_again(setup, board)
-        motion = motion_of(gait, duration, setup.limits, description)
-        record(
+        motion = rig_motion(gait, duration, setup.limits, description)
+        record_run(
             setup,
             board,
             camera,
@@ -115,7 +115,7 @@ def trial_runner(
     return run_trial
 
 
-def _start_record(setup: RigSetup, board: Board, motion: Motion, name: str) -> dict[str, Any]:
+def _start_record(setup: RigSetup, board: Board, motion: RigMotion, name: str) -> dict[str, Any]:
     tables = setup_tables(setup)
     return {
         "name": name,
@@ -145,7 +145,7 @@ def add_film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:  # /tmp may be memory
         video = Path(folder) / "video.mp4"
         try:
-            write_film(path, video, recorder.last_clock, float(stop["camera"].get("offset_s", 0.0)), zero)
+            write_run_film(path, video, recorder.last_clock, float(stop["camera"].get("offset_s", 0.0)), zero)
         except InputError:
             return  # a camera that gave nothing: its gap is in the stop record
         recorder.video(video)

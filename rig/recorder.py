@@ -25,16 +25,16 @@ from rig.camera import CameraFrame
 from rig.clock import ClockFit
 from rig.disk_writer import DiskWriter
 from rig.fault import Fault
-from rig.live_feed import APPLICATION, BOARD_TIME, LiveFeed
-from rig.protocol import NO_ANGLE, Event, LoadSample, Sample, ServoSample, event_name
+from rig.live_feed import BOARD_TIME, RIG_APPLICATION, LiveFeed
+from rig.protocol import NO_ANGLE, BoardEvent, LoadSample, Sample, ServoSample, event_name
 from rig.stop_file import release, reserve, write_stop
-from tentacle.io.checksums import Sum, digest, log_sums, log_text
+from tentacle.io.checksums import Sum, columns_digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file, parse_recording_file
 from tentacle.io.film_pieces import log_film
 from tentacle.io.recording_rrd import LARGE_VIDEO, log_video_file
 from tentacle.io.rrd_chunks import just_written
 
-FORMAT = "tentacle-rig-run"
+RUN_FORMAT = "tentacle-rig-run"
 VERSION = 1
 START, STOP = "/rig/start", "/rig/stop"
 LOAD, THRUST = "/rig/load_cell/counts", "/rig/load_cell/thrust"
@@ -80,7 +80,7 @@ class Recorder:
             reserve(path)
         except OSError as error:
             raise Fault("disk", f"{path} cannot be written: {error.strerror}") from None
-        self._stream = rr.RecordingStream(APPLICATION, send_properties=True)
+        self._stream = rr.RecordingStream(RIG_APPLICATION, send_properties=True)
         self._stream.set_sinks(rr.FileSink(str(path)))
         self._live = None if viewer is None else LiveFeed(viewer)
         self._stream.set_log_time_enabled(False)
@@ -89,7 +89,7 @@ class Recorder:
         self._declaration = parse_recording_file(start["recording"])
         self._name = str(start["name"])
         self._zero_us: int | None = None
-        self._text(START, {"format": FORMAT, "version": VERSION, **start})
+        self._text(START, {"format": RUN_FORMAT, "version": VERSION, **start})
         self._declare("crashed")
         self.flush()
 
@@ -135,7 +135,7 @@ class Recorder:
         index = [rr.TimeColumn(BOARD_TIME, duration=[np.timedelta64(round(1e9 * fit.board_zero), "ns")])]
         columns = [
             *rr.Scalars.columns(scalars=values),
-            *rr.AnyValues.columns(sha256=[digest({"fit": values})]),
+            *rr.AnyValues.columns(sha256=[columns_digest({"fit": values})]),
         ]
         self._queue.append(partial(self._stream.send_columns, CLOCK, index, columns))
         if self._live is not None:
@@ -234,14 +234,14 @@ class Recorder:
                 "motor", servos, {"command": command, "angle": np.where(np.isnan(angle), command, angle)}
             )
             self._scalars(CURRENT, servos, 1e-3 * np.array([s.current_ma for s in servos], dtype=float))
-        for event in (s for s in batch if isinstance(s, Event)):
+        for event in (s for s in batch if isinstance(s, BoardEvent)):
             self._event(event)
         if self._sums:
             self._queue.append(partial(log_sums, self._stream, self._sums, self._blocks))
             self._sums = []
             self._blocks += 1
 
-    def _event(self, event: Event) -> None:
+    def _event(self, event: BoardEvent) -> None:
         words = f"{event_name(event.code)} {event.value}"
         index = [
             rr.TimeColumn(BOARD_TIME, duration=[np.timedelta64(1000 * event.board_us, "ns")]),
@@ -249,7 +249,7 @@ class Recorder:
         ]
         columns = [
             *rr.TextLog.columns(text=[words], level=["INFO"]),
-            *rr.AnyValues.columns(sha256=[digest({"event": [words], "board_us": np.array([event.board_us])})]),
+            *rr.AnyValues.columns(sha256=[columns_digest({"event": [words], "board_us": np.array([event.board_us])})]),
         ]
         self._queue.append(partial(self._stream.send_columns, EVENTS, index, columns))
         if self._live is not None:
@@ -279,7 +279,7 @@ class Recorder:
         """Adds the checksum of the next rows of a signal; the number of their first."""
         count, first = len(next(iter(columns.values()))), self._ends.get(signal, 0)
         self._ends[signal] = first + count
-        self._sums.append(Sum(signal, first, count, digest(columns)))
+        self._sums.append(Sum(signal, first, count, columns_digest(columns)))
         return first
 
     def _recording_rows(self, name: str, samples: Sequence[Sample], columns: dict[str, Any]) -> None:

@@ -10,15 +10,15 @@ import numpy as np
 
 from rig.board import Board
 from rig.interrupts import Interrupts
-from rig.motion import Motion
-from rig.record import Attendance, RunResult, record
+from rig.motion import RigMotion
+from rig.record import Attendance, RunResult, record_run
 from rig.run_file import Run, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
 from tentacle.io.reading import read_recording
 from tentacle.signals import Array, MotorSignal
 
-ENDS = 0.2  # s left out at either end, where a run and its replay come from rest and go to it differently
+END_SECONDS = 0.2  # s left out at either end, where a run and its replay come from rest and go to it differently
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class ReplayComparison:
     seconds: float
 
 
-def logged_motion(path: Path, period: float = 0.02) -> Motion:
+def logged_motion(path: Path, period: float = 0.02) -> RigMotion:
     """The commands of a recording (a rig's run, an import folder or any .rrd) as set points one every `period` [s].
 
     InputError where it holds no motor signal, or one that does not start near neutral.
@@ -48,10 +48,10 @@ def logged_motion(path: Path, period: float = 0.02) -> Motion:
     rise = command[0] * (0.5 - 0.5 * np.cos(np.pi * np.arange(lead) / lead))
     fall = command[-1] * (0.5 + 0.5 * np.cos(np.pi * np.arange(1, lead + 1) / lead))
     points = np.concatenate([rise, command, fall])
-    return Motion(points, period, lead - first, {"kind": "replay", "of": path.name})
+    return RigMotion(points, period, lead - first, {"kind": "replay", "of": path.name})
 
 
-def drive(
+def drive_rig(
     path: Path,
     setup: RigSetup,
     board: Board,
@@ -64,7 +64,7 @@ def drive(
     its first second. InputError where the commands are beyond the rig's limits.
     """
     motion = logged_motion(path)
-    result = record(
+    result = record_run(
         setup,
         board,
         None,
@@ -73,14 +73,14 @@ def drive(
         Attendance(name=f"replay of {path.stem}", interrupts=interrupts, progress=progress),
     )
     try:
-        return result, compare(path, read_run(out))
+        return result, compare_replay(path, read_run(out))
     except InputError:
         if result.outcome == "complete":
             raise
         return result, None
 
 
-def compare(path: Path, replayed: Run) -> ReplayComparison:
+def compare_replay(path: Path, replayed: Run) -> ReplayComparison:
     """A recording beside its replay; InputError where they have less than a second in common."""
     logged = read_recording(path)
     assert logged.motor is not None
@@ -89,7 +89,7 @@ def compare(path: Path, replayed: Run) -> ReplayComparison:
     start, stop = max(logged.motor.t[0], again.t[0]), min(logged.motor.t[-1], again.t[-1])
     if stop - start < 1.0:
         raise InputError(f"only {stop - start:.2f} s in common with its replay", file=path, expected="a second or more")
-    t = np.arange(start + ENDS, stop - ENDS, 0.01)
+    t = np.arange(start + END_SECONDS, stop - END_SECONDS, 0.01)
     thrust = None
     if logged.load_cell is not None and len(replayed.load_t):
         cell = replayed.start["load_cell"]

@@ -17,12 +17,12 @@ from rig.protocol import EventCode
 from rig.stills import encode_video
 from rig.stop_file import read_stop
 from tentacle.errors import InputError
-from tentacle.io.checksums import ENTITY as SUMS
-from tentacle.io.checksums import Sum, covered, digest, first_unsound, read_sums, sound_text
+from tentacle.io.checksums import CHECKSUM_ENTITY as SUMS
+from tentacle.io.checksums import Sum, columns_digest, covered, first_unsound, read_sums, sound_text
 from tentacle.io.declaration_file import parse_recording_file
 from tentacle.io.recording_from_rrd import DAMAGE
 from tentacle.io.rrd_chunks import bytes_lost, read_chunks
-from tentacle.io.rrd_columns import Columns, add, whole_numbers
+from tentacle.io.rrd_columns import EntityColumns, add, whole_numbers
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, MotorSignal, Video
 
@@ -92,9 +92,9 @@ def read_run(path: Path) -> Run:
         raise InputError(f"damaged: {error}", file=path, expected="a run that `tentacle rig record` wrote") from None
 
 
-def _run_of(columns: dict[str, Columns], frame_t: Array, bytes_gone: int, path: Path) -> Run:
+def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, path: Path) -> Run:
     start = _document(columns, recorder.START, path)
-    if start is None or start.get("format") != recorder.FORMAT:
+    if start is None or start.get("format") != recorder.RUN_FORMAT:
         raise InputError("holds no start record", file=path, expected="a run that `tentacle rig record` wrote")
     if start.get("version") != recorder.VERSION:
         raise InputError(f"is of version {start.get('version')}", file=path, expected=f"version {recorder.VERSION}")
@@ -152,7 +152,7 @@ def to_recording(run: Run, *, video: Path | None = None) -> Recording:
     thrust = (run.load - calibration["offset_counts"]) / calibration["counts_per_newton"]
     filmed = None
     if video is not None and len(run.frame_host_t) and run.clocks:
-        write_video(run, video)
+        write_run_video(run, video)
         filmed = Video(video)
     notes = {"outcome": run.outcome, "source": run.path.name, "angle": "measured" if measured.any() else "commanded"}
     if run.missing:
@@ -167,7 +167,7 @@ def to_recording(run: Run, *, video: Path | None = None) -> Recording:
     )
 
 
-def write_video(run: Run, path: Path) -> None:
+def write_run_video(run: Run, path: Path) -> None:
     """The frames as H.264, each with its own time stamp; frames from before the waveform's time 0 are left out.
 
     InputError where the run holds no clock, or no frame.
@@ -175,10 +175,10 @@ def write_video(run: Run, path: Path) -> None:
     if not run.clocks:
         raise InputError("holds no clock fit", file=run.path, expected="a run that lasted a second")
     camera = (run.stop or {}).get("camera") or run.start.get("camera") or {}
-    write_film(run.path, path, run.clocks[-1], float(camera.get("offset_s", 0.0)), run.zero)
+    write_run_film(run.path, path, run.clocks[-1], float(camera.get("offset_s", 0.0)), run.zero)
 
 
-def write_film(run: Path, path: Path, clock: ClockFit, offset: float, zero: float) -> None:
+def write_run_film(run: Path, path: Path, clock: ClockFit, offset: float, zero: float) -> None:
     """A run's frames as H.264, one at a time; offset [s] by which they came late, zero: board time [s] of time 0."""
     stills = ((clock.to_board(host_s - offset) - zero, jpeg) for host_s, jpeg in iterate_frames(run))
     if not encode_video(((t, jpeg) for t, jpeg in stills if t >= 0.0), path):
@@ -190,7 +190,7 @@ def iterate_frames(run: Path) -> Iterator[tuple[float, bytes]]:
     for chunk in read_chunks(run):
         if chunk.entity != recorder.CAMERA or chunk.static:
             continue
-        rows = Columns()
+        rows = EntityColumns()
         add(rows, chunk.batch, static=False)
         blobs, sums = rows.row_bytes("EncodedImage:blob"), rows.texts("sha256")
         for k, (time, jpeg) in enumerate(zip(rows.times(recorder.HOST_TIME).tolist(), blobs, strict=True)):
@@ -199,21 +199,21 @@ def iterate_frames(run: Path) -> Iterator[tuple[float, bytes]]:
             yield 1e-9 * time, jpeg
 
 
-def _read_columns(path: Path) -> tuple[dict[str, Columns], Array, int]:
+def _read_columns(path: Path) -> tuple[dict[str, EntityColumns], Array, int]:
     """Every entity of the rig but its pictures; the frames' host times (F,) [s]; bytes at the end that are torn."""
     if not path.is_file():
         raise InputError("no such file", file=path, expected="an .rrd")
-    columns: dict[str, Columns] = {}
+    columns: dict[str, EntityColumns] = {}
     frames: list[Array] = [np.empty(0)]
     for chunk in read_chunks(path):
         if chunk.entity == recorder.CAMERA:
             frames.append(np.asarray(1e-9 * whole_numbers(chunk.batch.column(recorder.HOST_TIME)), dtype=float))
         elif chunk.entity.startswith("/rig/") or chunk.entity == SUMS:
-            add(columns.setdefault(chunk.entity, Columns()), chunk.batch, static=chunk.static)
+            add(columns.setdefault(chunk.entity, EntityColumns()), chunk.batch, static=chunk.static)
     return columns, np.sort(np.concatenate(frames)), bytes_lost(path)
 
 
-def _document(columns: dict[str, Columns], entity: str, path: Path) -> dict[str, Any] | None:
+def _document(columns: dict[str, EntityColumns], entity: str, path: Path) -> dict[str, Any] | None:
     found = columns.get(entity)
     if found is None or not found.has_static("TextDocument:text"):
         return None
@@ -227,7 +227,7 @@ def _document(columns: dict[str, Columns], entity: str, path: Path) -> dict[str,
     return document
 
 
-def _series(columns: dict[str, Columns], entity: str, sums: list[Sum], path: Path) -> tuple[Array, Array, Array]:
+def _series(columns: dict[str, EntityColumns], entity: str, sums: list[Sum], path: Path) -> tuple[Array, Array, Array]:
     """Times [s], sample numbers and values (N,), as far as they are covered by checksums; in order of numbers."""
     found = columns.get(entity)
     if found is None:
@@ -248,13 +248,13 @@ def _series(columns: dict[str, Columns], entity: str, sums: list[Sum], path: Pat
     return 1e-9 * table["board_ns"][order], table["sample"][order].astype(float), table["value"][order]
 
 
-def _events(columns: Columns | None, path: Path) -> tuple[RunEvent, ...]:
+def _events(columns: EntityColumns | None, path: Path) -> tuple[RunEvent, ...]:
     if columns is None:
         return ()
     times, sums = columns.times(recorder.BOARD_TIME), columns.texts("sha256")
     events = []
     for k, words in enumerate(columns.texts("TextLog:text")):
-        if sums and digest({"event": [words], "board_us": times[k : k + 1] // 1000}) != sums[k]:
+        if sums and columns_digest({"event": [words], "board_us": times[k : k + 1] // 1000}) != sums[k]:
             raise InputError(f"damaged: event {k + 1}", file=path, field=recorder.EVENTS)
         name, value = words.split()
         if name in EventCode.__members__:  # a newer board's own events mean nothing to this program
@@ -262,11 +262,11 @@ def _events(columns: Columns | None, path: Path) -> tuple[RunEvent, ...]:
     return tuple(events)
 
 
-def _clocks(columns: Columns | None, path: Path) -> tuple[ClockFit, ...]:
+def _clocks(columns: EntityColumns | None, path: Path) -> tuple[ClockFit, ...]:
     if columns is None:
         return ()
     values, sums = columns.rows("Scalars:scalars"), columns.texts("sha256")
     for k, sha256 in enumerate(sums):
-        if digest({"fit": values[k : k + 1]}) != sha256:
+        if columns_digest({"fit": values[k : k + 1]}) != sha256:
             raise InputError(f"damaged: clock fit {k + 1}", file=path, field=recorder.CLOCK)
     return tuple(ClockFit(*row) for row in values.tolist())

@@ -10,10 +10,10 @@ from rig.protocol import Sample
 
 ASK_AFTER = 0.02  # s; a missing number's successor has overtaken nothing: frames keep their order on the line
 ASK_AGAIN = 0.04  # s
-MAX_TRIES = 60  # 2.4 s of asking; the board holds its samples for 7 s
+MOST_RESENDS = 60  # 2.4 s of asking; the board holds its samples for 7 s
 MAX_ASKED = 16  # samples in one request
 MAX_REQUESTS = 6  # at once
-FARTHEST = 4096  # numbers ahead that are still believed; the board holds 1024
+FARTHEST_NUMBER = 4096  # numbers ahead that are still believed; the board holds 1024
 
 
 @dataclass
@@ -37,7 +37,7 @@ class SampleSequence:
         if sample.number < self.next_number or sample.number in self._waiting:
             self.doubled += 1
             return []
-        if sample.number > self.next_number + FARTHEST:
+        if sample.number > self.next_number + FARTHEST_NUMBER:
             return []
         self.expect(sample.number + 1, now)
         self._missing.pop(sample.number, None)
@@ -47,7 +47,7 @@ class SampleSequence:
     def expect(self, end: int, now: float) -> None:
         """The board has made all numbers below `end` (a pong says so): those not here yet are missing."""
         known = self.next_number if self._known_end is None else self._known_end
-        if known < end <= self.next_number + FARTHEST:
+        if known < end <= self.next_number + FARTHEST_NUMBER:
             for number in range(known, end):
                 self._missing[number] = (0, now + ASK_AFTER - ASK_AGAIN)
             self._known_end = end
@@ -78,7 +78,7 @@ class SampleSequence:
 
         Returns the samples that are in order once these are no longer waited for.
         """
-        hopeless = [n for n, (tries, _) in self._missing.items() if tries >= MAX_TRIES]
+        hopeless = [n for n, (tries, _) in self._missing.items() if tries >= MOST_RESENDS]
         hopeless += [n for n in range(gone[0], gone[0] + gone[1]) if n in self._missing]
         for number in sorted(set(hopeless)):
             del self._missing[number]

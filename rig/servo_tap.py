@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 
 from rig.board import Board
-from rig.camera import Camera, CameraFrame, Image
+from rig.camera import CameraFrame, CameraThread, Image
 from rig.camera_offset import LARGEST_OFFSET, CameraOffset
 from rig.fault import Fault
-from rig.motion import motion_of
+from rig.motion import rig_motion
 from rig.play import PlayEnd, PlayStart, play
 from rig.protocol import NO_ANGLE, ServoSample
 from rig.setup_file import RigSetup
@@ -23,15 +23,15 @@ from tentacle.recording import Declaration
 from tentacle.signals import Array
 from tentacle.waveform import Multisine
 
-SECONDS = 8.0
-FREQUENCIES = (0.4, 0.65, 0.9)  # Hz, no multiples of one another: no delay looks like another
+TAP_SECONDS = 8.0
+TAP_FREQUENCIES = (0.4, 0.65, 0.9)  # Hz, no multiples of one another: no delay looks like another
 SWING = 0.16  # rad, each
 LEAST_SWING = 0.02  # rad rms that the camera must see
-FEWEST_FRAMES = 30
+FEWEST_TAP_FRAMES = 30
 ROOT = (0.04, 0.25)  # of the length: where the root's direction is read
 BEND = 1e-3  # s; what the root of a soft cone in water bends by looks like so much delay (1.2 ms at worst, MuJoCo)
 BESIDE = 3.0  # root half thicknesses to either side
-LEAST_CONTRAST = 25.0  # grey levels between arm and ground
+LEAST_GREY_STEP = 25.0  # grey levels between arm and ground
 
 
 def root_angle(image: Image, declared: Declaration, about: float = 0.0) -> float:
@@ -53,7 +53,7 @@ def root_angle(image: Image, declared: Declaration, about: float = 0.0) -> float
     light, dark = float(lines[~below].mean()), float(lines[below].mean())
     darkness = np.clip((light - lines.astype(float)) / max(light - dark, 1.0), 0.0, 1.0)
     weight = darkness.sum(axis=1)
-    if light - dark < LEAST_CONTRAST or weight.min() < 1.0:
+    if light - dark < LEAST_GREY_STEP or weight.min() < 1.0:
         return float("nan")
     return about - float(np.arctan(np.polyfit(along, darkness @ across / weight, 2)[1]))
 
@@ -68,8 +68,8 @@ def delay(frame_times: Array, seen: Array, servo_times: Array, servo: Array) -> 
     frame_times, seen = frame_times[good], seen[good]
     grid = np.arange(-0.05, LARGEST_OFFSET, 1e-3)
     inside = (frame_times > servo_times[0] + LARGEST_OFFSET) & (frame_times < servo_times[-1] - 0.05)
-    if inside.sum() < FEWEST_FRAMES:
-        raise Fault("camera", f"the arm was seen in {int(inside.sum())} frames; {FEWEST_FRAMES} are the least")
+    if inside.sum() < FEWEST_TAP_FRAMES:
+        raise Fault("camera", f"the arm was seen in {int(inside.sum())} frames; {FEWEST_TAP_FRAMES} are the least")
     wanted = seen[inside] - seen[inside].mean()
     left = np.empty_like(grid)
     for k, late in enumerate(grid):
@@ -86,7 +86,7 @@ def delay(frame_times: Array, seen: Array, servo_times: Array, servo: Array) -> 
     return CameraOffset(float(grid[best] + shift), sigma, int(inside.sum()))
 
 
-def delay_by_taps(setup: RigSetup, board: Board, camera: Camera) -> CameraOffset:
+def delay_by_taps(setup: RigSetup, board: Board, camera: CameraThread) -> CameraOffset:
     """Moves the servo for SECONDS and finds the camera's delay; the arm ends at neutral.
 
     Fault where the run does not complete, the board has no feedback of the servo's angle, or the arm is not seen;
@@ -96,9 +96,9 @@ def delay_by_taps(setup: RigSetup, board: Board, camera: Camera) -> CameraOffset
     if declared.camera is None:
         raise InputError("no camera is declared", field="recording.camera", expected="fps, m_per_px, base_px, arm_px")
     room = min(setup.limits.max_angle, -setup.limits.min_angle) / (3 * SWING)
-    pace = setup.limits.max_speed / (2 * np.pi * sum(FREQUENCIES) * SWING)
+    pace = setup.limits.max_speed / (2 * np.pi * sum(TAP_FREQUENCIES) * SWING)
     swing = SWING * min(1.0, 0.9 * room, 0.9 * pace)
-    taps = motion_of(Multisine((swing,) * 3, FREQUENCIES, (0.0, 0.0, 0.0)), SECONDS, setup.limits, {})
+    taps = rig_motion(Multisine((swing,) * 3, TAP_FREQUENCIES, (0.0, 0.0, 0.0)), TAP_SECONDS, setup.limits, {})
     camera.take()
     frames: list[CameraFrame] = []
     servo: list[ServoSample] = []

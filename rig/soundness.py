@@ -26,7 +26,7 @@ class Finding:
     words: str
 
 
-def check(path: Path) -> list[Finding]:
+def check_file(path: Path) -> list[Finding]:
     """What is to be said of a file, or of every file in a folder. InputError where nothing lies there."""
     if (path / "recording.toml").is_file() or not path.is_dir():
         if not path.is_dir():

@@ -11,12 +11,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-ROOM = 64 * 1024  # bytes
+STOP_FILE_ROOM = 64 * 1024  # bytes
 
 
 def reserve(run: Path) -> None:
     """Keeps room for a stop document."""
-    _reserved(run).write_bytes(bytes(ROOM))
+    _reserved(run).write_bytes(bytes(STOP_FILE_ROOM))
 
 
 def release(run: Path) -> None:

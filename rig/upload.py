@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rig import protocol
-from rig.board import BACK_OFF, LONGEST_WAIT, MAX_TRIES, Board
+from rig.board import BACK_OFF, LONGEST_WAIT, MOST_TRIES, Board
 from rig.fault import Fault
 from rig.protocol import Type
 
-AHEAD = 150  # set points kept on the board: 3 s at 50 Hz; it holds 2048
-WINDOW = 256  # bytes under way: 22 ms of the line, no more, for samples and pings share it
+QUEUED_AHEAD = 150  # set points kept on the board: 3 s at 50 Hz; it holds 2048
+BYTES_UNDER_WAY = 256  # bytes under way: 22 ms of the line, no more, for samples and pings share it
 SHORT = 4  # points a frame on a bad line: of 4 k + 13 bytes, (1 - b)^(4 k + 13) get through; at b = 3 % four are best
 
 
@@ -63,8 +63,8 @@ class Upload:
         size = protocol.MAX_POINTS if self._board.line_is_good else SHORT
         pong = self._board.pong
         played = pong.played if pong is not None and pong is not self._earlier else 0
-        until = min(len(self._urad), played + AHEAD)
-        while self._next < until and under_way < WINDOW:
+        until = min(len(self._urad), played + QUEUED_AHEAD)
+        while self._next < until and under_way < BYTES_UNDER_WAY:
             chunk = _Chunk(self._next, self._urad[self._next : min(self._next + size, until)])
             self._next += len(chunk.urad)
             self._flying.append(chunk)
@@ -72,8 +72,8 @@ class Upload:
             under_way += len(chunk.body)
 
     def _send(self, chunk: _Chunk, now: float) -> None:
-        if chunk.tries == MAX_TRIES:
-            raise Fault("no_answer", f"the board did not answer POINTS in {MAX_TRIES} tries")
+        if chunk.tries == MOST_TRIES:
+            raise Fault("no_answer", f"the board did not answer POINTS in {MOST_TRIES} tries")
         chunk.number = self._board.post(Type.POINTS, chunk.body, again=chunk.number if chunk.tries else None)
         chunk.tries += 1
         chunk.sent = now

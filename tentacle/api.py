@@ -84,9 +84,9 @@ def simulate(
     hide: effects that act and that the recording does not declare, name -> "visible", "faint" or {parameter: value}.
     seed: of the measurement noise and of what is drawn.
     """
-    from mujoco_ref.undeclared import Scenario, make
+    from mujoco_ref.undeclared import Scenario, make_recording
 
-    recording, _ = make(hide or {}, Scenario(_model(model), waveform, duration, fps), seed, name="simulated")
+    recording, _ = make_recording(hide or {}, Scenario(_model(model), waveform, duration, fps), seed, name="simulated")
     return recording
 
 
@@ -95,9 +95,9 @@ def compare(model: Model | Identification, *, amplitude: float = 0.4, frequency:
 
     amplitude [rad] and frequency [Hz] of the driven motion; by default 0.6 of the first mode's frequency.
     """
-    from validation.ladder import climb
+    from validation.ladder import run_ladder
 
-    return climb(_model(model), amplitude, frequency)
+    return run_ladder(_model(model), amplitude, frequency)
 
 
 def optimise(
@@ -115,7 +115,7 @@ def optimise(
     "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
     from affine_model.swim import OBJECTIVES, SearchPlan, trial_of
-    from affine_model.swim import optimise as search
+    from affine_model.swim import optimise_gait as search
     from affine_model.swim.device import chosen_device
 
     if objective not in OBJECTIVES:

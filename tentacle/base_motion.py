@@ -20,8 +20,8 @@ from scipy.linalg import solveh_banded
 from tentacle.errors import InputError
 from tentacle.signals import Array, MotorSignal
 
-DEGREE = 5
-MARGIN = 1.0  # s beyond the first and last sample, in which the base comes to rest: room for a time offset
+SPLINE_DEGREE = 5
+REST_MARGIN = 1.0  # s beyond the first and last sample, in which the base comes to rest: room for a time offset
 STOPPING = 0.05  # s, the time constant of that
 FEWEST_INTERVALS = 2
 INTERVAL_RATIO = 1.15  # from one number of knot intervals tried to the next
@@ -43,7 +43,7 @@ class BaseMotion:
     def __call__(self, t: ArrayLike) -> Array:
         """Theta [rad], rate and acceleration at t. InputError farther than MARGIN outside the samples."""
         t = np.asarray(t, dtype=float)
-        if t.size and (t.min() < self.start - MARGIN or t.max() > self.stop + MARGIN):
+        if t.size and (t.min() < self.start - REST_MARGIN or t.max() > self.stop + REST_MARGIN):
             raise InputError(
                 f"the servo's angle is asked for from {t.min():.4g} to {t.max():.4g} s",
                 field="motor",
@@ -69,21 +69,21 @@ def fit_base_motion(motor: MotorSignal) -> BaseMotion:
 
 def fit_samples(t: Array, angle: Array) -> BaseMotion:
     """The motion behind samples at rising times t (N,) [s], angle (N,) [rad]; InputError with fewer than 6."""
-    if len(t) <= DEGREE:
-        raise InputError(f"{len(t)} samples", field="motor", expected=f"at least {DEGREE + 1}")
+    if len(t) <= SPLINE_DEGREE:
+        raise InputError(f"{len(t)} samples", field="motor", expected=f"at least {SPLINE_DEGREE + 1}")
     start, stop = float(t[0]), float(t[-1])
     tried = _interval_counts(len(t))
     splines = [_least_squares(t, angle, _knots(t, count)) for count in tried]
     scores = [_cross_validation(t, angle, spline) for spline in splines]
     best = int(np.argmin(scores)) if scores else -1
     if best == len(scores) - 1:
-        return BaseMotion(make_interp_spline(t, angle, k=DEGREE), start, stop, 0.0)
+        return BaseMotion(make_interp_spline(t, angle, k=SPLINE_DEGREE), start, stop, 0.0)
     squares, free = _residual(t, angle, splines[best])
     return BaseMotion(splines[best], start, stop, float(np.sqrt(squares / free)))
 
 
 def _interval_counts(samples: int) -> NDArray[np.int64]:
-    most = (samples - DEGREE) // SAMPLES_PER_INTERVAL
+    most = (samples - SPLINE_DEGREE) // SAMPLES_PER_INTERVAL
     if most < FEWEST_INTERVALS:
         return np.empty(0, dtype=np.int64)
     steps = int(np.log(most / FEWEST_INTERVALS) / np.log(INTERVAL_RATIO)) + 2
@@ -93,17 +93,17 @@ def _interval_counts(samples: int) -> NDArray[np.int64]:
 def _knots(t: Array, intervals: int) -> Array:
     """Knots evenly spread over the samples, not over time: so every interval holds some, whatever the gaps."""
     inner = np.interp(np.linspace(0, len(t) - 1, intervals + 1)[1:-1], np.arange(len(t)), t)
-    return np.concatenate([np.full(DEGREE + 1, t[0]), inner, np.full(DEGREE + 1, t[-1])])
+    return np.concatenate([np.full(SPLINE_DEGREE + 1, t[0]), inner, np.full(SPLINE_DEGREE + 1, t[-1])])
 
 
 def _least_squares(t: Array, angle: Array, knots: Array) -> BSpline:
     """The spline of least squares by its banded normal equations; their condition is that of B-splines, about 1e5."""
-    design = BSpline.design_matrix(t, knots, DEGREE)
+    design = BSpline.design_matrix(t, knots, SPLINE_DEGREE)
     gram = design.T @ design
-    bands = np.zeros((DEGREE + 1, gram.shape[0]))
-    for offset in range(DEGREE + 1):
-        bands[DEGREE - offset, offset:] = gram.diagonal(offset)
-    return BSpline(knots, solveh_banded(bands, design.T @ angle), DEGREE)
+    bands = np.zeros((SPLINE_DEGREE + 1, gram.shape[0]))
+    for offset in range(SPLINE_DEGREE + 1):
+        bands[SPLINE_DEGREE - offset, offset:] = gram.diagonal(offset)
+    return BSpline(knots, solveh_banded(bands, design.T @ angle), SPLINE_DEGREE)
 
 
 def _residual(t: Array, angle: Array, spline: BSpline) -> tuple[float, int]:

@@ -31,7 +31,7 @@ SPECIMEN_FIELDS = {
     "width_m": "section_width",
     "height_m": "height",
 }
-REACH = 6.0  # standard deviations: beyond, a normal number is never looked for (2e-9 of its probability)
+NORMAL_REACH = 6.0  # standard deviations: beyond, a normal number is never looked for (2e-9 of its probability)
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Uncertain:
         """Where the number may lie: the range, or REACH standard deviations within what is possible."""
         if self.sd is None:
             return self.low, self.high
-        return max(self.low, self.value - REACH * self.sd), min(self.high, self.value + REACH * self.sd)
+        return max(self.low, self.value - NORMAL_REACH * self.sd), min(self.high, self.value + NORMAL_REACH * self.sd)
 
     def table(self) -> dict[str, float]:
         """As recording.toml writes it."""

@@ -15,9 +15,9 @@ from scipy.stats import median_abs_deviation
 
 from tentacle.signals import Array
 
-NOISE = 5.0  # deviations of the path while it is held: farther out it moves
+NOISE_DEVIATIONS = 5.0  # deviations of the path while it is held: farther out it moves
 SHARE = 0.3  # of the largest distance: beyond, damping and higher modes bend the line
-FEWEST = 4  # frames of a line with a standard error
+FEWEST_LINE_FRAMES = 4  # frames of a line with a standard error
 
 
 @dataclass(frozen=True)
@@ -31,15 +31,15 @@ class Release:
 def find_release(t: Array, path: Array) -> Release | None:
     """The release of a path (T, K) [m] that begins at rest, at times t (T,) [s]; None where it never leaves it."""
     reached = int(np.argmax(_distance(path, path[0]) > 0.5 * SHARE * _distance(path, path[0]).max()))
-    held = path[: max(int(0.9 * reached) - FEWEST, 3)]
+    held = path[: max(int(0.9 * reached) - FEWEST_LINE_FRAMES, 3)]
     away = _distance(path, np.median(held, axis=0))
     noise = 1.4826 * float(np.linalg.norm(median_abs_deviation(held, axis=0)))
     farthest = float(away.max())
     last = int(np.argmax(away > SHARE * farthest))
-    if last < FEWEST or SHARE * farthest <= 2.0 * NOISE * noise:
+    if last < FEWEST_LINE_FRAMES or SHARE * farthest <= 2.0 * NOISE_DEVIATIONS * noise:
         return None
-    begun = np.flatnonzero(away[:last] <= max(NOISE * noise, 0.02 * farthest))
-    first = min(int(begun[-1]) + 1 if begun.size else 0, last - FEWEST + 1)
+    begun = np.flatnonzero(away[:last] <= max(NOISE_DEVIATIONS * noise, 0.02 * farthest))
+    first = min(int(begun[-1]) + 1 if begun.size else 0, last - FEWEST_LINE_FRAMES + 1)
     times, phase = t[first : last + 1], np.arcsin(np.sqrt(away[first : last + 1] / farthest))
     centred = times - times.mean()
     slope = float(centred @ phase / (centred @ centred))

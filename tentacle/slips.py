@@ -21,9 +21,9 @@ from tentacle.signals import Array
 
 NEAR_ROOT = 0.15  # of the arm: within, the midline's direction is the base's to some degrees
 SLOWEST = 1.0  # s between pictures: no soft arm's motion can be followed so
-LEAST_TURN = 0.05  # rad of the servo, below which its sign and unit cannot be seen
-DEGREE = np.pi / 180.0
-REACH = 1.15  # of s L: how far a marker may lie from the clamp, for roughly declared lengths and shifted clamps
+LEAST_SERVO_TURN = 0.05  # rad of the servo, below which its sign and unit cannot be seen
+ONE_DEGREE = np.pi / 180.0
+MARKER_REACH = 1.15  # of s L: how far a marker may lie from the clamp, for roughly declared lengths and shifted clamps
 CONCENTRATED = 0.7  # mean resultant length of the root's directions: a swing of +-60 degrees has as much
 STEADY = 0.1  # relative median deviation of a midline's length over the frames, beyond which it is no midline's
 FEWEST_PX = 20.0  # an arm shorter in the picture has no shape
@@ -102,7 +102,7 @@ def root_turning(theta: Array, direction: Array) -> float | None:
     """How far the root turns for a radian of the servo, d direction / d theta: 1 as declared, 0 in a frame that turns
     with the servo, -1 where the two count in opposite senses. None where the servo hardly turns or few frames tell.
     """
-    if theta.size < 10 or np.ptp(theta) < LEAST_TURN:
+    if theta.size < 10 or np.ptp(theta) < LEAST_SERVO_TURN:
         return None
     return float(np.polyfit(theta - theta.mean(), direction, 1)[0])
 
@@ -133,7 +133,7 @@ def _servo_slip(recording: Recording, t: Array, direction: Array) -> Slip | None
         return None
     agreement = float(np.corrcoef(theta, phi)[0, 1])
     seen = f"the root turns {slope:.3g} rad for a radian of the servo (correlation {agreement:.2f})"
-    if agreement > 0.8 and 0.3 * DEGREE < slope < 3.0 * DEGREE:
+    if agreement > 0.8 and 0.3 * ONE_DEGREE < slope < 3.0 * ONE_DEGREE:
         return Slip("motor.csv", "angle_rad", seen, "radians (these are degrees)", True)
     if agreement < -0.8 and slope < -0.35:
         return Slip("motor.csv", "angle_rad", seen, "the log's sign is reversed (or declare mirrored)", False)
@@ -172,7 +172,7 @@ def _marker_slips(recording: Recording) -> list[Slip]:
     found = []
     with np.errstate(invalid="ignore"):
         nearest = np.array([np.nanmin(row) if np.isfinite(row).any() else np.nan for row in away.T])
-    reach = REACH * np.hypot(markers.s * length, markers.d) + 0.05 * length
+    reach = MARKER_REACH * np.hypot(markers.s * length, markers.d) + 0.05 * length
     for name, distance, most, s in zip(markers.names, nearest, reach, markers.s, strict=True):
         if distance > most:
             seen = f"never nearer to the clamp than {1e3 * distance:.1f} mm, at s = {s:.3g} of {1e3 * length:.0f} mm"

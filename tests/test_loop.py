@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from discovery.diagnose import diagnose
-from mujoco_ref.undeclared import Scenario, make
+from mujoco_ref.undeclared import Scenario, make_recording
 from tentacle.cli import main
 from tentacle.io.external_data import data_folder
 from tentacle.io.reading import read_recording
@@ -54,7 +54,7 @@ def tank(hidden, seed):
         "drag": {"C_perp": Estimate.exact(1.1)},
     }
     model = Model(Specimen(Cone(0.0125, 0.004), 0.14, 1070.0), WATER, Gravity(), 2, parameters)
-    return make(hidden, Scenario(model, Chirp(0.5, 0.3, 2.0, 12.0), 12.0, 30.0), seed, name="tank")[0]
+    return make_recording(hidden, Scenario(model, Chirp(0.5, 0.3, 2.0, 12.0), 12.0, 30.0), seed, name="tank")[0]
 
 
 @pytest.fixture(scope="module")

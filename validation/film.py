@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vision.render import Filming
+from vision.render import RenderSettings
 
 if TYPE_CHECKING:
     from tentacle.recording import Recording
@@ -34,12 +34,12 @@ def filmed(recording: Recording, file: Path, look_name: str, size: tuple[int, in
     scale = specimen.length / (ARM_SHARE * height)
     camera = Camera(fps, scale, (0.5 * width, BASE_SHARE * height), (0.0, 1.0))
     if look_name == MUJOCO:
-        from mujoco_ref.camera import film
+        from mujoco_ref.camera import mujoco_film
 
-        write_video(file, film(midline, specimen, camera, size), midline.t, crf=CRF)
+        write_video(file, mujoco_film(midline, specimen, camera, size), midline.t, crf=CRF)
     else:
         look = look_named(look_name)
-        frames = render(midline, specimen, camera, Filming(size, look, seed))
+        frames = render(midline, specimen, camera, RenderSettings(size, look, seed))
         write_video(file, frames, frame_times(midline.t, look, seed), crf=CRF)
     declaration = replace(recording.declaration, camera=camera)
     return replace(recording, declaration=declaration, midline=None, video=Video(file))

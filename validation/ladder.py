@@ -15,8 +15,8 @@ from validation.model_pair import Twin, affine_twin, reference_twin, shape_error
 if TYPE_CHECKING:
     from tentacle.model import Model
 
-ORDERS = (2, 3, 4)
-LINKS = (10, 20, 40, 80)
+LADDER_ORDERS = (2, 3, 4)
+LADDER_LINKS = (10, 20, 40, 80)
 # Frequencies over sqrt(E I0 / (rho A0 L^4)), clamped-free, without rotary inertia (Rayleigh-Ritz): r_tip / r0 -> two
 # modes.
 CONES = {0.0: (8.7193, 21.1457), 0.1: (7.2049, 18.68), 0.5: (4.6252, 19.548), 1.0: (3.51602, 22.0345)}
@@ -122,16 +122,16 @@ def affine_tip(model: Model, order: int) -> np.ndarray:
 
 def reference_tip(model: Model, links: int) -> np.ndarray:
     """Where the reference's tip hangs at rest (2,) [m]."""
-    from mujoco_ref.midline import midline_points
+    from mujoco_ref.midline import chain_midline_points
     from mujoco_ref.simulate import make_stepper
-    from mujoco_ref.statics import equilibrium
+    from mujoco_ref.statics import chain_equilibrium
 
-    state = equilibrium(make_stepper(model, links=links), 0.0)
+    state = chain_equilibrium(make_stepper(model, links=links), 0.0)
     angles = np.cumsum(state.q[2:])[None]
-    return midline_points(angles, np.zeros((1, 2)), model.specimen.length, np.array([1.0]))[0, 0]
+    return chain_midline_points(angles, np.zeros((1, 2)), model.specimen.length, np.array([1.0]))[0, 0]
 
 
-def climb(model: Model, amplitude: float, frequency: float | None = None) -> Ladder:
+def run_ladder(model: Model, amplitude: float, frequency: float | None = None) -> Ladder:
     """All rungs of one model; driven at `amplitude` [rad] and `frequency` [Hz], by default at .6 of the first mode."""
     from mujoco_ref.modes import natural_frequencies
     from mujoco_ref.simulate import make_stepper
@@ -140,8 +140,8 @@ def climb(model: Model, amplitude: float, frequency: float | None = None) -> Lad
     rungs = []
     dry = in_air(model, Gravity(0.0, 0.0))
     theory = theory_frequencies(model)
-    modes = {n: natural_frequencies(make_stepper(dry, links=n), count=2) for n in LINKS}
-    reduced = {order: affine_frequencies(dry, order) for order in ORDERS}
+    modes = {n: natural_frequencies(make_stepper(dry, links=n), count=2) for n in LADDER_LINKS}
+    reduced = {order: affine_frequencies(dry, order) for order in LADDER_ORDERS}
     for i, name in enumerate(("first", "second")):
         rungs.append(
             Rung(
@@ -153,14 +153,14 @@ def climb(model: Model, amplitude: float, frequency: float | None = None) -> Lad
             )
         )
     still = replace(model, gravity=Gravity(0.0, 0.0))
-    wet = {n: float(natural_frequencies(make_stepper(still, links=n), count=1)[0]) for n in LINKS}
+    wet = {n: float(natural_frequencies(make_stepper(still, links=n), count=1)[0]) for n in LADDER_LINKS}
     rungs.append(
         Rung(
             "first frequency, declared fluid",
             "Hz",
             None,
             wet,
-            {o: float(affine_frequencies(still, o)[0]) for o in ORDERS},
+            {o: float(affine_frequencies(still, o)[0]) for o in LADDER_ORDERS},
         )
     )
     level = in_air(model, Gravity(np.pi / 2))
@@ -169,20 +169,20 @@ def climb(model: Model, amplitude: float, frequency: float | None = None) -> Lad
             "drop under its own weight, held level in air",
             "mm",
             None,
-            {n: 1e3 * float(reference_tip(level, n)[0]) for n in LINKS},
-            {order: 1e3 * float(affine_tip(level, order)[0]) for order in ORDERS},
+            {n: 1e3 * float(reference_tip(level, n)[0]) for n in LADDER_LINKS},
+            {order: 1e3 * float(affine_tip(level, order)[0]) for order in LADDER_ORDERS},
         )
     )
-    first = wet[max(LINKS)]
+    first = wet[max(LADDER_LINKS)]
     driven = 0.6 * first if frequency is None else frequency
     start = np.array([0.6, -0.3])
     rungs.append(_motion_rung("release from a bend: midline", model, Rest(), 4.0 / first, start))
     duration = 8.0 / driven
     wave = Ramped(Sine(amplitude, driven), 2.0 / driven)
     fps = min(200.0, max(25.0, 24.0 * driven))
-    references = {n: reference_twin(model, wave, duration, fps, n) for n in LINKS}
-    twins = {order: affine_twin(model, order, wave, duration, fps) for order in ORDERS}
-    best, window = references[max(LINKS)], 2.0 / driven
+    references = {n: reference_twin(model, wave, duration, fps, n) for n in LADDER_LINKS}
+    twins = {order: affine_twin(model, order, wave, duration, fps) for order in LADDER_ORDERS}
+    best, window = references[max(LADDER_LINKS)], 2.0 / driven
     rungs.append(
         Rung(
             "driven motion: midline",
@@ -219,13 +219,13 @@ def third_opinion(model: Model, guess: float) -> float | None:
 def _motion_rung(name: str, model: Model, wave, duration: float, start: np.ndarray) -> Rung:
     """Distance [mm] of the whole motion from the reference with the most links."""
     fps = min(400.0, 200.0 / duration)
-    references = {n: reference_twin(model, wave, duration, fps, n, start) for n in LINKS}
-    best = references[max(LINKS)]
+    references = {n: reference_twin(model, wave, duration, fps, n, start) for n in LADDER_LINKS}
+    best = references[max(LADDER_LINKS)]
     return Rung(
         name,
         "mm",
         None,
         {n: shape_error(twin, best, duration)[0] for n, twin in references.items()},
-        {o: shape_error(affine_twin(model, o, wave, duration, fps, start), best, duration)[0] for o in ORDERS},
+        {o: shape_error(affine_twin(model, o, wave, duration, fps, start), best, duration)[0] for o in LADDER_ORDERS},
         absolute=True,
     )

@@ -11,11 +11,11 @@ import numpy as np
 
 from tentacle.runner import Runner
 from tentacle.specimen import WATER
-from validation.paper_arms import ADDED_MASS, CHOICES, SILICONES
+from validation.paper_arms import ADDED_MASS, CHOICES, PAPER_SILICONES
 from validation.rank_correlation import rank_correlation
 from validation.table1_arm import CHIRP_FROM, CHIRP_S, CHIRP_TO, arm_result
 
-LENGTHS = (0.12, 0.15, 0.18, 0.22, 0.25)
+TABLE1_LENGTHS = (0.12, 0.15, 0.18, 0.22, 0.25)
 VERSION = "2"
 # (q1, q2) as printed, "Error (rad)": by its formula a mean square, rad^2.
 PAPER = {
@@ -23,7 +23,7 @@ PAPER = {
     "Dragon Skin 10": ((3.1, 4.3), (3.8, 5.8), (4.2, 15.4), (4.2, 9.8), (5.2, 6.8)),
     "Dragon Skin 20": ((1.1, 6.2), (2.8, 9.5), (5.4, 8.2), (5.0, 6.3), (6.7, 15.6)),
 }
-HEADER = (
+TABLE1_HEADER = (
     "silicone", "L [cm]", "q1 [rad^2]", "q2 [rad^2]", "midline [mm]", "contours, eq. 19: q1", "q2",
     "paper q1", "paper q2", "q2 / its variance [%]", "E found/true", "reduction [mm]",
 )  # fmt: skip
@@ -46,12 +46,14 @@ class Table1:
 def table1(runner: Runner, seconds: float, look: str, seed: int) -> Table1:
     """All arms: seconds [s] of sine to judge, the rendered tank's look, seed of the pictures' noise."""
     shared = {"seconds": seconds, "look": look, "seed": seed}
-    tasks = [{"length": length, "silicone": silicone, **shared} for silicone in SILICONES for length in LENGTHS]
+    tasks = [
+        {"length": length, "silicone": silicone, **shared} for silicone in PAPER_SILICONES for length in TABLE1_LENGTHS
+    ]
     results = runner.run(arm_result, tasks, version=VERSION, words="Table I")
-    printed = np.array([PAPER[task["silicone"]][LENGTHS.index(task["length"])] for task in tasks])
+    printed = np.array([PAPER[task["silicone"]][TABLE1_LENGTHS.index(task["length"])] for task in tasks])
     columns = {
         "length_m": np.array([task["length"] for task in tasks]),
-        "young_pa": np.array([SILICONES[task["silicone"]].modulus for task in tasks]),
+        "young_pa": np.array([PAPER_SILICONES[task["silicone"]].modulus for task in tasks]),
         "printed_q1": printed[:, 0],
         "printed_q2": printed[:, 1],
     }
@@ -72,7 +74,7 @@ def _row(task: Mapping[str, Any], result: Mapping[str, Any], paper: Sequence[flo
         f"{paper[0]:g}",
         f"{paper[1]:g}",
         f"{100 * result['q2_rad2'] / result['motion_q2_rad2']:.1f}",
-        f"{result['E_pa'] / SILICONES[task['silicone']].modulus:.2f}",
+        f"{result['E_pa'] / PAPER_SILICONES[task['silicone']].modulus:.2f}",
         f"{result['reduction_mm']:.2f}",
     )
 
@@ -88,7 +90,7 @@ def _words(columns: Mapping[str, Any]) -> tuple[str, ...]:
     both = columns["printed_q1"].size
     beyond = int(np.sum(columns["printed_q1"] > columns["motion_q1_rad2"]))
     higher = np.mean(columns["q2_rad2"] > columns["q1_rad2"])
-    density = SILICONES["Dragon Skin 10"].density
+    density = PAPER_SILICONES["Dragon Skin 10"].density
     share = density / (density + ADDED_MASS * WATER.density)
     lost = int(np.sum(~np.isfinite(columns["paper_q1_rad2"])))
     soft = int(np.sum(columns["paper_k0"] + columns["paper_k1"] <= 0.0))

@@ -8,7 +8,7 @@ import numpy as np
 
 from affine_model.simulate import Rail
 from affine_model.swim import PAPER_RAIL
-from mujoco_ref.mount import Rail as ReferenceRail
+from mujoco_ref.mount import MountRail as ReferenceRail
 from mujoco_ref.simulate import Setup, simulate
 from tentacle.gait import Gait
 from tentacle.model import Model

@@ -19,7 +19,7 @@ from vision.encode import write_video
 from vision.lens import Lens
 from vision.lens_file import format_lens
 from vision.looks import look_named
-from vision.render import Filming, frame_times, render
+from vision.render import RenderSettings, frame_times, render
 from vision.scene import Swing, swaying
 
 
@@ -88,11 +88,13 @@ def write_test_video(subject: Subject, options: RenderOptions, out: Path) -> int
     with tempfile.TemporaryDirectory() as folder:
         video = Path(folder) / "video.mp4"
         if mujoco:
-            from mujoco_ref.camera import film
+            from mujoco_ref.camera import mujoco_film
 
-            pictures = film(midline, specimen, camera, options.size)
+            pictures = mujoco_film(midline, specimen, camera, options.size)
         else:
-            pictures = render(midline, specimen, camera, Filming(options.size, look, options.seed), subject.theta)
+            pictures = render(
+                midline, specimen, camera, RenderSettings(options.size, look, options.seed), subject.theta
+            )
         count = write_video(video, pictures, frame_times(midline.t, look, options.seed), options.compress)
         filmed = replace(recording, name=out.name, midline=None, markers=None, shape=None, video=Video(video))
         write_folder(filmed, out)

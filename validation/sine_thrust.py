@@ -15,7 +15,7 @@ from tentacle.waveform import Sine
 
 STEP, SECONDS = 1.0 / 300.0, 10.0  # s; the paper averages over 10 s
 
-Measured = tuple[float, MotorSignal, LoadCellSignal]  # frequency [Hz] of the sine, its motor log and load cell
+SineRun = tuple[float, MotorSignal, LoadCellSignal]  # frequency [Hz] of the sine, its motor log and load cell
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class SineThrust:
     measured: Array | None
 
 
-def sine_thrust(model: Model, recordings: Sequence[Measured]) -> SineThrust:
+def sine_thrust(model: Model, recordings: Sequence[SineRun]) -> SineThrust:
     """On the grid that the recordings' sines span; without recordings 0.1 to 0.7 rad and 0.3 to 1.8 Hz.
 
     The signs of the fluid's force and of the load cell (tared) are turned, because both read along +y.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from tentacle.waveform import Waveform
 
 AMPLITUDE, FREQUENCY = np.pi / 6, 24.0 / 39.0  # [rad], [Hz]: 24 cycles in 39 s (II-B; not the 3 Hz printed)
-FPS = 25.0
+TABLE1_FRAME_RATE = 25.0
 SIZE = (640, 480)
 # The chirp that the paper learns from is not described: this one passes the first mode of most of its arms.
 CHIRP_S, CHIRP_FROM, CHIRP_TO = 12.0, 0.3, 2.0
@@ -69,13 +69,13 @@ def arm_result(task: Mapping[str, Any]) -> dict[str, Any]:
 
 def _film(task: Mapping[str, Any], wave: Waveform, seconds: float, file: Path) -> tuple[Recording, dict[str, Any]]:
     """A video of the reference's arm under that base motion, and what is known about it."""
-    from mujoco_ref.undeclared import Noise, Scenario, make
+    from mujoco_ref.undeclared import Noise, Scenario, make_recording
     from validation.film import filmed
-    from validation.paper_arms import arm
+    from validation.paper_arms import paper_arm
 
-    model = arm(task["length"], task["silicone"])
-    recording, truth = make(
-        {}, Scenario(model, wave, seconds, FPS), task["seed"], Noise(), name="table1", clean_midline=True
+    model = paper_arm(task["length"], task["silicone"])
+    recording, truth = make_recording(
+        {}, Scenario(model, wave, seconds, TABLE1_FRAME_RATE), task["seed"], Noise(), name="table1", clean_midline=True
     )
     return filmed(recording, file, task["look"], SIZE, task["seed"]), truth
 

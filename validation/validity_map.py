@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from tentacle.runner import Runner
     from tentacle.signals import Array
 
-ORDERS = (2, 3, 4)
+MAP_ORDERS = (2, 3, 4)
 RATIOS = (0.15, 0.3, 0.5, 0.8, 1.2, 1.8)  # driving frequency over the first mode in the fluid
 AMPLITUDES = (0.05, 0.1, 0.2, 0.4, 0.8)  # rad
 LEVELS = (0.01, 0.05, 0.10)
@@ -55,12 +55,12 @@ class Validity:
 
         errors (O, A, F): of something else than the shape; where it is unknown it counts as small.
         """
-        row = (self.shape if errors is None else errors)[ORDERS.index(order), amplitude]
+        row = (self.shape if errors is None else errors)[MAP_ORDERS.index(order), amplitude]
         bad = np.flatnonzero(~(row <= level) if errors is None else row > level)
         return 0.0 if bad.size and bad[0] == 0 else RATIOS[(bad[0] if bad.size else row.size) - 1]
 
 
-def cell(task: Mapping[str, Any]) -> dict[str, Any]:
+def validity_cell(task: Mapping[str, Any]) -> dict[str, Any]:
     """One cell: the reference and the reduced model of every order under one sine. task: model tables, amplitude,
     Hz."""
     from tentacle.io.model_file import parse_model
@@ -78,7 +78,7 @@ def cell(task: Mapping[str, Any]) -> dict[str, Any]:
     inside = reference.t > reference.t[-1] - window + 1e-9
     rms = float(np.sqrt(np.mean(reference.load[inside] ** 2)))
     found: dict[str, Any] = {"thrust_n": mean, "shape": [], "thrust": []}
-    for order in ORDERS:
+    for order in MAP_ORDERS:
         twin = affine_twin(model, order, wave, duration, fps)
         found["shape"].append(_finite(shape_error(twin, reference, window)[1]))
         told = model.fluid.density > 0.0 and abs(mean) > 0.01 * rms
@@ -132,12 +132,12 @@ def validity_maps(models: Sequence[Model], runner: Runner, links: int = 20) -> l
                 {"model": model_tables(model), "links": links, "amplitude": amplitude, "frequency": ratio * firsts[-1]}
                 for ratio in RATIOS
             ]
-    results = runner.run(cell, tasks, version=VERSION, words="validity map")
+    results = runner.run(validity_cell, tasks, version=VERSION, words="validity map")
     maps, size = [], len(AMPLITUDES) * len(RATIOS)
     for i, (model, first) in enumerate(zip(models, firsts, strict=True)):
         cells = results[i * size : (i + 1) * size]
         still = replace(model, gravity=Gravity(0.0, 0.0))
-        reduced = np.array([affine_frequencies(still, order)[0] for order in ORDERS])
+        reduced = np.array([affine_frequencies(still, order)[0] for order in MAP_ORDERS])
         maps.append(
             Validity(
                 own_taper(model),
@@ -155,7 +155,7 @@ def validity_maps(models: Sequence[Model], runner: Runner, links: int = 20) -> l
 def _grid(cells: list[Mapping[str, Any]], name: str) -> Array:
     """(O, A, F) out of the cells, NaN where one has no answer."""
     values = np.array([[np.nan if v is None else v for v in c[name]] for c in cells], dtype=float)
-    return values.T.reshape(len(ORDERS), len(AMPLITUDES), len(RATIOS))
+    return values.T.reshape(len(MAP_ORDERS), len(AMPLITUDES), len(RATIOS))
 
 
 def flexibility(model: Model, first: float) -> Array:
@@ -181,7 +181,7 @@ def write_cells(maps: list[Validity], file: Path) -> None:
                               "flexibility", "shape_error", "thrust_error")
     }  # fmt: skip
     for found in maps:
-        for o, order in enumerate(ORDERS):
+        for o, order in enumerate(MAP_ORDERS):
             for a, amplitude in enumerate(AMPLITUDES):
                 for f, ratio in enumerate(RATIOS):
                     row = (found.taper, found.slenderness, order, amplitude, ratio, ratio * found.first,

@@ -10,7 +10,7 @@ from typing import Any
 from tentacle.errors import InputError
 from tentacle.io.video_file import VIDEO_SUFFIXES
 from tentacle.runner import Runner
-from vision.declared import Numbers, is_recording, recording_of
+from vision.declared import DeclaredNumbers, is_recording, recording_of
 from vision.lens_file import read_lens
 from vision.midline_file import write_midline
 from vision.proofread import file_beside, read_verdicts
@@ -19,14 +19,14 @@ from vision.track import Following, motor_angle, track_fully
 
 VERSION = "1"
 FILMS = (*VIDEO_SUFFIXES, ".gif", ".m4v", ".mpg", ".ts", ".wmv")
-COLUMNS = ("source", "frames", "accepted", "repeats", "scale", "problem")
+SUMMARY_COLUMNS = ("source", "frames", "accepted", "repeats", "scale", "problem")
 
 
 @dataclass(frozen=True)
-class Batch:
+class TrackingBatch:
     """What all videos have in common: the arm's numbers, curvature coordinates, the lens' file, where results go."""
 
-    numbers: Numbers
+    numbers: DeclaredNumbers
     order: int | None
     lens: Path | None
     out: Path
@@ -47,7 +47,7 @@ def sources_of(paths: Sequence[Path]) -> list[Path]:
     return found
 
 
-def track_all(sources: Sequence[Path], batch: Batch, workers: int | None = None) -> list[Mapping[str, Any]]:
+def track_all(sources: Sequence[Path], batch: TrackingBatch, workers: int | None = None) -> list[Mapping[str, Any]]:
     """Track all, in parallel; rows of COLUMNS in the sources' order, which are also written to out/summary.csv.
 
     What is stored in out/done is not tracked again, unless the video, its proofreading or an option has changed.
@@ -67,8 +67,8 @@ def track_all(sources: Sequence[Path], batch: Batch, workers: int | None = None)
         for source, name in zip(sources, names, strict=True)
     ]
     rows = Runner(batch.out / "done", workers).run(track_one, tasks, version=VERSION, words="tracking")
-    lines = [",".join(COLUMNS)]
-    lines += [",".join(str(row[name]).replace(",", ";").replace("\n", " ") for name in COLUMNS) for row in rows]
+    lines = [",".join(SUMMARY_COLUMNS)]
+    lines += [",".join(str(row[name]).replace(",", ";").replace("\n", " ") for name in SUMMARY_COLUMNS) for row in rows]
     (batch.out / "summary.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return rows
 
@@ -76,12 +76,14 @@ def track_all(sources: Sequence[Path], batch: Batch, workers: int | None = None)
 def track_one(task: Mapping[str, Any]) -> dict[str, Any]:
     """One video's row; NAME.csv and NAME.midline.csv are written beside it. A bad video is a row with its problem."""
     source, out, name = Path(task["source"]), Path(task["out"]), task["name"]
-    row: dict[str, Any] = dict.fromkeys(COLUMNS, "") | {"source": str(source)}
+    row: dict[str, Any] = dict.fromkeys(SUMMARY_COLUMNS, "") | {"source": str(source)}
     try:
         lens = None if task["lens"] is None else read_lens(Path(task["lens"]))
         numbers = task["numbers"]
         base = numbers["base_px"]
-        recording = recording_of(source, Numbers(**{**numbers, "base_px": None if base is None else tuple(base)}), lens)
+        recording = recording_of(
+            source, DeclaredNumbers(**{**numbers, "base_px": None if base is None else tuple(base)}), lens
+        )
         if recording.video is None:
             raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
         video = recording.video.path

@@ -10,7 +10,7 @@ from scipy.special import ndtr
 from tentacle.compiled import njit
 
 TABLE_END, TABLE_STEPS = 5.0, 100  # of the normal distribution: to so many sigmas, so many steps a sigma
-TABLE = ndtr(np.linspace(-TABLE_END, TABLE_END, round(2 * TABLE_END * TABLE_STEPS) + 1))
+STEP_TABLE = ndtr(np.linspace(-TABLE_END, TABLE_END, round(2 * TABLE_END * TABLE_STEPS) + 1))
 
 
 @njit(cache=True, inline="always")
@@ -19,10 +19,10 @@ def _below(x: float) -> float:
     place = (x + TABLE_END) * TABLE_STEPS
     if not place > 0.0:
         return 0.0
-    if place >= len(TABLE) - 1:
+    if place >= len(STEP_TABLE) - 1:
         return 1.0
     index = int(place)
-    return TABLE[index] + (place - index) * (TABLE[index + 1] - TABLE[index])
+    return STEP_TABLE[index] + (place - index) * (STEP_TABLE[index + 1] - STEP_TABLE[index])
 
 
 @njit(cache=True, inline="always")
@@ -49,7 +49,7 @@ def steepness(d: float, blur: float, half: float) -> float:
 
 
 @njit(cache=True, inline="always")
-def softening(d: float, blur: float, half: float) -> float:
+def step_softening(d: float, blur: float, half: float) -> float:
     """The derivative of rise by blur."""
     if half < 0.15 * blur:
         return -d / (blur * blur) * _bell(d / blur)

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from tentacle.signals import Array
-from vision.body_evidence import STRANGE, dirt_at_an_end, length_doubts, width_doubts
+from vision.body_evidence import STRANGE_WIDTH, dirt_at_an_end, length_doubts, width_doubts
 from vision.frames import Frame
 from vision.silhouette import Axis, find_ends, mean_axis, silhouette
 
-POINTS = 52
+BODY_POINTS = 52
 LENGTH_TOLERANCE = 0.15  # of the recording's median
 WIDTH_TOLERANCE = 0.35
 HOLE = 0.02  # of the body's area
@@ -65,7 +65,7 @@ def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTr
         elif seen.holes > HOLE * seen.area:
             reason = "coiled"
         else:
-            axis = mean_axis(seen.contour, *find_ends(seen.contour), points=POINTS)
+            axis = mean_axis(seen.contour, *find_ends(seen.contour), points=BODY_POINTS)
             reason = "something lies at an end" if dirt_at_an_end(axis, seen.beside) else ""
         times.append(frame.t)
         axes.append(axis)
@@ -81,17 +81,17 @@ def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTr
             reasons[k] = "coiled or merged with something"
     lengthened, widened = length_doubts(axes), width_doubts(axes)
     for k in range(len(axes)):
-        if not reasons[k] and lengthened[k] > STRANGE:
+        if not reasons[k] and lengthened[k] > STRANGE_WIDTH:
             reasons[k] = "longer than in the frames about it: something touches it"
-        elif not reasons[k] and lengthened[k] < -STRANGE:
+        elif not reasons[k] and lengthened[k] < -STRANGE_WIDTH:
             reasons[k] = "shorter than in the frames about it: an end is not seen"
-        elif not reasons[k] and widened[k] > STRANGE:
+        elif not reasons[k] and widened[k] > STRANGE_WIDTH:
             reasons[k] = "not as wide as it is elsewhere: something touches it"
     kept = [axis if axis is not None and not reason else None for axis, reason in zip(axes, reasons, strict=True)]
     return BodyTrack(
         t=np.array(times),
-        midline=np.array([np.full((POINTS, 2), np.nan) if axis is None else axis.points for axis in kept]),
-        width=np.array([np.full(POINTS, np.nan) if axis is None else axis.width for axis in kept]),
+        midline=np.array([np.full((BODY_POINTS, 2), np.nan) if axis is None else axis.points for axis in kept]),
+        width=np.array([np.full(BODY_POINTS, np.nan) if axis is None else axis.width for axis in kept]),
         reason=tuple(reasons),
         affine_rms=np.array([np.nan if axis is None else polynomial_rms(axis, 2) for axis in kept]),
         quartic_rms=np.array([np.nan if axis is None else polynomial_rms(axis, 5) for axis in kept]),

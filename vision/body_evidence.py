@@ -14,16 +14,16 @@ from scipy.ndimage import median_filter
 from tentacle.signals import Array
 from vision.silhouette import Axis
 
-NEIGHBOURS = 31  # frames about one, whose median is its usual length
-STRANGE = 5.0  # robust standard deviations that no honest frame is off
-STATIONS = 26  # along the body, where widths are compared
+LENGTH_WINDOW = 31  # frames about one, whose median is its usual length
+STRANGE_WIDTH = 5.0  # robust standard deviations that no honest frame is off
+WIDTH_STATIONS = 26  # along the body, where widths are compared
 NORMAL = 1.4826  # standard deviations to a median absolute deviation of normal noise
-LEAST = 0.01  # relative: lengths and widths of a pixelled body are known no better
+LEAST_UNCERTAINTY = 0.01  # relative: lengths and widths of a pixelled body are known no better
 NEAR_END = 0.6  # of the body's width: dirt as near to an end as that may be a part of it
-TOUCH = 2.0  # px that a blurred gap between two bodies takes up
-MOVED = 0.25  # of the width: how far aside a midline may lie for dirt at its flank
+TOUCHING_GAP = 2.0  # px that a blurred gap between two bodies takes up
+MIDLINE_SHIFT = 0.25  # of the width: how far aside a midline may lie for dirt at its flank
 WAYS = 10  # rounds in which each body's way round is chosen
-ENDS = 2  # stations at either end whose width is the end's shape, not the body's
+END_STATIONS = 2  # stations at either end whose width is the end's shape, not the body's
 
 
 def length_doubts(axes: list[Axis | None]) -> Array:
@@ -33,7 +33,7 @@ def length_doubts(axes: list[Axis | None]) -> Array:
     lengths = np.array([axis.length for axis in axes if axis is not None])
     if len(lengths) < 3:
         return doubts
-    off = lengths / median_filter(lengths, min(NEIGHBOURS, len(lengths)), mode="nearest") - 1.0
+    off = lengths / median_filter(lengths, min(LENGTH_WINDOW, len(lengths)), mode="nearest") - 1.0
     doubts[there] = off / _scatter(off)
     return doubts
 
@@ -47,16 +47,16 @@ def width_doubts(axes: list[Axis | None]) -> Array:
     there = [k for k, axis in enumerate(axes) if axis is not None]
     if len(there) < 3:
         return doubts
-    place = np.linspace(0.0, 1.0, STATIONS)
+    place = np.linspace(0.0, 1.0, WIDTH_STATIONS)
     widths = np.array(
         [np.interp(place, np.linspace(0.0, 1.0, len(axis.width)), axis.width) for axis in axes if axis is not None]
     )
     widths = _same_way(widths)
     usual = np.median(widths, axis=0)
-    off = np.abs(widths - usual)[:, ENDS:-ENDS] / float(usual.max())
+    off = np.abs(widths - usual)[:, END_STATIONS:-END_STATIONS] / float(usual.max())
     largest = off.max(axis=1)  # among so many places one is always off: measured by what that usually is
     doubts[there] = (largest - np.median(largest)) / _scatter(largest - np.median(largest))
-    doubts[there] *= 0.5 * largest > MOVED  # a midline lies half of a false width aside at most
+    doubts[there] *= 0.5 * largest > MIDLINE_SHIFT  # a midline lies half of a false width aside at most
     return doubts
 
 
@@ -74,11 +74,11 @@ def _same_way(widths: Array) -> Array:
 
 def dirt_at_an_end(axis: Axis, beside: tuple[Array, ...]) -> bool:
     """Whether something else lies so near to an end that either could be the body."""
-    reach = NEAR_END * float(np.quantile(axis.width, 0.9)) + TOUCH
+    reach = NEAR_END * float(np.quantile(axis.width, 0.9)) + TOUCHING_GAP
     return any(
         np.linalg.norm(contour - axis.points[end], axis=1).min() < reach for contour in beside for end in (0, -1)
     )
 
 
 def _scatter(relative: Array) -> float:
-    return max(NORMAL * float(np.median(np.abs(relative))), LEAST)
+    return max(NORMAL * float(np.median(np.abs(relative))), LEAST_UNCERTAINTY)

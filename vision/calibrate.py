@@ -20,7 +20,7 @@ MOST_VIEWS = 30
 
 
 @dataclass(frozen=True)
-class Board:
+class CharucoBoard:
     """A ChArUco board: squares across and down, side of a square and of a marker [m], 4x4 dictionary of 50."""
 
     across: int = 8
@@ -40,7 +40,7 @@ class Board:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class LensCalibration:
     """lens with its scale, rms of the corners [px], tilt of the board against the picture [rad], number of views."""
 
     lens: Lens
@@ -49,7 +49,7 @@ class Calibration:
     views: int
 
 
-def find_corners(image: NDArray[np.uint8], board: Board) -> tuple[Array, Array]:
+def find_corners(image: NDArray[np.uint8], board: CharucoBoard) -> tuple[Array, Array]:
     """Corners seen: on the board (N, 2) [m] and in the picture (N, 2) [px]; both empty where there is no board."""
     charuco = board.charuco()
     found = cv2.aruco.CharucoDetector(charuco).detectBoard(image)
@@ -60,7 +60,7 @@ def find_corners(image: NDArray[np.uint8], board: Board) -> tuple[Array, Array]:
     return grid[np.asarray(ids, dtype=np.intp).ravel()], np.asarray(corners, dtype=float).reshape(-1, 2)
 
 
-def calibrate(frames: Iterable[Frame], board: Board) -> Calibration:
+def calibrate_lens(frames: Iterable[Frame], board: CharucoBoard) -> LensCalibration:
     """Fit one radial lens term and scale, and for each view its place, turn and tilt (a plane seen in perspective).
 
     Raises InputError where too few corners are found, or the board is tilted by more than the scale can bear.
@@ -99,7 +99,7 @@ def calibrate(frames: Iterable[Frame], board: Board) -> Calibration:
     flattest = int(np.argmin(tilts))
     lens = Lens((float(centre[0]), float(centre[1])), reference, float(fit.x[0]), 0.0, 1.0 / per_metre[flattest])
     rms = float(np.sqrt(2.0 * np.mean(residual(fit.x) ** 2)))
-    return Calibration(lens, rms, float(tilts[flattest]), len(views))
+    return LensCalibration(lens, rms, float(tilts[flattest]), len(views))
 
 
 def _homography(board_points: Array, picture: Array) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tentacle.compiled import njit
 
 Array = NDArray[np.float64]
-FINE = 3  # fine pixels to a pixel's side, where a blur acts before the pixels do
+FINE_PIXELS = 3  # fine pixels to a pixel's side, where a blur acts before the pixels do
 
 
 @njit(cache=True)
@@ -80,11 +80,13 @@ def blurred_coverage(polygons: list[Array], size: tuple[int, int], blur: float) 
     if np.any(last - first <= 2 * margin):
         return coverage
     width, height = (last - first).tolist()
-    fine = np.zeros((FINE * height, FINE * width))
+    fine = np.zeros((FINE_PIXELS * height, FINE_PIXELS * width))
     for polygon in polygons:
-        fine += polygon_coverage((polygon - first + 0.5) * FINE - 0.5, (FINE * width, FINE * height))
-    fine = cv2.GaussianBlur(fine, (0, 0), FINE * blur)
-    window = fine.reshape(height, FINE, width, FINE).mean(axis=(1, 3)) / len(polygons)
+        fine += polygon_coverage(
+            (polygon - first + 0.5) * FINE_PIXELS - 0.5, (FINE_PIXELS * width, FINE_PIXELS * height)
+        )
+    fine = cv2.GaussianBlur(fine, (0, 0), FINE_PIXELS * blur)
+    window = fine.reshape(height, FINE_PIXELS, width, FINE_PIXELS).mean(axis=(1, 3)) / len(polygons)
     left, top = np.maximum(first, 0)
     right, bottom = np.minimum(last, size)
     coverage[top:bottom, left:right] = window[top - first[1] : bottom - first[1], left - first[0] : right - first[0]]

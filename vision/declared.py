@@ -14,11 +14,11 @@ from vision.frames import read_frames
 from vision.guess import guess_camera
 from vision.lens import Lens
 
-WATER = 1000.0  # kg/m3; the density plays no part in tracking
+WATER_DENSITY = 1000.0  # kg/m3; the density plays no part in tracking
 
 
 @dataclass(frozen=True)
-class Numbers:
+class DeclaredNumbers:
     """What a user states of a plain video; None where he does not. Lengths in m, base_px (u, v), fps in 1/s."""
 
     length: float | None = None
@@ -36,16 +36,16 @@ def is_recording(source: Path) -> bool:
     return source.suffix == ".rrd" or (source / "recording.toml").exists()
 
 
-def _arm(numbers: Numbers) -> Specimen:
+def _arm(numbers: DeclaredNumbers) -> Specimen:
     length, base, tip = numbers.length, numbers.base_radius, numbers.tip_radius
     if length is None or base is None or tip is None:
         missing = "--length" if length is None else "--base-radius" if base is None else "--tip-radius"
         expected = "metres, or --pick with --length alone"
         raise InputError("a plain video says nothing of the arm", field=missing, expected=expected)
-    return Specimen(Cone(base, tip), length, density=WATER)
+    return Specimen(Cone(base, tip), length, density=WATER_DENSITY)
 
 
-def recording_of(source: Path, numbers: Numbers, lens: Lens | None) -> Recording:
+def recording_of(source: Path, numbers: DeclaredNumbers, lens: Lens | None) -> Recording:
     """The recording at a path, or one made of a plain video and the arm's numbers."""
     if is_recording(source):
         return read_recording(source)

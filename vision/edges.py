@@ -17,8 +17,8 @@ from vision.motion import Sweep
 from vision.profiles import Bars, Pixels, Stations, fit_profiles, gather, level_sums, measure_profiles, plateaus
 from vision.robust import AROUND, PLAIN, neighbours_mean
 
-LONGEST = 256  # samples that a searched profile may have
-STRANGE = 4.0  # times the usual rms of a profile's residual
+LONGEST_PROFILE = 256  # samples that a searched profile may have
+STRANGE_EDGE = 4.0  # times the usual rms of a profile's residual
 FEW = 0.05  # of the places: that noise alone may put in contradiction to the light
 LEVEL_REACH = 4.0  # px beyond the blur from which the greys beside an edge are told; a mirror image is often near
 
@@ -150,7 +150,7 @@ def _beside_something(
     inside, told = neighbours_mean(expected.kind, alone.level, weight, AROUND)
     contrast, _ = neighbours_mean(expected.kind, alone.contrast, weight, AROUND)
     usual = max(float(np.median(alone.misfit[sound])), PLAIN * float(np.median(np.abs(alone.contrast[sound]))))
-    return (told > 0.5) & (count_strange(pixels, bars, inside, inside + contrast, STRANGE * usual) > 1)
+    return (told > 0.5) & (count_strange(pixels, bars, inside, inside + contrast, STRANGE_EDGE * usual) > 1)
 
 
 def _not_measured(count: int) -> tuple[Array, Array]:
@@ -193,12 +193,12 @@ def _search(
     count_of_edges = points.shape[0]
     offset, contrast = np.zeros(count_of_edges), np.zeros(count_of_edges)
     found = np.zeros(count_of_edges, dtype=np.bool_)
-    grey = np.empty(LONGEST)
+    grey = np.empty(LONGEST_PROFILE)
     for e in range(points.shape[0]):
         found[e] = False
         half = 2 if depth[e] > 4.0 else 1
         start = -int(reach) - half
-        count = min(2 * int(reach) + 2 * half + 1, LONGEST)
+        count = min(2 * int(reach) + 2 * half + 1, LONGEST_PROFILE)
         best = 0.0
         for k in range(count):
             d = float(start + k)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tentacle.errors import InputError
 from tentacle.io.written_file import written_file
 
-TICKS = 1_000_000  # time stamps to the microsecond
+TICKS_A_SECOND = 1_000_000  # time stamps to the microsecond
 
 
 def write_video(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable[float], crf: int = 0) -> int:
@@ -44,12 +44,12 @@ def write_video(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable
 
 def _encode(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable[float], crf: int) -> int:
     count, previous = 0, -1
-    fine = {"video_track_timescale": str(TICKS)} if path.suffix in (".mp4", ".mov") else {}
+    fine = {"video_track_timescale": str(TICKS_A_SECOND)} if path.suffix in (".mp4", ".mov") else {}
     with av.open(str(path), "w", options=fine) as container:
         stream = None
         try:
             for frame, time in zip(frames, times, strict=True):
-                ticks = round(float(time) * TICKS)
+                ticks = round(float(time) * TICKS_A_SECOND)
                 if ticks <= previous:
                     raise InputError(f"time {time} s does not follow the frame before", file=path, row=count + 1)
                 previous = ticks
@@ -58,9 +58,9 @@ def _encode(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable[flo
                     stream = container.add_stream("libx264", rate=Fraction(1000, 1), options=_options(crf))
                     stream.width, stream.height = frame.shape[1], frame.shape[0]
                     stream.pix_fmt = "gray" if frame.ndim == 2 and crf == 0 else "yuv420p"
-                    stream.codec_context.time_base = Fraction(1, TICKS)
+                    stream.codec_context.time_base = Fraction(1, TICKS_A_SECOND)
                 picture = av.VideoFrame.from_ndarray(frame, format="gray" if frame.ndim == 2 else "rgb24")
-                picture.pts, picture.time_base = ticks, Fraction(1, TICKS)
+                picture.pts, picture.time_base = ticks, Fraction(1, TICKS_A_SECOND)
                 container.mux(stream.encode(picture))
                 count += 1
         except ValueError as error:

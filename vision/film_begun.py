@@ -9,7 +9,7 @@ from pathlib import Path
 from tentacle.errors import InputError
 from tentacle.io.recording_template import Answers
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_video, frame_rate
-from vision.propose import propose
+from vision.propose import propose_arm
 
 
 def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
@@ -22,7 +22,7 @@ def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copyfile(film, folder / f"video{film.suffix.lower()}")
     try:
-        proposal = propose(film)
+        proposal = propose_arm(film)
     except InputError as error:
         return answers, f"the film proposes no camera: {error.problem}"
     camera = proposal.camera(answers.length, frame_rate(film))

@@ -10,16 +10,16 @@ from scipy.fft import dct
 
 from tentacle.signals import Array
 from vision.edges import Before, Edges, Optics, fit_edges, measure_edges, search_edges
-from vision.kinematics import CORNER, SHARED, Geometry, Outline, outline
+from vision.kinematics import CORNER_PIXELS, SHARED, Geometry, Outline, outline
 from vision.light import Light
-from vision.motion import Motion, Sweep, sweep
+from vision.motion import ShapeMotion, Sweep, sweep
 from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
 
 BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
-LEAST_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
+LEAST_EDGE_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
-ENDS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
+END_PIXELS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
 TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
 SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
@@ -35,7 +35,7 @@ FAINTEST = 0.2  # of the arm's contrast, that a stretch's is taken as
 
 
 @dataclass(frozen=True)
-class Sight:
+class EdgeLook:
     """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey].
 
     along (KNOTS,): the contrast's course from base to tip, as shares of contrast; a thin tip lets light through.
@@ -92,12 +92,12 @@ class Exposure:
     image: NDArray[np.uint8]
     t: float
     span: float
-    motion: Motion
+    motion: ShapeMotion
     light: Light | None = None
 
 
 @dataclass(frozen=True)
-class Arm:
+class TrackedArm:
     """The declared arm at the motor's angle theta [rad], with what all frames share (G,)."""
 
     geometry: Geometry
@@ -111,11 +111,11 @@ class Arm:
 
 def refine(
     picture: Exposure,
-    arm: Arm,
+    arm: TrackedArm,
     x: Array,
-    sight: Sight,
+    sight: EdgeLook,
     reaches: tuple[float, ...] = (10.0, 5.0),
-    ends: float = ENDS,
+    ends: float = END_PIXELS,
 ) -> FrameFit | None:
     """Fit x from a start that is within about the first reach [px]; None where too few edges are found.
 
@@ -180,11 +180,11 @@ def _wild(geometry: Geometry, x: Array) -> bool:
     return not (np.ptp(turned) < MOST_TURN and np.abs(bend).max() * thick < MOST_BEND)
 
 
-def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:
+def _usable(edges: Edges, expected: Outline, sight: EdgeLook) -> NDArray[np.bool_]:
     """Side edges (E,) that are there and stand out; the ends move with the recording's parameters, hardly with x."""
     return (
         edges.found
-        & (sight.polarity * edges.contrast > LEAST_CONTRAST * sight.contrast_at(expected.s))
+        & (sight.polarity * edges.contrast > LEAST_EDGE_CONTRAST * sight.contrast_at(expected.s))
         & (expected.kind < 2)
     )
 
@@ -192,7 +192,7 @@ def _usable(edges: Edges, expected: Outline, sight: Sight) -> NDArray[np.bool_]:
 def _clear_of_ends(geometry: Geometry, shared: Array, expected: Outline, swept: Sweep) -> NDArray[np.bool_]:
     """Edges (E,) that no end of the arm slips over during the exposure."""
     away = np.minimum(expected.s, 1.0 - expected.s) * geometry.length * (1.0 + shared[2])
-    return away > CORNER - 1.0 + 0.5 * swept.slip
+    return away > CORNER_PIXELS - 1.0 + 0.5 * swept.slip
 
 
 def ordinary_misfit(edges: Edges, usable: NDArray[np.bool_]) -> float:
@@ -234,7 +234,7 @@ class EndSearch:
     """How an end is looked for: up to reach [px] along the arm, with the profile's usual rms [grey] of the sides."""
 
     optics: Optics
-    sight: Sight
+    sight: EdgeLook
     reach: float
     usual: float
 
@@ -287,7 +287,7 @@ def _waves(sway: Array) -> Array:
     return waves[SLOW] / np.sqrt(max(float(np.mean(waves**2)), 1e-12))
 
 
-def drawing(fit: FrameFit) -> Array:
+def fit_outline(fit: FrameFit) -> Array:
     """The fitted outline, base to tip and back, some 80 points (N, 2) [px]."""
     sides = [fit.expected.points[fit.expected.kind == side] for side in (0, 1)]
     step = max(len(sides[0]) // 40, 1)

@@ -12,17 +12,27 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.fit import ENDS, Arm, Exposure, FrameFit, Sight, contrast_along, drawing, ordinary_misfit, refine
+from vision.fit import (
+    END_PIXELS,
+    EdgeLook,
+    Exposure,
+    FrameFit,
+    TrackedArm,
+    contrast_along,
+    fit_outline,
+    ordinary_misfit,
+    refine,
+)
 from vision.frames import Frame
 from vision.judge import why_rejected
 from vision.kinematics import SHARED, Geometry
 from vision.light import Light
 from vision.locate import locate
-from vision.motion import Motion
+from vision.motion import ShapeMotion
 from vision.remedy import remedies
 
-FIRST_FRAMES = 16  # frames from which the recording's parameters are first estimated
-LEAST_SCORE = 0.45  # of a coarse find
+FIRST_LOOK_FRAMES = 16  # frames from which the recording's parameters are first estimated
+LEAST_COARSE_SCORE = 0.45  # of a coarse find
 PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
 SHORT, SLENDER = 0.065, (0.4, 0.8, 0.8)  # of a short arm's length, a slender one's half thickness: no further off
 BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
@@ -31,11 +41,11 @@ SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
 STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
 REPEAT, USUAL = 0.1, 31  # a repeat's share of the usual change, which is the median over so many pictures
 LOOK_AGAIN = 5  # frames between searches for a lost arm
-NEAR = 3  # frames: a neighbour further off says nothing of a speed
+NEAREST_FRAMES = 3  # frames: a neighbour further off says nothing of a speed
 
 
 @dataclass(frozen=True)
-class Seen:
+class TrackedFrame:
     """One frame's result. x (K,): base angle offset and q [rad]; covariance (K, K), given the recording's parameters.
 
     reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g.
@@ -77,7 +87,7 @@ class Follower:
         self.geometry, self.exposure, self.size = geometry, exposure, order + 1
         self._theta = theta
         self.shared = np.zeros(SHARED)
-        self.sight: Sight | None = None
+        self.sight: EdgeLook | None = None
         self._history: list[tuple[float, Array]] = []
         self._previous: NDArray[np.uint8] | None = None
         self._changes: list[float] = []
@@ -108,10 +118,10 @@ class Follower:
                 found = (index, where)
             if where.score > 0.7:
                 break
-        if found is None or found[1].score < LEAST_SCORE:
+        if found is None or found[1].score < LEAST_COARSE_SCORE:
             raise InputError("no arm that fits the declaration is in the first frames", expected="the arm in view")
         index, where = int(found[0]), found[1]
-        self.sight = Sight(blur=1.2, polarity=where.polarity, contrast=8.0)
+        self.sight = EdgeLook(blur=1.2, polarity=where.polarity, contrast=8.0)
         begin = self._filled(where.x)
         # outward from the frame where the arm was found, so that each start is near
         walk = [range(index, len(frames)), range(index - 1, -1, -1)]
@@ -124,8 +134,8 @@ class Follower:
                     near = shapes.get(k, shapes.get(k - way.step))
                     if near is None:
                         continue
-                    ends = 1.5 * PRIOR[2] * self.geometry.length if sweep < 2 else ENDS
-                    motion = self._among(frames, shapes, k) if sweep > 0 else Motion()
+                    ends = 1.5 * PRIOR[2] * self.geometry.length if sweep < 2 else END_PIXELS
+                    motion = self._among(frames, shapes, k) if sweep > 0 else ShapeMotion()
                     fit = self._fit(frames[k], near, motion, reaches if sweep == 0 else STARTING, ends)
                     if fit is not None and fit.sigma < 3.0:
                         shapes[k], fits[k] = fit.x, fit
@@ -143,10 +153,12 @@ class Follower:
         # so that the very first frames' motion is known too, from those that follow
         self._history = [(frames[k].t, shapes[k] + self._turn(frames[k].t)) for k in (2, 1) if k in shapes]
 
-    def _among(self, frames: list[Frame], shapes: dict[int, Array], k: int) -> Motion:
+    def _among(self, frames: list[Frame], shapes: dict[int, Array], k: int) -> ShapeMotion:
         """Frame k's motion, by the shapes of the two nearest frames."""
         near = sorted((other for other in shapes if other != k), key=lambda other: abs(other - k))[:2]
-        return Motion(tuple((frames[i].t, shapes[i] + self._turn(frames[i].t)) for i in near if abs(i - k) <= NEAR))
+        return ShapeMotion(
+            tuple((frames[i].t, shapes[i] + self._turn(frames[i].t)) for i in near if abs(i - k) <= NEAREST_FRAMES)
+        )
 
     def _turn(self, t: float) -> Array:
         """The motor's part (K,) of an arm's angles: in the first entry."""
@@ -160,11 +172,11 @@ class Follower:
         return None if self._theta is None else self._theta(t)
 
     def _fit(
-        self, frame: Frame, x: Array, motion: Motion, reaches: tuple[float, ...], ends: float = ENDS
+        self, frame: Frame, x: Array, motion: ShapeMotion, reaches: tuple[float, ...], ends: float = END_PIXELS
     ) -> FrameFit | None:
         assert self.sight is not None
         picture = Exposure(frame.image, frame.t, self.exposure, motion, self._light)
-        arm = Arm(self.geometry, self.theta(frame.t), self.shared)
+        arm = TrackedArm(self.geometry, self.theta(frame.t), self.shared)
         return refine(picture, arm, x, self.sight, reaches, ends)
 
     def _learn(self, frame: Frame, fit: FrameFit) -> None:
@@ -189,7 +201,7 @@ class Follower:
             gradient = gradient + slope
         self.shared = self.shared + np.linalg.solve(information, gradient)
 
-    def _look_at_edges(self, frame: Frame, x: Array, motion: Motion, fits: list[FrameFit]) -> None:
+    def _look_at_edges(self, frame: Frame, x: Array, motion: ShapeMotion, fits: list[FrameFit]) -> None:
         """Choose contrast and blur as the edges show them."""
         assert self.sight is not None
         polarity = self.sight.polarity
@@ -216,7 +228,7 @@ class Follower:
         step = float(np.clip(right / max(left, 1e-9), -blur / 3.0, blur / 2.0))
         self.sight = replace(self.sight, blur=float(np.clip(blur + gain * step, *BLUR_LIMITS)))
 
-    def see(self, frame: Frame) -> Seen:
+    def see(self, frame: Frame) -> TrackedFrame:
         """Fit the next frame; start must have been called."""
         assert self.sight is not None
         self._latest = frame.image
@@ -245,7 +257,7 @@ class Follower:
         self._sharpen([fit], SLOWLY)
         self._learn(frame, fit)
         covariance, lean, shared_information, shared_gradient = _eliminate(fit, self.size)
-        return Seen(
+        return TrackedFrame(
             t=frame.t,
             theta=self.theta(frame.t),
             x=fit.x,
@@ -256,7 +268,7 @@ class Follower:
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
             waves=fit.waves,
-            outline_px=self.geometry.lens.bend(drawing(fit)),
+            outline_px=self.geometry.lens.bend(fit_outline(fit)),
         )
 
     def _repeats(self, frame: Frame) -> bool:
@@ -275,12 +287,12 @@ class Follower:
         self.shown_again += change < REPEAT * float(np.quantile(known, 0.9))
         return change < REPEAT * usual
 
-    def _starts(self, frame: Frame) -> Iterator[tuple[Array, Motion, tuple[float, ...]]]:
+    def _starts(self, frame: Frame) -> Iterator[tuple[Array, ShapeMotion, tuple[float, ...]]]:
         """Where to begin: constant velocity, then the last shape with a wider reach, then a search of the picture."""
         assert self.sight is not None
         others = [entry for entry in self._history if entry[0] != frame.t][-2:]
         if others and self._lost < LOOK_AGAIN:
-            motion = Motion(tuple(others))
+            motion = ShapeMotion(tuple(others))
             t1, last = others[-1]
             last = last - self._turn(t1)
             if len(others) == 2:
@@ -292,13 +304,17 @@ class Follower:
         if not self._history or self._lost % LOOK_AGAIN == 0:
             polarities = (self.sight.polarity,)
             found = locate(frame.image, self.geometry, self.shared, self._known(frame.t), polarities, self.size)
-            if found.score > LEAST_SCORE:
-                yield self._filled(found.x), Motion(), (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0)
+            if found.score > LEAST_COARSE_SCORE:
+                yield (
+                    self._filled(found.x),
+                    ShapeMotion(),
+                    (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0),
+                )
 
-    def _rejected(self, frame: Frame, reason: str) -> Seen:
+    def _rejected(self, frame: Frame, reason: str) -> TrackedFrame:
         k = self.size
         nothing = np.full(k, np.nan)
-        return Seen(
+        return TrackedFrame(
             t=frame.t, theta=self.theta(frame.t), x=nothing, covariance=np.full((k, k), np.nan), reason=reason,
             lean=np.zeros((k, SHARED)), shared_information=np.zeros((SHARED, SHARED)),
             shared_gradient=np.zeros(SHARED), sigma=np.nan, waves=np.zeros(0), outline_px=np.zeros((0, 2)),
@@ -328,7 +344,7 @@ def _change(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> float:
     return float(np.mean(cv2.absdiff(np.ascontiguousarray(before[::7]), np.ascontiguousarray(after[::7]))))
 
 
-def follow(frames: Iterable[Frame], follower: Follower) -> Iterator[Seen]:
+def follow_frames(frames: Iterable[Frame], follower: Follower) -> Iterator[TrackedFrame]:
     """Start on the first frames, then yield every frame's result as it comes."""
     waiting: list[Frame] = []
     started = False
@@ -337,7 +353,7 @@ def follow(frames: Iterable[Frame], follower: Follower) -> Iterator[Seen]:
             yield follower.see(frame)
             continue
         waiting.append(frame)
-        if len(waiting) == FIRST_FRAMES:
+        if len(waiting) == FIRST_LOOK_FRAMES:
             follower.start(waiting)
             started = True
             for early in waiting:

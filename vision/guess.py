@@ -14,8 +14,8 @@ from vision.kinematics import SHARED, Geometry
 from vision.locate import locate
 from vision.silhouette import Silhouette, find_ends, mean_axis, silhouette
 
-LEAST_SCORE = 0.45
-SLENDER = 2.5  # length over width of what may be an arm
+LEAST_GUESS_SCORE = 0.45
+LEAST_ASPECT = 2.5  # length over width of what may be an arm
 OTHER_BODY = 0.4  # of the arm's area: a second slender body of that size is another arm
 
 
@@ -35,7 +35,7 @@ def guess_camera(image: NDArray[np.uint8], specimen: Specimen, fps: float, expos
             where = locate(image, Geometry.declared(specimen, camera), np.zeros(SHARED), None, (polarity,))
             if found is None or where.score > found[0]:
                 found = (where.score, camera, seen, picture)
-    if found is None or found[0] < LEAST_SCORE:
+    if found is None or found[0] < LEAST_GUESS_SCORE:
         raise InputError(
             "no arm stands out against its ground",
             field="camera",
@@ -66,7 +66,7 @@ def _camera_of(seen: Silhouette, specimen: Specimen, fps: float, exposure: float
         if abs(base - tip) < 5:
             continue
         axis = mean_axis(contour, base, tip)
-        if axis.length < SLENDER * np.median(axis.width):
+        if axis.length < LEAST_ASPECT * np.median(axis.width):
             continue
         misfit = _width_misfit(axis.width, axis.length, specimen)
         camera = Camera(
@@ -97,5 +97,5 @@ def _bodies_like_it(picture: NDArray[np.uint8], arm: Silhouette) -> int:
     for contour in contours:
         area, around = cv2.contourArea(contour), cv2.arcLength(contour, True)
         # a body of length l and width w has area l w and perimeter 2 l, nearly
-        count += area > OTHER_BODY * arm.area and around**2 > 4.0 * SLENDER * area * 1.5
+        count += area > OTHER_BODY * arm.area and around**2 > 4.0 * LEAST_ASPECT * area * 1.5
     return count

@@ -8,20 +8,20 @@ from scipy.special import erf
 
 from tentacle.signals import Array
 from vision.edges import grey_at
-from vision.fit import FrameFit, Sight
+from vision.fit import EdgeLook, FrameFit
 from vision.kinematics import Geometry
 
 LEAST_FOUND = 0.5  # share of the side edges that must carry weight
-LONGEST_GAP = 0.3  # share of the arm that may be hidden on both sides at once
+LARGEST_HIDDEN_SHARE = 0.3  # share of the arm that may be hidden on both sides at once
 MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
 MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
 LAST, LEAST_TIP = 0.08, 0.35  # of the arm: there the tip's contrast is looked at, and what share of the usual it has
-SHARES = np.array([-0.6, 0.0, 0.6])  # of the radius: probes inside
+INSIDE_PROBES = np.array([-0.6, 0.0, 0.6])  # of the radius: probes inside
 MARGINS = np.array([4.0, 7.0])  # px beyond the edge: probes outside
 
 
 def why_rejected(
-    image: NDArray[np.uint8], geometry: Geometry, theta: float, shared: Array, fit: FrameFit, sight: Sight
+    image: NDArray[np.uint8], geometry: Geometry, theta: float, shared: Array, fit: FrameFit, sight: EdgeLook
 ) -> str:
     """One short phrase why the frame cannot be trusted, "" where it can."""
     height, width = image.shape
@@ -42,7 +42,7 @@ def why_rejected(
     both = np.histogram(expected.s[sides], bins)[0]
     there = np.histogram(expected.s[sides & carries], bins)[0] > 0.25 * both
     gap = max((len(run) for run in "".join("1" if ok else "0" for ok in there).split("1")), default=0) / len(there)
-    if gap > LONGEST_GAP or not there[-3:].any():
+    if gap > LARGEST_HIDDEN_SHARE or not there[-3:].any():
         return "part of the arm is hidden"
     if fit.sigma > MOST_SCATTER:
         return "edges scatter"
@@ -54,7 +54,7 @@ def why_rejected(
 
 
 def _tip_contrast(
-    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: Sight
+    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: EdgeLook
 ) -> float:
     """Contrast of the arm's last stretch with what lies beside it, over that which is usual for so thin a stretch."""
     pick = np.unique(np.linspace((1.0 - LAST) * (len(centre) - 1), len(centre) - 2, 16).astype(int))
@@ -79,13 +79,13 @@ def _touches_itself(centre: Array, radius: Array) -> bool:
 
 
 def _disagreement(
-    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: Sight
+    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: EdgeLook
 ) -> float:
     """Share of probes whose grey lies on the wrong side of the local threshold half way between inside and outside."""
     pick = np.linspace(0, len(centre) - 1, 62).astype(int)[1:-1]
     cosine, sine = np.cos(phi[pick])[:, None], np.sin(phi[pick])[:, None]
     normals = cosine * geometry.normal + sine * geometry.arm
-    within = radius[pick, None] * SHARES
+    within = radius[pick, None] * INSIDE_PROBES
     beyond = radius[pick, None] + MARGINS
     distance = np.concatenate([within, beyond, -beyond], axis=1)
     probes = (centre[pick, None] + distance[:, :, None] * normals[:, None]).reshape(-1, 2)
@@ -94,14 +94,14 @@ def _disagreement(
     if np.count_nonzero(whole) < 20:
         return 1.0
     grey, radius = grey[whole], radius[pick][whole]
-    middle = np.median(grey[:, : len(SHARES)], axis=1)
-    outside = np.median(grey[:, len(SHARES) :], axis=1)
+    middle = np.median(grey[:, : len(INSIDE_PROBES)], axis=1)
+    outside = np.median(grey[:, len(INSIDE_PROBES) :], axis=1)
     # the light changes slowly along the arm: a wide median, which a hidden part cannot pull along
     middles = np.arange(5, len(grey), 10)
     half_way = 0.5 * (middle + outside)
     wide = [np.median(half_way[max(i - 15, 0) : i + 16]) for i in middles]
     threshold = np.interp(np.arange(len(grey)), middles, wide)
-    wrong_inside = grey[:, : len(SHARES)] > threshold[:, None]
-    wrong_outside = grey[:, len(SHARES) :] < threshold[:, None]
+    wrong_inside = grey[:, : len(INSIDE_PROBES)] > threshold[:, None]
+    wrong_outside = grey[:, len(INSIDE_PROBES) :] < threshold[:, None]
     wrong_inside &= radius[:, None] > 2.0  # a thinner tip's grey is mixed
     return float(np.concatenate([wrong_inside, wrong_outside], axis=1).mean())

@@ -18,7 +18,7 @@ from tentacle.specimen import Specimen
 from vision.lens import Lens
 
 SHARED = 6  # number of the recording's parameters g
-CORNER = 3.0  # px next to the arm's ends where a side profile sees the corner
+CORNER_PIXELS = 3.0  # px next to the arm's ends where a side profile sees the corner
 
 
 @dataclass(frozen=True)
@@ -164,8 +164,8 @@ def _edges(
     normal, arm = axes
     length, relative = sizes
     stations, order = phi.shape[0] - 1, x.shape[0]
-    first = int(np.ceil(max(CORNER / length, 0.02) * stations))
-    last = int(np.floor((1.0 - CORNER / length) * stations))
+    first = int(np.ceil(max(CORNER_PIXELS / length, 0.02) * stations))
+    last = int(np.floor((1.0 - CORNER_PIXELS / length) * stations))
     rows = (last - first) // stride + 1
     tip_rows = max(int(radius[stations] / stride), 1)
     base_rows = max(int(radius[0] / stride), 1)

@@ -24,8 +24,8 @@ DIFFERENT = 2.0  # standard deviations
 BELIEVED = 4.0  # standard deviations that the light may be off the picture
 LEAST_EDGES = 4  # in a stretch
 KNOT = 8  # stations between two places where the greys are told; straight lines between
-SUMS = 24  # that are kept along a side
-HELD = 1e-6  # prior information on each unknown, so that a stretch without an outside has an answer
+SUMS_KEPT = 24  # that are kept along a side
+UNKNOWN_PRIOR = 1e-6  # prior information on each unknown, so that a stretch without an outside has an answer
 TAKEN = 1e9  # prior information on the grey inside where it is taken off
 
 
@@ -65,7 +65,7 @@ def side_greys(
     lit, known_light = known
     count, contradicted, places = len(kind), 0, 1
     greys, sure = np.zeros((count, 4)), np.zeros(count, dtype=np.bool_)
-    window, answer = np.empty(SUMS), np.empty(6)
+    window, answer = np.empty(SUMS_KEPT), np.empty(6)
     for side in (0, 1):
         index = np.flatnonzero(kind == side)
         stations = len(index)
@@ -80,13 +80,13 @@ def side_greys(
         for knot in range(knots):
             k = min(knot * KNOT, stations - 1)
             window[:] = total[min(k + STRETCHES[0] + 1, stations)] - total[max(k - STRETCHES[0], 0)]
-            _solve(window, k, ratio, HELD, answer)
+            _solve(window, k, ratio, UNKNOWN_PRIOR, answer)
             noises[knot] = answer[5]
         noise = np.median(noises)
         for knot in range(knots):
             k = min(knot * KNOT, stations - 1)
             e = index[k]
-            there[knot], middle, variance = _longest(total, k, ratio, HELD, noise, answer)
+            there[knot], middle, variance = _longest(total, k, ratio, UNKNOWN_PRIOR, noise, answer)
             told[knot, :3], told[knot, 3] = answer[:3], ratio * answer[2]
             if not known_light[e]:
                 continue
@@ -113,7 +113,7 @@ def side_greys(
 @njit(cache=True, nogil=True)
 def _running_sums(index: NDArray[np.int64], sound: NDArray[np.bool_], packed: Array, ratio: float) -> Array:
     """Running sums (stations + 1, SUMS) of packed along a side, of the sound edges, and of what has a slope."""
-    total, row = np.zeros((len(index) + 1, SUMS)), np.zeros(SUMS)
+    total, row = np.zeros((len(index) + 1, SUMS_KEPT)), np.zeros(SUMS_KEPT)
     for k in range(len(index)):
         e = index[k]
         total[k + 1] = total[k]
@@ -134,7 +134,7 @@ def _longest(total: Array, k: int, ratio: float, held: float, noise: float, answ
     """
     stations = total.shape[0] - 1
     there, middle, variance = False, 0.0, np.inf
-    window, longer = np.empty(SUMS), np.empty(6)
+    window, longer = np.empty(SUMS_KEPT), np.empty(6)
     answer[:] = 0.0
     for reach in STRETCHES:
         window[:] = total[min(k + reach + 1, stations)] - total[max(k - reach, 0)]
@@ -181,7 +181,7 @@ def _solve(window: Array, middle: int, ratio: float, held: float, answer: Array)
     half_way[:2] = 0.5
     for i in range(5):
         for j in range(i + 1):
-            value = factor[i, j] + ((held if i == 0 else HELD) if i == j else 0.0)
+            value = factor[i, j] + ((held if i == 0 else UNKNOWN_PRIOR) if i == j else 0.0)
             for k in range(j):
                 value -= factor[i, k] * factor[j, k]
             factor[i, j] = np.sqrt(max(value, 1e-9)) if i == j else value / factor[j, j]

@@ -19,14 +19,14 @@ from vision.field import Field
 from vision.lens import Lens
 
 BLOCKS = 4  # of the picture, in a cell of the field
-ASIDE = 3  # blocks about the arm that are not ground
+BLOCKS_ABOUT_ARM = 3  # blocks about the arm that are not ground
 EARLY, OFTEN, SELDOM = 32, 2, 8  # of the first pictures every second one is kept for the ground; later every eighth
 PICTURES, RARELY = 32, 4  # are kept; after so many new ones their medians are taken again
-MEMORY = 1000.0  # pictures after which what an edge told has faded
+PICTURE_MEMORY = 1000.0  # pictures after which what an edge told has faded
 HUBER = 2.0  # standard deviations beyond which a grey inside the arm tells less (Huber 1964)
-STRANGE = 4.0  # standard deviations of a grey outside that is not the ground's
-CLAMP = 3.5  # half widths about the base where a clamp may stand
-LEAST = 30.0  # pixels that must have told a place
+STRANGE_OUTSIDE = 4.0  # standard deviations of a grey outside that is not the ground's
+CLAMP_REACH = 3.5  # half widths about the base where a clamp may stand
+LEAST_PIXELS = 30.0  # pixels that must have told a place
 ROUGH = 1.5  # grey that a block of smooth ground may be off: a bubble's, a speck's or a wall's are further
 SMOOTH_SHARE = 0.5  # of the blocks about a node that must lie on the field for it to be believed
 SIFTS = 6  # rounds in which blocks that are further off lose their say
@@ -68,7 +68,7 @@ class Light:
         place, grey, pixels = _seen(told[1], lens)
         # beside the edge may be what moves with the arm; where the pictures tell the ground, they know better
         off = _sigmas(self._ground, place, grey, pixels, noise)
-        trust = np.where(self._beheld.told(place) > LEAST, off < STRANGE, 1.0)
+        trust = np.where(self._beheld.told(place) > LEAST_PIXELS, off < STRANGE_OUTSIDE, 1.0)
         self._edged = _faded(self._edged).adding(place, grey, trust * pixels)
         early, self._seen = self._seen < EARLY, self._seen + 1
         if self._seen % (OFTEN if early else SELDOM):
@@ -87,7 +87,7 @@ class Light:
         place, out, back = (lens.bend(points + step * normals) for step in (0.0, SLOPE, -SLOPE))
         slopes = [(field.at(out) - field.at(back)) / (2.0 * SLOPE) for field in (self._ground, self._arm)]
         greys = np.column_stack([self._arm.at(place), self._ground.at(place), *slopes])
-        return greys, np.minimum(self._arm.told(place), self._ground.told(place)) > LEAST
+        return greys, np.minimum(self._arm.told(place), self._ground.told(place)) > LEAST_PIXELS
 
     def _blocks(self, image: NDArray[np.uint8], outline: Array) -> NDArray[np.float32]:
         """Mean greys of the picture's blocks (rows, columns), NaN where the arm is near."""
@@ -98,10 +98,13 @@ class Light:
         corners = np.rint(np.clip(outline / self._block - 0.5, -1e4, 1e4)).astype(np.int32)
         cv2.fillPoly(arm, [corners], 1)
         cv2.polylines(arm, [corners], True, 1)
-        base, wide = 0.5 * (outline[0] + outline[-1]), CLAMP * 0.5 * float(np.linalg.norm(outline[0] - outline[-1]))
+        base, wide = (
+            0.5 * (outline[0] + outline[-1]),
+            CLAMP_REACH * 0.5 * float(np.linalg.norm(outline[0] - outline[-1])),
+        )
         middle = np.rint(base / self._block - 0.5).astype(int)
         cv2.circle(arm, (int(middle[0]), int(middle[1])), round(wide / self._block), 1, -1)
-        blocks[cv2.dilate(arm, np.ones((2 * ASIDE + 1, 2 * ASIDE + 1), np.uint8)) > 0] = np.nan
+        blocks[cv2.dilate(arm, np.ones((2 * BLOCKS_ABOUT_ARM + 1, 2 * BLOCKS_ABOUT_ARM + 1), np.uint8)) > 0] = np.nan
         return blocks
 
     def _medians(self) -> Field:
@@ -134,8 +137,8 @@ def _seen(told: Array, lens: Lens) -> tuple[Array, Array, Array]:
 def _sigmas(field: Field, place: Array, grey: Array, pixels: Array, noise: float) -> Array:
     """How far greys (P,) are off a field, in their own standard deviations; next to nothing where it is not told."""
     off = np.abs(grey - field.at(place)) * np.sqrt(pixels) / noise
-    return np.where(field.told(place) > LEAST, off, 0.0) + 1e-9
+    return np.where(field.told(place) > LEAST_PIXELS, off, 0.0) + 1e-9
 
 
 def _faded(field: Field) -> Field:
-    return field.fading(1.0 - 1.0 / MEMORY)
+    return field.fading(1.0 - 1.0 / PICTURE_MEMORY)

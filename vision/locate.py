@@ -16,7 +16,7 @@ from vision.lens import bend_point
 from vision.trace import Reduced, trace
 
 COARSE_LENGTH = 120.0  # px that the arm is long in the reduced picture
-STATIONS = 20
+LOCATED_STATIONS = 20
 END_ANGLES = np.linspace(-2.4, 2.4, 17)  # rad, alpha(1) = q1 + q2/2
 BENDS = np.linspace(-6.0, 6.0, 11)  # rad, q2
 KNOWN_OFFSETS = np.linspace(-0.4, 0.4, 9)  # rad about the motor's angle
@@ -126,7 +126,7 @@ def locate(
     size = (max(int(image.shape[1] / shrink), 1), max(int(image.shape[0] / shrink), 1))
     small = cv2.GaussianBlur(cv2.resize(image, size, interpolation=cv2.INTER_AREA), (0, 0), 1.0).astype(np.float32)
     low, high = np.percentile(small, [2.0, 98.0])
-    s = (np.arange(STATIONS) + 0.5) / STATIONS
+    s = (np.arange(LOCATED_STATIONS) + 0.5) / LOCATED_STATIONS
     radius = np.interp(s, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))
     view = View(
         small, shrink, geometry.lens.packed, geometry.base + shared[:2], geometry.normal, geometry.arm,

@@ -16,19 +16,21 @@ from tentacle.io.csv_table import write_csv
 from tentacle.signals import Array, ShapeTrack
 from tentacle.specimen import Specimen
 
-POINTS = 41
-FINE = 8  # steps of the quadrature between two points
+MIDLINE_FILE_POINTS = 41
+FINE_STEPS = 8  # steps of the quadrature between two points
 LEAST_SIGMA = 1e-9  # m: at the base, whose place is the frame's origin, but for the shift of all frames alike
 
 
-def midline_columns(shape: ShapeTrack, theta: Array, specimen: Specimen, points: int = POINTS) -> dict[str, Array]:
+def midline_columns(
+    shape: ShapeTrack, theta: Array, specimen: Specimen, points: int = MIDLINE_FILE_POINTS
+) -> dict[str, Array]:
     """Each column (T, points) of the file; theta (T,) [rad] is the motor's angle at the track's times.
 
     The angle of the midline is phi = theta + offset + sum_j q_j s^j / j (eq. 2), its length the declared one times the
     scale that was seen, its base where it was seen. sigma follows from the coefficients' covariance.
     """
     count = shape.coefficients.shape[1]
-    fine = np.linspace(0.0, 1.0, FINE * (points - 1) + 1)
+    fine = np.linspace(0.0, 1.0, FINE_STEPS * (points - 1) + 1)
     middle = 0.5 * (fine[1:] + fine[:-1])
     powers = np.array([np.ones(len(middle)), *(middle**j / j for j in range(1, count))])
     phi = theta[:, None] + shape.coefficients @ powers
@@ -37,8 +39,8 @@ def midline_columns(shape: ShapeTrack, theta: Array, specimen: Specimen, points:
     walk = np.stack([-np.sin(phi), np.cos(phi)], axis=2) * step[None, :, None]
     xy = shape.base_shift + np.concatenate([start, np.cumsum(walk, axis=1)], axis=1)
     turned = -np.stack([np.cos(phi), np.sin(phi)], axis=2) * step[None, :, None]
-    moved = np.cumsum(powers.T[None, :, :, None] * turned[:, :, None], axis=1)[:, FINE - 1 :: FINE]
-    normal = np.stack([np.cos(phi), np.sin(phi)], axis=2)[:, FINE - 1 :: FINE]
+    moved = np.cumsum(powers.T[None, :, :, None] * turned[:, :, None], axis=1)[:, FINE_STEPS - 1 :: FINE_STEPS]
+    normal = np.stack([np.cos(phi), np.sin(phi)], axis=2)[:, FINE_STEPS - 1 :: FINE_STEPS]
     across = np.einsum("tpkx,tpx->tpk", moved, normal)
     variance = np.einsum("tpi,tij,tpj->tp", across, shape.covariance, across)
     s = np.linspace(0.0, 1.0, points)
@@ -48,8 +50,8 @@ def midline_columns(shape: ShapeTrack, theta: Array, specimen: Specimen, points:
     columns = {
         "t_s": np.repeat(shape.t[:, None], points, axis=1),
         "s": np.repeat(s[None], len(shape.t), axis=0),
-        "x_m": xy[:, ::FINE, 0],
-        "y_m": xy[:, ::FINE, 1],
+        "x_m": xy[:, ::FINE_STEPS, 0],
+        "y_m": xy[:, ::FINE_STEPS, 1],
         "sigma_m": np.maximum(sigma, LEAST_SIGMA),
         "curvature_1_m": bend / (specimen.length * shape.scale),
         "width_m": width.copy(),

@@ -20,7 +20,7 @@ GAUSS = 0.5 / np.sqrt(3.0)  # of the exposure, from its middle
 
 
 @dataclass(frozen=True)
-class Motion:
+class ShapeMotion:
     """An arm's shapes x (K,) [rad] at up to two other times [s], the motor's angle added to their first entry."""
 
     known: tuple[tuple[float, Array], ...] = ()

@@ -8,14 +8,14 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.follow import Seen
+from vision.follow import TrackedFrame
 from vision.frames import Frame
 
 GOOD, BAD = (60, 220, 90), (235, 70, 60)  # RGB
 FINE_BITS = 4  # sub-pixel bits of OpenCV's drawing
 
 
-def draw(image: NDArray[np.uint8], seen: Seen) -> NDArray[np.uint8]:
+def draw_overlay(image: NDArray[np.uint8], seen: TrackedFrame) -> NDArray[np.uint8]:
     """An RGB copy (H, W, 3) of a grey frame with the outline and the time."""
     picture = np.repeat(image[:, :, None], 3, axis=2)
     scale = max(image.shape[0] / 720.0, 0.4)
@@ -30,21 +30,23 @@ def draw(image: NDArray[np.uint8], seen: Seen) -> NDArray[np.uint8]:
     return picture
 
 
-def overlay(frames: Iterable[Frame], seen: Sequence[Seen]) -> Iterator[NDArray[np.uint8]]:
+def overlay(frames: Iterable[Frame], seen: Sequence[TrackedFrame]) -> Iterator[NDArray[np.uint8]]:
     """Each frame with its result drawn over it; frames and results are matched by their time stamps."""
     results = {result.t: result for result in seen}
     for frame in frames:
         if frame.t in results:
-            yield draw(frame.image, results[frame.t])
+            yield draw_overlay(frame.image, results[frame.t])
 
 
-def contact_sheet(frames: Iterable[Frame], seen: Sequence[Seen], columns: int = 3, rows: int = 3) -> NDArray[np.uint8]:
+def contact_sheet(
+    frames: Iterable[Frame], seen: Sequence[TrackedFrame], columns: int = 3, rows: int = 3
+) -> NDArray[np.uint8]:
     """One RGB picture of frames spread over the video, rejected ones among them where there are any."""
     count = columns * rows
     rejected = [k for k, result in enumerate(seen) if not result.accepted][: count // 3]
     spread = [int(k) for k in np.linspace(0, len(seen) - 1, min(count - len(rejected), len(seen)))]
     chosen = {seen[k].t: seen[k] for k in sorted({*rejected, *spread})}
-    tiles = [draw(frame.image, chosen[frame.t]) for frame in frames if frame.t in chosen]
+    tiles = [draw_overlay(frame.image, chosen[frame.t]) for frame in frames if frame.t in chosen]
     height, width = tiles[0].shape[:2]
     shrink = min(1.0, 640.0 / width)
     size = (round(width * shrink), round(height * shrink))

@@ -80,7 +80,7 @@ def paper_axis(image: NDArray[np.uint8], camera: Camera) -> Array | None:
     return camera.to_base_frame(axis.points)
 
 
-def turned(points: Array, angle: float) -> Array:
+def rotated(points: Array, angle: float) -> Array:
     """Points (P, 2) turned about the base by angle [rad], from x towards y."""
     cos, sin = np.cos(angle), np.sin(angle)
     return points @ np.array([[cos, sin], [-sin, cos]])
@@ -103,8 +103,8 @@ def paper_steps(video: Path, declaration: Declaration, motor: MotorSignal | None
     _, binary = cv2.threshold(frame.image, 0, 255, kind | cv2.THRESH_OTSU)
     theta = 0.0 if motor is None else float(np.interp(frame.t, motor.t, motor.angle))
     search, length = GridSearch(), declaration.specimen.length
-    aligned = turned(axis, -theta) / length
-    fitted = turned(length * search.fitted(aligned), theta)
+    aligned = rotated(axis, -theta) / length
+    fitted = rotated(length * search.fitted(aligned), theta)
     return PaperSteps(frame.image, np.asarray(binary, np.uint8), seen.contour, axis, fitted, search.best(aligned))
 
 
@@ -135,7 +135,7 @@ def paper_track(video: Path, declaration: Declaration, motor: MotorSignal | None
         if axis is None:
             rows.append([np.nan] * 3)
             continue
-        rows.append([0.0, *search.best(turned(axis, -theta) / length)])  # in the frame that turns with the servo
+        rows.append([0.0, *search.best(rotated(axis, -theta) / length)])  # in the frame that turns with the servo
     return ShapeTrack(
         t=np.array(times),
         coefficients=np.array(rows),

@@ -13,10 +13,10 @@ from tentacle.io.declaration_file import RecordingFile, format_recording_file
 from tentacle.io.video_file import VIDEO_SUFFIXES
 from tentacle.recording import Declaration
 from tentacle.specimen import Cone, Specimen
-from vision.declared import WATER, Numbers
+from vision.declared import WATER_DENSITY, DeclaredNumbers
 from vision.encode import write_picture
 from vision.frames import read_frames
-from vision.propose import Proposal, picture, propose
+from vision.propose import ArmProposal, picture, propose_arm
 
 LEAST_RADIUS = 1e-4  # m: a tip thinner than that is a picture's, not silicone's
 
@@ -25,12 +25,12 @@ LEAST_RADIUS = 1e-4  # m: a tip thinner than that is a picture's, not silicone's
 class Picked:
     """A proposal with the picture that shows it, and the declaration that follows for an arm of known length."""
 
-    proposal: Proposal
+    proposal: ArmProposal
     picture: Path
     declaration: Declaration
 
 
-def pick(video: Path, numbers: Numbers) -> Picked:
+def pick(video: Path, numbers: DeclaredNumbers) -> Picked:
     """Find the arm in a video, draw it into VIDEO.pick.png, and say what would be declared.
 
     numbers.length [m] gives the scale: from a film alone only lengths in px can be told; radii that are not stated
@@ -38,7 +38,7 @@ def pick(video: Path, numbers: Numbers) -> Picked:
     """
     if numbers.length is None:
         raise InputError("a film tells no metres", field="--length", expected="the arm's length from base to tip [m]")
-    found = propose(video, numbers.fps)
+    found = propose_arm(video, numbers.fps)
     if numbers.base_px is not None:
         found = replace(found, base_px=numbers.base_px)
     fps = numbers.fps or _fps(video)
@@ -47,7 +47,7 @@ def pick(video: Path, numbers: Numbers) -> Picked:
         camera = replace(camera, metres_per_px=numbers.metres_per_px)
     radii = [0.5 * width * camera.metres_per_px for width in found.width_px]
     section = Cone(numbers.base_radius or radii[0], numbers.tip_radius or max(radii[1], LEAST_RADIUS))
-    declaration = Declaration(Specimen(section, numbers.length, density=WATER), camera=camera)
+    declaration = Declaration(Specimen(section, numbers.length, density=WATER_DENSITY), camera=camera)
     shown = video.with_name(video.name + ".pick.png")
     write_picture(shown, picture(next(iter(read_frames(video, fps))).image, found))
     return Picked(found, shown, declaration)

@@ -16,12 +16,12 @@ from scipy.special import ndtr
 
 from tentacle.signals import Array
 from vision.looks import Look
-from vision.render import Filming, Renderer
+from vision.render import Renderer, RenderSettings
 from vision.scene import Scene, exact_midline
 
-STEP = 2e-3  # rad, of the central differences
+DIFFERENCE_STEP = 2e-3  # rad, of the central differences
 COMMON = {"offset": 1e-3, "u": 0.2, "v": 0.2, "length": 1e-3}  # steps: rad, px, px, relative
-BLOCK = 8  # px
+BLOCK_PIXELS = 8  # px
 LUMA = np.array(  # ITU-T T.81, Table K.1: JPEG's steps at quality 50
     [
         [16, 11, 10, 16, 24, 40, 51, 61],
@@ -43,9 +43,9 @@ def picture_information(scene: Scene, look: Look, seed: int, order: int, frames:
     """
     q = np.zeros((len(scene.t), order))
     q[:, : min(order, scene.q.shape[1])] = scene.q[:, :order]
-    changes: list[tuple[Array, dict[str, float]]] = [(STEP * row, {}) for row in np.eye(order)]
+    changes: list[tuple[Array, dict[str, float]]] = [(DIFFERENCE_STEP * row, {}) for row in np.eye(order)]
     changes += [(np.zeros(order), {name: step}) for name, step in COMMON.items()]
-    steps = np.array([STEP] * order + list(COMMON.values()))
+    steps = np.array([DIFFERENCE_STEP] * order + list(COMMON.values()))
     pairs = []
     for dq, common in changes:
         back = {name: -step for name, step in common.items()}
@@ -89,7 +89,7 @@ def _renderer(scene: Scene, q: Array, look: Look, seed: int, changes: Mapping[st
     base = (scene.camera.base_px[0] + u, scene.camera.base_px[1] + v)
     camera = replace(scene.camera, base_px=base)
     midline = exact_midline(scene.t, scene.theta + scene.offset + offset, q, scene.specimen.length * (1.0 + length))
-    return Renderer(midline, scene.specimen, camera, Filming(scene.size, look, seed), scene.theta)
+    return Renderer(midline, scene.specimen, camera, RenderSettings(scene.size, look, seed), scene.theta)
 
 
 def _information(mean: Array, slopes: Array, look: Look) -> Array:
@@ -120,6 +120,6 @@ def jpeg_steps(quality: int) -> Array:
 
 def _blocks(picture: Array) -> Array:
     """Orthonormal cosine coefficients of 8 x 8 blocks; what does not fill a block at the picture's edge is left out."""
-    height, width = (size // BLOCK for size in picture.shape)
-    whole = picture[: height * BLOCK, : width * BLOCK].reshape(height, BLOCK, width, BLOCK)
+    height, width = (size // BLOCK_PIXELS for size in picture.shape)
+    whole = picture[: height * BLOCK_PIXELS, : width * BLOCK_PIXELS].reshape(height, BLOCK_PIXELS, width, BLOCK_PIXELS)
     return np.asarray(dctn(whole, axes=(1, 3), norm="ortho")).transpose(0, 2, 1, 3)

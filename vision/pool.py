@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tentacle.signals import Array
-from vision.follow import PRIOR, Seen
+from vision.follow import PRIOR, TrackedFrame
 from vision.kinematics import SHARED
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
-PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
+COORDINATE_PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class _Solution:
     objective: float
 
 
-def pool(seen: list[Seen], start: Array, order: int | None, prior: Array = PRIOR) -> Pooled:
+def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array = PRIOR) -> Pooled:
     """Join the frames; order None lets the data choose from 2 up to what was fitted. start (G,): the g they used;
     prior (G,): follow.prior_of."""
     accepted = np.array([frame.accepted for frame in seen])
@@ -85,7 +85,7 @@ def pool(seen: list[Seen], start: Array, order: int | None, prior: Array = PRIOR
     full = solutions[fitted].objective
     for n, solution in solutions.items():
         evidence[n] = (solution.objective - full) / len(good)
-    chosen = order or min(evidence, key=lambda n: evidence[n] + PENALTY * n)
+    chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
     if chosen not in solutions:
         solutions[chosen] = _solve(stack, chosen, start, prior)
     solution = solutions[chosen]
@@ -112,7 +112,7 @@ def pool(seen: list[Seen], start: Array, order: int | None, prior: Array = PRIOR
     )
 
 
-def _inflation(good: list[Seen]) -> tuple[float, float]:
+def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
     """How much wider the variance of q, and then that of what all frames share, is than independent edges make it.
 
     Both at least 1, both from the slow waves in the edges' errors: their power over all frames, and the share of it

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
-from vision.blurred_step import rise, softening, steepness
+from vision.blurred_step import rise, steepness, step_softening
 from vision.lens import bend_point
 
 MOST_PIXELS = 160  # that one edge may have
@@ -57,7 +57,7 @@ class Fitted(NamedTuple):
     found: NDArray[np.bool_]
 
 
-class Measured(NamedTuple):
+class EdgeMeasurement(NamedTuple):
     """Offset [px], information, misfit [grey] of each edge (E,), whether it was found, and softer (E, 2): the normal
     equation for more blur, right side and left."""
 
@@ -262,7 +262,7 @@ def plateaus(pixels: Pixels, bars: Bars, contrast: Array, tell: NDArray[np.bool_
 
 
 @njit(cache=True, nogil=True)
-def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> Measured:
+def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> EdgeMeasurement:
     """How far each edge lies outward of its expected place, by one linear step with the greys beside it known.
 
     greys (E, 4): inside and outside at the edge, the slopes outward of ground and arm. Pixels further than reach [px]
@@ -288,7 +288,7 @@ def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> 
             beyond = greys[e, 1] + greys[e, 2] * place[k]
             g = -(greys[e, 1] - greys[e, 0]) * steepness(place[k], blur, half[e])
             residual = grey[k] - within - c * (beyond - within)
-            h = (greys[e, 1] - greys[e, 0]) * softening(place[k], blur, half[e])
+            h = (greys[e, 1] - greys[e, 0]) * step_softening(place[k], blur, half[e])
             g_g += g * g
             r_g += residual * g
             total += residual * residual
@@ -298,4 +298,4 @@ def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> 
         information[e] = g_g
         offset[e] = r_g / max(g_g, 1e-9)
         misfit[e] = math.sqrt(total / max(used, 1))
-    return Measured(offset, information, misfit, found, softer)
+    return EdgeMeasurement(offset, information, misfit, found, softer)

@@ -15,7 +15,7 @@ import numpy as np
 import tomli_w
 
 from tentacle.errors import InputError
-from vision.follow import Seen
+from vision.follow import TrackedFrame
 
 _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 
@@ -80,7 +80,7 @@ def decided(video: Path, reject: Sequence[str], accept: Sequence[str]) -> dict[i
     return verdicts
 
 
-def most_doubtful(seen: Sequence[Seen], count: int = 9) -> list[int]:
+def most_doubtful(seen: Sequence[TrackedFrame], count: int = 9) -> list[int]:
     """Accepted frames to look at, the most doubtful first.
 
     Doubt is how far a frame's edges scatter over what is usual, and how far its shape lies from the line between its

@@ -25,19 +25,19 @@ from vision.silhouette import Axis, find_ends, mean_axis
 Grey = NDArray[np.uint8]
 LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
 FINE_BELOW = 480  # px; smaller pictures are enlarged
-STANDS_OUT = 5.0  # times the ground's own scatter
+STANDING_OUT = 5.0  # times the ground's own scatter
 HALF_WAY, CONTRAST = 0.45, 0.8  # of the arm's contrast, which is this quantile of what stands out
-SLENDER = 3.0  # length over width of what may be an arm
-SMALLEST = 20.0  # px of length
+LEAST_SLENDERNESS = 3.0  # length over width of what may be an arm
+SHORTEST_ARM = 20.0  # px of length
 STILL, ALWAYS = 0.1, 0.9  # weight of what does not move; share of the pictures in which it then is
 TAPER = slice(0.35, 0.9)  # of the length: there the arm's own widths are told
 WIDER = 1.35  # times the arm's own width: a clamp's, or a trunk's
-CORNER = 0.7  # rad that a flat end's contour turns at least
-POINTS = 120
+CORNER_ANGLE = 0.7  # rad that a flat end's contour turns at least
+CONTOUR_POINTS = 120
 
 
 @dataclass(frozen=True)
-class Proposal:
+class ArmProposal:
     """base_px, tip_px (u, v); arm_px: unit vector along the mean arm; width_px: full width at base and tip; length_px.
 
     polarity: +1 an arm darker than its ground, -1 lighter. score: share of the pictures in which it was found. axis_px
@@ -66,7 +66,7 @@ class _Body:
     merit: float
 
 
-def propose(source: Path | Grey, fps: float | None = None) -> Proposal:
+def propose_arm(source: Path | Grey, fps: float | None = None) -> ArmProposal:
     """The arm in a film (the first pictures of a file, or of a folder at fps), or in one picture (H, W).
 
     Raises InputError where nothing slender stands out.
@@ -80,7 +80,7 @@ def propose(source: Path | Grey, fps: float | None = None) -> Proposal:
         raise error if error.file else InputError(error.problem, file=source, expected=error.expected) from error
 
 
-def propose_among(pictures: Sequence[Grey]) -> Proposal:
+def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
     """The arm in pictures of one film."""
     if not pictures:
         raise InputError("there are no pictures", expected="a film")
@@ -111,7 +111,7 @@ def propose_among(pictures: Sequence[Grey]) -> Proposal:
         words.append("the base is where the arm gets wider than its taper: is this where it is held?")
     if len(pictures) > 1 and np.ptp(ahead, axis=0).max() < 2.0:
         words.append("nothing moves: base and tip may be exchanged")
-    return Proposal(
+    return ArmProposal(
         base_px=(float(base[0]), float(base[1])),
         tip_px=(float(lines[0][-1][0]), float(lines[0][-1][1])),
         arm_px=(float(arm[0]), float(arm[1])),
@@ -124,7 +124,7 @@ def propose_among(pictures: Sequence[Grey]) -> Proposal:
     )
 
 
-def picture(image: Grey, proposal: Proposal) -> NDArray[np.uint8]:
+def picture(image: Grey, proposal: ArmProposal) -> NDArray[np.uint8]:
     """An RGB picture (H, W, 3) with base, midline and tip drawn in, at least 640 px wide, to be confirmed."""
     grow = max(round(640 / image.shape[1]), 1)
     shown = cv2.resize(image, None, fx=grow, fy=grow, interpolation=cv2.INTER_NEAREST)
@@ -160,8 +160,8 @@ def _mask(image: Grey, polarity: float) -> NDArray[np.bool_]:
     smooth = cv2.GaussianBlur(image, (0, 0), 0.8)
     apart = polarity * (ground.astype(np.float32) - smooth.astype(np.float32))
     noise = 1.4826 * float(median_abs_deviation(apart.ravel())) + 0.3
-    out = apart[apart > STANDS_OUT * noise]
-    level = max(STANDS_OUT * noise, HALF_WAY * float(np.quantile(out, CONTRAST))) if out.size else np.inf
+    out = apart[apart > STANDING_OUT * noise]
+    level = max(STANDING_OUT * noise, HALF_WAY * float(np.quantile(out, CONTRAST))) if out.size else np.inf
     if grow > 1:
         apart = cv2.resize(apart, None, fx=grow, fy=grow, interpolation=cv2.INTER_CUBIC)
     return np.asarray(apart > level)
@@ -178,7 +178,7 @@ def _most_like_an_arm(mask: NDArray[np.bool_], always: NDArray[np.bool_], shape:
     for contour in contours:
         area, around = cv2.contourArea(contour), cv2.arcLength(contour, True)
         length = 0.5 * around
-        if length < SMALLEST * grow or length**2 < SLENDER * max(area, 1.0):
+        if length < SHORTEST_ARM * grow or length**2 < LEAST_SLENDERNESS * max(area, 1.0):
             continue
         filled = np.zeros(mask.shape, np.uint8)
         cv2.fillPoly(filled, [contour], 1)
@@ -193,8 +193,8 @@ def _axis(contour: Array, first: int, last: int) -> Axis | None:
     """Mean axis between two of the contour's points; None of what is no slender body after all."""
     if first == last:
         return None
-    axis = mean_axis(contour, first, last, points=POINTS)
-    slender = np.isfinite(axis.points).all() and axis.length > SLENDER * float(np.median(axis.width))
+    axis = mean_axis(contour, first, last, points=CONTOUR_POINTS)
+    slender = np.isfinite(axis.points).all() and axis.length > LEAST_SLENDERNESS * float(np.median(axis.width))
     return axis if slender else None
 
 
@@ -222,7 +222,7 @@ def _opposite(contour: Array, tip: Array) -> tuple[int, int]:
     first = int(np.argmax(turn))
     apart = np.abs(np.arange(len(turn)) - first) > 2 * step
     second = int(np.argmax(np.where(apart, turn, -np.inf)))
-    if turn[second] > CORNER:
+    if turn[second] > CORNER_ANGLE:
         half = float(np.mod(0.5 * (places[first + step] + places[second + step]), whole))
     return int(np.argmin(np.abs(arc[:-1] - half))), at
 

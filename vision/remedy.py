@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from vision.kinematics import Geometry
-from vision.propose import propose
+from vision.propose import propose_arm
 
-ELSEWHERE = 0.12  # of the arm's length: a base further off is another place
-SCALED = 0.12  # relative: a length further off is another scale
+ANOTHER_PLACE = 0.12  # of the arm's length: a base further off is another place
+ANOTHER_SCALE = 0.12  # relative: a length further off is another scale
 TURNED = 1.2  # rad
 WATCHED = 30  # frames without repeats, after which a loss is told
 LOST = 0.5  # share of them
@@ -20,19 +20,19 @@ SLOW, LATE = 1.0, 4.0  # s a frame, and since the start, that are too slow to sa
 def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[str]:
     """What to change in the declaration, in words; [] where the picture agrees with it. servo: its angle is known."""
     try:
-        seen = propose(image)
+        seen = propose_arm(image)
     except InputError:
         return ["nothing slender stands out from its ground in this picture: more light, or a plainer ground"]
     words = []
     u, v = seen.base_px
     off = np.array(seen.base_px) - geometry.base
     tip_off = np.array(seen.tip_px) - geometry.base
-    if min(np.linalg.norm(off), np.linalg.norm(tip_off)) > ELSEWHERE * geometry.length:
+    if min(np.linalg.norm(off), np.linalg.norm(tip_off)) > ANOTHER_PLACE * geometry.length:
         words.append(
             f"the slender body in view begins at base_px = [{u:.0f}, {v:.0f}] or"
             f" [{seen.tip_px[0]:.0f}, {seen.tip_px[1]:.0f}], declared [{geometry.base[0]:.0f}, {geometry.base[1]:.0f}]"
         )
-    if abs(seen.length_px / geometry.length - 1.0) > SCALED:
+    if abs(seen.length_px / geometry.length - 1.0) > ANOTHER_SCALE:
         words.append(
             f"it is {seen.length_px:.0f} px long, declared {geometry.length:.0f} px: look at m_per_px and length_m,"
             " or a part of it is hidden"

@@ -22,7 +22,9 @@ from vision.coverage import blurred_coverage
 from vision.looks import Look
 from vision.scenery import Scenery, frame_faults
 
-AHEAD = 0.5  # px, the share of the lens' blur that acts on the arm before the pixels do; the rest comes after
+OPTICAL_BLUR_SHARE = (
+    0.5  # px, the share of the lens' blur that acts on the arm before the pixels do; the rest comes after
+)
 SMEAR_STEP = 0.7  # px that the fastest outline point may move between two instants of one exposure
 
 
@@ -99,11 +101,13 @@ class _Arm:
         moved = np.abs(outline(time + 0.5 * exposure) - outline(time - 0.5 * exposure)).max()
         count = 1 if exposure == 0 else max(1, int(np.ceil(moved / SMEAR_STEP)))
         instants = time + exposure * ((np.arange(count) + 0.5) / count - 0.5)
-        return blurred_coverage([outline(instant) for instant in instants], self.size, min(self.look.blur, AHEAD))
+        return blurred_coverage(
+            [outline(instant) for instant in instants], self.size, min(self.look.blur, OPTICAL_BLUR_SHARE)
+        )
 
 
 @dataclass(frozen=True)
-class Filming:
+class RenderSettings:
     """size (width, height) [px], look of the tank, seed of noise and scenery."""
 
     size: tuple[int, int]
@@ -118,7 +122,7 @@ class Renderer:
     """
 
     def __init__(
-        self, midline: Midline, specimen: Specimen, camera: Camera, filming: Filming, theta: Array | None = None
+        self, midline: Midline, specimen: Specimen, camera: Camera, filming: RenderSettings, theta: Array | None = None
     ) -> None:
         self.look = filming.look
         self._arm = _Arm(midline, specimen, camera, filming.size, filming.look, theta)
@@ -142,7 +146,7 @@ class Renderer:
         scene += clamped * (0.6 * look.arm_level - scene)
         scenery.put_in_front(scene, self._arm.outline(time), time)
         scene *= scenery.light
-        rest = np.sqrt(max(look.blur**2 - AHEAD**2, 0.0))
+        rest = np.sqrt(max(look.blur**2 - OPTICAL_BLUR_SHARE**2, 0.0))
         return np.asarray(cv2.GaussianBlur(scene, (0, 0), rest) if rest > 0 else scene, dtype=float)
 
     def frame(self, time: float, rng: np.random.Generator) -> NDArray[np.uint8]:
@@ -157,7 +161,7 @@ class Renderer:
 
 
 def render(
-    midline: Midline, specimen: Specimen, camera: Camera, filming: Filming, theta: Array | None = None
+    midline: Midline, specimen: Specimen, camera: Camera, filming: RenderSettings, theta: Array | None = None
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield a grey frame (height, width) for each time of frame_times(midline.t, look, seed).
 
@@ -166,7 +170,7 @@ def render(
     exposure. A duplicated frame shows the one before under its own time stamp. The same seed gives the same frames,
     each of its own stream. Raises InputError on a midline with gaps or one that does not reach from base to tip.
     """
-    renderer = Renderer(midline, specimen, camera, Filming(filming.size, filming.look, filming.seed), theta)
+    renderer = Renderer(midline, specimen, camera, RenderSettings(filming.size, filming.look, filming.seed), theta)
     dropped, duplicated = frame_faults(len(midline.t), filming.look, filming.seed)
     image: NDArray[np.uint8] | None = None
     for index, time in enumerate(midline.t):

@@ -13,7 +13,7 @@ MISFIT = 2.5  # times the usual profile residual: no plain step
 PLAIN = 0.015  # of the contrast: an edge is rough by as much where a codec has smoothed the noise away
 LEAP = 0.2  # of the contrast around: something else
 TOGETHER = 3  # strange profiles among five neighbours that make a disturbance
-NEIGHBOURS = 8  # stations beside a disturbed edge that go with it
+STATION_NEIGHBOURS = 8  # stations beside a disturbed edge that go with it
 AROUND = 30  # stations to either side that make up the usual
 STRIDE = 15  # stations between two looks at the usual
 
@@ -83,7 +83,7 @@ def disturbed(
         for k in range(count):  # a bubble is wider than one profile: a lone strange one is noise
             if strange[k] and np.count_nonzero(strange[max(k - 2, 0) : k + 3]) >= TOGETHER:
                 e = index[k]
-                for neighbour in range(max(e - NEIGHBOURS, 0), min(e + NEIGHBOURS + 1, len(kind))):
+                for neighbour in range(max(e - STATION_NEIGHBOURS, 0), min(e + STATION_NEIGHBOURS + 1, len(kind))):
                     odd[neighbour] = odd[neighbour] or kind[neighbour] == side
     return odd
 

@@ -12,16 +12,16 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from tentacle.errors import InputError
-from vision.fit import Arm, Exposure, Sight, refine
+from vision.fit import EdgeLook, Exposure, TrackedArm, refine
 from vision.frames import Frame
 from vision.kinematics import SHARED, Geometry
 from vision.locate import locate
-from vision.motion import Motion
+from vision.motion import ShapeMotion
 
 APART, ENOUGH = 0.06, 0.35  # rad: logged angles of frames to compare, and the span at which they say enough
 FEWEST, MOST = 4, 8  # frames
-PATIENCE = 1.5  # s that the search for moving frames may take
-LEAST_SCORE = 0.45
+SIGN_PATIENCE = 1.5  # s that the search for moving frames may take
+LEAST_SIGN_SCORE = 0.45
 REVERSED, ALIKE = -0.5, 0.8  # slope below which, and correlation above which, the sign is held to be reversed
 
 
@@ -36,7 +36,7 @@ def moving_frames(frames: Iterable[Frame], theta: Callable[[float], float]) -> l
             angles.append(theta(frame.t))
         if len(kept) == MOST or (len(kept) >= FEWEST and np.ptp(angles) > ENOUGH):
             break
-        if time.monotonic() - began > PATIENCE:
+        if time.monotonic() - began > SIGN_PATIENCE:
             break
     return kept
 
@@ -48,13 +48,13 @@ def check_sign(frames: Iterable[Frame], geometry: Geometry, theta: Callable[[flo
     polarities: tuple[float, ...] = (1.0, -1.0)
     for frame in moving_frames(frames, theta):
         where = locate(frame.image, geometry, np.zeros(SHARED), None, polarities)
-        if where.score < LEAST_SCORE:
+        if where.score < LEAST_SIGN_SCORE:
             continue
         polarities = (where.polarity,)
-        sight = Sight(blur=1.2, polarity=where.polarity, contrast=8.0)
+        sight = EdgeLook(blur=1.2, polarity=where.polarity, contrast=8.0)
         begin = np.append(where.x, 0.0)
         reach = 3.0 * max(geometry.length / 120.0, 1.0) + 6.0
-        picture, arm = Exposure(frame.image, frame.t, 0.0, Motion()), Arm(geometry, 0.0, np.zeros(SHARED))
+        picture, arm = Exposure(frame.image, frame.t, 0.0, ShapeMotion()), TrackedArm(geometry, 0.0, np.zeros(SHARED))
         fit = refine(picture, arm, begin, sight, (reach, 8.0, 5.0))
         if fit is not None:
             logged.append(theta(frame.t))

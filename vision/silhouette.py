@@ -12,7 +12,7 @@ from tentacle.signals import Array
 
 ENLARGE = 4  # a threshold on the enlarged picture places the contour between pixels
 LONGEST_ENLARGED = 1600  # px; larger pictures are fine enough as they are
-FAINT = 0.8  # of the body's pixels are darker than its faint parts
+FAINT_SHARE = 0.8  # of the body's pixels are darker than its faint parts
 SPECK = 3.0  # px^2: less is noise
 END_WINDOW = 0.04  # of the contour's length: what bends within it is an end
 SIDE_POINTS = 200
@@ -82,7 +82,7 @@ def silhouette(image: NDArray[np.uint8], polarity: float | None = None, faint: b
 def _with_faint_parts(fine: NDArray[np.float32], mask: NDArray[np.uint8], polarity: float) -> NDArray[np.uint8]:
     """The mask of all that is nearer to the body's faint parts than to the ground, where a first mask shows both."""
     shown = polarity * fine
-    ground, weak = float(np.median(shown[mask == 0])), float(np.quantile(shown[mask > 0], FAINT))
+    ground, weak = float(np.median(shown[mask == 0])), float(np.quantile(shown[mask > 0], FAINT_SHARE))
     return np.where(shown < 0.5 * (ground + weak), 255, 0).astype(np.uint8)
 
 

@@ -17,12 +17,12 @@ from tentacle.signals import Array
 from vision.kinematics import Geometry
 from vision.lens import bend_point
 
-STEPS = 24
+HEADINGS = 24
 TURNS = np.linspace(-0.5, 0.5, 11)  # rad, of a step against the last
 BENT = 0.4  # merit that a turn of one radian costs; smaller ones by the power 3/2
-WIDEST = 250  # chains that are kept
+MOST_CHAINS = 250  # chains that are kept
 CELL, HEADING = 1.5, 0.25  # reduced px, rad: chains closer than that are one
-HELD = 1e-4  # prior information on each coordinate, against the squares of STEPS headings
+COORDINATE_PRIOR = 1e-4  # prior information on each coordinate, against the squares of STEPS headings
 
 
 class Reduced(NamedTuple):
@@ -67,10 +67,10 @@ def _chains(picture: Reduced, bar: Bar, first: Array, scale: float, polarity: fl
     base, axes, step, radius = bar
     turns, shrink = TURNS, picture.shrink
     steps = len(radius)
-    room = WIDEST * len(turns) + len(first) * len(turns)
+    room = MOST_CHAINS * len(turns) + len(first) * len(turns)
     place, heading, merit = np.empty((room, 2)), np.empty(room), np.empty(room)
-    history = np.zeros((steps, WIDEST), dtype=np.int64)
-    headings = np.zeros((steps, WIDEST))
+    history = np.zeros((steps, MOST_CHAINS), dtype=np.int64)
+    headings = np.zeros((steps, MOST_CHAINS))
     count = len(first)
     now_place, now_heading, now_merit = np.empty((room, 2)), np.empty(room), np.zeros(room)
     parent = np.empty(room, dtype=np.int64)
@@ -110,7 +110,7 @@ def _chains(picture: Reduced, bar: Bar, first: Array, scale: float, polarity: fl
             now_place[kept], now_heading[kept], now_merit[kept] = place[k], heading[k], merit[k]
             history[level, kept], headings[level, kept] = parent[k], heading[k]
             kept += 1
-            if kept == WIDEST:
+            if kept == MOST_CHAINS:
                 break
         count = kept
     course = np.empty(steps)
@@ -133,12 +133,12 @@ def trace(
 
     contrast: a scale [grey] at which a contrast counts as much, and the polarity (+1 dark arm).
     """
-    s = (np.arange(STEPS) + 0.5) / STEPS
-    radius = np.interp(s + 0.5 / STEPS, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))
+    s = (np.arange(HEADINGS) + 0.5) / HEADINGS
+    radius = np.interp(s + 0.5 / HEADINGS, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))
     first = np.linspace(-0.5, 0.5, 9) + theta if theta is not None else np.linspace(-np.pi, np.pi, 48, endpoint=False)
-    axes, step = np.array([geometry.normal, geometry.arm]), geometry.length * (1.0 + shared[2]) / STEPS
+    axes, step = np.array([geometry.normal, geometry.arm]), geometry.length * (1.0 + shared[2]) / HEADINGS
     bar = Bar(geometry.base + shared[:2], axes, step, radius)
     headings = _chains(picture, bar, first, *contrast)
-    design = np.array([np.ones(STEPS), *(s**k / k for k in range(1, size))]).T
+    design = np.array([np.ones(HEADINGS), *(s**k / k for k in range(1, size))]).T
     right = design.T @ (headings - (theta or 0.0))
-    return np.asarray(np.linalg.solve(design.T @ design + HELD * np.eye(size), right), dtype=float)
+    return np.asarray(np.linalg.solve(design.T @ design + COORDINATE_PRIOR * np.eye(size), right), dtype=float)

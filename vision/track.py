@@ -13,15 +13,15 @@ from tentacle.errors import InputError
 from tentacle.recording import Declaration
 from tentacle.signals import Array, MotorSignal, ShapeTrack
 from vision.ahead import read_ahead
-from vision.follow import Follower, Seen, follow, prior_of
+from vision.follow import Follower, TrackedFrame, follow_frames, prior_of
 from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
-from vision.pool import PENALTY, Pooled, pool
+from vision.pool import COORDINATE_PENALTY, Pooled, pool
 from vision.remedy import Watch
 from vision.servo_sign import check_sign
 
-ORDERS = (1, 2, 3, 4, 5)
+TRACKED_ORDERS = (1, 2, 3, 4, 5)
 SURE, WORTH_SAYING = 4.0, 2e-3  # sigmas, and relative: a scale further off is a finding
 SHOWN_AGAIN = 0.2  # share of the pictures that repeat: a film that was slowed or filled up
 NO_OUTLINE = np.zeros((0, 2))
@@ -32,7 +32,7 @@ class Tracking:
     """A tracked video: its shapes, every frame's own result, the pooled estimate, and remarks in words."""
 
     shape: ShapeTrack
-    seen: tuple[Seen, ...]
+    seen: tuple[TrackedFrame, ...]
     pooled: Pooled
     remarks: tuple[str, ...]
 
@@ -52,22 +52,22 @@ class Following:
     outlines: bool = False
 
 
-USUAL = Following()
+USUAL_FOLLOWING = Following()
 
 
-def stream(
-    video: Path, declaration: Declaration, motor: MotorSignal | None, following: Following = USUAL
-) -> tuple[Follower, Iterator[Seen]]:
+def stream_tracking(
+    video: Path, declaration: Declaration, motor: MotorSignal | None, following: Following = USUAL_FOLLOWING
+) -> tuple[Follower, Iterator[TrackedFrame]]:
     """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far."""
     if declaration.camera is None:
         raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
-    if following.order is not None and following.order not in ORDERS:
+    if following.order is not None and following.order not in TRACKED_ORDERS:
         raise InputError(f"order {following.order} is not known", field="order", expected="1 to 5")
     camera = declaration.camera
     geometry = Geometry.declared(declaration.specimen, camera, following.lens)
-    fitted = ORDERS[-1] if following.order is None else min(following.order + 1, ORDERS[-1])
+    fitted = TRACKED_ORDERS[-1] if following.order is None else min(following.order + 1, TRACKED_ORDERS[-1])
     follower = Follower(geometry, camera.exposure, fitted, _angle(motor), following.verdicts)
-    return follower, follow(read_ahead(read_frames(Path(video), camera.fps, following.patience)), follower)
+    return follower, follow_frames(read_ahead(read_frames(Path(video), camera.fps, following.patience)), follower)
 
 
 def track(
@@ -76,7 +76,7 @@ def track(
     motor: MotorSignal | None,
     order: int | None = None,
     lens: Lens | None = None,
-    progress: Callable[[Seen], None] | None = None,
+    progress: Callable[[TrackedFrame], None] | None = None,
 ) -> ShapeTrack:
     """Shapes of the declared arm in a video (or folder of pictures); see ShapeTrack.
 
@@ -91,8 +91,8 @@ def track_fully(
     video: Path,
     declaration: Declaration,
     motor: MotorSignal | None,
-    following: Following = USUAL,
-    progress: Callable[[Seen], None] | None = None,
+    following: Following = USUAL_FOLLOWING,
+    progress: Callable[[TrackedFrame], None] | None = None,
     warn: Callable[[str], None] | None = None,
 ) -> Tracking:
     """As track, with every frame's own result, the pooled estimate and remarks.
@@ -101,10 +101,10 @@ def track_fully(
     are lost, or where the work is slow, and what may help. Raises InputError too where the servo's log turns against
     the arm's root.
     """
-    follower, results = stream(
+    follower, results = stream_tracking(
         video, declaration, motor, Following(following.order, following.lens, following.patience, following.verdicts)
     )
-    seen: list[Seen] = []
+    seen: list[TrackedFrame] = []
     watch = Watch()
     try:
         angle = _angle(motor)
@@ -143,7 +143,7 @@ def _angle(motor: MotorSignal | None) -> Callable[[float], float] | None:
     return lambda t: float(np.interp(t, times, angles))
 
 
-def _shape(seen: list[Seen], pooled: Pooled, geometry: Geometry, declaration: Declaration) -> ShapeTrack:
+def _shape(seen: list[TrackedFrame], pooled: Pooled, geometry: Geometry, declaration: Declaration) -> ShapeTrack:
     assert declaration.camera is not None
     axes = np.array([geometry.normal, geometry.arm])
     return ShapeTrack(
@@ -182,7 +182,7 @@ def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ..
     )
 
 
-def _remarks(seen: list[Seen], pooled: Pooled) -> tuple[str, ...]:
+def _remarks(seen: list[TrackedFrame], pooled: Pooled) -> tuple[str, ...]:
     """What a user should know: gaps, repeats, a coordinate that is needed, a scale that is off."""
     remarks = []
     reasons = [frame.reason for frame in seen if frame.reason]
@@ -194,7 +194,7 @@ def _remarks(seen: list[Seen], pooled: Pooled) -> tuple[str, ...]:
         if dropped > 0:
             remarks.append(f"{dropped} frames are missing between the time stamps")
     left = pooled.evidence.get(pooled.order, 0.0)
-    if left > PENALTY * (len(seen[0].x) - 1 - pooled.order):
+    if left > COORDINATE_PENALTY * (len(seen[0].x) - 1 - pooled.order):
         remarks.append(
             f"order {pooled.order} leaves curvature that the video shows: chi-square {left:.0f} a frame above it"
         )

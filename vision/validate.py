@@ -18,7 +18,7 @@ from vision.lens import Lens
 from vision.looks import LOOKS, Look
 from vision.paper_pipeline import paper_track
 from vision.picture_limit import picture_information, pose_known_limit, recording_limit
-from vision.render import Filming, frame_times, render
+from vision.render import RenderSettings, frame_times, render
 from vision.scene import Scene, swaying
 from vision.track import Following, Tracking, track_fully
 
@@ -62,9 +62,9 @@ class Filmed:
     lens: Lens | None
 
 
-def film(scene: Scene, look: Look, seed: int, folder: Path, disturb: str = "") -> Filmed:
+def film_scene(scene: Scene, look: Look, seed: int, folder: Path, disturb: str = "") -> Filmed:
     """Render a scene to folder/video.mp4; disturb "hand" or "second_arm" puts that into the picture."""
-    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, look, seed), scene.theta)
+    frames = render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, look, seed), scene.theta)
     times = frame_times(scene.t, look, seed)
     if disturb:
         frames = _disturbed(frames, scene, look, disturb)
@@ -138,7 +138,7 @@ def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int,
     for seed in seeds:
         scene = swaying(seed, frames, size=size, exposure=exposure)
         with tempfile.TemporaryDirectory() as folder:
-            filmed = film(scene, look, seed, Path(folder))
+            filmed = film_scene(scene, look, seed, Path(folder))
             tracked = track_fully(filmed.video, filmed.declaration, filmed.motor, following=Following(lens=filmed.lens))
             baseline = paper_track(filmed.video, filmed.declaration, filmed.motor) if seed == seeds[0] else None
         shape = tracked.shape
@@ -177,12 +177,12 @@ def judge_disturbed(disturb: str, seed: int, frames: int, size: tuple[int, int])
     """Track a clean scene with a hand or a second arm in it: the tracking, and its false accepts."""
     scene = swaying(seed, frames, size=size)
     with tempfile.TemporaryDirectory() as folder:
-        filmed = film(scene, LOOKS["clean"], seed, Path(folder), disturb)
+        filmed = film_scene(scene, LOOKS["clean"], seed, Path(folder), disturb)
         tracked = track_fully(filmed.video, filmed.declaration, filmed.motor)
     return tracked, false_accepts(scene, tracked.shape)
 
 
-def table(results: list[LookResult]) -> str:
+def look_table(results: list[LookResult]) -> str:
     """The report as text: mrad, ratios, shares."""
     lines = [
         "look        frames  rms q1/q2 mrad  limit q1/q2  rms/limit  pose known  z-rms  missed  false  orders"
@@ -200,6 +200,6 @@ def table(results: list[LookResult]) -> str:
     return "\n".join(lines)
 
 
-def as_json(results: list[LookResult]) -> list[dict[str, object]]:
+def results_json(results: list[LookResult]) -> list[dict[str, object]]:
     """The report as plain data."""
     return [asdict(result) for result in results]

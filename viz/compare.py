@@ -14,18 +14,18 @@ from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.blueprints.run import run_page
-from viz.blueprints.views import page
+from viz.blueprints.views import blueprint_page
 from viz.palette import AUGMENTED, BASE, MEASURED, REFERENCE, Role
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 from viz.session import log_scene, session_file, session_id, set_layout
-from viz.topics.verdict import table
+from viz.topics.verdict import text_table
 from viz.words import effect_name, interval, number
 
 MODEL_ROLES = (BASE, AUGMENTED, REFERENCE)
 
 
 @dataclass(frozen=True)
-class Motion:
+class ComparedMotion:
     """How an arm moved: xy (T, P, 2) [m]; q (T, 2) [rad], thrust (T,) [N], drag (T, P, 2) [N/m] where
     known."""
 
@@ -35,7 +35,7 @@ class Motion:
     drag: Array | None = None
 
 
-def motions_scene(name: str, t: Array, s: Array, theta: Array, motions: Mapping[str, Motion]) -> Scene:
+def motions_scene(name: str, t: Array, s: Array, theta: Array, motions: Mapping[str, ComparedMotion]) -> ViewedRun:
     """Named motions on one time axis as a scene; the first is the subject, at most three models follow."""
     roles = (MEASURED, *MODEL_ROLES)[: len(motions)]
     parties = tuple(
@@ -49,7 +49,7 @@ def motions_scene(name: str, t: Array, s: Array, theta: Array, motions: Mapping[
         )
         for (key, motion), role in zip(motions.items(), roles, strict=True)
     )
-    return Scene(name, t, s, theta, parties, np.ones(len(t), dtype=bool))
+    return ViewedRun(name, t, s, theta, parties, np.ones(len(t), dtype=bool))
 
 
 def model_markdown(model: Model, words: tuple[str, ...] = ()) -> str:
@@ -62,13 +62,13 @@ def model_markdown(model: Model, words: tuple[str, ...] = ()) -> str:
     parts = [
         "# Identified model",
         f"{model.order} curvature coordinates.",
-        table(("effect", "parameter", "value", "95 % interval", "unit"), rows),
+        text_table(("effect", "parameter", "value", "95 % interval", "unit"), rows),
         "\n".join(f"- {line}" for line in words),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def write_comparison(scene: Scene, recording: Recording, page_text: str, path: Path | str) -> Path:
+def write_comparison(scene: ViewedRun, recording: Recording, page_text: str, path: Path | str) -> Path:
     """The session of a scene beside a page of Markdown.
 
     recording gives the declaration, and the video where there is one; InputError where that cannot be read.
@@ -78,5 +78,5 @@ def write_comparison(scene: Scene, recording: Recording, page_text: str, path: P
         session.log("page", rr.TextDocument(page_text, media_type=rr.MediaType.MARKDOWN), static=True)
         shown = log_scene(session, scene, recording)
         text = rrb.TextDocumentView(origin="page", name="result")
-        set_layout(session, page(rrb.Horizontal(text, rrb.Tabs(run_page(shown)), column_shares=[1, 3])))
+        set_layout(session, blueprint_page(rrb.Horizontal(text, rrb.Tabs(run_page(shown)), column_shares=[1, 3])))
     return path

@@ -19,18 +19,18 @@ from viz.figures.shapes import shapes_figure
 from viz.figures.spectrum import spectrum_figure
 from viz.figures.thrust import thrust_figure
 from viz.figures.twins import twins_figure
-from viz.report import Origin, Picture, Report, Section, Table, render
-from viz.scene import Scene, paired, scene_of
+from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
+from viz.scene import ViewedRun, paired, scene_of
 from viz.verdict_sections import finding_section, limits_sections, next_section, title_of
-from viz.words import NONE, effect_name, error_rows, interval, listed, number, probability_words, value_of
+from viz.words import NO_VALUE, effect_name, error_rows, interval, listed, number, probability_words, value_of
 
 DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
 PRICE = 7.6  # nat: what one parameter must gain to be worth more than chance gives it
-FAR = "far off"  # a gate's limit beside its statistic
+OFF_WHITE = "far off"  # a gate's limit beside its statistic
 TWIN_COSINE = 0.85  # pairs above this are named in words
 
 
-def error_section(diagnosis: Diagnosis) -> Section:
+def error_section(diagnosis: Diagnosis) -> ReportSection:
     """The errors before and after, the floor, and where the error comes from."""
     judged = "held-out data, on which nothing was fitted" if diagnosis.held_out else "the data that were fitted"
     paragraph = (
@@ -45,15 +45,15 @@ def error_section(diagnosis: Diagnosis) -> Section:
             "reduction at what the reference simulation shows of it, and this arm shows less. It means: as good as "
             "these data can tell."
         )
-    table = Table("Errors", ("quantity", "unit", "before", "after", "floor"), rows, numeric=(2, 3, 4))
+    table = ReportTable("Errors", ("quantity", "unit", "before", "after", "floor"), rows, numeric=(2, 3, 4))
     budget = Picture(
         budget_figure(diagnosis.budget),
         "Error budget of the declared model. Independent parts add in squares.",
     )
-    return Section("Error before and after", [paragraph], [table], [budget])
+    return ReportSection("Error before and after", [paragraph], [table], [budget])
 
 
-def parameter_rows(model: Model, base: Model | None) -> list[tuple[str, ...]]:
+def parameter_table_rows(model: Model, base: Model | None) -> list[tuple[str, ...]]:
     """Rows (effect, parameter, value, interval, unit, before) of a model beside the one before it."""
     rows = []
     for effect, values in model.parameters.items():
@@ -64,14 +64,14 @@ def parameter_rows(model: Model, base: Model | None) -> list[tuple[str, ...]]:
     return rows
 
 
-def parameter_section(diagnosis: Diagnosis) -> Section:
+def parameter_section(diagnosis: Diagnosis) -> ReportSection:
     """Every parameter of the augmented model with its interval; for a group, each candidate's own."""
     model = diagnosis.augmented_model
-    rows = parameter_rows(model, diagnosis.base_model)
+    rows = parameter_table_rows(model, diagnosis.base_model)
     added = tuple(k for k, row in enumerate(rows) if row[5] == "not in the model")
     header = ("effect", "parameter", "value", "95 % interval", "unit", "before")
     arm = f"The arm is described by {model.order} curvature coordinates (before: {diagnosis.base_model.order})."
-    tables = [Table("Parameters of the augmented model", header, rows, numeric=(2, 5), marked=added)]
+    tables = [ReportTable("Parameters of the augmented model", header, rows, numeric=(2, 5), marked=added)]
     elsewhere = [
         (effect_name(effect), name, value_of(estimate), interval(estimate), estimate.unit)
         for effect, values in diagnosis.parameters.items()
@@ -79,17 +79,17 @@ def parameter_section(diagnosis: Diagnosis) -> Section:
         if name not in model.parameters.get(effect, {})
     ]
     if elsewhere:
-        tables.append(Table("Found, each with its own refit", header[:5], elsewhere, numeric=(2,)))
-    return Section("Parameters", [arm], tables)
+        tables.append(ReportTable("Found, each with its own refit", header[:5], elsewhere, numeric=(2,)))
+    return ReportSection("Parameters", [arm], tables)
 
 
 def limit_words(gate: Gate) -> str:
     """A gate's limit; in words where it is so far off that its digits say nothing."""
     far = gate.passed and abs(gate.threshold) > 100.0 * max(abs(gate.statistic), 1.0)
-    return FAR if far else number(gate.threshold)
+    return OFF_WHITE if far else number(gate.threshold)
 
 
-def gate_section(diagnosis: Diagnosis) -> Section:
+def gate_section(diagnosis: Diagnosis) -> ReportSection:
     """Whether the augmented model leaves anything that noise does not explain."""
     rows = [
         (gate.name, number(gate.statistic), limit_words(gate), "passed" if gate.passed else "failed", gate.words)
@@ -98,17 +98,17 @@ def gate_section(diagnosis: Diagnosis) -> Section:
     remarks = [
         "A model passes only where its residual looks like the measurement's noise: in size, in time, over the run."
     ]
-    if any(limit_words(gate) == FAR for gate in diagnosis.gates):
+    if any(limit_words(gate) == OFF_WHITE for gate in diagnosis.gates):
         remarks.append(
-            f"{FAR.capitalize()}: so much noise-like data would show an error that no model of a soft arm is free of. "
-            "The limit allows for it, and lies more than a hundred times higher than the statistic."
+            f"{OFF_WHITE.capitalize()}: with so much data even the small error of every model of a soft arm shows. "
+            "The limit allows for that error and is over a hundred times the statistic."
         )
     failed = tuple(k for k, gate in enumerate(diagnosis.gates) if not gate.passed)
     header = ("test", "statistic", "limit", "result", "in words")
-    return Section(
+    return ReportSection(
         "Is the model adequate?",
         remarks,
-        [Table("Adequacy tests", header, rows, numeric=(1, 2), warned=failed)] if rows else [],
+        [ReportTable("Adequacy tests", header, rows, numeric=(1, 2), warned=failed)] if rows else [],
     )
 
 
@@ -126,7 +126,7 @@ def twin_words(names: Sequence[str], cosines: Array) -> str:
     return f"Nearly twins under this excitation: {listed}. They are told apart only by much data or another motion."
 
 
-def candidate_section(diagnosis: Diagnosis) -> Section:
+def candidate_section(diagnosis: Diagnosis) -> ReportSection:
     """The catalogue as ranked, and which candidates resemble one another."""
     worth = [r for r in diagnosis.ranking if r.score >= PRICE or r.effect in diagnosis.effects]
     rest = [effect_name(r.effect) for r in diagnosis.ranking if r not in worth]
@@ -141,7 +141,7 @@ def candidate_section(diagnosis: Diagnosis) -> Section:
         most = max(max(r.score for r in worth), 1.0)
         bars = tuple(max(r.score, 0.0) / most for r in worth)
         caption = "Each candidate alone. The bar behind the score is its share of the highest."
-        tables.append(Table(caption, header, rows, numeric=(1, 2, 3), marked=marked, bars=bars))
+        tables.append(ReportTable(caption, header, rows, numeric=(1, 2, 3), marked=marked, bars=bars))
         paragraphs.append("A score is the log-likelihood that an effect gains when it is added to the declared model.")
     if rest:
         paragraphs.append(f"Not worth a parameter's price ({PRICE} nat): {listed(rest)}.")
@@ -153,15 +153,15 @@ def candidate_section(diagnosis: Diagnosis) -> Section:
                 "How alike the candidates' effects on these recordings are, what refitting the base absorbs taken off.",
             )
         )
-    return Section("Candidates", paragraphs, tables, pictures)
+    return ReportSection("Candidates", paragraphs, tables, pictures)
 
 
-def worst_runs(scenes: Sequence[Scene], count: int) -> list[Scene]:
+def worst_runs(scenes: Sequence[ViewedRun], count: int) -> list[ViewedRun]:
     """The runs with the largest error before, largest first."""
     return sorted(scenes, key=lambda scene: -np.nan_to_num(scene.judged_rms_mm(scene.models[0]), nan=-1.0))[:count]
 
 
-def run_section(scene: Scene, recording: Recording | None) -> Section:
+def run_section(scene: ViewedRun, recording: Recording | None) -> ReportSection:
     """The figures of one run."""
     pictures = [Picture(shapes_figure(scene), "Shapes at instants spread over the swing; models run open loop.")]
     if any(party.q is not None and np.isfinite(party.q).any() for party in scene.parties):
@@ -172,10 +172,10 @@ def run_section(scene: Scene, recording: Recording | None) -> Section:
     thrust = thrust_figure(scene, recording.load_cell if recording else None)
     if thrust is not None:
         pictures.append(Picture(thrust, "Thrust, as a load cell at the base reads it."))
-    return Section(f"Recording: {scene.name}", (), (), pictures)
+    return ReportSection(f"Recording: {scene.name}", (), (), pictures)
 
 
-def runs_section(scenes: Sequence[Scene]) -> Section:
+def runs_section(scenes: Sequence[ViewedRun]) -> ReportSection:
     """Every recording's own error."""
     rows = []
     for scene in scenes:
@@ -186,10 +186,12 @@ def runs_section(scenes: Sequence[Scene]) -> Section:
     words = [f"Figures follow for the {DRAWN_RUNS} with the largest error."] if len(scenes) > DRAWN_RUNS else []
     header = ("recording", "points", "t [s]", "judged instants", *names)
     numeric = tuple(range(3, 4 + len(names)))
-    return Section("Recordings", words, [Table("Distance to the measured points, rms", header, rows, numeric=numeric)])
+    return ReportSection(
+        "Recordings", words, [ReportTable("Distance to the measured points, rms", header, rows, numeric=numeric)]
+    )
 
 
-def missing_sections(missing: MissingForce) -> list[Section]:
+def missing_sections(missing: MissingForce) -> list[ReportSection]:
     """After an unknown: the missing force in words and as a map of every recording; nothing otherwise."""
     if not missing.maps:
         return []
@@ -204,7 +206,7 @@ def missing_sections(missing: MissingForce) -> list[Section]:
         )
         for k, one in enumerate(missing.maps[:DRAWN_RUNS])
     ]
-    return [Section("The missing force", words, (), pictures)]
+    return [ReportSection("The missing force", words, (), pictures)]
 
 
 def diagnosis_report(
@@ -238,10 +240,10 @@ def diagnosis_report(
     before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
     merits = [
         ("confidence", f"{diagnosis.confidence:.0%}"),
-        ("error before", NONE if before is None else f"{number(before)} mm"),
-        ("error after", NONE if after is None else f"{number(after)} mm"),
+        ("error before", NO_VALUE if before is None else f"{number(before)} mm"),
+        ("error after", NO_VALUE if after is None else f"{number(after)} mm"),
     ]
-    return render(
+    return render_report(
         Report(
             verb="diagnose",
             title=title_of(diagnosis),

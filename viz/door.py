@@ -23,7 +23,7 @@ SILENCE = 60.0  # s; a visitor who says nothing for longer is let go
 
 
 @dataclass(frozen=True)
-class Given:
+class ServedFile:
     """A file, and what kind of thing it is, such as "text/html"."""
 
     file: Path
@@ -31,7 +31,7 @@ class Given:
 
 
 @contextmanager
-def door(places: Mapping[str, Given]) -> Iterator[str]:
+def door(places: Mapping[str, ServedFile]) -> Iterator[str]:
     """Gives the files, by their paths under the token, while the block lasts; yields the address of the empty path."""
     token = secrets.token_urlsafe(24)
 
@@ -48,7 +48,7 @@ def door(places: Mapping[str, Given]) -> Iterator[str]:
             else:
                 self._give(places[place])
 
-        def _give(self, given: Given) -> None:
+        def _give(self, given: ServedFile) -> None:
             try:
                 stream = given.file.open("rb")
             except OSError:

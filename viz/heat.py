@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.signals import Array
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 
-COLUMNS = 600
+HEAT_COLUMNS = 600
 HEIGHT = 320  # about: every point has a band of the same whole number of rows
 GAP = np.array([70, 70, 70], dtype=np.uint8)  # not measured
 
@@ -30,14 +30,14 @@ class HeatMap:
         return (np.asarray(t) - self.start) / max(self.stop - self.start, 1e-9) * (width - 1)
 
 
-def colour_limit(scene: Scene) -> float:
+def colour_limit(scene: ViewedRun) -> float:
     """One limit [mm] for every model's map, so that they can be compared: the first model's 99th percentile."""
     values = scene.residual_mm(scene.models[0])
     values = values[np.isfinite(values)]
     return max(float(np.percentile(values, 99)), 1e-3) if values.size else 1.0
 
 
-def heat_map(scene: Scene, party: Party, limit: float) -> HeatMap:
+def heat_map(scene: ViewedRun, party: Party, limit: float) -> HeatMap:
     """The map of one model of a scene; each column shows the nearest instant, each row band one point."""
     from matplotlib import colormaps
 
@@ -46,7 +46,7 @@ def heat_map(scene: Scene, party: Party, limit: float) -> HeatMap:
     values = scene.residual_mm(party)
     start, stop = float(scene.t[0]), float(scene.t[-1])
     # columns are doubled in short runs: a picture of fixed width keeps every view alike
-    nearest = np.searchsorted(0.5 * (scene.t[1:] + scene.t[:-1]), np.linspace(start, stop, COLUMNS))
+    nearest = np.searchsorted(0.5 * (scene.t[1:] + scene.t[:-1]), np.linspace(start, stop, HEAT_COLUMNS))
     rows = np.repeat(np.argsort(scene.s, kind="stable"), max(1, round(HEIGHT / len(scene.s))))
     sampled = values[nearest][:, rows].T
     colours = np.asarray(colormaps[SEQUENTIAL_MAP](np.clip(sampled / limit, 0.0, 1.0), bytes=True))[..., :3].copy()

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from tentacle.model import Model
 from tentacle.recording import Recording
-from viz.diagnosis_report import parameter_rows, run_section, runs_section
-from viz.report import Origin, Report, Section, Table, render
-from viz.scene import Scene
+from viz.diagnosis_report import parameter_table_rows, run_section, runs_section
+from viz.report import Origin, Report, ReportSection, ReportTable, render_report
+from viz.scene import ViewedRun
 from viz.words import number
 
 
@@ -28,7 +28,7 @@ class Told:
 def model_report(
     model: Model,
     told: Told,
-    scenes: Sequence[Scene],
+    scenes: Sequence[ViewedRun],
     recordings: Sequence[Recording],
     origin: Origin,
 ) -> str:
@@ -36,7 +36,7 @@ def model_report(
 
     A recording a scene.
     """
-    rows = [row[:5] for row in parameter_rows(model, None)]
+    rows = [row[:5] for row in parameter_table_rows(model, None)]
     header: tuple[str, ...] = ("effect", "parameter", "value", "95 % interval", "unit")
     names = [f"{effect}.{name}" for effect, values in model.parameters.items() for name in values]
     if told.drawn:
@@ -50,10 +50,12 @@ def model_report(
     numeric = (2, len(header) - 1) if told.regression else (2,)
     arm = f"The arm is described by {model.order} curvature coordinates."
     sections = [
-        Section("Parameters", [arm, *told.words], [Table("Parameters of the model", header, rows, numeric=numeric)]),
+        ReportSection(
+            "Parameters", [arm, *told.words], [ReportTable("Parameters of the model", header, rows, numeric=numeric)]
+        ),
         runs_section(scenes),
         *(run_section(scene, recording) for scene, recording in zip(scenes, recordings, strict=True)),
     ]
     errors = [scene.judged_rms_mm(scene.models[0]) for scene in scenes if scene.models]
     merits = [("largest error", f"{number(max(errors))} mm")] if errors else []
-    return render(Report("identify", "Identified model", told.headline, sections, origin, merits))
+    return render_report(Report("identify", "Identified model", told.headline, sections, origin, merits))

@@ -12,18 +12,20 @@ from matplotlib.figure import Figure
 
 from tentacle.signals import Array
 from viz.figures.residual_maps import residual_maps_figure
-from viz.figures.trends import DRAWN, Point, trends_figure
+from viz.figures.trends import POINTS_A_PANEL, TrendPoint, trends_figure
 from viz.report import render_page
 from viz.words import number
 
-HEADER = ("recording", "date", "arm", "length [mm]", "seen as", "seconds", "state", "verdict", "effects", "confidence",
-          "before [mm]", "after [mm]", "floor [mm]")  # fmt: skip
+LIST_HEADER = (
+    "recording", "date", "arm", "length [mm]", "seen as", "seconds", "state", "verdict", "effects", "confidence",
+    "before [mm]", "after [mm]", "floor [mm]",
+)  # fmt: skip
 NUMERIC = (3, 5, 9, 10, 11, 12)
 MAPS = 48  # of the recordings whose models leave most over the noise
 
 
 @dataclass(frozen=True)
-class Row:
+class LibraryRow:
     """One recording: its cells, the folder of its layer ("" where there is none), and whether it failed."""
 
     cells: tuple[str, ...]
@@ -40,7 +42,7 @@ class LibraryPage:
     counts: Sequence[tuple[str, str]]
     header: tuple[str, ...]
     numeric: tuple[int, ...]
-    rows: Sequence[Row]
+    rows: Sequence[LibraryRow]
     pictures: Sequence[tuple[str, str, Figure]]
 
 
@@ -62,7 +64,7 @@ def library_page(
         ", ".join(f"{count} {verdict}" for verdict, count in verdicts.most_common()) or "none is diagnosed yet"
     )
     page = LibraryPage(
-        name, headline + ".", [(state, str(count)) for state, count in states.most_common()], HEADER, NUMERIC,
+        name, headline + ".", [(state, str(count)) for state, count in states.most_common()], LIST_HEADER, NUMERIC,
         [_row(row) for row in rows], _pictures(rows, parameters, maps),
     )  # fmt: skip
     return render_page("library.html", page=page)
@@ -74,7 +76,7 @@ def worst(rows: Sequence[Mapping[str, Any]], count: int = MAPS) -> list[Mapping[
     return sorted(found, key=lambda row: -row["after_mm"] / max(row["floor_mm"] or 0.0, 1e-6))[:count]
 
 
-def _row(row: Mapping[str, Any]) -> Row:
+def _row(row: Mapping[str, Any]) -> LibraryRow:
     date = "-" if row["date"] is None else f"{row['date']:%Y-%m-%d %H:%M}"
     cells = (
         row["name"], date, row["specimen"] or "-", number(row["length_mm"]), row["seen_as"] or "-",
@@ -82,19 +84,19 @@ def _row(row: Mapping[str, Any]) -> Row:
         number(row["confidence"]), number(row["before_mm"]), number(row["after_mm"]), number(row["floor_mm"]),
     )  # fmt: skip
     whole = row["key"] is not None and row["failed"] is None
-    return Row(cells, f"layers/{row['key']}" if whole else "", row["state"] in ("failed", "unreadable"))
+    return LibraryRow(cells, f"layers/{row['key']}" if whole else "", row["state"] in ("failed", "unreadable"))
 
 
 def _pictures(
     rows: Sequence[Mapping[str, Any]], parameters: Sequence[Mapping[str, Any]], maps: Mapping[str, Array]
 ) -> list[tuple[str, str, Figure]]:
     known = {row["key"]: row for row in rows if row["key"] is not None}
-    trends: dict[tuple[str, str, str], list[Point]] = {}
+    trends: dict[tuple[str, str, str], list[TrendPoint]] = {}
     for one in parameters:
         row = known.get(one["key"])
         if row is None or not np.isfinite([one["value"], one["low"], one["high"]]).all():
             continue
-        point = Point(row["date"], row["specimen"], one["value"], one["low"], one["high"])
+        point = TrendPoint(row["date"], row["specimen"], one["value"], one["low"], one["high"])
         trends.setdefault((one["effect"], one["parameter"], one["unit"]), []).append(point)
     pictures = []
     figure = trends_figure({name: sorted(points, key=lambda p: p.date) for name, points in trends.items()})
@@ -102,7 +104,7 @@ def _pictures(
         pictures.append(
             (
                 "Parameters over time",
-                f"Fitted values with their 95 % intervals, {DRAWN} points a panel at most.",
+                f"Fitted values with their 95 % intervals, {POINTS_A_PANEL} points a panel at most.",
                 figure,
             )
         )

@@ -18,11 +18,11 @@ from urllib.parse import quote
 from urllib.request import urlopen
 
 from tentacle.errors import InputError
-from viz.door import LOOPBACK, Given, door
+from viz.door import LOOPBACK, ServedFile, door
 from viz.viewer import free_port, require_recordings, running, wait_until_listening
 
 PART = re.compile(r"""["'`(](?:\./)?([\w-]+\.(?:js|wasm|ico|png))["'`)]""")
-WITHIN = 60.0  # s for one part of the page
+PAGE_PATIENCE = 60.0  # s for one part of the page
 
 
 def serve_web(files: Sequence[Path], told: Callable[[str], None]) -> int:
@@ -34,7 +34,7 @@ def serve_web(files: Sequence[Path], told: Callable[[str], None]) -> int:
     with tempfile.TemporaryDirectory(prefix="tentacle-page-") as folder:
         places = taken_page(Path(folder))
         recordings = {f"{number}/{file.name}": file for number, file in enumerate(found)}
-        places |= {name: Given(file, "application/octet-stream") for name, file in recordings.items()}
+        places |= {name: ServedFile(file, "application/octet-stream") for name, file in recordings.items()}
         # a request's path is compared as a browser writes it
         with door({quote(name): given for name, given in places.items()}) as address:
             query = "&".join(f"url={quote(address + quote(name), safe='')}" for name in recordings)
@@ -44,7 +44,7 @@ def serve_web(files: Sequence[Path], told: Callable[[str], None]) -> int:
             return 0
 
 
-def taken_page(folder: Path) -> dict[str, Given]:
+def taken_page(folder: Path) -> dict[str, ServedFile]:
     """The parts of the viewer's page, put into a folder: path -> file. The viewer that gave them has ended.
 
     Raises InputError where it does not come up.
@@ -59,9 +59,9 @@ def taken_page(folder: Path) -> dict[str, Given]:
             for name in names:  # it grows by what the page itself names
                 part = folder / (name or "index.html")
                 try:
-                    with urlopen(f"http://{LOOPBACK}:{port}/{name}", timeout=WITHIN) as answer:
+                    with urlopen(f"http://{LOOPBACK}:{port}/{name}", timeout=PAGE_PATIENCE) as answer:
                         part.write_bytes(answer.read())
-                        places[name] = Given(part, answer.headers.get("Content-Type", "application/octet-stream"))
+                        places[name] = ServedFile(part, answer.headers.get("Content-Type", "application/octet-stream"))
                 except HTTPError:
                     continue  # named, and not there
                 if not name:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-THREADS = Path("/proc/self/task")
+THREAD_FOLDER = Path("/proc/self/task")
 
 
 @contextmanager
@@ -38,7 +38,7 @@ def kept_priority() -> Iterator[None]:
 def thread_policies() -> dict[int, int]:
     """The scheduling policy (SCHED_OTHER, SCHED_FIFO, ...) of each thread of this process, by its number."""
     policies = {}
-    for folder in THREADS.iterdir():
+    for folder in THREAD_FOLDER.iterdir():
         try:
             policies[int(folder.name)] = os.sched_getscheduler(int(folder.name))
         except ProcessLookupError:

@@ -16,7 +16,7 @@ MAXIMUM_BYTES = 3_000_000
 
 
 @dataclass(frozen=True)
-class Table:
+class ReportTable:
     """Rows of texts under a header; `numeric` are the columns that are set right-aligned; `marked` rows
     stand out, `warned` rows are those that failed; `bars`, a share (0 to 1) a row, are drawn behind the first numeric
     column."""
@@ -39,14 +39,14 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Section:
+class ReportSection:
     """A heading with paragraphs, commands to copy (what each does, the line), links to files beside the page (name,
     what it is), then its tables, then its pictures. A leading section has its pictures first and no heading of its own.
     """
 
     title: str
     paragraphs: Sequence[str] = ()
-    tables: Sequence[Table] = ()
+    tables: Sequence[ReportTable] = ()
     pictures: Sequence[Picture] = ()
     commands: Sequence[tuple[str, str]] = ()
     files: Sequence[tuple[str, str]] = ()
@@ -70,12 +70,12 @@ class Report:
     verb: str
     title: str
     headline: str
-    sections: Sequence[Section]
+    sections: Sequence[ReportSection]
     origin: Origin
     figures_of_merit: Sequence[tuple[str, str]] = ()
 
 
-def render(report: Report) -> str:
+def render_report(report: Report) -> str:
     """The page as one self-contained HTML text: style and figures inside, nothing loaded from elsewhere."""
     return render_page("report.html", report=report)
 

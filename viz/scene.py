@@ -33,7 +33,7 @@ class Party:
 
 
 @dataclass(frozen=True)
-class Scene:
+class ViewedRun:
     """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P."""
 
     name: str
@@ -90,18 +90,18 @@ def paired(
     return pairs
 
 
-def model_scene(run: RunComparison) -> Scene:
+def model_scene(run: RunComparison) -> ViewedRun:
     """A run with one model (its base and augmented models are the same): measured, model."""
     model = Party("model", MODEL, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented)
     measured = Party("measured", MEASURED, run.measured, run.q_measured)
-    return Scene(run.name, run.t, run.s, run.theta, (measured, model), run.judged, run.points)
+    return ViewedRun(run.name, run.t, run.s, run.theta, (measured, model), run.judged, run.points)
 
 
-def scene_of(run: RunComparison) -> Scene:
+def scene_of(run: RunComparison) -> ViewedRun:
     """A diagnosis's run as a scene: measured, base model, augmented model."""
     parties = (
         Party("measured", MEASURED, run.measured, run.q_measured),
         Party("base", BASE, run.base, run.q_base, run.thrust_base, run.drag_base),
         Party("augmented", AUGMENTED, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented),
     )
-    return Scene(run.name, run.t, run.s, run.theta, parties, run.judged, run.points)
+    return ViewedRun(run.name, run.t, run.s, run.theta, parties, run.judged, run.points)

@@ -17,8 +17,8 @@ from tentacle.io.rrd_stream import new_stream, saved
 from tentacle.io.written_file import written_file
 from tentacle.recording import Declaration, Recording
 from viz.blueprints.diagnose import diagnose_blueprint
-from viz.blueprints.run import Shown
-from viz.scene import Scene, paired, scene_of
+from viz.blueprints.run import LoggedTopics
+from viz.scene import ViewedRun, paired, scene_of
 from viz.topics.arms import log_arms
 from viz.topics.camera import log_camera
 from viz.topics.coordinates import log_coordinates
@@ -48,7 +48,9 @@ def set_layout(session: rr.RecordingStream, blueprint: rrb.Blueprint) -> None:
     session.send_blueprint(blueprint, make_active=True, make_default=True)
 
 
-def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording, events: Sequence[Event] = ()) -> Shown:
+def log_scene(
+    session: rr.RecordingStream, scene: ViewedRun, recording: Recording, events: Sequence[Event] = ()
+) -> LoggedTopics:
     """Every topic of one run; says which of the optional ones there were."""
     path = run_path(scene.name)
     log_arms(session, path, scene, recording.declaration)
@@ -56,7 +58,7 @@ def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording, e
     log_coordinates(session, path, scene, recording.shape)
     log_residual(session, path, scene)
     log_spectra(session, path, scene)
-    return Shown(
+    return LoggedTopics(
         scene.name,
         recording.declaration,
         tuple((party.key, party.role.name) for party in scene.models),
@@ -69,7 +71,7 @@ def log_scene(session: rr.RecordingStream, scene: Scene, recording: Recording, e
     )
 
 
-def declaration_of(diagnosis: Diagnosis) -> Declaration:
+def diagnosed_declaration(diagnosis: Diagnosis) -> Declaration:
     """What the base model says of the arm, for a run whose recording is not at hand."""
     model = diagnosis.base_model
     return Declaration(model.specimen, model.fluid, model.gravity)
@@ -84,11 +86,11 @@ def write_session(diagnosis: Diagnosis, recordings: Sequence[Recording], path: P
     path = Path(path)
     pairs = paired(diagnosis.runs, recordings)
     names = [run.name for run, _ in pairs]
-    shown: list[Shown] = []
+    shown: list[LoggedTopics] = []
     with session_file(path, session_id("diagnose", str(diagnosis.seed), *names)) as session:
         log_verdict(session, diagnosis)
         for run, recording in pairs:
-            found = recording or Recording(run.name, declaration_of(diagnosis))
+            found = recording or Recording(run.name, diagnosed_declaration(diagnosis))
             shown.append(log_scene(session, scene_of(run), found))
             log_missing_force(session, scene_of(run), found.declaration.specimen, diagnosis.missing)
         set_layout(session, diagnose_blueprint(shown))

@@ -12,15 +12,15 @@ import rerun.blueprint as rrb
 
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
-from viz.blueprints.views import lines_view, page
+from viz.blueprints.views import blueprint_page, lines_view
 from viz.palette import AUGMENTED, BASE, MEASURED, NEUTRAL, Role
 from viz.session import session_file, session_id, set_layout
-from viz.topics.arms import Course, log_tube
+from viz.topics.arms import MidlineCourse, log_tube
 from viz.topics.lines import log_line
 
-ROLES = (AUGMENTED, BASE, MEASURED)
+SWIMMER_ROLES = (AUGMENTED, BASE, MEASURED)
 TRIAL = "trial"  # the search's own time line
-LANE = 1.1  # arm's lengths between two swimmers
+LANE_LENGTHS = 1.1  # arm's lengths between two swimmers
 
 
 @dataclass(frozen=True)
@@ -47,11 +47,11 @@ def write_swimming(
     """Up to three swimmers at t (T,) [s], s (P,), and the search's course."""
     path = Path(path)
     with session_file(path, session_id("swimming", *(swimmer.name for swimmer in swimmers))) as session:
-        width = LANE * arm.length
-        for lane, (swimmer, role) in enumerate(zip(swimmers, ROLES, strict=False)):
+        width = LANE_LENGTHS * arm.length
+        for lane, (swimmer, role) in enumerate(zip(swimmers, SWIMMER_ROLES, strict=False)):
             key, party = rr.escape_entity_path_part(swimmer.name), Role(swimmer.name, role.colour, role.dash)
             beside = swimmer.xy + np.array([(lane - 0.5 * (len(swimmers) - 1)) * width, 0.0])
-            log_tube(session, f"swim/arms/{key}", party, Course(t, s, beside), arm, full=True)
+            log_tube(session, f"swim/arms/{key}", party, MidlineCourse(t, s, beside), arm, full=True)
             log_line(session, f"swim/theta/{key}", party, t, swimmer.theta)
             log_line(session, f"swim/travel/{key}", party, t, 100.0 * swimmer.travel)
         furthest = max(float(np.max(swimmer.travel)) for swimmer in swimmers)
@@ -85,4 +85,4 @@ def _layout(length: float, furthest: float, breadth: float) -> rrb.Blueprint:
     space = rrb.Spatial3DView(origin="swim/arms", name="swimmers (3D)", eye_controls=controls, line_grid=False)
     signals = rrb.Vertical(lines_view("swim/theta", "servo angle [rad]"), lines_view("swim/travel", "way forward [cm]"))
     search = rrb.TimeSeriesView(origin="search", name="search: best so far, over gaits tried")
-    return page(rrb.Tabs(rrb.Horizontal(space, signals, column_shares=[5, 4], name="swim"), search))
+    return blueprint_page(rrb.Tabs(rrb.Horizontal(space, signals, column_shares=[5, 4], name="swim"), search))

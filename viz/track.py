@@ -12,10 +12,10 @@ from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.blueprints.run import run_page
-from viz.blueprints.views import page
+from viz.blueprints.views import blueprint_page
 from viz.midline import DRAWN_POINTS, paper_coordinates, track_points
 from viz.palette import MEASURED
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 from viz.session import log_scene, session_file, session_id, set_layout
 from viz.topics.events import Event
 
@@ -27,7 +27,7 @@ def servo_angle(recording: Recording, t: Array) -> Array:
     return np.interp(t, recording.motor.t, recording.motor.angle)
 
 
-def track_scene(recording: Recording) -> Scene:
+def track_scene(recording: Recording) -> ViewedRun:
     """What vision measured of a recording, as a scene with one party. Raises InputError where there is no track."""
     shape = recording.shape
     if shape is None:
@@ -38,10 +38,10 @@ def track_scene(recording: Recording) -> Scene:
     xy[~shape.accepted] = np.nan
     q, _ = paper_coordinates(shape)
     everywhere = np.ones(len(shape.t), dtype=bool)
-    return Scene(recording.name, shape.t, s, theta, (Party("measured", MEASURED, xy, q),), everywhere)
+    return ViewedRun(recording.name, shape.t, s, theta, (Party("measured", MEASURED, xy, q),), everywhere)
 
 
-def recording_scene(recording: Recording) -> Scene:
+def recording_scene(recording: Recording) -> ViewedRun:
     """Whatever a recording shows of the arm, as a scene with one party: its track, midline or markers.
 
     Of a video that was not tracked the scene has the servo's times, with nothing seen.
@@ -57,7 +57,7 @@ def recording_scene(recording: Recording) -> Scene:
         s, xy, points = np.linspace(0.0, 1.0, 2), np.full((len(t), 2, 2), np.nan), "midline"
     everywhere = np.ones(len(t), dtype=bool)
     party = Party("measured", MEASURED, xy)
-    return Scene(recording.name, t, s, servo_angle(recording, t), (party,), everywhere, points)
+    return ViewedRun(recording.name, t, s, servo_angle(recording, t), (party,), everywhere, points)
 
 
 def write_recording_view(recording: Recording, path: Path | str, events: Sequence[Event] = ()) -> Path:
@@ -65,5 +65,5 @@ def write_recording_view(recording: Recording, path: Path | str, events: Sequenc
     path = Path(path)
     with session_file(path, session_id("view", recording.name)) as session:
         shown = log_scene(session, recording_scene(recording), recording, events)
-        set_layout(session, page(rrb.Tabs(run_page(shown))))
+        set_layout(session, blueprint_page(rrb.Tabs(run_page(shown))))
     return path

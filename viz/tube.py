@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
 
-PIECES = 24  # a smooth bend at any zoom that shows the whole arm, at a quarter of the file size of 100 points
+TUBE_PIECES = 24  # a smooth bend at any zoom that shows the whole arm, at a quarter of the file size of 100 points
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ def planar_to_space(xy: Array) -> NDArray[np.float32]:
     return np.concatenate([xy, np.zeros((*xy.shape[:-1], 1))], axis=-1).astype(np.float32)
 
 
-def thin(count: int, pieces: int = PIECES) -> NDArray[np.int64]:
+def thin(count: int, pieces: int = TUBE_PIECES) -> NDArray[np.int64]:
     """Indices of at most pieces + 1 of `count` points, the ends always among them."""
     return np.unique(np.linspace(0, count - 1, min(count, pieces + 1)).round().astype(np.int64))
 

@@ -8,11 +8,11 @@ from typing import Any
 from tentacle.diagnosis import Diagnosis
 from tentacle.recording import Recording
 from viz.figures.finding import finding_figure
-from viz.report import Picture, Section, Table
-from viz.scene import Scene
-from viz.words import NONE, VERDICT_TITLES, effect_name, listed, number, probability_words
+from viz.report import Picture, ReportSection, ReportTable
+from viz.scene import ViewedRun
+from viz.words import NO_VALUE, VERDICT_TITLES, effect_name, listed, number, probability_words
 
-FILES = (
+ANSWER_FILES = (
     ("session.rrd", "the recording and both models over it, in time"),
     ("model.toml", "the model with what was found; every other command takes it"),
     ("verdict.json", "this answer as data"),
@@ -30,8 +30,8 @@ def title_of(diagnosis: Diagnosis) -> str:
 
 
 def finding_section(
-    diagnosis: Diagnosis, worst: Sequence[Scene], recordings: Mapping[str, Recording | None]
-) -> Section:
+    diagnosis: Diagnosis, worst: Sequence[ViewedRun], recordings: Mapping[str, Recording | None]
+) -> ReportSection:
     """The worst moment as a picture, the value found, and how sure the answer is; it stands first."""
     pictures = []
     for scene in worst:
@@ -41,7 +41,7 @@ def finding_section(
             added = f" and with {found}" if found and diagnosis.verdict == "effect" else " and with what was found"
             words = f"{scene.name} at the moment of the largest error, as declared{added}. Models run open loop."
             pictures.append(Picture(figure, words))
-    return Section("The finding", sure_words(diagnosis.verdict_json()), pictures=pictures, leads=True)
+    return ReportSection("The finding", sure_words(diagnosis.verdict_json()), pictures=pictures, leads=True)
 
 
 def sure_words(answer: Mapping[str, Any]) -> list[str]:
@@ -65,7 +65,7 @@ def sure_words(answer: Mapping[str, Any]) -> list[str]:
     return words
 
 
-def limits_sections(answer: Mapping[str, Any]) -> list[Section]:
+def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
     """The credible set, the laws proposed for what has no name, and the smallest effects that would have been seen."""
     found = []
     sets = answer.get("sets") or []
@@ -79,8 +79,10 @@ def limits_sections(answer: Mapping[str, Any]) -> list[Section]:
         ]
         words = "These answers together hold 95 % of the probability. What a calibration by blind trials says is above."
         found.append(
-            Section(
-                "Likely answers", [words], [Table("Sets of effects", ("effects", "probability"), rows, numeric=(1,))]
+            ReportSection(
+                "Likely answers",
+                [words],
+                [ReportTable("Sets of effects", ("effects", "probability"), rows, numeric=(1,))],
             )
         )
     laws = answer.get("laws") or []
@@ -92,7 +94,7 @@ def limits_sections(answer: Mapping[str, Any]) -> list[Section]:
                 law["place"],
                 number(law["evidence"]),
                 number(law["held_out_midline_mm"]),
-                law["file"] or NONE,
+                law["file"] or NO_VALUE,
             )
             for law in laws
         ]
@@ -100,7 +102,7 @@ def limits_sections(answer: Mapping[str, Any]) -> list[Section]:
         words = (
             "No effect of the catalogue is it. These laws were read off the residual; they are proposals to be tested."
         )
-        found.append(Section("Laws proposed", [words], [Table("Proposals", header, rows, numeric=(3, 4))]))
+        found.append(ReportSection("Laws proposed", [words], [ReportTable("Proposals", header, rows, numeric=(3, 4))]))
     limits = answer.get("detection_limits") or {}
     if limits:
         rows = [
@@ -109,22 +111,22 @@ def limits_sections(answer: Mapping[str, Any]) -> list[Section]:
             for name, one in values.items()
         ]
         words = "The smallest value that would have been named in 95 of 100 such recordings. Smaller ones may be there."
-        table = Table("Detection limits", ("effect", "parameter", "from", "unit"), rows, numeric=(2,))
-        found.append(Section("What would have been seen", [words], [table]))
+        table = ReportTable("Detection limits", ("effect", "parameter", "from", "unit"), rows, numeric=(2,))
+        found.append(ReportSection("What would have been seen", [words], [table]))
     return found
 
 
-def next_section(diagnosis: Diagnosis, command: str) -> Section:
+def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
     """What was noted, and what to do next as commands that can be copied; links to the files beside the report."""
     commands = [(f"{words} (in the folder of this report):", line) for words, line in local_commands(diagnosis)]
     tables = []
-    files = FILES
+    files = ANSWER_FILES
     if diagnosis.next_experiment is not None:
         line = command.replace("tentacle diagnose ", "tentacle diagnose next.rrd ", 1)
         commands.append(("Then diagnose it together with the others:", line))
-        tables.append(Table("Next base motion", ("key", "value"), flatten(diagnosis.next_experiment)))
-        files = (*FILES, ("next_experiment.toml", "the base motion that would tell more"))
-    return Section("What to do next", list(diagnosis.words), tables, commands=commands, files=files)
+        tables.append(ReportTable("Next base motion", ("key", "value"), flatten(diagnosis.next_experiment)))
+        files = (*ANSWER_FILES, ("next_experiment.toml", "the base motion that would tell more"))
+    return ReportSection("What to do next", list(diagnosis.words), tables, commands=commands, files=files)
 
 
 def local_commands(diagnosis: Diagnosis) -> list[tuple[str, str]]:

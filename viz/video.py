@@ -22,7 +22,7 @@ from viz.priority import kept_priority
 MAXIMUM_WIDTH = 640
 KEY_FRAME_EVERY = 30
 QUALITY = 38  # SVT-AV1 crf: about 40 kB a second for a dark arm on a light ground at 640 x 360
-TICKS = 90_000  # time base [1/s]
+VIDEO_TIME_BASE = 90_000  # time base [1/s]
 
 os.environ.setdefault("SVT_LOG", "1")  # the encoder prints a page per file otherwise; 1 leaves its errors
 
@@ -87,7 +87,7 @@ def small_video(recording: Recording) -> SmallVideo:
         stream = container.add_stream("libsvtav1", rate=30)
         stream.options = {"preset": "10", "crf": str(QUALITY), "g": str(KEY_FRAME_EVERY), "svtav1-params": "lp=1"}
         stream.pix_fmt = "yuv420p"
-        stream.codec_context.time_base = Fraction(1, TICKS)  # else 1 / rate, and uneven frames collide
+        stream.codec_context.time_base = Fraction(1, VIDEO_TIME_BASE)  # else 1 / rate, and uneven frames collide
         for t, seen in frames(recording):
             frame = upright(seen)
             if not times:
@@ -96,11 +96,11 @@ def small_video(recording: Recording) -> SmallVideo:
                 stream.width, stream.height = size
                 with kept_priority():
                     stream.codec_context.open()
-            ticks = round(t * TICKS)
-            if times and ticks <= round(times[-1] * TICKS):
+            ticks = round(t * VIDEO_TIME_BASE)
+            if times and ticks <= round(times[-1] * VIDEO_TIME_BASE):
                 continue  # a duplicated frame: the mp4 needs rising times, and the viewer shows the earlier one
             small = frame.reformat(*size, format="yuv420p")
-            small.pts, small.time_base = ticks, Fraction(1, TICKS)
+            small.pts, small.time_base = ticks, Fraction(1, VIDEO_TIME_BASE)
             small.pict_type = av.video.frame.PictureType.NONE
             container.mux(stream.encode(small))
             times.append(t)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rerun.experimental import ViewerClient
 
 LOOPBACK = "127.0.0.1"
-PATIENCE = 60.0  # s for the viewer to come up: 0.2 on a free computer, but its program has 290 MB to be read
+VIEWER_PATIENCE = 60.0  # s for the viewer to come up: 0.2 on a free computer, but its program has 290 MB to be read
 INSTALL_VULKAN = "apt-get install mesa-vulkan-drivers (a software Vulkan driver) and try again"
 
 
@@ -153,7 +153,7 @@ def headless_viewer() -> Iterator[ViewerClient]:
 
 def wait_until_listening(process: subprocess.Popen[bytes], port: int) -> str:
     """The viewer's address once it answers on port. Raises ConnectionError where it ended or stays silent."""
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + VIEWER_PATIENCE
     while time.monotonic() < deadline:
         if process.poll() is not None:
             raise ConnectionError(f"the viewer ended with status {process.returncode}")
@@ -161,7 +161,7 @@ def wait_until_listening(process: subprocess.Popen[bytes], port: int) -> str:
             if probe.connect_ex((LOOPBACK, port)) == 0:
                 return f"rerun+http://{LOOPBACK}:{port}/proxy"
         time.sleep(0.1)
-    raise ConnectionError(f"the viewer did not answer within {PATIENCE:.0f} s")
+    raise ConnectionError(f"the viewer did not answer within {VIEWER_PATIENCE:.0f} s")
 
 
 def screenshot(files: Sequence[Path], picture: Path, at: float | None = None, settle: float = 6.0) -> Path:

@@ -15,7 +15,7 @@ VERDICT_TITLES: dict[Verdict, str] = {
     "unknown": "Something unknown is missing",
 }
 
-NONE = "-"
+NO_VALUE = "-"
 
 MEASURES = (
     ("midline_mm", "midline", "mm"),
@@ -29,7 +29,7 @@ MEASURES = (
 def number(value: float | None) -> str:
     """Three significant digits, no exponent where it can be avoided; NONE where there is none."""
     if value is None or value != value:  # NaN differs from itself
-        return NONE
+        return NO_VALUE
     if value != 0 and not 1e-3 <= abs(value) < 1e7:
         return f"{value:.2e}"
     if abs(value) < 1000:
@@ -65,7 +65,7 @@ def interval(estimate: Estimate) -> str:
 def probability_words(probability: float) -> str:
     """A probability in per cent; what a rounding would make sure or impossible is said as a bound."""
     if probability != probability:
-        return NONE
+        return NO_VALUE
     if probability > 0.999:
         return "> 99.9 %"
     return "< 0.1 %" if probability < 0.001 else f"{100.0 * probability:.1f} %"

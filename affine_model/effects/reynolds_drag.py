@@ -6,7 +6,7 @@ share = 1 is the curve of a smooth cylinder, 1 < Re < 2e5, for which C_perp = 1.
 from affine_model.effect import Effect, Parameter
 
 VISCOSITY = 1.0e-6  # m^2/s, water at 20 degrees C
-LEAST = 1e-3  # Reynolds number, below which the coefficient stays what it is
+LEAST_REYNOLDS = 1e-3  # Reynolds number, below which the coefficient stays what it is
 
 REYNOLDS_DRAG = Effect(
     name="reynolds_drag",
@@ -18,7 +18,7 @@ REYNOLDS_DRAG = Effect(
     force=lambda x, p: (
         -5.0
         * p.share
-        * (x.speed * x.width / VISCOSITY + LEAST) ** (-2.0 / 3.0)
+        * (x.speed * x.width / VISCOSITY + LEAST_REYNOLDS) ** (-2.0 / 3.0)
         * x.fluid_density
         * x.drag_coefficient
         * x.width

@@ -8,8 +8,16 @@ import textwrap
 from affine_model.effects import catalogue
 from affine_model.kernel.trace import lines, slope_along, traced
 
-SEEN = ("x", "y", "phi", "phi_rate", "u_n", "u_t", "speed")  # of the section quantities, what the tip has of its own
-_AT_NODE = re.compile(rf"\b({'|'.join(SEEN)})\[i, b\]")
+TIP_QUANTITIES = (
+    "x",
+    "y",
+    "phi",
+    "phi_rate",
+    "u_n",
+    "u_t",
+    "speed",
+)  # of the section quantities, what the tip has of its own
+_AT_NODE = re.compile(rf"\b({'|'.join(TIP_QUANTITIES)})\[i, b\]")
 
 _STATE = """\
 end_phi = mid[n, b] + total(A_end[j] * mid[j, b] for j in unrolled(n))

@@ -3,13 +3,13 @@
 from affine_model.swim.limits import HOBBY_SERVO, Box, GaitLimits, search_box
 from affine_model.swim.methods import METHODS
 from affine_model.swim.objectives import OBJECTIVES, Objective, cost_of_transport
-from affine_model.swim.optimise import Promise, Swimming, optimise, promises
+from affine_model.swim.optimise import Promise, Swimming, optimise_gait, promises
 from affine_model.swim.pareto import Front, pareto_front
 from affine_model.swim.robust import parameter_samples, robust_trial
 from affine_model.swim.search import Generation, SearchPlan, search
 from affine_model.swim.silicones import SILICONES, assumed_model, paper_cone
 from affine_model.swim.thrust_map import SineMap, best_sine, sine_gaits, sine_map
-from affine_model.swim.trial import PAPER_RAIL, Outcome, Trial, run, trial_of, within_limits
+from affine_model.swim.trial import PAPER_RAIL, GaitOutcome, GaitTrial, run, trial_of, within_limits
 from affine_model.swim.waves import best_wave, single_waves
 
 __all__ = [
@@ -23,17 +23,17 @@ __all__ = [
     "Front",
     "Generation",
     "Objective",
-    "Outcome",
+    "GaitOutcome",
     "Promise",
     "GaitLimits",
     "SineMap",
     "Swimming",
-    "Trial",
+    "GaitTrial",
     "assumed_model",
     "best_sine",
     "best_wave",
     "cost_of_transport",
-    "optimise",
+    "optimise_gait",
     "paper_cone",
     "parameter_samples",
     "pareto_front",

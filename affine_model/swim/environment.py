@@ -20,32 +20,34 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from affine_model.swim.silicones import assumed_model, paper_cone
-from affine_model.swim.swimmers import FARTHEST, Flags, Swimmers
+from affine_model.swim.swimmers import LARGEST_OBSERVATION, Flags, Swimmers
 from tentacle.model import Model
 
-Numbers = NDArray[Any]
+AnyArray = NDArray[Any]
 
 ID = "tentacle/Swim-v0"
-SECONDS = 10.0
-SPREAD = 0.5  # of the largest angle: how far from straight an arm is when an episode begins
+EPISODE_SECONDS = 10.0
+START_SPREAD = 0.5  # of the largest angle: how far from straight an arm is when an episode begins
 CM = 100.0
 
 
 def _spaces(order: int) -> tuple[Box, Box]:
     """Observation and action of one arm."""
-    return Box(-FARTHEST, FARTHEST, (2 * order + 4,), np.float32), Box(-1.0, 1.0, (1,), np.float32)
+    return Box(-LARGEST_OBSERVATION, LARGEST_OBSERVATION, (2 * order + 4,), np.float32), Box(
+        -1.0, 1.0, (1,), np.float32
+    )
 
 
 def _model(model: Model | None) -> Model:
     return assumed_model(paper_cone(0.21), "dragon-skin-10") if model is None else model
 
 
-class SwimEnv(gymnasium.Env[Numbers, Numbers]):
+class SwimEnv(gymnasium.Env[AnyArray, AnyArray]):
     """One arm on its rail."""
 
     metadata = {"render_modes": []}  # noqa: RUF012 - gymnasium's own way to say it
 
-    def __init__(self, model: Model | None = None, seconds: float = SECONDS, **settings: Any) -> None:
+    def __init__(self, model: Model | None = None, seconds: float = EPISODE_SECONDS, **settings: Any) -> None:
         """settings: rail, servo, interval, substeps, as Swimmers takes them."""
         self._swimmers = Swimmers(_model(model), 1, **settings)
         self.observation_space, self.action_space = _spaces(self._swimmers.arm.order)
@@ -54,15 +56,15 @@ class SwimEnv(gymnasium.Env[Numbers, Numbers]):
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Numbers, dict[str, Any]]:
+    ) -> tuple[AnyArray, dict[str, Any]]:
         """At rest, straight, at an angle drawn at random."""
         super().reset(seed=seed, options=options)
-        largest = SPREAD * self._swimmers.limits.angle
+        largest = START_SPREAD * self._swimmers.limits.angle
         self._swimmers.reset(np.ones(1, dtype=bool), self.np_random.uniform(-largest, largest, 1))
         self._taken = 0
         return self._swimmers.observed()[0].astype(np.float32), {}
 
-    def step(self, action: Numbers) -> tuple[Numbers, float, bool, bool, dict[str, Any]]:
+    def step(self, action: AnyArray) -> tuple[AnyArray, float, bool, bool, dict[str, Any]]:
         """One command."""
         tick = self._swimmers.command(np.asarray(action, dtype=float))
         self._taken += 1
@@ -71,7 +73,7 @@ class SwimEnv(gymnasium.Env[Numbers, Numbers]):
         return seen, reward, bool(tick.lost[0]), self._taken >= self._last, {"power_w": float(tick.power[0])}
 
 
-class SwimVectorEnv(VectorEnv[Numbers, Numbers, Numbers]):
+class SwimVectorEnv(VectorEnv[AnyArray, AnyArray, AnyArray]):
     """B arms, each on its own rail; one that ended begins anew in the same step, its last observation in
     infos["final_obs"].
     """
@@ -79,7 +81,7 @@ class SwimVectorEnv(VectorEnv[Numbers, Numbers, Numbers]):
     metadata = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012 - as above
 
     def __init__(
-        self, num_envs: int = 1, model: Model | None = None, seconds: float = SECONDS, **settings: Any
+        self, num_envs: int = 1, model: Model | None = None, seconds: float = EPISODE_SECONDS, **settings: Any
     ) -> None:
         """settings: rail, servo, interval, substeps, as Swimmers takes them."""
         self.num_envs = num_envs
@@ -92,13 +94,13 @@ class SwimVectorEnv(VectorEnv[Numbers, Numbers, Numbers]):
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Numbers, dict[str, Any]]:
+    ) -> tuple[AnyArray, dict[str, Any]]:
         """All at rest, straight, at angles drawn at random."""
         super().reset(seed=seed, options=options)
         self._begin(np.ones(self.num_envs, dtype=bool))
         return self._observed(), {}
 
-    def step(self, actions: Numbers) -> tuple[Numbers, Numbers, Numbers, Numbers, dict[str, Any]]:
+    def step(self, actions: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray, dict[str, Any]]:
         """One command each, actions (B, 1)."""
         tick = self._swimmers.command(np.asarray(actions, dtype=float)[:, 0])
         self._taken += 1
@@ -113,11 +115,11 @@ class SwimVectorEnv(VectorEnv[Numbers, Numbers, Numbers]):
         return seen, CM * tick.forward / self._swimmers.interval, tick.lost, over, infos
 
     def _begin(self, which: Flags) -> None:
-        largest = SPREAD * self._swimmers.limits.angle
+        largest = START_SPREAD * self._swimmers.limits.angle
         self._swimmers.reset(which, self.np_random.uniform(-largest, largest, int(which.sum())))
         self._taken[which] = 0
 
-    def _observed(self) -> Numbers:
+    def _observed(self) -> AnyArray:
         return self._swimmers.observed().astype(np.float32)
 
 

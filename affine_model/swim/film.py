@@ -9,12 +9,12 @@ import numpy as np
 from affine_model.advance import Drive
 from affine_model.curvature import Array, midline
 from affine_model.simulate import Timing, simulate
-from affine_model.swim.trial import Trial
+from affine_model.swim.trial import GaitTrial
 from tentacle.waveform import Waveform
 
 
 @dataclass(frozen=True)
-class Film:
+class SwimFilm:
     """t (T,) [s]; theta (T,) [rad]; travel (T,) [m] forward; s (P,); xy (T, P, 2) [m] from where the rail began."""
 
     t: Array
@@ -24,7 +24,9 @@ class Film:
     xy: Array
 
 
-def film(trial: Trial, motion: Waveform, seconds: float = 10.0, frames_per_second: int = 30, points: int = 31) -> Film:
+def swim_film(
+    trial: GaitTrial, motion: Waveform, seconds: float = 10.0, frames_per_second: int = 30, points: int = 31
+) -> SwimFilm:
     """The trial's arm under a base motion from rest; the trial should be on a rail (Trial.on_rail)."""
     substeps = int(np.ceil(1.0 / (frames_per_second * trial.step)))
     step = 1.0 / (frames_per_second * substeps)
@@ -35,4 +37,4 @@ def film(trial: Trial, motion: Waveform, seconds: float = 10.0, frames_per_secon
     s = np.linspace(0.0, 1.0, points)
     xy = midline(batch.q[:, :, 0], batch.theta[:, 0], arm.specimen.length, s)
     xy[:, :, 1] += batch.rail
-    return Film(batch.t, batch.theta[:, 0], -batch.rail[:, 0], s, xy)
+    return SwimFilm(batch.t, batch.theta[:, 0], -batch.rail[:, 0], s, xy)

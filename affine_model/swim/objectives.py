@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.swim.trial import Outcome, Trial
+from affine_model.swim.trial import GaitOutcome, GaitTrial
 
 # Servo and board draw this even at rest [W]. Without it the slowest gait would always be the cheapest: drag makes power
 # fall with the cube of the speed.
@@ -24,10 +24,10 @@ class Objective:
     unit: str
     words: str
     on_rail: bool
-    quantity: Callable[[Outcome], Array]
+    quantity: Callable[[GaitOutcome], Array]
 
 
-def cost_of_transport(outcome: Outcome) -> Array:
+def cost_of_transport(outcome: GaitOutcome) -> Array:
     """Energy per distance (power + idle power) / speed (B, K) [J/m]; infinite where the arm does not swim forward."""
     with np.errstate(divide="ignore"):
         return np.where(outcome.speed > 0.0, (outcome.power + IDLE_POWER) / np.abs(outcome.speed), np.inf)
@@ -59,7 +59,7 @@ def worst_quarter_mean(values: Array) -> Array:
     return worst.mean(axis=1)
 
 
-def scores(objective: Objective, trial: Trial, outcome: Outcome) -> Array:
+def gait_scores(objective: Objective, trial: GaitTrial, outcome: GaitOutcome) -> Array:
     """(B,) to maximise. A gait that needs more torque than the servo has ranks below every feasible one."""
     value = worst_quarter_mean(objective.quantity(outcome))
     excess = np.max(outcome.torque, axis=1) / trial.limits.torque - 1.0

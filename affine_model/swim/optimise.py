@@ -17,11 +17,11 @@ from affine_model.curvature import Array
 from affine_model.simulate import Rail
 from affine_model.swim.gaits import gait_of, gait_tables
 from affine_model.swim.limits import Box, search_box
-from affine_model.swim.objectives import IDLE_POWER, Objective, scores
+from affine_model.swim.objectives import IDLE_POWER, Objective, gait_scores
 from affine_model.swim.polish import polish
 from affine_model.swim.search import USUAL_SEARCH, Generation, SearchPlan, search
 from affine_model.swim.thrust_map import best_sine
-from affine_model.swim.trial import PAPER_RAIL, Trial, run, within_limits
+from affine_model.swim.trial import PAPER_RAIL, GaitTrial, run, within_limits
 from affine_model.swim.waves import best_wave
 from tentacle.errors import InputError
 from tentacle.gait import Gait
@@ -87,7 +87,7 @@ class Swimming:
         return html_paragraph(title) + html_table(header, rows)
 
 
-def promises(trial: Trial, alpha: Array, rail: Rail = PAPER_RAIL) -> list[Promise]:
+def promises(trial: GaitTrial, alpha: Array, rail: Rail = PAPER_RAIL) -> list[Promise]:
     """What the clamped trial's model says of gaits (9, B), clamped and on the rail."""
     fine = replace(trial, parameters=trial.parameters[:, :1]).refined()
     clamped, swum = run(fine, alpha), run(fine.on_rail(rail), alpha)
@@ -99,12 +99,12 @@ def promises(trial: Trial, alpha: Array, rail: Rail = PAPER_RAIL) -> list[Promis
     return found
 
 
-def sure_of_limits(trial: Trial, alpha: Array) -> Array:
+def sure_of_limits(trial: GaitTrial, alpha: Array) -> Array:
     """Gaits (9, B), amplitudes scaled so that they keep the servo's limits over 300 s, not only over the trial."""
     return within_limits(alpha, trial.limits, _SURE_SECONDS, _SURE_STEP)
 
 
-def largest(trial: Trial, alpha: Array) -> Array:
+def largest(trial: GaitTrial, alpha: Array) -> Array:
     """Largest |theta|, |theta'|, |theta''| (3,) of a gait (9,) over 300 s."""
     _, peaks = gait_tables(alpha[:, None], round(_SURE_SECONDS / _SURE_STEP), _SURE_STEP, trial.limits.bandwidth)
     return peaks[:, 0]
@@ -121,26 +121,26 @@ def periodic(alpha: Array, faint: float = 0.05) -> Array:
     return tied
 
 
-def climb(trial: Trial, objective: Objective, box: Box, unit: Array) -> tuple[Array, float]:
+def climb(trial: GaitTrial, objective: Objective, box: Box, unit: Array) -> tuple[Array, float]:
     """The top above a point (9,) of the unit cube, and the same gait made periodic, both sure of their limits (9, 2);
     the better one's score.
     """
     tied = box.unit(periodic(box.alpha(unit[:, None])[:, 0])[:, None])[:, 0]
     starts = np.stack([unit, tied], axis=1)
-    start = starts[:, int(np.argmax(scores(objective, trial, run(trial, box.alpha(starts)))))]
+    start = starts[:, int(np.argmax(gait_scores(objective, trial, run(trial, box.alpha(starts)))))]
     reached, _ = polish(trial, objective, box, start)
     gait = box.alpha(reached[:, None])[:, 0]
     both = sure_of_limits(trial, np.stack([gait, periodic(gait)], axis=1))
-    return both, float(np.max(scores(objective, trial, run(trial, both))))
+    return both, float(np.max(gait_scores(objective, trial, run(trial, both))))
 
 
-def for_objective(trial: Trial, objective: Objective, rail: Rail = PAPER_RAIL) -> Trial:
+def for_objective(trial: GaitTrial, objective: Objective, rail: Rail = PAPER_RAIL) -> GaitTrial:
     """The clamped trial as it is, or on the rail, as the objective needs it."""
     return trial.on_rail(rail) if objective.on_rail else trial
 
 
-def optimise(
-    trial: Trial,
+def optimise_gait(
+    trial: GaitTrial,
     objective: Objective,
     plan: SearchPlan = USUAL_SEARCH,
     *,
@@ -172,7 +172,7 @@ def optimise(
         if watch is not None:
             watch(generation)
     candidates, fine = np.concatenate(judged, axis=1), ready.refined()
-    values = scores(objective, fine, run(fine, candidates))
+    values = gait_scores(objective, fine, run(fine, candidates))
     leader = int(np.argmax(values))
     winner, value, sine_value = candidates[:, leader], float(values[leader]), float(values[0])
     if not value > 0.0:

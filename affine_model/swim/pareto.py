@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from affine_model.curvature import Array
 from affine_model.swim.limits import Box, search_box
-from affine_model.swim.objectives import scores, weighted
+from affine_model.swim.objectives import gait_scores, weighted
 from affine_model.swim.polish import polish
 from affine_model.swim.search import SearchPlan, search
-from affine_model.swim.trial import PAPER_RAIL, Trial, run
+from affine_model.swim.trial import PAPER_RAIL, GaitTrial, run
 from tentacle.gait import Gait
 
 EXPONENTS = (
@@ -44,7 +44,7 @@ def not_dominated(speed: Array, power: Array) -> NDArray[np.intp]:
     return kept[::-1]
 
 
-def pareto_front(trial: Trial, box: Box, *, known: Array, evaluations: int, seed: int) -> Front:
+def pareto_front(trial: GaitTrial, box: Box, *, known: Array, evaluations: int, seed: int) -> Front:
     """Search speed / power^x for every x of EXPONENTS, `evaluations` gaits in all, and keep what none of them beats.
 
     trial on the rail, one parameter sample. known (9, M): gaits that are tried too (the best, the best sine).
@@ -63,13 +63,13 @@ def pareto_front(trial: Trial, box: Box, *, known: Array, evaluations: int, seed
         weaker[:3] *= shares
         tried.append(weaker)
     outcome = run(trial, np.concatenate(tried, axis=1))
-    usable = scores(weighted(0.0), trial, outcome) > 0.0
+    usable = gait_scores(weighted(0.0), trial, outcome) > 0.0
     speed, power = outcome.speed[usable, 0], outcome.power[usable, 0]
     kept = not_dominated(speed, power)
     return Front(outcome.alpha[:, usable][:, kept], speed[kept], power[kept])
 
 
-def front_around(trial: Trial, gait: Gait, sine: Gait, seed: int) -> Front:
+def front_around(trial: GaitTrial, gait: Gait, sine: Gait, seed: int) -> Front:
     """The front of speed against power of the clamped trial's arm on the rail; gait and sine are tried too."""
     known = np.array([gait.alpha, sine.alpha]).T
     level = trial.on_rail(PAPER_RAIL)

@@ -11,31 +11,31 @@ from scipy.optimize import minimize
 
 from affine_model.curvature import Array
 from affine_model.swim.limits import Box
-from affine_model.swim.objectives import Objective, scores
-from affine_model.swim.trial import Trial, run
+from affine_model.swim.objectives import Objective, gait_scores
+from affine_model.swim.trial import GaitTrial, run
 
 _OFFSET = 1e-4  # of the unit cube: truncation ~ offset^2, rounding ~ 1e-13 / offset
 
 
 def value_and_gradient(
-    trial: Trial, objective: Objective, box: Box, unit: Array, offset: float = _OFFSET
+    trial: GaitTrial, objective: Objective, box: Box, unit: Array, offset: float = _OFFSET
 ) -> tuple[float, Array]:
     """Score of a point (9,) of the unit cube and its gradient (9,) by central differences, one-sided at the walls."""
     size = len(unit)
     steps = offset * np.eye(size)
     around = unit[:, None] + np.concatenate([np.zeros((size, 1)), steps, -steps], axis=1)
     around[:6] = np.clip(around[:6], 0.0, 1.0)
-    values = scores(objective, trial, run(trial, box.alpha(around)))
+    values = gait_scores(objective, trial, run(trial, box.alpha(around)))
     ahead, behind = around[:, 1 : size + 1], around[:, size + 1 :]
     widths = np.diag(ahead) - np.diag(behind)
     return float(values[0]), (values[1 : size + 1] - values[size + 1 :]) / widths
 
 
-def polish(trial: Trial, objective: Objective, box: Box, unit: Array, evaluations: int = 30) -> tuple[Array, float]:
+def polish(trial: GaitTrial, objective: Objective, box: Box, unit: Array, evaluations: int = 30) -> tuple[Array, float]:
     """Climb from a point (9,): the best point met and its score, never worse than the start (L-BFGS-B, Byrd et al.
     1995).
     """
-    scale = max(abs(float(scores(objective, trial, run(trial, box.alpha(unit[:, None])))[0])), 1e-12)
+    scale = max(abs(float(gait_scores(objective, trial, run(trial, box.alpha(unit[:, None])))[0])), 1e-12)
     best: list[tuple[float, Array]] = []
 
     def falling(point: Array) -> tuple[float, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from affine_model.arm import parameter_index, parameter_rows, parameter_vector
 from affine_model.curvature import Array
-from affine_model.swim.trial import Trial
+from affine_model.swim.trial import GaitTrial
 from tentacle.errors import InputError
 from tentacle.model import Model
 
@@ -42,6 +42,6 @@ def parameter_samples(model: Model, count: int, seed: int) -> Array:
     return samples
 
 
-def robust_trial(trial: Trial, model: Model, count: int, seed: int) -> Trial:
+def robust_trial(trial: GaitTrial, model: Model, count: int, seed: int) -> GaitTrial:
     """The trial on `count` samples; scores are then the mean over the worst quarter of them."""
     return replace(trial, parameters=parameter_samples(model, count, seed))

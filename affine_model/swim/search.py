@@ -10,8 +10,8 @@ import numpy as np
 from affine_model.curvature import Array
 from affine_model.swim.limits import Box
 from affine_model.swim.methods import METHODS
-from affine_model.swim.objectives import Objective, scores
-from affine_model.swim.trial import Trial, run
+from affine_model.swim.objectives import Objective, gait_scores
+from affine_model.swim.trial import GaitTrial, run
 from tentacle.errors import InputError
 
 
@@ -48,7 +48,7 @@ class SearchPlan:
 USUAL_SEARCH = SearchPlan()
 
 
-def search(trial: Trial, objective: Objective, box: Box, plan: SearchPlan) -> Iterator[Generation]:
+def search(trial: GaitTrial, objective: Objective, box: Box, plan: SearchPlan) -> Iterator[Generation]:
     """Yield generation after generation until plan.evaluations gaits have been tried.
 
     Raises InputError where the method is unknown or every gait of a generation diverges.
@@ -67,7 +67,7 @@ def search(trial: Trial, objective: Objective, box: Box, plan: SearchPlan) -> It
                 raise InputError(
                     "every gait diverges", field="specimen", expected="an arm that the model can integrate"
                 )
-            values = scores(objective, trial, outcome)
+            values = gait_scores(objective, trial, outcome)
             speed, power = outcome.speed.mean(axis=1), outcome.power.mean(axis=1)
         elif len(values) != unit.shape[1]:
             raise InputError("the noted run was another search", field="resume", expected="the same method and seed")

@@ -30,7 +30,7 @@ from tentacle.servo_limits import ServoLimits
 Flags = NDArray[np.bool_]
 
 ITERATIONS = 2  # Newton corrections a step: an individual that was just reset has no prediction
-FARTHEST = 1e3  # of what a controller is shown; an arm that goes beyond is lost
+LARGEST_OBSERVATION = 1e3  # of what a controller is shown; an arm that goes beyond is lost
 CAREFUL_STEPS = 2  # of the kernel, which a batch of swimmers that are each of another age does not take
 
 
@@ -120,7 +120,7 @@ class Swimmers:
         servo = [self.servo_state[0] / limits.angle, self.servo_state[1] / limits.speed, self.target / limits.angle]
         q, rate = to_paper @ self.state.u[:n], to_paper @ self.state.u_rate[:n]
         seen = np.stack([*servo, *q, *(0.1 * rate), -10.0 * self.state.u_rate[n + 1]], axis=1)
-        return np.clip(seen, -FARTHEST, FARTHEST)
+        return np.clip(seen, -LARGEST_OBSERVATION, LARGEST_OBSERVATION)
 
 
 class ServoFilter:

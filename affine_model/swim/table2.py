@@ -17,7 +17,7 @@ import numpy as np
 from affine_model.swim.gaits import gait_of
 from affine_model.swim.limits import HOBBY_SERVO, GaitLimits
 from affine_model.swim.objectives import OBJECTIVES
-from affine_model.swim.optimise import Swimming, for_objective, optimise, promises
+from affine_model.swim.optimise import Swimming, for_objective, optimise_gait, promises
 from affine_model.swim.search import SearchPlan
 from affine_model.swim.silicones import assumed_model, paper_cone
 from affine_model.swim.thrust_map import sine_gaits, sine_map
@@ -26,12 +26,12 @@ from tentacle.gait import Gait
 from tentacle.model import Model
 from tentacle.servo_limits import ServoLimits
 
-SILICONE = "dragon-skin-10"
+TABLE2_SILICONE = "dragon-skin-10"
 SLOW_BAND, FAST_BAND = (0.25, 0.5), (0.5, 0.75)  # Hz
 MAP_LIMITS = GaitLimits(
     ServoLimits(np.pi / 6.0, HOBBY_SERVO.speed, HOBBY_SERVO.acceleration), highest_frequency=FAST_BAND[1]
 )
-SERVO_LIMITS = GaitLimits()
+TABLE2_LIMITS = GaitLimits()
 MOTIONS = ("slow sine", "fast sine", "optimised gait", "servo's best sine", "servo's best gait")
 
 
@@ -48,7 +48,7 @@ class Printed:
         return self.means[2] / max(self.means[:2])
 
 
-PRINTED = {
+PRINTED_SPEEDS = {
     0.14: Printed((0.0006, 0.0012, 0.0066), (0.0001, 0.0002, 0.0001)),
     0.21: Printed((0.0052, 0.0104, 0.0227), (0.0015, 0.0012, 0.0031)),
     0.25: Printed((0.0049, 0.0067, 0.0214), (0.0002, 0.0007, 0.0046)),
@@ -56,7 +56,7 @@ PRINTED = {
 
 
 @dataclass(frozen=True)
-class Row:
+class SwimRow:
     """One arm: its length [m], its model, the gaits named in MOTIONS, and their forward speeds (5,) [m/s].
 
     reference are the speeds of the independent simulation, None where it was not asked. within_map, within_servo: the
@@ -83,9 +83,9 @@ def table2(
     evaluations: int = 5000,
     seed: int = 0,
     reference: Callable[[Model, Gait], float] | None = None,
-    lengths: tuple[float, ...] = tuple(PRINTED),
+    lengths: tuple[float, ...] = tuple(PRINTED_SPEEDS),
     device: str | None = None,
-) -> list[Row]:
+) -> list[SwimRow]:
     """Table II on the affine model; reference(model, gait) gives another simulation's speed [m/s] on PAPER_RAIL.
 
     device: where torch runs the searches' batches, as in Trial.
@@ -93,7 +93,7 @@ def table2(
 
     def best(model: Model, limits: GaitLimits) -> Swimming:
         trial = replace(trial_of(model, limits), device=device)
-        return optimise(trial, OBJECTIVES[objective], SearchPlan(evaluations=evaluations, seed=seed))
+        return optimise_gait(trial, OBJECTIVES[objective], SearchPlan(evaluations=evaluations, seed=seed))
 
     return [_row(length, best, reference) for length in lengths]
 
@@ -102,15 +102,15 @@ def _row(
     length: float,
     best: Callable[[Model, GaitLimits], Swimming],
     reference: Callable[[Model, Gait], float] | None,
-) -> Row:
-    model = assumed_model(paper_cone(length), SILICONE)
-    within_map, within_servo = best(model, MAP_LIMITS), best(model, SERVO_LIMITS)
+) -> SwimRow:
+    model = assumed_model(paper_cone(length), TABLE2_SILICONE)
+    within_map, within_servo = best(model, MAP_LIMITS), best(model, TABLE2_LIMITS)
     slow, fast = (_map_sine(model, band) for band in (SLOW_BAND, FAST_BAND))
     gaits = (slow, fast, within_map.gait, within_servo.sine, within_servo.gait)
     trial = trial_of(model)
     affine = tuple(one.speed for one in promises(trial, np.array([gait.alpha for gait in gaits]).T))
     measured = None if reference is None else tuple(reference(model, gait) for gait in gaits)
-    return Row(length, model, gaits, affine, measured, within_map, within_servo)
+    return SwimRow(length, model, gaits, affine, measured, within_map, within_servo)
 
 
 def _map_sine(model: Model, band: tuple[float, float]) -> Gait:
@@ -124,14 +124,14 @@ def _map_sine(model: Model, band: tuple[float, float]) -> Gait:
     return gait_of(alpha[:, 0], MAP_LIMITS.bandwidth)
 
 
-HEADER = ("L", "source", *MOTIONS[:3], "gait / sine, map", *MOTIONS[3:], "gait / sine, servo")
+TABLE2_HEADER = ("L", "source", *MOTIONS[:3], "gait / sine, map", *MOTIONS[3:], "gait / sine, servo")
 
 
-def cells(rows: list[Row]) -> list[tuple[str, ...]]:
+def cells(rows: list[SwimRow]) -> list[tuple[str, ...]]:
     """The table as texts under HEADER, one line per arm and source: speeds in cm/s, and the two ratios."""
     lines: list[tuple[str, ...]] = []
     for row in rows:
-        printed, name = PRINTED[row.length], f"{100 * row.length:.0f} cm"
+        printed, name = PRINTED_SPEEDS[row.length], f"{100 * row.length:.0f} cm"
         shown = (f"{100 * mean:.2f}" for mean in printed.means)
         lines.append((name, "paper, in the tank", *shown, f"{printed.ratio:.1f}", "-", "-", "-"))
         for source, speeds in (("affine model", row.affine), ("MuJoCo reference", row.reference)):

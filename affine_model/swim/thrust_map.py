@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
-from affine_model.swim.objectives import Objective, scores
-from affine_model.swim.trial import Trial, run
+from affine_model.swim.objectives import Objective, gait_scores
+from affine_model.swim.trial import GaitTrial, run
 
 
 @dataclass(frozen=True)
@@ -32,17 +32,17 @@ def sine_gaits(amplitude: Array, frequency: Array) -> Array:
     return alpha
 
 
-def sine_map(trial: Trial, objective: Objective, amplitudes: Array, frequencies: Array) -> SineMap:
+def sine_map(trial: GaitTrial, objective: Objective, amplitudes: Array, frequencies: Array) -> SineMap:
     """The objective over a grid of sines, each exactly as asked for or not at all."""
     grid = np.meshgrid(amplitudes, frequencies, indexing="ij")
     outcome = run(trial, sine_gaits(grid[0].ravel(), grid[1].ravel()))
-    values = scores(objective, trial, outcome)
+    values = gait_scores(objective, trial, outcome)
     as_asked = outcome.alpha[0] > (1.0 - 1e-9) * grid[0].ravel()
     values = np.where(as_asked, values, np.nan).reshape(grid[0].shape)
     return SineMap(np.asarray(amplitudes), np.asarray(frequencies), values)
 
 
-def best_sine(trial: Trial, objective: Objective, rounds: int = 3, count: int = 48) -> tuple[Array, float]:
+def best_sine(trial: GaitTrial, objective: Objective, rounds: int = 3, count: int = 48) -> tuple[Array, float]:
     """The best sine that the servo can follow: alpha (9,) and its score.
 
     At every frequency the amplitude is either as large as the limits let, or smaller: both are searched, on a grid that
@@ -58,7 +58,7 @@ def best_sine(trial: Trial, objective: Objective, rounds: int = 3, count: int = 
         omega = 2.0 * np.pi * frequencies
         largest = np.min(limits.bounds.kinematic[:, None] / np.stack([np.ones_like(omega), omega, omega**2]), axis=0)
         outcome = run(trial, sine_gaits(shares * largest, frequencies))
-        values = scores(objective, trial, outcome)
+        values = gait_scores(objective, trial, outcome)
         leader = int(np.argmax(values))
         if values[leader] > best_score:
             best_alpha, best_score = outcome.alpha[:, leader], float(values[leader])

@@ -30,7 +30,7 @@ PAPER_RAIL = Rail(mass=0.25, viscous=0.35)
 
 
 @dataclass(frozen=True)
-class Trial:
+class GaitTrial:
     """How gaits are tried.
 
     arm, parameters (R, K): K samples of the model's parameters, every gait is run on each. settle [s] is left out of
@@ -57,19 +57,19 @@ class Trial:
         """Steps of one run, even."""
         return 2 * round(0.5 * (self.settle + self.window) / self.step)
 
-    def on_rail(self, rail: Rail) -> Trial:
+    def on_rail(self, rail: Rail) -> GaitTrial:
         """The same trial with the base sliding on a level rail."""
         arm = replace(self.arm, gravity=replace(self.arm.gravity, magnitude=0.0))
         return replace(self, arm=arm, rail=rail)
 
-    def refined(self, seconds: float = 12.0) -> Trial:
+    def refined(self, seconds: float = 12.0) -> GaitTrial:
         """The same trial to be believed, not to be fast: more nodes, a third of the step, a window of `seconds`."""
         arm = replace(self.arm, nodes=max(8, self.arm.nodes + 2))
         return replace(self, arm=arm, step=self.step / 3.0, window=seconds, settle=max(self.settle, 3.0))
 
 
 @dataclass(frozen=True)
-class Outcome:
+class GaitOutcome:
     """What B gaits achieve on K parameter samples, means over the window.
 
     alpha (9, B): the gaits as run, amplitudes already scaled to the servo's limits. thrust (B, K) [N] and speed (B, K)
@@ -85,13 +85,13 @@ class Outcome:
     diverged: Array
 
 
-def trial_of(model: Model, limits: GaitLimits | None = None, rail: Rail | None = None, nodes: int = 6) -> Trial:
+def trial_of(model: Model, limits: GaitLimits | None = None, rail: Rail | None = None, nodes: int = 6) -> GaitTrial:
     """The trial of a model at its estimates, augmented models as they are; InputError on unusable stiffness."""
     arm, parameters = replace(arm_of(model), nodes=max(nodes, model.order + 3)), parameter_vector(model)
     refuse_soft_sections(arm, parameters)
     if model.fluid.density == 0.0:
         raise InputError("there is no water to swim in", field="fluid.density_kg_m3", expected="a positive number")
-    trial = Trial(arm, parameters[:, None], limits or GaitLimits())
+    trial = GaitTrial(arm, parameters[:, None], limits or GaitLimits())
     return trial if rail is None else trial.on_rail(rail)
 
 
@@ -103,7 +103,7 @@ def within_limits(alpha: Array, limits: GaitLimits, seconds: float, step: float)
     return scaled
 
 
-def run(trial: Trial, alpha: Array) -> Outcome:
+def run(trial: GaitTrial, alpha: Array) -> GaitOutcome:
     """Try gaits alpha (9, B), scaled to the servo's limits first."""
     alpha = np.atleast_2d(np.asarray(alpha, dtype=float).T).T
     genes = np.ascontiguousarray(alpha.T)
@@ -122,7 +122,7 @@ def run(trial: Trial, alpha: Array) -> Outcome:
     scaled = np.array(alpha)
     scaled[:3] *= scale[:, 0]
     sound = lost < 0.0
-    return Outcome(
+    return GaitOutcome(
         alpha=scaled,
         thrust=np.where(sound, thrust, np.nan),
         speed=speed,

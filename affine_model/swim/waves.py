@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
-from affine_model.swim.objectives import Objective, scores
-from affine_model.swim.trial import Trial, run
+from affine_model.swim.objectives import Objective, gait_scores
+from affine_model.swim.trial import GaitTrial, run
 
 SQUARE, SAW = 1, 2  # places of the two terms with a shape to bend
 
@@ -27,7 +27,7 @@ def single_waves(term: NDArray[np.intp], frequency: Array, bend: Array, amplitud
     return alpha
 
 
-def best_wave(trial: Trial, objective: Objective, rounds: int = 4) -> tuple[Array, float]:
+def best_wave(trial: GaitTrial, objective: Objective, rounds: int = 4) -> tuple[Array, float]:
     """The best single wave, as large as the servo lets it be: alpha (9,) within the limits, and its score.
 
     Both terms at 12 frequencies and 16 bends; then a grid of 7 by 7 that closes in on the best. A climb by gradients
@@ -46,7 +46,7 @@ def best_wave(trial: Trial, objective: Objective, rounds: int = 4) -> tuple[Arra
         term = np.repeat(terms, len(frequency))
         frequency, bend = np.tile(frequency, len(terms)), np.tile(bend, len(terms))
         outcome = run(trial, single_waves(term, frequency, bend, trial.limits.servo.angle))
-        values = scores(objective, trial, outcome)
+        values = gait_scores(objective, trial, outcome)
         leader = int(np.argmax(values))
         if values[leader] > best_score:
             best_alpha, best_score = outcome.alpha[:, leader], float(values[leader])

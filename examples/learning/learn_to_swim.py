@@ -21,7 +21,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.vec_env import VecEnv
 
-from affine_model.swim.environment import SECONDS, SwimVectorEnv
+from affine_model.swim.environment import EPISODE_SECONDS, SwimVectorEnv
 from tentacle.io.model_file import read_model
 from tentacle.model import Model
 
@@ -76,7 +76,7 @@ def speeds(policy: Policy, model: Model | None, count: int = 16) -> np.ndarray:
     arms = SwimVectorEnv(count, model)
     seen, _ = arms.reset(seed=99)
     kept = []
-    for k in range(round(SECONDS / INTERVAL) - 1):
+    for k in range(round(EPISODE_SECONDS / INTERVAL) - 1):
         seen, reward, *_ = arms.step(policy(seen, k))
         kept.append(reward)
     return np.mean(kept[SETTLED:], axis=0)

@@ -22,7 +22,7 @@ import mujoco as _mujoco
 import numpy as np
 
 mujoco: Any = _mujoco
-PREFIX = "tentacle_"
+NAME_PREFIX = "tentacle_"
 
 
 class Forces:
@@ -32,7 +32,9 @@ class Forces:
         """Read the numbers and put the arm's own mass, inertia and buoyancy in the place of those that stood in."""
         self.model = model
         names = [model.numeric(i).name for i in range(model.nnumeric)]
-        read = {name[len(PREFIX) :]: model.numeric(name).data.copy() for name in names if name.startswith(PREFIX)}
+        read = {
+            name[len(NAME_PREFIX) :]: model.numeric(name).data.copy() for name in names if name.startswith(NAME_PREFIX)
+        }
         if "length" not in read:
             raise ValueError("this model holds no numbers of an exported arm: is it arm.xml?")
         self.links = len(read["length"])

@@ -32,7 +32,7 @@ SUBSTITUTED = {
 CALLBACK_ONLY = ("linear_drag", "sloshing", "viscoelasticity", "dry_friction", "stiffness_drift",
                  "amplitude_damping", "unnamed")  # fmt: skip
 # Effect -> where it belongs instead.
-ELSEWHERE = {
+NOT_IN_THE_ARM = {
     "wall": "the water that it makes an arm carry changes with the distance",
     "servo_lag": "the command: delay theta before it goes to ctrl",
     "backlash": "the command: put the play before ctrl",
@@ -68,7 +68,7 @@ def carried_by(model: Model) -> Carried:
     """Sort the model's effects, the ones that every model has among them."""
     names = list(dict.fromkeys(("inertia", "weight", *model.parameters)))
     left = {
-        name: ELSEWHERE.get(name, "no law of it is known to the exporter") for name in names
+        name: NOT_IN_THE_ARM.get(name, "no law of it is known to the exporter") for name in names
         if name not in NATIVE and name not in SUBSTITUTED and name not in CALLBACK_ONLY
     }  # fmt: skip
     kept = replace(model, parameters={name: values for name, values in model.parameters.items() if name not in left})

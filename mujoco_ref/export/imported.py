@@ -17,15 +17,15 @@ from typing import Any
 import numpy as np
 
 from mujoco_ref.engine import mujoco
-from mujoco_ref.export.arm_forces import PREFIX
+from mujoco_ref.export.arm_forces import NAME_PREFIX
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.signals import Array
 from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Section, Specimen
 
 SECTION_FITS = 0.2  # relative misfit up to which a law counts as the section's own
-STRAIGHT = 1e-3  # of the arm's length: how far links may lie from a straight line
-FEWEST = 3  # hinges that make an arm
+STRAIGHTNESS = 1e-3  # of the arm's length: how far links may lie from a straight line
+FEWEST_HINGES = 3  # hinges that make an arm
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,10 @@ def _chain_of(source: Any) -> _HingeChain:
     bodies = max(depth.values(), key=len, default=[])
     joints = [int(source.body_jntadr[body]) for body in bodies]
     springs = [joint for joint in joints if source.jnt_stiffness[joint] > 0.0]
-    if len(springs) < FEWEST:
-        raise InputError(f"{len(springs)} hinges with a spring", field="joint", expected=f"a chain of {FEWEST} or more")
+    if len(springs) < FEWEST_HINGES:
+        raise InputError(
+            f"{len(springs)} hinges with a spring", field="joint", expected=f"a chain of {FEWEST_HINGES} or more"
+        )
     data = mujoco.MjData(source)
     mujoco.mj_forward(source, data)
     anchors, axes = data.xanchor[joints], data.xaxis[joints]
@@ -93,7 +95,7 @@ def _chain_of(source: Any) -> _HingeChain:
     tip = _reach(source, data, bodies[-1], anchors[-1], along)
     place = (anchors - anchors[0]) @ along
     length = float(place[-1] + tip)
-    if np.abs(anchors - anchors[0] - np.outer(place, along)).max() > STRAIGHT * length:
+    if np.abs(anchors - anchors[0] - np.outer(place, along)).max() > STRAIGHTNESS * length:
         raise InputError("is bent at its reference pose", field="body", expected="a straight chain")
     first = 1 if source.jnt_stiffness[joints[0]] == 0.0 else 0
     return _HingeChain(joints[first:], bodies, place[first:], length, along, axes[0])
@@ -182,7 +184,7 @@ def _section(source: Any, chain: _HingeChain) -> tuple[Section, Array]:
             across = np.cross(chain.axis, chain.along)
             radii.append(float(np.abs(turn.T @ across) @ half))
             boxes.append(2.0 * float(np.abs(turn.T @ chain.axis) @ half))
-    if len(radii) < FEWEST:
+    if len(radii) < FEWEST_HINGES:
         raise InputError("its links have no geoms", field="geom", expected="a geom on every link: it gives the radius")
     s, radius = np.array(places), np.array(radii)
     kinds = {int(source.geom_type[g]) for b in chain.bodies for g in _geoms(source, b)[:1]}
@@ -220,7 +222,7 @@ def _law(
 def _exported(source: Any) -> dict[str, Array]:
     """The numbers of an arm that this project exported; empty for others."""
     names = [source.numeric(i).name for i in range(source.nnumeric)]
-    return {name[len(PREFIX) :]: source.numeric(name).data for name in names if name.startswith(PREFIX)}
+    return {name[len(NAME_PREFIX) :]: source.numeric(name).data for name in names if name.startswith(NAME_PREFIX)}
 
 
 def _gravity(source: Any, chain: _HingeChain) -> Gravity:

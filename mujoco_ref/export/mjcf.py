@@ -20,7 +20,7 @@ import numpy as np
 
 from mujoco_ref.chain import SMALLEST_INERTIA, SMALLEST_MASS, Chain
 from mujoco_ref.engine import mujoco
-from mujoco_ref.export.arm_forces import PREFIX
+from mujoco_ref.export.arm_forces import NAME_PREFIX
 from mujoco_ref.export.carried import Carried, carried_by
 from mujoco_ref.simulate import make_stepper
 from mujoco_ref.step import Stepper
@@ -38,7 +38,9 @@ from mujoco_ref.water import (
 from tentacle.model import Model
 from tentacle.signals import Array
 
-STEP = 5e-4  # s; the tip moves by less than 1e-3 of its swing where it is halved (tests/mujoco_ref/test_export.py)
+EXPORT_STEP = (
+    5e-4  # s; the tip moves by less than 1e-3 of its swing where it is halved (tests/mujoco_ref/test_export.py)
+)
 THINNESS = 0.02  # of a plate's half thickness over its half width
 # A flywheel at the clamp and a spring and damper to the command: the arm's torque turns it by less than a microradian.
 FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
@@ -76,7 +78,7 @@ def _spec(stepper: Stepper) -> Any:
     spec = mujoco.MjSpec()
     spec.modelname, spec.compiler.degree = "tentacle", False
     spec.option.gravity = source.opt.gravity
-    spec.option.integrator, spec.option.timestep = mujoco.mjtIntegrator.mjINT_IMPLICITFAST, STEP
+    spec.option.integrator, spec.option.timestep = mujoco.mjtIntegrator.mjINT_IMPLICITFAST, EXPORT_STEP
     spec.option.density = float(water["density"])
     spec.option.wind = [float(water["U_x"]), float(water["U_y"]), 0.0]
     spec.visual.scale.framelength = 0.1
@@ -232,7 +234,7 @@ def _add_numbers(spec: Any, stepper: Stepper) -> None:
         **{f"hinge_{name}": np.array(hinges[name]) for name in HINGE_FIELDS},
     }  # fmt: skip
     for name, data in numbers.items():
-        spec.add_numeric(name=f"{PREFIX}{name}", data=np.asarray(data, dtype=float), size=len(data))
+        spec.add_numeric(name=f"{NAME_PREFIX}{name}", data=np.asarray(data, dtype=float), size=len(data))
 
 
 def _headed(xml: str, carried: Carried) -> str:

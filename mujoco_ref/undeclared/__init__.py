@@ -3,7 +3,7 @@
 The loop that looks for them (discovery) may not import this: the import rules see to it.
 """
 
-from mujoco_ref.undeclared.make import Noise, Scenario, make
-from mujoco_ref.undeclared.trials import Plan, Trial, trial_name
+from mujoco_ref.undeclared.make import Noise, Scenario, make_recording
+from mujoco_ref.undeclared.trials import SimulatedTrial, TrialPlan, trial_name
 
-__all__ = ["Noise", "Plan", "Scenario", "Trial", "make", "trial_name"]
+__all__ = ["Noise", "TrialPlan", "Scenario", "SimulatedTrial", "make_recording", "trial_name"]

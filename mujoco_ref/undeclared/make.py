@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mujoco_ref.influence import refuse_unknown, value
 from mujoco_ref.simulate import DEFAULT_LINKS, LONGEST_STEP, Initial, Setup, Simulation, simulate
-from mujoco_ref.undeclared.strength import SCALED, SIZES, is_catalogued, scaled, typical
+from mujoco_ref.undeclared.strength import SCALED_TOGETHER, STRENGTH_SIZES, is_catalogued, scaled, typical
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
@@ -115,7 +115,7 @@ def _sized(scene: Scenario, effect: str, wanted_mm: float, random: np.random.Gen
         miss = abs(np.log(max(shown, 1e-9) / wanted_mm))
         if miss < best_miss:
             best, best_miss = parameters, miss
-        if miss < 0.1 or not SCALED[effect]:
+        if miss < 0.1 or not SCALED_TOGETHER[effect]:
             break
         if shown > wanted_mm:
             high = factor
@@ -137,9 +137,11 @@ def resolve(
         if isinstance(strength, Mapping):
             hidden[effect] = {name: float(number) for name, number in strength.items()}
         elif isinstance(strength, str):
-            if strength not in SIZES:
-                raise InputError(f"{strength!r} is not a size", field=effect, expected=f"one of {', '.join(SIZES)}")
-            wanted = 1e3 * noise.midline * random.uniform(*SIZES[strength])
+            if strength not in STRENGTH_SIZES:
+                raise InputError(
+                    f"{strength!r} is not a size", field=effect, expected=f"one of {', '.join(STRENGTH_SIZES)}"
+                )
+            wanted = 1e3 * noise.midline * random.uniform(*STRENGTH_SIZES[strength])
             hidden[effect] = _sized(scene, effect, wanted, random)
         else:
             hidden[effect] = scaled(effect, typical(effect, scene.model, random), float(strength))
@@ -161,7 +163,7 @@ def reduction_mm(simulation: Simulation, length: float, orders: tuple[int, ...] 
     return lost
 
 
-def make(
+def make_recording(
     effects: Mapping[str, Strength],
     scene: Scenario,
     seed: int,

@@ -12,12 +12,12 @@ from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.specimen import Cone
 
-Size = Literal["visible", "faint"]
+StrengthSize = Literal["visible", "faint"]
 # Midline change by the effect, rms over points and frames, in standard deviations of the midline's noise.
-SIZES: dict[str, tuple[float, float]] = {"visible": (6.0, 15.0), "faint": (0.7, 2.0)}
+STRENGTH_SIZES: dict[str, tuple[float, float]] = {"visible": (6.0, 15.0), "faint": (0.7, 2.0)}
 
 Generator = np.random.Generator
-Draw = Callable[[Model, Generator], dict[str, float]]
+StrengthDraw = Callable[[Model, Generator], dict[str, float]]
 
 
 def _sign(random: Generator) -> float:
@@ -31,7 +31,7 @@ def _widest(model: Model) -> float:
 
 
 # Per effect: the parameters of which all strengths scale together, and a draw of typical values.
-SCALED: dict[str, tuple[str, ...]] = {
+SCALED_TOGETHER: dict[str, tuple[str, ...]] = {
     "added_mass": ("C_a",),
     "skin_drag": ("C_t",),
     "linear_drag": ("c_n",),
@@ -63,7 +63,7 @@ SCALED: dict[str, tuple[str, ...]] = {
 # The larger these are, the less the effect shows: a clamp that holds more, a stand that is heavier.
 INVERSE = ("clamp_slip", "mount_resonance")
 # Strengths beyond these are no longer the effect: a soft spot that breaks, a drift that turns the stiffness negative.
-LARGEST: dict[str, float] = {
+LARGEST_STRENGTH: dict[str, float] = {
     "soft_spot": 0.9,
     "camera_scale": 0.3,
     "camera_roll": 0.5,
@@ -142,10 +142,10 @@ def typical(effect: str, model: Model, random: Generator) -> dict[str, float]:
 
 def scaled(effect: str, parameters: dict[str, float], factor: float) -> dict[str, float]:
     """The parameters with all strengths multiplied, the largest kept within what is still that effect."""
-    names = SCALED[effect]
+    names = SCALED_TOGETHER[effect]
     largest = max((abs(parameters[name]) for name in names if name in parameters), default=0.0)
-    if largest > 0.0 and effect in LARGEST:
-        factor = min(factor, LARGEST[effect] / largest)
+    if largest > 0.0 and effect in LARGEST_STRENGTH:
+        factor = min(factor, LARGEST_STRENGTH[effect] / largest)
     if effect in INVERSE:
         factor = 1.0 / factor
     return {name: value * factor if name in names else value for name, value in parameters.items()}

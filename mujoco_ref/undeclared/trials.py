@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared.make import USUAL_NOISE, Noise, Scenario, Strength, make
-from mujoco_ref.undeclared.strength import SCALED
+from mujoco_ref.undeclared.make import USUAL_NOISE, Noise, Scenario, Strength, make_recording
+from mujoco_ref.undeclared.strength import SCALED_TOGETHER
 from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.waveform import Waveform
 
 
 @dataclass(frozen=True)
-class Trial:
+class SimulatedTrial:
     """One blind recording, without a hint of its effects in name or declaration, and its sealed truth."""
 
     recording: Recording
@@ -26,7 +26,9 @@ class Trial:
 def draw_effects(random: np.random.Generator, uncatalogued: float, nothing: float, most: int) -> dict[str, Strength]:
     """Effects for one trial: none with probability `nothing`, one that no catalogue has with `uncatalogued`, else 1 to
     `most`."""
-    catalogued = [name for name in KNOWN if name in SCALED and SCALED[name] and name not in UNCATALOGUED]
+    catalogued = [
+        name for name in KNOWN if name in SCALED_TOGETHER and SCALED_TOGETHER[name] and name not in UNCATALOGUED
+    ]
     kind = random.uniform()
     if kind < nothing:
         return {}
@@ -38,7 +40,7 @@ def draw_effects(random: np.random.Generator, uncatalogued: float, nothing: floa
 
 
 @dataclass(frozen=True)
-class Plan:
+class TrialPlan:
     """What all trials share, and the shares of those with nothing hidden and with what no catalogue has.
 
     most: effects in one trial at most. Trial k depends on the plan, the seed and k alone, so any can be made again.
@@ -54,11 +56,11 @@ class Plan:
     nothing: float = 0.15
     most: int = 1
 
-    def trial(self, k: int, *, clean_midline: bool = False) -> Trial:
+    def trial(self, k: int, *, clean_midline: bool = False) -> SimulatedTrial:
         """The k-th trial."""
         random = np.random.default_rng([self.seed, k])
         effects = draw_effects(random, self.uncatalogued, self.nothing, self.most)
-        recording, truth = make(
+        recording, truth = make_recording(
             effects,
             Scenario(self.model, self.waveform, self.duration, self.fps),
             int(random.integers(2**31)),
@@ -66,7 +68,7 @@ class Plan:
             name=trial_name(k),
             clean_midline=clean_midline,
         )
-        return Trial(recording, {"trial": k, **truth})
+        return SimulatedTrial(recording, {"trial": k, **truth})
 
 
 def trial_name(k: int) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from tentacle.errors import InputError
 
-LARGEST = 1e9
+LARGEST_NUMBER = 1e9
 LARGEST_SEED = 2**63 - 1
 # Option -> least and most. The most is what a patient user may still want, not what is sensible.
 BOUNDS: dict[str, tuple[float, float]] = {
@@ -40,7 +40,7 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "marker": (1e-5, 10),
     "rate": (1e-3, 1000),
 }
-PLACES = {"count": "N"}  # arguments without dashes, as --help calls them
+POSITIONAL_NAMES = {"count": "N"}  # arguments without dashes, as --help calls them
 MOST_SAMPLES = 20_000_000  # frames, or evaluations of the base motion
 
 
@@ -57,8 +57,8 @@ def require_sane(arguments: argparse.Namespace) -> None:
 
 
 def _require(name: str, number: Any) -> None:
-    least, most = BOUNDS.get(name, (-LARGEST, LARGEST))
-    field = PLACES.get(name, f"--{name.replace('_', '-')}")
+    least, most = BOUNDS.get(name, (-LARGEST_NUMBER, LARGEST_NUMBER))
+    field = POSITIONAL_NAMES.get(name, f"--{name.replace('_', '-')}")
     if isinstance(number, float) and not math.isfinite(number):
         raise InputError(f"{number} is not usable", field=field, expected="a finite number")
     if not least <= number <= most:

@@ -36,19 +36,19 @@ BAD_INPUT, DEFECT = 2, 70
 
 
 @dataclass
-class Outcome:
+class CommandEnd:
     """The exit code of a command."""
 
     code: int = 0
 
 
 @contextmanager
-def told(asked: StopAsked) -> Iterator[Outcome]:
+def told(asked: StopAsked) -> Iterator[CommandEnd]:
     """The outcome of what is done inside; whatever goes wrong there is told in one line.
 
     asked: whether a signal asked it to end. What breaks afterwards is that signal's doing, and no defect.
     """
-    outcome = Outcome()
+    outcome = CommandEnd()
     try:
         yield outcome
     except SystemExit:

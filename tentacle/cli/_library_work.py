@@ -11,12 +11,12 @@ if TYPE_CHECKING:
     from tentacle.runner import Runner
 
 POLLED = 2.0  # s between two looks at a folder that is followed
-SETTLED = 5.0  # s since a file's last change: until then a rig is still writing it
+UNCHANGED_FOR = 5.0  # s since a file's last change: until then a rig is still writing it
 
 
 def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline: list[Path], seed: int) -> list[str]:
     """Diagnose what has no layer yet (renew: or one of older code); a line for each that could not be."""
-    from tentacle.io.library.layers import code_version
+    from tentacle.io.library.layers import library_code_version
 
     wanted = ("new", "failed", "older code") if renew else ("new",)
     rows = [row for row in library.table().to_pylist() if row["state"] in wanted]
@@ -28,7 +28,7 @@ def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline:
             "layer": str(library.layer(row["sha256"])),
             "baseline": [str(path) for path in baseline],
             "seed": seed,
-            "code": code_version(),
+            "code": library_code_version(),
         }
         for row in once.values()
     ]
@@ -50,7 +50,7 @@ def follow(library: Library, runner: Runner, *, baseline: list[Path], seed: int)
     while True:
         try:
             time.sleep(POLLED)
-            if library.refresh(settled=SETTLED) == 0:
+            if library.refresh(settled=UNCHANGED_FOR) == 0:
                 continue
             for line in diagnose_missing(library, runner, renew=False, baseline=baseline, seed=seed):
                 print(f"tentacle: {line}", file=sys.stderr)

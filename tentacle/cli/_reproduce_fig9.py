@@ -18,13 +18,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """All cells of all arms; table, figure, rank correlation."""
-    from tentacle.cli.pages.fig9 import write_page
+    from tentacle.cli.pages.fig9 import write_fig9_page
     from tentacle.runner import Runner
     from validation.paper_fig9 import thrust_maps, write_thrust_maps
 
     runner = Runner(arguments.out / "cells", arguments.workers, arguments.cluster)
     maps = thrust_maps(runner, coarse=arguments.coarse)
     write_thrust_maps(maps, arguments.out / "fig9.csv")
-    write_page(maps, arguments.out / "report.html")
+    write_fig9_page(maps, arguments.out / "report.html")
     print("\n".join([*maps.lines, f"wrote {arguments.out}/report.html, fig9.csv"]))
     return 0

@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """All arms; the table beside the paper's."""
-    from tentacle.cli.pages.table1 import write_page
+    from tentacle.cli.pages.table1 import write_table1_page
     from tentacle.errors import InputError
     from tentacle.io.csv_table import write_csv
     from tentacle.runner import Runner
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     runner = Runner(arguments.out / "cells", arguments.workers, arguments.cluster)
     found = table1(runner, arguments.seconds, arguments.look, arguments.seed)
     write_csv(arguments.out / "table1.csv", dict(found.columns))
-    write_page(found, arguments.seed, arguments.out / "report.html")
+    write_table1_page(found, arguments.seed, arguments.out / "report.html")
     _print(arguments.seconds, found.rows)
     print("\n".join([*found.words, f"wrote {arguments.out}/report.html, table1.csv"]))
     return 0
@@ -50,10 +50,10 @@ def _print(seconds: float, rows: Sequence[tuple[str, ...]]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from validation.paper_table1 import HEADER
+    from validation.paper_table1 import TABLE1_HEADER
 
     table = Table(title=f"Table I, judged on {seconds:g} s of sine")
-    for i, title in enumerate(HEADER):
+    for i, title in enumerate(TABLE1_HEADER):
         table.add_column(title, justify="left" if i == 0 else "right")
     for row in rows:
         table.add_row(*row)

@@ -15,7 +15,7 @@ LATE = 0.25  # s; the board's watchdog bites then
 
 def ports(_arguments: argparse.Namespace) -> int:
     """The serial ports, the Due's marked."""
-    from rig.link import ports as found_ports
+    from rig.link import serial_ports as found_ports
 
     found = found_ports()
     for port in found:
@@ -30,7 +30,7 @@ def check(arguments: argparse.Namespace) -> int:
     import json
     from dataclasses import asdict
 
-    from rig.check import check as findings
+    from rig.check import check_rig as findings
     from rig.connection import connected, opened_camera
     from rig.setup_file import read_setup
 

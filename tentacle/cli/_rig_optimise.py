@@ -15,11 +15,11 @@ def optimise(arguments: argparse.Namespace) -> int:
     from rig.interrupts import Interrupts
     from rig.model_gaits import best_gaits
     from rig.optimise import StudyPlan, best
-    from rig.optimise import optimise as trials_of
+    from rig.optimise import optimise_on_rig as trials_of
     from rig.record import trial_runner
     from rig.reidentify import proposer
     from rig.setup_file import read_setup
-    from tentacle.cli._rig_terminal import progress_bar, say
+    from tentacle.cli._rig_terminal import rig_progress_bar, say
     from tentacle.io.model_file import read_model
     from tentacle.io.waveform_file import write_waveform
     from tentacle.units import in_mn
@@ -38,7 +38,7 @@ def optimise(arguments: argparse.Namespace) -> int:
     with (
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
-        progress_bar() as progress,
+        rig_progress_bar() as progress,
         Interrupts(say) as interrupts,
     ):
         runner = trial_runner(setup, board, camera, interrupts, progress)

@@ -12,24 +12,24 @@ def record(arguments: argparse.Namespace) -> int:
     from rig import record as rig_record
     from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
-    from rig.motion import described, motion_of
+    from rig.motion import described, rig_motion
     from rig.setup_file import read_setup
-    from tentacle.cli._rig_terminal import progress_bar, say, viewer
+    from tentacle.cli._rig_terminal import rig_progress_bar, say, viewer
     from tentacle.io.waveform_file import read_waveform
 
     setup = read_setup(arguments.rig)
     waveform = read_waveform(arguments.waveform)
-    motion = motion_of(waveform, arguments.seconds, setup.limits, described(waveform))
+    motion = rig_motion(waveform, arguments.seconds, setup.limits, described(waveform))
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
     with (
         viewer(arguments.view, camera=setup.camera is not None) as live,
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
-        progress_bar() as progress,
+        rig_progress_bar() as progress,
         Interrupts(say) as interrupts,
     ):
-        result = rig_record.record(
+        result = rig_record.record_run(
             setup,
             board,
             camera,
@@ -51,14 +51,14 @@ def campaign(arguments: argparse.Namespace) -> int:
     from rig.interrupts import Interrupts
     from rig.record import Attendance
     from rig.setup_file import read_setup
-    from tentacle.cli._rig_terminal import progress_bar, say
+    from tentacle.cli._rig_terminal import rig_progress_bar, say
 
     setup = read_setup(arguments.rig)
     runs = read_campaign(arguments.campaign, setup)
     with (
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
-        progress_bar() as progress,
+        rig_progress_bar() as progress,
         Interrupts(say) as interrupts,
     ):
         for result in run_campaign(

@@ -81,7 +81,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def motion_of(arguments: argparse.Namespace) -> Waveform:
+def base_motion_of(arguments: argparse.Namespace) -> Waveform:
     """The base motion; without a flag the chirp on which effects differ most, 0.3 to 2.2 Hz."""
     from tentacle.io.waveform_file import read_waveform
     from tentacle.waveform import Chirp, Sine

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from affine_model.swim import Front, Swimming, Trial
+    from affine_model.swim import Front, GaitTrial, Swimming
     from tentacle.model import Model
 
 
@@ -27,9 +27,9 @@ def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
     }
 
 
-def write_answer(
+def write_swim_answer(
     arguments: argparse.Namespace,
-    trial: Trial,
+    trial: GaitTrial,
     found: Swimming,
     tables: dict[str, Any],
     front: Front | None,
@@ -42,7 +42,7 @@ def write_answer(
 
     import tomli_w
 
-    from tentacle.cli.pages.swimming import write_film, write_page
+    from tentacle.cli.pages.swimming import write_swim_film, write_swim_page
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.waveform_file import write_waveform
     from viz.report import Origin
@@ -52,11 +52,11 @@ def write_answer(
     write_waveform(found.gait, folder / "gait.toml")
     (folder / "result.toml").write_text(tomli_w.dumps(tables), encoding="utf-8", newline="\n")
     (folder / "result.json").write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
-    write_film(trial, found, folder / "session.rrd")
+    write_swim_film(trial, found, folder / "session.rrd")
     files = [path for path in (arguments.arm, arguments.limits) if path is not None]
     command = shlex.join(["tentacle", *sys.argv[1:]])
     origin = Origin(command, arguments.seed, versions(), input_hashes(files))
-    write_page(trial, found, tables, front, origin, folder / "report.html")
+    write_swim_page(trial, found, tables, front, origin, folder / "report.html")
 
 
 def front_table(front: Front) -> dict[str, list[Any]]:
@@ -68,7 +68,7 @@ def front_table(front: Front) -> dict[str, list[Any]]:
     }
 
 
-def summary(tables: dict[str, Any]) -> list[str]:
+def answer_summary(tables: dict[str, Any]) -> list[str]:
     """The result in a few lines."""
     search, promise, sine = tables["search"], tables["promise"], tables["sine"]["promise"]
     lines = [

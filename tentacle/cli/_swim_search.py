@@ -6,11 +6,11 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from affine_model.swim import Generation, Swimming, Trial
+    from affine_model.swim import GaitTrial, Generation, Swimming
     from tentacle.model import Model
 
 
-def searched(arguments: argparse.Namespace, trial: Trial, model: Model) -> Swimming:
+def searched(arguments: argparse.Namespace, trial: GaitTrial, model: Model) -> Swimming:
     """The best of the searches that were asked for."""
     from tentacle.cli._swim_work import best_of_restarts
 
@@ -22,7 +22,7 @@ def searched(arguments: argparse.Namespace, trial: Trial, model: Model) -> Swimm
     return best_of_restarts(model, trial.limits, settings, seeds, arguments.out / "searches", arguments.cluster)
 
 
-def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Model) -> Swimming:
+def search_with_progress(arguments: argparse.Namespace, trial: GaitTrial, model: Model) -> Swimming:
     """The search with a bar on standard error, noted generation by generation in OUT/search.jsonl."""
     from dataclasses import asdict
 
@@ -30,7 +30,7 @@ def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Mod
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from affine_model.swim import OBJECTIVES as OBJECTIVE_TABLE
-    from affine_model.swim import SearchPlan, optimise
+    from affine_model.swim import SearchPlan, optimise_gait
     from tentacle.cli._swim_work import VERSION
     from tentacle.io.model_file import model_tables
     from tentacle.io.search_notes import SearchNotes
@@ -46,7 +46,7 @@ def search_with_progress(arguments: argparse.Namespace, trial: Trial, model: Mod
             notes.note(generation)
             progress.update(task, completed=generation.evaluations)
 
-        return optimise(
+        return optimise_gait(
             trial,
             OBJECTIVE_TABLE[arguments.objective],
             SearchPlan(arguments.method, arguments.evaluations, arguments.seed, notes.scores()),

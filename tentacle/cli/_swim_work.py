@@ -28,7 +28,7 @@ def search_tasks(
 
 def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     """One whole search; plain data of its Swimming. The samples of a robust search are the same for every seed."""
-    from affine_model.swim import OBJECTIVES, GaitLimits, SearchPlan, optimise, robust_trial, trial_of
+    from affine_model.swim import OBJECTIVES, GaitLimits, SearchPlan, optimise_gait, robust_trial, trial_of
     from tentacle.io.model_file import parse_model
     from tentacle.io.toml_table import Table
     from tentacle.servo_limits import ServoLimits
@@ -40,7 +40,7 @@ def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     if task["robust"]:
         trial = robust_trial(trial, model, task["robust"], seed=0)
     objective = OBJECTIVES[task["objective"]]
-    found = optimise(trial, objective, SearchPlan(task["method"], task["evaluations"], task["seed"]))
+    found = optimise_gait(trial, objective, SearchPlan(task["method"], task["evaluations"], task["seed"]))
     return {
         "origin": found.origin,
         "gait": list(found.gait.alpha),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from vision.declared import Numbers
+    from vision.declared import DeclaredNumbers
 
 
 def several(sources: list[Path], arguments: argparse.Namespace) -> int:
@@ -16,7 +16,7 @@ def several(sources: list[Path], arguments: argparse.Namespace) -> int:
     from rich.table import Table
 
     from tentacle.errors import InputError
-    from vision.batch import COLUMNS, Batch, track_all
+    from vision.batch import SUMMARY_COLUMNS, TrackingBatch, track_all
 
     for name in ("overlay", "midline", "paper", "live", "pick", "reject", "accept"):
         if getattr(arguments, name):
@@ -24,12 +24,14 @@ def several(sources: list[Path], arguments: argparse.Namespace) -> int:
     if arguments.out is None or arguments.out.suffix:
         raise InputError("of several videos the results go to a folder", field="--out", expected="a folder")
     rows = track_all(
-        sources, Batch(numbers_of(arguments), arguments.order, arguments.lens, arguments.out), arguments.workers
+        sources,
+        TrackingBatch(stated_numbers(arguments), arguments.order, arguments.lens, arguments.out),
+        arguments.workers,
     )
-    table = Table(*COLUMNS)
+    table = Table(*SUMMARY_COLUMNS)
     for row in rows:
         shown = {**row, "source": Path(row["source"]).name}
-        table.add_row(*(str(shown[name]) for name in COLUMNS))
+        table.add_row(*(str(shown[name]) for name in SUMMARY_COLUMNS))
     Console(soft_wrap=True).print(table)
     print(f"wrote {arguments.out / 'summary.csv'}")
     return int(any(row["problem"] for row in rows))
@@ -45,7 +47,7 @@ def picked_recording(video: Path, arguments: argparse.Namespace) -> Path:
 
     if is_recording(video):
         raise InputError("is a recording already", file=video, field="--pick", expected="a plain video")
-    numbers = numbers_of(arguments)
+    numbers = stated_numbers(arguments)
     while True:
         picked = pick(video, numbers)
         found, camera = picked.proposal, picked.declaration.camera
@@ -69,17 +71,17 @@ def picked_recording(video: Path, arguments: argparse.Namespace) -> Path:
         except ValueError:
             raise InputError("not taken", field="--pick", expected="yes, or two numbers") from None
         arguments.base_px = (u, v)
-        numbers = numbers_of(arguments)
+        numbers = stated_numbers(arguments)
     home = write_pick(video, picked)
     print(f"wrote {home / 'recording.toml'}")
     return home
 
 
-def numbers_of(arguments: argparse.Namespace) -> Numbers:
+def stated_numbers(arguments: argparse.Namespace) -> DeclaredNumbers:
     """What the options state of a plain video."""
-    from vision.declared import Numbers
+    from vision.declared import DeclaredNumbers
 
-    return Numbers(
+    return DeclaredNumbers(
         arguments.length,
         arguments.base_radius,
         arguments.tip_radius,

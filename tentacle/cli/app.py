@@ -47,8 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def proposed(film: Path) -> Proposed:
     """Base, tip and the arm's edge beside its base, as vision proposes them."""
-    from vision.propose import propose
+    from vision.propose import propose_arm
     from viz.app.desk import Proposed
 
-    found = propose(film)
+    found = propose_arm(film)
     return Proposed(found.base_px, found.tip_px, found.width_px[0], found.words)

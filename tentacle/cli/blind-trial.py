@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from discovery.calibration import stored
     from tentacle.cli._blind_like import like_recording
-    from tentacle.cli.pages.blind_trials import page
+    from tentacle.cli.pages.blind_trials import blind_trials_page
     from tentacle.errors import InputError
     from tentacle.io.provenance import input_hashes, versions
     from tentacle.io.result_folder import written
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
     with written(arguments.out) as folder:
         (folder / "results.json").write_text(json.dumps(results(outcomes, refused, prior), indent=1) + "\n")
         (folder / "calibration.toml").write_text(calibration.toml())
-        write_report(page(outcomes, refused, origin, prior, sections), folder / "report.html")
+        write_report(blind_trials_page(outcomes, refused, origin, prior, sections), folder / "report.html")
     for name, value in figures(outcomes, prior).items():
         print(f"{name:30s} {'no trial tells' if value is None else format(value, '.3f')}")
     print(f"report: {arguments.out / 'report.html'}")

@@ -26,14 +26,14 @@ def run(arguments: argparse.Namespace) -> int:
     import math
 
     from tentacle.errors import InputError
-    from vision.calibrate import Board, calibrate
+    from vision.calibrate import CharucoBoard, calibrate_lens
     from vision.encode import write_picture
     from vision.frames import read_frames
     from vision.lens_file import format_lens
 
     if not 0 < arguments.marker < arguments.square or min(arguments.across, arguments.down) < 3:
         raise InputError("no such board", field="--marker, --square", expected="0 < marker < square, 3 squares or more")
-    board = Board(arguments.across, arguments.down, arguments.square, arguments.marker)
+    board = CharucoBoard(arguments.across, arguments.down, arguments.square, arguments.marker)
     if arguments.print_board is not None:
         write_picture(arguments.print_board, board.picture())
         print(f"wrote {arguments.print_board}: print it so that a square is {1e3 * board.square:g} mm")
@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(
             "there is nothing to measure", field="VIDEO --out", expected="pictures of the board, and --out"
         )
-    found = calibrate(read_frames(arguments.source, fps=1.0), board)
+    found = calibrate_lens(read_frames(arguments.source, fps=1.0), board)
     text = format_lens(found.lens, rms_px=found.rms_px, tilt_rad=found.tilt)
     arguments.out.write_text(text, encoding="utf-8")
     print(f"{found.views} views, corners within {found.rms_px:.3f} px rms, {found.lens.metres_per_px} m/px")

@@ -20,10 +20,10 @@ def run(arguments: argparse.Namespace) -> int:
     import sys
     from dataclasses import asdict
 
-    from rig.soundness import check
+    from rig.soundness import check_file
     from tentacle.errors import InputError, printable
 
-    findings = check(arguments.path)
+    findings = check_file(arguments.path)
     unsound = [finding for finding in findings if not finding.sound]
     if not findings:
         raise InputError("holds nothing that can be checked", file=arguments.path, expected="recordings or results")

@@ -43,11 +43,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Climb the ladder for every model, draw the map, write what was found."""
     from rich.console import Console
 
-    from tentacle.cli.pages.compare import write_page, write_session
+    from tentacle.cli.pages.compare import write_compare_page, write_compare_session
     from tentacle.cli.pages.compare_grid import write_grid
     from tentacle.io.model_file import read_model
     from tentacle.runner import Runner
-    from validation.ladder import climb
+    from validation.ladder import run_ladder
     from validation.ladder_table import write_ladder
     from validation.validity_map import validity_maps, variants, write_cells
 
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
     for file, model in models.items():
         out = arguments.out if len(models) == 1 else arguments.out / file.stem
         with console.status(f"{file.stem}: ladder"):
-            ladder = climb(model, arguments.amplitude, arguments.frequency)
+            ladder = run_ladder(model, arguments.amplitude, arguments.frequency)
         maps = []
         if not arguments.no_map:
             # All arms of a grid share one folder of results.
@@ -69,8 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
         if maps:
             write_cells(maps, out / "validity.csv")
         write_ladder(ladder, out / "ladder.csv")
-        write_page(file, model, ladder, maps, out / "report.html")
-        write_session(file.stem, model, ladder, maps, out / "session.rrd")
+        write_compare_page(file, model, ladder, maps, out / "report.html")
+        write_compare_session(file.stem, model, ladder, maps, out / "session.rrd")
         answers.append((file, ladder, maps))
         _print(file.stem, ladder, maps)
         print(f"wrote {out}/report.html, session.rrd, ladder.csv" + ("" if arguments.no_map else ", validity.csv"))

@@ -28,10 +28,10 @@ def _list(*, as_json: bool) -> int:
     import json
     from dataclasses import asdict
 
-    from tentacle.io.external_data import DATA_SETS, check, data_folder
+    from tentacle.io.external_data import DATA_SETS, check_data_set, data_folder
 
     folder = data_folder()
-    found = [(data_set, *check(data_set, folder)) for data_set in DATA_SETS]
+    found = [(data_set, *check_data_set(data_set, folder)) for data_set in DATA_SETS]
     if as_json:
         rows = [{**asdict(data_set), "state": state, "paths": paths} for data_set, state, paths in found]
         print(json.dumps({"folder": str(folder), "sets": rows}, indent=1))

@@ -62,7 +62,7 @@ def _tank(source: Path, stage: Stage) -> Recording:
     """The recording, tracked: simulated in MuJoCo, filmed and written as an import folder where that is not there."""
     import tempfile
 
-    from mujoco_ref.undeclared import Scenario, make
+    from mujoco_ref.undeclared import Scenario, make_recording
     from tentacle.io.write_folder import write_folder
     from tentacle.model import Estimate, Model
     from tentacle.specimen import WATER, Cone, Gravity, Specimen
@@ -80,7 +80,7 @@ def _tank(source: Path, stage: Stage) -> Recording:
     }
     model = Model(Specimen(Cone(0.0125, 0.004), 0.14, 1070.0), WATER, Gravity(), 2, parameters)
     hidden = {"current": {"U_x": 0.04, "U_y": 0.02}}
-    recording, _ = make(
+    recording, _ = make_recording(
         hidden, Scenario(model, Chirp(0.5, 0.3, 2.0, DURATION), DURATION, FPS), SEED, name="tank", clean_midline=True
     )
     with tempfile.TemporaryDirectory() as scratch:

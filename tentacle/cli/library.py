@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli.pages.library import print_rows, write_library_page
     from tentacle.errors import InputError
     from tentacle.io.library import open_library
-    from tentacle.io.library.listing import all_done, chosen, write_csv
+    from tentacle.io.library.listing import all_done, chosen, write_listing_csv
     from tentacle.io.provenance import input_hashes
 
     diagnosing = len(arguments.source) == 2 and arguments.source[0] == "diagnose"
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     failures = _diagnose(library, arguments) if diagnosing else []
     table = chosen(library.table(), arguments.where, arguments.sort, arguments.reverse)
     if arguments.csv is not None:
-        write_csv(table, arguments.csv)
+        write_listing_csv(table, arguments.csv)
         print(f"wrote {arguments.csv}: {table.num_rows} recordings")
     else:
         print_rows(table)

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     from affine_model.swim import robust_trial, trial_of
     from affine_model.swim.device import chosen_device
     from affine_model.swim.pareto import front_around
-    from tentacle.cli._swim_answer import check_on_reference, summary, write_answer
+    from tentacle.cli._swim_answer import answer_summary, check_on_reference, write_swim_answer
     from tentacle.cli._swim_search import searched
     from tentacle.cli._swim_tables import result_tables
     from tentacle.errors import InputError
@@ -69,8 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
             tables["left_out"] = {"reference": str(error)}
     front = front_around(at_estimates, found.gait, found.sine, found.seed) if arguments.front else None
     with written(arguments.out) as folder:
-        write_answer(arguments, at_estimates, found, tables, front, folder)
-    for line in summary(tables):
+        write_swim_answer(arguments, at_estimates, found, tables, front, folder)
+    for line in answer_summary(tables):
         print(line)
     print(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
     return 0

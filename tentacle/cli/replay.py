@@ -60,14 +60,14 @@ def _drive(arguments: argparse.Namespace) -> int:
     from rig.connection import connected
     from rig.fault import Fault
     from rig.interrupts import Interrupts
-    from rig.replay import drive
+    from rig.replay import drive_rig
     from rig.setup_file import read_setup
 
     setup = read_setup(arguments.drive)
     out = arguments.out / f"{arguments.recording.stem}-replayed.rrd"
     try:
         with connected(setup) as board, Interrupts(lambda words: print(words, file=sys.stderr)) as interrupts:
-            result, difference = drive(arguments.recording, setup, board, out, interrupts=interrupts)
+            result, difference = drive_rig(arguments.recording, setup, board, out, interrupts=interrupts)
     except Fault as fault:
         print(f"tentacle: {fault.kind}: {fault}", file=sys.stderr)
         return 3

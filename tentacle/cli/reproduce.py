@@ -8,19 +8,19 @@ from importlib import import_module
 from pathlib import Path
 
 HELP = "reproduce a table or figure of the paper; the MuJoCo reference replaces the tank"
-PREFIX = "_reproduce_"
+MODULE_PREFIX = "_reproduce_"
 
 
-def results() -> list[str]:
+def paper_results() -> list[str]:
     """What can be reproduced, found by listing this folder."""
-    return sorted(file.stem.removeprefix(PREFIX) for file in Path(__file__).parent.glob(f"{PREFIX}*.py"))
+    return sorted(file.stem.removeprefix(MODULE_PREFIX) for file in Path(__file__).parent.glob(f"{MODULE_PREFIX}*.py"))
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """A sub-command a result."""
     choices = parser.add_subparsers(title="results", metavar="RESULT", required=True)
-    for name in results():
-        module = import_module(f"tentacle.cli.{PREFIX}{name}")
+    for name in paper_results():
+        module = import_module(f"tentacle.cli.{MODULE_PREFIX}{name}")
         choice = choices.add_parser(name, help=module.HELP, description=module.HELP, allow_abbrev=False)
         module.configure(choice)
         choice.set_defaults(reproduce=module.run)

@@ -6,8 +6,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._simulate_arguments import base_motion_of
 from tentacle.cli._simulate_arguments import configure as configure
-from tentacle.cli._simulate_arguments import motion_of
 
 HELP = "make a recording with the high-order reference (MuJoCo): import folder or .rrd, midline or video"
 
@@ -22,18 +22,18 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import track
 
-    from mujoco_ref.undeclared import Noise, Plan, Scenario, make
+    from mujoco_ref.undeclared import Noise, Scenario, TrialPlan, make_recording
     from tentacle.errors import InputError
     from tentacle.io.model_file import read_model
     from tentacle.units import from_mm
-    from validation.trials.blind_folder import Film, write_simulated, write_trials
+    from validation.trials.blind_folder import FilmStyle, write_simulated, write_trials
     from validation.trials.hide_options import hidden_effects
 
-    model, waveform = read_model(arguments.model), motion_of(arguments)
-    noise, film = Noise(midline=from_mm(arguments.noise_mm)), Film(arguments.video, tuple(arguments.size))
+    model, waveform = read_model(arguments.model), base_motion_of(arguments)
+    noise, film = Noise(midline=from_mm(arguments.noise_mm)), FilmStyle(arguments.video, tuple(arguments.size))
     _check(arguments)
     if arguments.trials is not None:
-        plan = Plan(
+        plan = TrialPlan(
             model, waveform, arguments.seed, arguments.duration, arguments.fps, noise, most=arguments.most
         )  # fmt: skip
         trials = write_trials(plan, arguments.trials, film, arguments.out, arguments.sealed)
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     truth_file = arguments.truth
     if truth_file is not None and _inside(truth_file, arguments.out):
         raise InputError("lies in the recording itself", file=truth_file, field="--truth", expected="a file elsewhere")
-    recording, truth = make(
+    recording, truth = make_recording(
         hidden_effects(arguments.hide, arguments.seed, model),
         Scenario(model, waveform, arguments.duration, arguments.fps, links=arguments.links),
         arguments.seed,
@@ -82,7 +82,7 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.trials is not None and arguments.hide:
         raise InputError("trials draw their own effects", field="--hide", expected="either --trials or --hide")
     if arguments.servo_limits is not None:
-        ServoLimits(*arguments.servo_limits).check(motion_of(arguments), arguments.duration)
+        ServoLimits(*arguments.servo_limits).check(base_motion_of(arguments), arguments.duration)
 
 
 def _inside(file: Path, folder: Path) -> bool:

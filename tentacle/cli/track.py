@@ -42,8 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _one(source: Path, arguments: argparse.Namespace) -> int:
     from tentacle.cli._track_arguments import check_outputs
-    from tentacle.cli._track_sources import numbers_of
-    from tentacle.cli.pages.tracking import as_json, draw_overlay, in_words, summary, write_tracked
+    from tentacle.cli._track_sources import stated_numbers
+    from tentacle.cli.pages.tracking import draw_overlay, in_words, tracking_json, tracking_summary, write_tracked
     from tentacle.errors import InputError
     from vision.declared import recording_of
     from vision.lens_file import read_lens
@@ -55,7 +55,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
 
     check_outputs(arguments)
     lens = None if arguments.lens is None else read_lens(arguments.lens)
-    recording = recording_of(source, numbers_of(arguments), lens)
+    recording = recording_of(source, stated_numbers(arguments), lens)
     if recording.video is None:
         raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
     video, tracked = recording.video.path, None
@@ -73,8 +73,8 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
         write_midline(shape, angle, recording.declaration.specimen, arguments.midline)
     if arguments.overlay is not None:
         draw_overlay(arguments.overlay, video, recording, () if tracked is None else tracked.seen)
-    told = summary(shape, tracked, arguments.out)
-    print(as_json(told) if arguments.json else in_words(told, source, recording, shape))
+    told = tracking_summary(shape, tracked, arguments.out)
+    print(tracking_json(told) if arguments.json else in_words(told, source, recording, shape))
     return 0
 
 
@@ -87,7 +87,7 @@ def _tracked(
     from rich.console import Console
     from rich.progress import Progress
 
-    from tentacle.cli.pages.tracking import say
+    from tentacle.cli.pages.tracking import print_frame
     from vision.track import Following, track_fully
 
     assert recording.video is not None
@@ -98,7 +98,7 @@ def _tracked(
             recording.declaration,
             recording.motor,
             Following(arguments.order, lens, arguments.live, verdicts=verdicts, outlines=arguments.overlay is not None),
-            say
+            print_frame
             if arguments.live
             else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
             warn=lambda words: print(f"tentacle: {words}", file=sys.stderr, flush=True),

@@ -23,7 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tentacle.errors import InputError
     from vision.looks import LOOKS, look_named
-    from vision.validate import as_json, judge_disturbed, judge_look, table
+    from vision.validate import judge_disturbed, judge_look, look_table, results_json
 
     size, seeds = tuple(arguments.size), tuple(arguments.seeds)
     if arguments.frames < 8 or min(size) < 120:
@@ -34,9 +34,9 @@ def run(arguments: argparse.Namespace) -> int:
     results = []
     for look in looks:
         results.append(judge_look(look, seeds, arguments.frames, size))
-        lines = table(results).splitlines()
+        lines = look_table(results).splitlines()
         print("\n".join(lines[:3] if len(results) == 1 else lines[-1:]), flush=True)
-    lines = [table(results), ""]
+    lines = [look_table(results), ""]
     for disturb, words in (("hand", "a hand in the tank"), ("second_arm", "a second arm")):
         tracked, wrong = judge_disturbed(disturb, seeds[0], min(arguments.frames, 60), size)
         accepted = f"{tracked.shape.accepted.mean():.0%} of frames accepted, {wrong} of them wrongly"
@@ -44,6 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
         print(lines[-1], flush=True)
     arguments.out.mkdir(parents=True, exist_ok=True)
     (arguments.out / "validation.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    (arguments.out / "validation.json").write_text(json.dumps(as_json(results), indent=1) + "\n", encoding="utf-8")
+    (arguments.out / "validation.json").write_text(json.dumps(results_json(results), indent=1) + "\n", encoding="utf-8")
     print(f"wrote {arguments.out / 'validation.txt'} and validation.json")
     return 0

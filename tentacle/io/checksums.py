@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import rerun as rr
 
-    from tentacle.io.rrd_columns import Columns
+    from tentacle.io.rrd_columns import EntityColumns
 
-ENTITY = "/sums"
-FORMAT = 2  # stands beside the declaration; from it on there are checksums
+CHECKSUM_ENTITY = "/sums"
+CHECKSUM_FORMAT = 2  # stands beside the declaration; from it on there are checksums
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Sum:
     sha256: str
 
 
-def digest(columns: Mapping[str, NDArray[Any] | Sequence[str]]) -> str:
+def columns_digest(columns: Mapping[str, NDArray[Any] | Sequence[str]]) -> str:
     """SHA-256 over named columns: numbers as 64-bit floats (every NaN alike), texts as UTF-8."""
     total = hashlib.sha256()
     for name in sorted(columns):
@@ -60,11 +60,11 @@ def log_sums(stream: rr.RecordingStream, sums: Sequence[Sum], block: int | None 
         "sha256": [one.sha256 for one in sums],
     }
     if block is None:
-        stream.log(ENTITY, rr.AnyValues(**lists), static=True)
+        stream.log(CHECKSUM_ENTITY, rr.AnyValues(**lists), static=True)
         return
     # A block of its own and no `log`: that travels in a batch, and would lie behind what it is of.
     columns = [column.partition([len(sums)]) for column in rr.AnyValues.columns(**lists)]
-    stream.send_columns(ENTITY, [rr.TimeColumn("row", sequence=[block])], columns)
+    stream.send_columns(CHECKSUM_ENTITY, [rr.TimeColumn("row", sequence=[block])], columns)
 
 
 def log_text(stream: rr.RecordingStream, entity: str, text: str, media_type: str) -> None:
@@ -72,10 +72,10 @@ def log_text(stream: rr.RecordingStream, entity: str, text: str, media_type: str
     import rerun as rr
 
     document = rr.TextDocument(text, media_type=media_type)
-    stream.log(entity, document, rr.AnyValues(format=FORMAT, sha256=text_digest(text)), static=True)
+    stream.log(entity, document, rr.AnyValues(format=CHECKSUM_FORMAT, sha256=text_digest(text)), static=True)
 
 
-def sound_text(columns: Columns) -> str | None:
+def sound_text(columns: EntityColumns) -> str | None:
     """A static text; None where it does not agree with its checksum. An older file has none."""
     text = str(columns.static("TextDocument:text")[0])
     if columns.has_static("sha256") != columns.has_static("format"):
@@ -88,7 +88,7 @@ def text_digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def read_sums(columns: Columns | None) -> list[Sum]:
+def read_sums(columns: EntityColumns | None) -> list[Sum]:
     """The checksums of a file, in the order in which they were written."""
     if columns is None:
         return []
@@ -108,7 +108,7 @@ def first_unsound(sums: Sequence[Sum], signal: str, columns: Mapping[str, NDArra
         if one.signal != signal or one.first + one.count > rows:
             continue
         part = {name: values[one.first : one.first + one.count] for name, values in columns.items()}
-        if digest(part) != one.sha256:
+        if columns_digest(part) != one.sha256:
             return one
     return None
 

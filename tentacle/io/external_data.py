@@ -107,7 +107,7 @@ DATA_SETS = (
     ),
 )
 
-State = Literal["present", "absent", "incomplete", "changed"]
+DataSetState = Literal["present", "absent", "incomplete", "changed"]
 
 
 def data_folder() -> Path:
@@ -116,7 +116,7 @@ def data_folder() -> Path:
     return Path(named) if named else CHECKOUT.parent / "shared" / "data"
 
 
-def check(data_set: DataSet, folder: Path) -> tuple[State, list[str]]:
+def check_data_set(data_set: DataSet, folder: Path) -> tuple[DataSetState, list[str]]:
     """Whether a set under a data folder is what the tests were written for, and the paths that are not."""
     root = folder / data_set.name
     if not root.is_dir():
@@ -124,13 +124,13 @@ def check(data_set: DataSet, folder: Path) -> tuple[State, list[str]]:
     missing = [path for path in data_set.files if not (root / path).exists()]
     if missing:
         return "incomplete", missing
-    changed = [path for path, expected in data_set.files.items() if digest(root / path) != expected]
+    changed = [path for path, expected in data_set.files.items() if file_digest(root / path) != expected]
     return ("changed", changed) if changed else ("present", [])
 
 
-def digest(path: Path) -> str:
+def file_digest(path: Path) -> str:
     """SHA-256 of a file; of a folder, that of the lines "SHA-256  name" of its files in the order of their names."""
     if path.is_dir():
-        lines = "".join(f"{digest(file)}  {file.name}\n" for file in sorted(path.iterdir()) if file.is_file())
+        lines = "".join(f"{file_digest(file)}  {file.name}\n" for file in sorted(path.iterdir()) if file.is_file())
         return hashlib.sha256(lines.encode()).hexdigest()
     return hashlib.sha256(path.read_bytes()).hexdigest()

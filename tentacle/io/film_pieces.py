@@ -13,10 +13,10 @@ import rerun as rr
 
 from tentacle.errors import InputError
 from tentacle.io.rrd_chunks import read_chunks
-from tentacle.io.rrd_columns import Columns, add
+from tentacle.io.rrd_columns import EntityColumns, add
 from tentacle.io.video_store import video_folder
 
-ENTITY = "/camera/film"
+FILM_ENTITY = "/camera/film"
 LARGE_VIDEO = 64 * 2**20  # bytes; up to here a video is one message, which the viewer plays
 PIECE = 4 * 2**20  # bytes
 
@@ -24,12 +24,12 @@ PIECE = 4 * 2**20  # bytes
 def log_film(stream: rr.RecordingStream, file: Path) -> None:
     """Writes a video file's bytes."""
     count = -(-file.stat().st_size // PIECE)
-    stream.log(ENTITY, rr.AnyValues(suffix=file.suffix, count=count), static=True)
+    stream.log(FILM_ENTITY, rr.AnyValues(suffix=file.suffix, count=count), static=True)
     with file.open("rb") as opened:
         number = 0
         while piece := opened.read(PIECE):
             stream.set_time("row", sequence=number)
-            stream.log(ENTITY, rr.AnyValues(piece=[piece], sha256=hashlib.sha256(piece).hexdigest()))
+            stream.log(FILM_ENTITY, rr.AnyValues(piece=[piece], sha256=hashlib.sha256(piece).hexdigest()))
             stream.flush()  # else the writer would hold them all
             number += 1
     stream.reset_time()
@@ -43,17 +43,17 @@ def stored_film(file: Path) -> Path | None:
     found = file.stat()
     key = hashlib.sha256(f"{file.resolve()} {found.st_size} {found.st_mtime_ns}".encode()).hexdigest()[:32]
     partial = video_folder() / f".{key}.partial"
-    head, count = Columns(), 0
+    head, count = EntityColumns(), 0
     total = hashlib.sha256()
     try:
         with partial.open("wb") as out:
             for chunk in read_chunks(file):
-                if chunk.entity != ENTITY:
+                if chunk.entity != FILM_ENTITY:
                     continue
                 if chunk.static:
                     add(head, chunk.batch, static=True)
                     continue
-                rows = Columns()
+                rows = EntityColumns()
                 add(rows, chunk.batch, static=False)
                 for number, piece, sha256 in zip(
                     rows.times("row").tolist(), rows.row_bytes("piece"), rows.texts("sha256"), strict=True

@@ -26,16 +26,16 @@ from tentacle.recording import Declaration, Recording
 from tentacle.signals import Array, Markers
 from tentacle.specimen import AIR, Cone, Gravity, Specimen
 
-FILES = ("arm_150mbar", "arm_300mbar")
+PRESSURE_FILES = ("arm_150mbar", "arm_300mbar")
 BASE, TIP = ("base1", "base2", "base3", "base4"), ("tip1", "tip2", "tip3")
-AT_REST = 50  # frames before the pressure comes, in both runs
+FRAMES_AT_REST = 50  # frames before the pressure comes, in both runs
 RADIUS = 0.02  # m
 DENSITY, DENSITY_SD = 700.0, 300.0  # kg/m^3
 
 
 def read_pressure_arms(folder: Path) -> Iterator[Recording]:
     """Every run of the set as a recording; InputError where a file is not such a CSV."""
-    for name in FILES:
+    for name in PRESSURE_FILES:
         yield read_pressure_arm(folder / f"{name}.csv")
 
 
@@ -44,9 +44,9 @@ def read_pressure_arm(file: Path) -> Recording:
     columns = [f"{marker}_{axis}_mm" for marker in (*BASE, *TIP) for axis in "xyz"]
     table = read_csv(file, ("t_s", *columns), extra_allowed=True)
     table.require_rising("t_s")
-    clamp = _metres(table, BASE)[:AT_REST].mean(axis=(0, 1))
+    clamp = _metres(table, BASE)[:FRAMES_AT_REST].mean(axis=(0, 1))
     points = _metres(table, TIP)
-    rest = points[:AT_REST].mean(axis=0)
+    rest = points[:FRAMES_AT_REST].mean(axis=0)
     plane = plane_of_motion((points - rest).mean(axis=1), np.array([1.0, 0.0, 0.0]))
     at_rest = plane.coordinates(rest)
     axis = 0.5 * (at_rest[:, 0].min() + at_rest[:, 0].max())

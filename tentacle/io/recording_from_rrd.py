@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.errors import InputError
-from tentacle.io.checksums import ENTITY as SUMS
-from tentacle.io.checksums import Sum, covered, digest, first_unsound, read_sums, sound_text
+from tentacle.io.checksums import CHECKSUM_ENTITY as SUMS
+from tentacle.io.checksums import Sum, columns_digest, covered, first_unsound, read_sums, sound_text
 from tentacle.io.declaration_file import RecordingFile, parse_recording_file
-from tentacle.io.film_pieces import ENTITY as FILM
+from tentacle.io.film_pieces import FILM_ENTITY as FILM
 from tentacle.io.film_pieces import stored_film
-from tentacle.io.rrd_columns import Columns, read_entities
+from tentacle.io.rrd_columns import EntityColumns, read_entities
 from tentacle.io.sound_recording import check_recording
 from tentacle.io.toml_table import parse_toml
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_frames
@@ -54,7 +54,7 @@ def read_rrd(file: Path) -> Recording:
     return check_recording(recording, file)
 
 
-def _assembled(entities: dict[str, Columns], file: Path) -> Recording:
+def _assembled(entities: dict[str, EntityColumns], file: Path) -> Recording:
     """The recording, every part of it compared with its checksum."""
     head, sums = entities["/declaration"], read_sums(entities.get(SUMS))
     compare = _Comparison(sums, file, has_sums=head.has_static("format"))
@@ -86,7 +86,7 @@ class _Comparison:
 
     def once(self, signal: str, columns: dict[str, Array]) -> None:
         """InputError where what is written once does not agree."""
-        if self.has_sums and self._static.get(signal) != digest(columns):
+        if self.has_sums and self._static.get(signal) != columns_digest(columns):
             raise self.error(signal)
 
     def content(self, signal: str, content: bytes, sha256: Sequence[str]) -> None:
@@ -112,7 +112,7 @@ class _Comparison:
         return InputError(problem, file=self._file, expected="the file as it was written")
 
 
-def _motor(entities: dict[str, Columns], compare: _Comparison) -> MotorSignal | None:
+def _motor(entities: dict[str, EntityColumns], compare: _Comparison) -> MotorSignal | None:
     command, angle = entities.get("/motor/command"), entities.get("/motor/angle")
     if "/motor" not in entities or command is None or angle is None:
         return None
@@ -125,7 +125,7 @@ def _motor(entities: dict[str, Columns], compare: _Comparison) -> MotorSignal | 
     return MotorSignal(found["t_s"], found["command"], found["angle"])
 
 
-def _load_cell(entities: dict[str, Columns], compare: _Comparison) -> LoadCellSignal | None:
+def _load_cell(entities: dict[str, EntityColumns], compare: _Comparison) -> LoadCellSignal | None:
     thrust = entities.get("/load_cell/thrust")
     if "/load_cell" not in entities or thrust is None:
         return None
@@ -134,7 +134,7 @@ def _load_cell(entities: dict[str, Columns], compare: _Comparison) -> LoadCellSi
     return LoadCellSignal(found["t_s"], found["thrust"])
 
 
-def _tables(columns: Columns, signal: str, names: tuple[str, ...], compare: _Comparison) -> dict[str, Array]:
+def _tables(columns: EntityColumns, signal: str, names: tuple[str, ...], compare: _Comparison) -> dict[str, Array]:
     """Columns of one entity, compared; the times as (rows,)."""
     tables = dict(zip(names, columns.aligned(*names), strict=True))
     for name in ("t_s", "accepted", "reason"):
@@ -143,7 +143,7 @@ def _tables(columns: Columns, signal: str, names: tuple[str, ...], compare: _Com
     return compare.rows(signal, tables)
 
 
-def _midline(columns: Columns | None, compare: _Comparison) -> Midline | None:
+def _midline(columns: EntityColumns | None, compare: _Comparison) -> Midline | None:
     if columns is None or not columns.has_rows("t_s", "x_m", "y_m", "sigma_m"):
         return None
     s = np.array(columns.static("s"), dtype=float)
@@ -152,7 +152,7 @@ def _midline(columns: Columns | None, compare: _Comparison) -> Midline | None:
     return Midline(found["t_s"], s, np.stack([found["x_m"], found["y_m"]], axis=-1), found["sigma_m"])
 
 
-def _markers(columns: Columns | None, declared: RecordingFile, compare: _Comparison) -> Markers | None:
+def _markers(columns: EntityColumns | None, declared: RecordingFile, compare: _Comparison) -> Markers | None:
     if columns is None or not columns.has_rows("t_s", "x_m", "y_m"):
         return None
     found = _tables(columns, "markers", ("t_s", "x_m", "y_m"), compare)
@@ -161,7 +161,7 @@ def _markers(columns: Columns | None, declared: RecordingFile, compare: _Compari
     return Markers(found["t_s"], tuple(declared.markers), positions[:, 0].copy(), positions[:, 1].copy(), xy)
 
 
-def _shape(columns: Columns | None, compare: _Comparison) -> ShapeTrack | None:
+def _shape(columns: EntityColumns | None, compare: _Comparison) -> ShapeTrack | None:
     names = ("t_s", "coefficients", "covariance", "accepted", "reason")
     if columns is None or not columns.has_rows(*names):
         return None
@@ -182,7 +182,7 @@ def _shape(columns: Columns | None, compare: _Comparison) -> ShapeTrack | None:
     )
 
 
-def _video(entities: dict[str, Columns], file: Path, compare: _Comparison) -> Video | None:
+def _video(entities: dict[str, EntityColumns], file: Path, compare: _Comparison) -> Video | None:
     video, frames = entities.get("/camera/video"), entities.get("/camera/frames")
     if video is not None and video.has_static("AssetVideo:blob", "suffix"):
         content, suffix = video.static_bytes("AssetVideo:blob"), str(video.static("suffix")[0])
@@ -202,7 +202,7 @@ def _video(entities: dict[str, Columns], file: Path, compare: _Comparison) -> Vi
     return None if film is None else Video(film)
 
 
-def _what_is_missing(entities: dict[str, Columns], recording: Recording, bytes_lost: int) -> str | None:
+def _what_is_missing(entities: dict[str, EntityColumns], recording: Recording, bytes_lost: int) -> str | None:
     """One line about a cut, or None where all rows that were announced are there."""
     words = []
     if "/rows" in entities:
@@ -229,7 +229,7 @@ def _what_is_missing(entities: dict[str, Columns], recording: Recording, bytes_l
     return head + ("; left: " + ", ".join(words) if words else "; all rows that were announced are there")
 
 
-def _stored_frames(entities: dict[str, Columns], recording: Recording) -> int:
+def _stored_frames(entities: dict[str, EntityColumns], recording: Recording) -> int:
     """Numbered frames that are there, or 1 for a video file."""
     if "/camera/frames" in entities:
         return entities["/camera/frames"].row_count

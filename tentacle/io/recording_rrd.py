@@ -31,7 +31,7 @@ import rerun as rr
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
-from tentacle.io.checksums import Sum, digest, log_sums, log_text
+from tentacle.io.checksums import Sum, columns_digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file
 from tentacle.io.film_pieces import LARGE_VIDEO, log_film
 from tentacle.io.recording_from_rrd import read_rrd
@@ -92,7 +92,7 @@ def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
         starts, stops = [start for start, _ in ends], [stop for _, stop in ends]
         rows = rr.AnyValues(signal=list(counts), count=list(counts.values()), start_s=starts, stop_s=stops)
         stream.log("rows", rows, static=True)
-    sums = [Sum(name, 0, 0, digest(columns)) for name, columns in once(recording).items()]
+    sums = [Sum(name, 0, 0, columns_digest(columns)) for name, columns in once(recording).items()]
     if sums:
         log_sums(stream, sums)
     _log_statics(recording, stream)
@@ -102,7 +102,7 @@ def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
         for name, rows in blocks:
             _send(stream, name, signals[name], rows)
             part = {column: values[rows] for column, values in signals[name].items()}
-            block_sums.append(Sum(name, rows.start, rows.stop - rows.start, digest(part)))
+            block_sums.append(Sum(name, rows.start, rows.stop - rows.start, columns_digest(part)))
         log_sums(stream, block_sums, number)
     if recording.video is not None:
         _log_video(recording, stream)

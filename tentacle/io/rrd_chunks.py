@@ -30,7 +30,9 @@ FOOTER_END = 12
 STREAM_HEADER = 12  # bytes: magic, version, encoding options
 MESSAGE_HEADER = struct.Struct("<QQ")  # kind, length of what follows
 HEAD = struct.Struct("<?IQ")  # of a chunk from the child: static, length of the path, length of the batch
-MEMORY = 4 * 2**30  # bytes that the child may take beside eight times the file: a wrong length asks for any number
+CHILD_MEMORY = (
+    4 * 2**30
+)  # bytes that the child may take beside eight times the file: a wrong length asks for any number
 
 _own: dict[str, tuple[int, int, int]] = {}
 
@@ -152,7 +154,7 @@ def _received(stream: IO[bytes]) -> Iterator[Chunk]:
 
 def _send(file: Path, out: IO[bytes]) -> None:
     """In the child: sends the file's chunks."""
-    most = MEMORY + 8 * file.stat().st_size
+    most = CHILD_MEMORY + 8 * file.stat().st_size
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for chunk in _read_here(file, file):

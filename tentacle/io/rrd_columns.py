@@ -17,7 +17,7 @@ ROW = "row"  # the timeline by which rows are put in order, where an entity has 
 
 
 @dataclass
-class Columns:
+class EntityColumns:
     """One entity: static values by component, and rows by component, in the order of the `row` timeline.
 
     Timelines are components of whole numbers named @TIMELINE. Without a `row` the rows are in the file's order.
@@ -84,16 +84,18 @@ class Columns:
         return [bytes_of(cell) for _, cell in sorted(cells, key=lambda cell: cell[0])]
 
 
-def read_entities(file: Path, wanted: Callable[[str], bool] = lambda _entity: True) -> tuple[dict[str, Columns], int]:
+def read_entities(
+    file: Path, wanted: Callable[[str], bool] = lambda _entity: True
+) -> tuple[dict[str, EntityColumns], int]:
     """Entity path -> its columns, of those wanted; and how many bytes at the end are no whole message (0: whole)."""
-    entities: dict[str, Columns] = {}
+    entities: dict[str, EntityColumns] = {}
     for chunk in read_chunks(file):
         if wanted(chunk.entity):
-            add(entities.setdefault(chunk.entity, Columns()), chunk.batch, static=chunk.static)
+            add(entities.setdefault(chunk.entity, EntityColumns()), chunk.batch, static=chunk.static)
     return entities, bytes_lost(file)
 
 
-def add(columns: Columns, batch: pa.RecordBatch, *, static: bool) -> None:
+def add(columns: EntityColumns, batch: pa.RecordBatch, *, static: bool) -> None:
     """Adds a chunk's rows to its entity's columns."""
     names = [name for name in batch.schema.names if pa.types.is_list(batch.schema.field(name).type)]
     timelines = [name for name in batch.schema.names if name not in names and not name.startswith("rerun.")]

@@ -15,7 +15,7 @@ import rerun_bindings
 from tentacle.io.rrd_chunks import FOOTER_END, FOOTER_MAGIC
 
 APPLICATION = "tentacle-twin"
-ROOM = 256 * 1024  # bytes that a disk must still take before a file is begun
+FREE_ROOM = 256 * 1024  # bytes that a disk must still take before a file is begun
 
 
 def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.RecordingStream:
@@ -32,7 +32,7 @@ def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.Reco
 def saved(stream: rr.RecordingStream, file: Path, blueprint: rr.blueprint.Blueprint | None = None) -> Iterator[None]:
     """What is logged inside goes into the file. OSError where the disk does not take it to its end."""
     with file.open("wb") as probe:  # Rerun stands still for good where its very first bytes cannot be written
-        probe.write(bytes(ROOM))
+        probe.write(bytes(FREE_ROOM))
         probe.flush()
         os.fsync(probe.fileno())
     try:

@@ -27,8 +27,8 @@ from tentacle.recording import Declaration, Recording
 from tentacle.signals import Array, Markers
 from tentacle.specimen import AIR, STANDARD_GRAVITY, Gravity, Rectangle, Specimen
 
-FILES = ("beam_gravity_V2_a", "beam_gravity_V2_b", "beam_load52_V2_a", "beam_load52_V2_b")
-MARKERS = ("Tip-1", "Tip-2", "Tip-3")
+BEAM_FILES = ("beam_gravity_V2_a", "beam_gravity_V2_b", "beam_load52_V2_a", "beam_load52_V2_b")
+BEAM_MARKERS = ("Tip-1", "Tip-2", "Tip-3")
 BEAM = Specimen(Rectangle(0.03, 0.03), length=0.1, density=1070.0)
 QUIET_SECONDS = 0.3  # from the start: supported in all four runs
 SMALLEST_FALL, LARGEST_FALL = 0.1e-3, 3.0e-3  # m: over the noise and the hand's tremor; still a free fall
@@ -37,24 +37,24 @@ FALL_SECONDS = 0.05
 
 def read_beams(folder: Path) -> Iterator[Recording]:
     """Every run of the set as a recording; InputError where a file is not such a CSV."""
-    for name in FILES:
+    for name in BEAM_FILES:
         yield read_beam(folder / f"{name}.csv")
 
 
 def read_beam(file: Path) -> Recording:
     """One run's CSV as a recording with markers; InputError where the file is not such a CSV."""
-    columns = [f"{marker}_{axis}_mm" for marker in MARKERS for axis in "xz"]
+    columns = [f"{marker}_{axis}_mm" for marker in BEAM_MARKERS for axis in "xz"]
     table = read_csv(file, ("t_s", *columns), extra_allowed=True)
     table.require_rising("t_s")
     t = table["t_s"]
-    height, along = (np.stack([_metres(table, marker, axis) for marker in MARKERS], axis=1) for axis in "xz")
+    height, along = (np.stack([_metres(table, marker, axis) for marker in BEAM_MARKERS], axis=1) for axis in "xz")
     quiet = t < QUIET_SECONDS
     straight_height, straight_along = height[quiet].mean(axis=0), along[quiet].mean(axis=0)
     clamp = straight_along.max() - BEAM.length
     axis_height = 0.5 * (straight_height.max() + straight_height.min())
     markers = Markers(
         t=t,
-        names=MARKERS,
+        names=BEAM_MARKERS,
         s=(straight_along - clamp) / BEAM.length,
         d=straight_height - axis_height,
         xy=np.stack([height - axis_height, along - clamp], axis=-1),

@@ -17,7 +17,7 @@ from tentacle.signals import Array, Markers, Midline, ShapeTrack
 LARGEST_ANGLE = 4 * math.pi  # rad; a servo turns less, so more is degrees by mistake
 LARGEST_DISTANCE = 3.0  # arm lengths; farther from the clamp is millimetres by mistake
 LARGEST_THRUST = 1000.0  # N; more is counts or grams by mistake
-LONGEST = 86400.0  # s; a longer span is a clock that jumped
+LONGEST_SPAN = 86400.0  # s; a longer span is a clock that jumped
 MOST_POINTS = 10_000  # of a midline, and markers
 
 
@@ -53,10 +53,10 @@ def _check_times(name: str, t: Array, file: Path) -> None:
         raise InputError(
             f"time {t[k + 1]:.9g} after {t[k]:.9g}", file=file, field=f"{name}.t_s", expected="times that rise"
         )
-    if t[-1] - t[0] > LONGEST:
+    if t[-1] - t[0] > LONGEST_SPAN:
         raise InputError(
             f"from {t[0]:.9g} to {t[-1]:.9g} s: a clock that jumped?", file=file, field=f"{name}.t_s",
-            expected=f"a recording of at most {LONGEST:g} s",
+            expected=f"a recording of at most {LONGEST_SPAN:g} s",
         )  # fmt: skip
 
 

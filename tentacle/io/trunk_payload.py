@@ -32,11 +32,11 @@ DECAYS = ("observations_manual_decay_200g", "observations_manual_decay_200g_2", 
 DRIVEN = ("observations_controlled_1_0g", "observations_controlled_1_100g")
 DISCS = ("disc1", "disc2", "disc3")
 RATE = 100.0  # Hz
-AT_REST = 145  # frames at a decay's end: two periods of 1.4 Hz, over which what still swings has no mean
+LAST_FRAMES = 145  # frames at a decay's end: two periods of 1.4 Hz, over which what still swings has no mean
 DENSITY, DENSITY_SD = 800.0, 400.0  # kg/m^3
 DECLARED_PAYLOAD = 0.2  # kg, in the decays
 DOWN = np.array([0.0, -1.0, 0.0])
-CLAMP = np.array([0.1006, 0.0, 0.1044])  # m
+CLAMP_PLACE = np.array([0.1006, 0.0, 0.1044])  # m
 LENGTH = 0.3215  # m
 DISC_S = np.array([0.3294, 0.6311, 1.0])
 
@@ -60,7 +60,7 @@ def read_decays(file: Path) -> list[Recording]:
 def read_driven(file: Path) -> Recording:
     """A run whose tendons move the arm, declared as a passive arm; InputError where the file is not such a CSV."""
     points = _points(read_csv(file, _columns(), extra_allowed=True))
-    straight = CLAMP + LENGTH * DISC_S[:, None] * DOWN
+    straight = CLAMP_PLACE + LENGTH * DISC_S[:, None] * DOWN
     return _recording(file.stem.removeprefix("observations_"), points, straight, 0.0)
 
 
@@ -76,7 +76,7 @@ def _points(table: CsvTable) -> Array:
 def _decay(name: str, points: Array) -> Recording:
     t = np.arange(points.shape[0]) / RATE
     release = find_release(t, points[:, -1])
-    recording = _recording(name, points, points[-AT_REST:].mean(axis=0), DECLARED_PAYLOAD)
+    recording = _recording(name, points, points[-LAST_FRAMES:].mean(axis=0), DECLARED_PAYLOAD)
     if release is None:
         return recording
     number = Uncertain("release.t_s", release.time, release.sd, 0.0)
@@ -94,8 +94,8 @@ def _recording(name: str, points: Array, rest: Array, payload: float) -> Recordi
         t=np.arange(points.shape[0]) / RATE,
         names=DISCS,
         s=DISC_S,
-        d=np.round(plane.coordinates(rest - CLAMP)[:, 0], 6),
-        xy=np.round(plane.coordinates(points - CLAMP), 7),
+        d=np.round(plane.coordinates(rest - CLAMP_PLACE)[:, 0], 6),
+        xy=np.round(plane.coordinates(points - CLAMP_PLACE), 7),
     )
     density = Uncertain("specimen.density_kg_m3", DENSITY, DENSITY_SD, 10.0)
     notes = {

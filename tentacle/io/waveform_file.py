@@ -25,7 +25,7 @@ from tentacle.gait import GAIT_PARAMETERS, Gait
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.waveform import Chirp, Multisine, Ramped, Rest, Sine, Waveform
 
-KINDS = ("rest", "sine", "chirp", "multisine", "gait", "samples")
+WAVEFORM_KINDS = ("rest", "sine", "chirp", "multisine", "gait", "samples")
 
 
 def read_waveform(file: Path) -> Waveform:
@@ -42,7 +42,7 @@ def write_waveform(waveform: Waveform, file: Path) -> None:
 
 def parse_waveform(table: Table) -> Waveform:
     """A [waveform] table, checked."""
-    kind = table.choice("kind", KINDS)
+    kind = table.choice("kind", WAVEFORM_KINDS)
     ramp = table.number("ramp_s", above=0) if "ramp_s" in table else None
     waveform = _PARSERS[kind](table)
     table.raw("ramp_s", "seconds", None)

@@ -35,7 +35,7 @@ class Dimension:
         return " ".join(name if power == 1 else f"{name}^{power}" for name, power in parts if power) or "1"
 
 
-NONE = Dimension()
+DIMENSIONLESS = Dimension()
 
 
 def dimension_of(unit: str) -> Dimension:
@@ -43,7 +43,7 @@ def dimension_of(unit: str) -> Dimension:
 
     A slash divides by the one factor after it. Prefixes (mm, kPa) are refused: a value's size must be its SI value.
     """
-    found = NONE
+    found = DIMENSIONLESS
     for sign, factor in re.findall(r"(/?)\s*([^\s/*]+)", unit):
         match = _FACTOR.match(factor)
         if match is None or match[1] not in _SYMBOLS:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from tentacle.law.dimension import NONE, Dimension
+from tentacle.law.dimension import DIMENSIONLESS, Dimension
 
 LONGEST, DEEPEST = 2000, 40  # characters, brackets in brackets
 # A function's name, and what it does with the dimension of its argument: keeps it, takes the root, or wants none.
@@ -167,7 +167,7 @@ def names_in(node: Node) -> set[str]:
 def dimension(node: Node, known: Mapping[str, Dimension]) -> Dimension:
     """The expression's dimension. LawError where it has none, or a name is not known."""
     if isinstance(node, Number):
-        return NONE
+        return DIMENSIONLESS
     if isinstance(node, Name):
         if node.name not in known:
             raise LawError(f"{node.name!r} is not known; known are {', '.join(known)}")
@@ -175,9 +175,9 @@ def dimension(node: Node, known: Mapping[str, Dimension]) -> Dimension:
     if isinstance(node, Call):
         inner = dimension(node.argument, known)
         rule = FUNCTIONS.get(node.function, "keeps")
-        if rule == "none" and inner != NONE:
+        if rule == "none" and inner != DIMENSIONLESS:
             raise LawError(f"{node.function} of something in {inner}; it takes a number without unit")
-        return inner ** Fraction(1, 2) if rule == "root" else NONE if rule.startswith("none") else inner
+        return inner ** Fraction(1, 2) if rule == "root" else DIMENSIONLESS if rule.startswith("none") else inner
     left, right = dimension(node.left, known), dimension(node.right, known)
     if node.operator == "*":
         return left * right
@@ -192,12 +192,12 @@ def dimension(node: Node, known: Mapping[str, Dimension]) -> Dimension:
 
 def _power(exponent: Node, base: Dimension, own: Dimension) -> Dimension:
     value = constant(exponent)
-    if own != NONE:
+    if own != DIMENSIONLESS:
         raise LawError(f"an exponent in {own}; it must be a number without unit")
     if value is None:
-        if base != NONE:
+        if base != DIMENSIONLESS:
             raise LawError(f"{base} to a power that is no plain number: divide by a constant of that unit first")
-        return NONE
+        return DIMENSIONLESS
     return base ** Fraction(value).limit_denominator(1000)
 
 

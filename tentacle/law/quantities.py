@@ -25,7 +25,7 @@ RESERVED = frozenset().union(*(quantities for quantities, _ in ACTS.values())) |
     "second_moment", "payload", "payload_reach", "payload_drop", "payload_density", "drag_coefficient",
 }  # fmt: skip
 SOFT = 1e-6  # SI: abs(z) is sqrt(z^2 + SOFT^2), so that every law has a slope
-CORNER = 1e-4  # SI: positive(z) is (z + sqrt(z^2 + CORNER^2)) / 2, rounded over .1 mm
+POSITIVE_ROUNDING = 1e-4  # SI: positive(z) is (z + sqrt(z^2 + CORNER^2)) / 2, rounded over .1 mm
 SIGN_WIDTH = 1e-3  # SI: sign(z) is tanh(z / SIGN_WIDTH)
 
 

@@ -17,9 +17,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tentacle.law.dimension import NONE, Dimension, dimension_of
+from tentacle.law.dimension import DIMENSIONLESS, Dimension, dimension_of
 from tentacle.law.expression import LawError, Node, dimension, evaluated, names_in, parse
-from tentacle.law.quantities import ACTS, CORNER, RESERVED, SIGN_WIDTH, SOFT, dimensions
+from tentacle.law.quantities import ACTS, POSITIVE_ROUNDING, RESERVED, SIGN_WIDTH, SOFT, dimensions
 
 Acts = Literal["line", "tip", "moment"]
 COMPONENTS: dict[str, tuple[str, ...]] = {
@@ -99,7 +99,7 @@ class WrittenLaw:
 
     def _expect(self, name: str, found: Dimension, wanted: Dimension) -> None:
         if found != wanted:
-            raise LawError(f"{name} is in {found}; expected {wanted if wanted != NONE else 'no unit'}")
+            raise LawError(f"{name} is in {found}; expected {wanted if wanted != DIMENSIONLESS else 'no unit'}")
 
     def _check_values(self) -> None:
         """Finite in ordinary states, and zero where every strength is."""
@@ -144,7 +144,7 @@ def functions_from(sqrt: Any, exp: Any, sin: Any, cos: Any, tanh: Any) -> dict[s
 
     return {
         "sqrt": sqrt, "exp": exp, "sin": sin, "cos": cos, "tanh": tanh, "abs": lambda z: rounded(z, SOFT),
-        "positive": lambda z: 0.5 * (z + rounded(z, CORNER)), "sign": lambda z: tanh(z / SIGN_WIDTH),
+        "positive": lambda z: 0.5 * (z + rounded(z, POSITIVE_ROUNDING)), "sign": lambda z: tanh(z / SIGN_WIDTH),
     }  # fmt: skip
 
 

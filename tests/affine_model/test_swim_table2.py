@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from affine_model.swim.table2 import FAST_BAND, HEADER, MAP_LIMITS, PRINTED, cells, ratios, table2
+from affine_model.swim.table2 import FAST_BAND, MAP_LIMITS, PRINTED_SPEEDS, TABLE2_HEADER, cells, ratios, table2
 from affine_model.swim.table2_curves import gain
 
 
 def test_printed_ratios_are_those_of_the_text():
     # Paper IV-D: "5.5 times ... over 2 times ... over 3 times", and 3.5 on average.
-    found = [printed.ratio for printed in PRINTED.values()]
+    found = [printed.ratio for printed in PRINTED_SPEEDS.values()]
     assert found == pytest.approx([5.5, 2.18, 3.19], abs=0.01)
     assert np.mean(found) == pytest.approx(3.6, abs=0.05)
 
@@ -28,10 +28,10 @@ def test_one_row_keeps_to_the_map_and_gains():
     assert over_map > 1.5
     assert over_servo > 0.999
     # The rail's friction was chosen so that this arm's sine at 3 rad/s swims at the printed 0.52 cm/s.
-    assert row.affine[0] == pytest.approx(PRINTED[0.21].means[0], rel=0.25)
+    assert row.affine[0] == pytest.approx(PRINTED_SPEEDS[0.21].means[0], rel=0.25)
     lines = cells([row])
     assert len(lines) == 3
-    assert {len(line) for line in lines} == {len(HEADER)}
+    assert {len(line) for line in lines} == {len(TABLE2_HEADER)}
     assert row.reference is not None
     assert ratios(row.reference) == (1.0, 1.0)
 

@@ -15,7 +15,7 @@ from affine_model.swim import (
     best_sine,
     best_wave,
     cost_of_transport,
-    optimise,
+    optimise_gait,
     paper_cone,
     parameter_samples,
     robust_trial,
@@ -26,7 +26,7 @@ from affine_model.swim import (
     sine_map,
     trial_of,
 )
-from affine_model.swim.objectives import scores, worst_quarter_mean
+from affine_model.swim.objectives import gait_scores, worst_quarter_mean
 from affine_model.swim.optimise import ORIGINS
 from affine_model.swim.polish import polish, value_and_gradient
 from tentacle.errors import InputError
@@ -104,7 +104,7 @@ def test_gradient_by_batch_equals_richardson():
 
 def test_polish_never_loses():
     unit = np.array([0.3, 0.4, 0.2, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
-    before = scores(THRUST, TRIAL, run(TRIAL, BOX.alpha(unit[:, None])))[0]
+    before = gait_scores(THRUST, TRIAL, run(TRIAL, BOX.alpha(unit[:, None])))[0]
     _, after = polish(TRIAL, THRUST, BOX, unit, evaluations=6)
     assert after > before
 
@@ -119,18 +119,18 @@ def test_the_best_wave_keeps_the_servo_and_beats_the_sine():
     around = np.repeat(alpha[:, None], 24, axis=1)
     around[7] = np.linspace(0.0, 2.0 * np.pi, 24)
     around[1] = TRIAL.limits.servo.angle
-    assert np.max(scores(THRUST, TRIAL, run(TRIAL, around))) <= value * (1.0 + 1e-9)
+    assert np.max(gait_scores(THRUST, TRIAL, run(TRIAL, around))) <= value * (1.0 + 1e-9)
 
 
 def test_more_evaluations_never_give_less():
     # A climb starts wherever the search rises above all before it, so fewer evaluations judge a part of the same gaits.
-    values = [optimise(TRIAL, THRUST, SearchPlan("random", count, 1)).value for count in (50, 100, 400)]
+    values = [optimise_gait(TRIAL, THRUST, SearchPlan("random", count, 1)).value for count in (50, 100, 400)]
     assert values == sorted(values)
     assert values[0] > 0.0
 
 
 def test_the_optimised_gait_obeys_the_servo_and_beats_the_sine():
-    result = optimise(TRIAL, THRUST, SearchPlan(evaluations=192, seed=4))
+    result = optimise_gait(TRIAL, THRUST, SearchPlan(evaluations=192, seed=4))
     t = np.arange(0.0, 120.0, 1e-3)
     peaks = np.max(np.abs(result.gait(t)), axis=1)
     assert np.all(
@@ -170,7 +170,7 @@ def test_robust_trial_scores_the_worst_quarter():
     single = run(TRIAL, sine_gaits(np.array([0.5]), np.array([0.8])))
     assert outcome.thrust[0, 0] == pytest.approx(single.thrust[0, 0], rel=1e-9)
     lowest_two = np.sort(outcome.thrust, axis=1)[:, :2].mean(axis=1)
-    assert np.allclose(scores(THRUST, trial, outcome), lowest_two)
+    assert np.allclose(gait_scores(THRUST, trial, outcome), lowest_two)
     assert np.allclose(worst_quarter_mean(outcome.thrust[:, :1]), outcome.thrust[:, 0])
 
 

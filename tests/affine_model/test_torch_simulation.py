@@ -10,7 +10,7 @@ from affine_model.simulate import Rail, Servo, Start, Timing, simulate
 from affine_model.torch_adjoint import numbers_of
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 from affine_model.torch_operator import mean_thrust
-from affine_model.torch_simulation import PENALTY, torch_simulate
+from affine_model.torch_simulation import DIVERGED_THRUST, torch_simulate
 from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
 from tentacle.waveform import Sine
 
@@ -76,7 +76,7 @@ def test_a_diverging_individual_gets_the_penalty_and_disturbs_no_other(parameter
     )
     row = torch.from_numpy(np.stack([sound, mad], 1)).requires_grad_(True)
     mixed = torch_simulate(ARM, row, torch.from_numpy(base_motion()), Timing(H))
-    assert mixed.mean_thrust[1].item() == PENALTY
+    assert mixed.mean_thrust[1].item() == DIVERGED_THRUST
     assert mixed.reasons[0] == ""
     assert "at t = " in mixed.reasons[1]
     # Rounding: batched products may be ordered otherwise.
@@ -91,7 +91,7 @@ def test_the_operator_is_the_kernel(parameters):
     found = mean_thrust(ARM, torch.from_numpy(p), torch.from_numpy(base_motion()), H, average_from=0.2)
     truth = simulate(ARM, p, base_motion(), Timing(H, average_from=0.2)).mean_thrust
     assert found[0].item() == truth[0]
-    assert found[1].item() == PENALTY
+    assert found[1].item() == DIVERGED_THRUST
     still = [torch.zeros(*shape, 3, dtype=torch.float64) for shape in ((), (4,), (4,), (9,), (2, 8))]
     torch.library.opcheck(
         torch.ops.tentacle.advance.default,

@@ -10,7 +10,7 @@ import pytest
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.drag_along import drag_along
 from affine_model.run_forces import rest_load
-from mujoco_ref.drag_along import drag_along as reference_drag
+from mujoco_ref.drag_along import chain_drag_along as reference_drag
 from mujoco_ref.simulate import Setup, simulate
 from tentacle.midline_motion import midline_motion
 from tentacle.model import Estimate, Model

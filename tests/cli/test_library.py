@@ -3,7 +3,7 @@ import pytest
 
 from tentacle.cli import main
 from tentacle.io.library import open_library
-from tentacle.io.library.layers import code_version, write_layer
+from tentacle.io.library.layers import library_code_version, write_layer
 from tentacle.io.recording_rrd import write_rrd
 from tests.page import problems
 from tests.tentacle.io.test_library import recording
@@ -21,7 +21,7 @@ def folder(tmp_path):
     for k, row in enumerate(library.table().to_pylist()[:4]):
         parameters = [{"effect": "elasticity", "parameter": "E", "value": 2e5 + 1e3 * k, "low": 1.9e5, "high": 2.1e5,
                        "unit": "Pa"}]  # fmt: skip
-        layer = {"sha256": row["sha256"], "code": code_version(), "verdict": "effect", "effects": "current",
+        layer = {"sha256": row["sha256"], "code": library_code_version(), "verdict": "effect", "effects": "current",
                  "confidence": 0.9, "before_mm": 0.4, "after_mm": 0.2, "floor_mm": 0.15, "failed": None,
                  "parameters": parameters, "residual_mm": [[0.1, None], [0.2, 0.3]]}  # fmt: skip
         write_layer(layer, library.layer(row["sha256"]))

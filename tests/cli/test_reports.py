@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
-from tentacle.cli.pages.blind_trials import page
+from tentacle.cli.pages.blind_trials import blind_trials_page
 from tentacle.runner import Runner
 from tests.page import problems
 from tests.validation.test_trials_report import outcomes
@@ -48,4 +48,4 @@ def test_a_result_of_the_paper(result: str, tmp_path: Path, monkeypatch: pytest.
 
 def test_a_series_of_blind_trials() -> None:
     origin = Origin("tentacle blind-trial 60 --seed 0", 0)
-    assert problems(page(outcomes(), [(61, "the simulation went out of bounds")], origin)) == []
+    assert problems(blind_trials_page(outcomes(), [(61, "the simulation went out of bounds")], origin)) == []

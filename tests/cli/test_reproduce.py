@@ -1,24 +1,24 @@
 import pytest
 
 from tentacle.cli import main
-from tentacle.cli.reproduce import results
-from validation.paper_fig9 import cell
-from validation.paper_table1 import LENGTHS, PAPER
+from tentacle.cli.reproduce import paper_results
+from validation.paper_fig9 import fig9_cell
+from validation.paper_table1 import PAPER, TABLE1_LENGTHS
 from validation.table1_arm import arm_result
 
 
 def test_results_are_found_by_listing():
-    assert {"fig9", "table1"} <= set(results())
+    assert {"fig9", "table1"} <= set(paper_results())
 
 
 def test_a_cell_of_figure_9_swims_forward_alike_in_both_models():
-    found = cell({"length": 0.14, "amplitude": 0.7, "frequency": 2.1})
+    found = fig9_cell({"length": 0.14, "amplitude": 0.7, "frequency": 2.1})
     assert found["reference"] > 0.03
     assert found["affine"] == pytest.approx(found["reference"], rel=0.1)
 
 
 def test_the_papers_table_is_whole():
-    assert all(len(rows) == len(LENGTHS) for rows in PAPER.values())
+    assert all(len(rows) == len(TABLE1_LENGTHS) for rows in PAPER.values())
 
 
 def test_one_arm_of_table_1_from_video():

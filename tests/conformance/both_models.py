@@ -11,7 +11,7 @@ from affine_model.curvature import curvature_basis
 from affine_model.dynamics import Instant, balance, remembering
 from affine_model.effects import catalogue
 from mujoco_ref.simulate import make_stepper
-from mujoco_ref.step import State, Stepper
+from mujoco_ref.step import ChainState, Stepper
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Fluid, Gravity, Specimen
 
@@ -81,7 +81,7 @@ def bent(model: Model, motion: Motion, links: int) -> tuple[np.ndarray, np.ndarr
     stepper = make_stepper(model, links=links)
     s = stepper.chain.hinge_s
     columns = curvature_basis(ORDER, s) / links
-    state = State.at_rest(links, motion.theta)
+    state = ChainState.at_rest(links, motion.theta)
     state.q[3:], state.v[2], state.v[3:] = columns @ motion.z, motion.theta_rate, columns @ motion.z_rate
     state.t = motion.t
     held = columns @ motion.memory

@@ -7,7 +7,7 @@ from affine_model.arm import active_effects
 from affine_model.dynamics import Instant, balance
 from affine_model.statics import equilibrium
 from mujoco_ref.simulate import make_stepper
-from mujoco_ref.statics import equilibrium as rest_of_chain
+from mujoco_ref.statics import chain_equilibrium as rest_of_chain
 from tentacle.specimen import AIR, STEEL, WATER, Fluid, Gravity
 from tests.conformance.both_models import ORDER, Motion, bent, model_with, reduced
 

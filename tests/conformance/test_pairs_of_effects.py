@@ -14,7 +14,7 @@ from affine_model.dynamics import Instant, balance
 from affine_model.effects import absent_effects, catalogue
 from affine_model.statics import equilibrium
 from mujoco_ref.simulate import Setup, make_stepper, simulate
-from mujoco_ref.statics import equilibrium as rest_of_chain
+from mujoco_ref.statics import chain_equilibrium as rest_of_chain
 from tentacle.specimen import AIR, Gravity
 from tentacle.waveform import Sine
 from tests.conformance.both_models import ORDER, Motion, answers, bent, model_with, nominal, reduced

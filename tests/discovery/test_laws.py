@@ -13,7 +13,7 @@ from discovery.laws.search import LawInputs, Sought, search_laws
 from inference.base_fit import Setting, fit_base
 from inference.missing_force import seen_motions, small_motions
 from inference.prepare import prepare
-from mujoco_ref.undeclared import make
+from mujoco_ref.undeclared import make_recording
 from mujoco_ref.undeclared.make import Scenario
 from tentacle.io.effect_file import effect_text, effects_of, read_effects
 from tentacle.model import Estimate, Model
@@ -32,7 +32,9 @@ def recording(strength):
         parameters["magnet"] = {"F": strength, "place_x": PLACE[0], "place_y": PLACE[1]}
     exact = {name: {k: Estimate.exact(v) for k, v in values.items()} for name, values in parameters.items()}
     with effects_of([MAGNET]):
-        made, _ = make({}, Scenario(replace(MODEL, parameters=exact), Chirp(0.45, 0.4, 2.0, 12.0), 12.0, 50.0), 3)
+        made, _ = make_recording(
+            {}, Scenario(replace(MODEL, parameters=exact), Chirp(0.45, 0.4, 2.0, 12.0), 12.0, 50.0), 3
+        )
     return made
 
 

@@ -209,7 +209,7 @@ def _run(file: Path) -> None:
 
     from rig.camera import CameraFrame
     from rig.clock import ClockFit
-    from rig.protocol import Event, EventCode, LoadSample, ServoSample
+    from rig.protocol import BoardEvent, EventCode, LoadSample, ServoSample
     from rig.recorder import Recorder
     from rig.setup_file import LoadCellCalibration
     from tentacle.io.declaration_file import declaration_tables
@@ -228,7 +228,7 @@ def _run(file: Path) -> None:
         for k in range(100):
             us = 3_000_000 + 20_000 * k
             if k == 0:
-                recorder.samples([Event(number, us, EventCode.STARTED, 0)])
+                recorder.samples([BoardEvent(number, us, EventCode.STARTED, 0)])
                 number += 1
             recorder.samples([ServoSample(number, us, 1000 * k, 1000 * k, 1500 + k, 100)])
             recorder.samples([LoadSample(number + 1, us + 5000, 52000 + 10 * k)])
@@ -238,7 +238,7 @@ def _run(file: Path) -> None:
                 recorder.frames([CameraFrame(100.0 + 0.02 * k, jpeg.tobytes(), np.zeros((12, 16)))])
             if k % 20 == 0:
                 recorder.flush()
-        recorder.samples([Event(number, 5_000_000, EventCode.COMPLETE, 0)])
+        recorder.samples([BoardEvent(number, 5_000_000, EventCode.COMPLETE, 0)])
         stop = {"words": "", "start_us": 3_000_000, "ended_utc": "", "counters": {}, "clock": None, "camera": None,
                 "rest_n": 0.0}  # fmt: skip
         recorder.stop("complete", stop)

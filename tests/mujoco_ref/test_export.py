@@ -10,7 +10,7 @@ from mujoco_ref.export.arm_forces import Forces, drive
 from mujoco_ref.export.imported import import_arm
 from mujoco_ref.export.mjcf import export_mjcf
 from mujoco_ref.export.write import write_mjcf
-from mujoco_ref.midline import midline_points
+from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.simulate import Initial, Setup, simulate
 from tentacle.errors import InputError
 from tentacle.waveform import Ramped, Sine
@@ -59,7 +59,7 @@ def run(xml, *, exact, seconds=1.5):
     finally:
         mujoco.set_mjcb_passive(None)
     angles = np.cumsum(positions[:, : LINKS + 1], axis=1)
-    return t, midline_points(angles, np.zeros((len(t), 2)), 0.14, S)
+    return t, chain_midline_points(angles, np.zeros((len(t), 2)), 0.14, S)
 
 
 def away_mm(model, xy, t):

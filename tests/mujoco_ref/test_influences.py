@@ -5,8 +5,8 @@ import pytest
 
 from mujoco_ref.modes import natural_frequencies
 from mujoco_ref.simulate import make_stepper, simulate, state_of_shape
-from mujoco_ref.statics import equilibrium
-from mujoco_ref.step import State
+from mujoco_ref.statics import chain_equilibrium
+from mujoco_ref.step import ChainState
 from tentacle.specimen import AIR, WATER, Gravity, Specimen
 from tentacle.waveform import Rest, Sine
 from tests.mujoco_ref.arms import CONE, STRIP, model_of, swimming_model
@@ -61,7 +61,7 @@ def test_maxwell_branch_stiffens_fast_motion_and_not_the_rest_shape():
     model = model_of(CONE, gravity=Gravity(np.pi / 2))
     slow = make_stepper(model)
     branch = make_stepper(model, {"viscoelasticity": {"g": 0.5, "tau": 100.0}})
-    assert equilibrium(branch, 0.0).q == pytest.approx(equilibrium(slow, 0.0).q, abs=1e-9)
+    assert chain_equilibrium(branch, 0.0).q == pytest.approx(chain_equilibrium(slow, 0.0).q, abs=1e-9)
     # tau far beyond a period: the branch is a spring, k grows by half, f by sqrt(1.5).
     still = model_of(CONE)
     base = natural_frequencies(make_stepper(still), count=1)[0]
@@ -91,7 +91,7 @@ def test_a_weight_ahead_of_the_tip_pulls_with_a_longer_lever():
     pull = 0.01 * bending / length**2
     light = Specimen(STRIP, length, 1e-6)
     hung = {"tip_mass": {"mass": pull / Gravity().magnitude, "reach": reach}}
-    state = equilibrium(make_stepper(model_of(light, AIR, Gravity(np.pi / 2)), hung, links=40), 0.0)
+    state = chain_equilibrium(make_stepper(model_of(light, AIR, Gravity(np.pi / 2)), hung, links=40), 0.0)
     turned = -float(np.sum(state.q[2:]))
     # Order 2 in 1 / 40, and 1e-4 of nonlinearity.
     assert turned == pytest.approx(pull * length**2 * (0.5 + reach) / bending, rel=1e-3)
@@ -110,8 +110,8 @@ def test_cubic_stiffness_hardens_with_amplitude():
 
 def test_soft_spot_bends_where_it_is():
     model = model_of(CONE, gravity=Gravity(np.pi / 2))
-    plain = equilibrium(make_stepper(model, links=40), 0.0).q[3:]
-    soft = equilibrium(make_stepper(model, {"soft_spot": {"depth": 0.5, "s0": 0.4}}, links=40), 0.0).q[3:]
+    plain = chain_equilibrium(make_stepper(model, links=40), 0.0).q[3:]
+    soft = chain_equilibrium(make_stepper(model, {"soft_spot": {"depth": 0.5, "s0": 0.4}}, links=40), 0.0).q[3:]
     ratio = soft / plain
     s = (np.arange(40) + 0.5) / 40
     assert abs(s[np.argmax(ratio)] - 0.4) < 0.03
@@ -131,7 +131,7 @@ def test_density_error_is_weight_and_inertia():
     level = Gravity(np.pi / 2)
     hidden = make_stepper(model_of(light, AIR, level), {"buoyancy": {"density_error": 300.0}})
     declared = make_stepper(model_of(Specimen(CONE.section, CONE.length, 1300.0), AIR, level))
-    np.testing.assert_allclose(equilibrium(hidden, 0.0).q, equilibrium(declared, 0.0).q, rtol=1e-12)
+    np.testing.assert_allclose(chain_equilibrium(hidden, 0.0).q, chain_equilibrium(declared, 0.0).q, rtol=1e-12)
     assert natural_frequencies(hidden)[0] == natural_frequencies(declared)[0]
 
 
@@ -140,7 +140,7 @@ def test_a_swaying_tank_carries_a_neutral_arm_with_it():
     # held it bends as if the base were shaken the other way. In a current that is uniform and steady only drag remains.
     model = model_of(Specimen(CONE.section, 0.14, 998.0), WATER, added_mass={"C_a": 1.0})
     stepper = make_stepper(model, {"sloshing": {"U_cos": 0.0, "U_sin": 0.1, "f": 1.0}}, links=10)
-    state = State.at_rest(10)
+    state = ChainState.at_rest(10)
     stepper.step(state, HELD, 1e-4, 6)
     displaced = 998.0 * float(stepper.body.links[:, 1].sum())
     acceleration = 2 * np.pi * 0.1  # of the water at t = 0
@@ -153,7 +153,7 @@ def test_a_stand_that_gives_rings_at_its_own_frequency():
     model = model_of(Specimen(STRIP, 0.2, 1070.0), elasticity={"E": 1e8}, damping={"eta": 1e4})
     hidden = {"mount_resonance": {"mass": 0.3, "f": 3.0, "damping_ratio": 0.02}}
     stepper = make_stepper(model, hidden, links=6)
-    state = State.at_rest(6)
+    state = ChainState.at_rest(6)
     state.v[0] = 0.1
     x = []
     for i in range(3000):

@@ -3,7 +3,7 @@ import pytest
 
 from mujoco_ref.modes import mass_matrix, natural_frequencies
 from mujoco_ref.simulate import make_stepper
-from mujoco_ref.step import State
+from mujoco_ref.step import ChainState
 from tentacle.specimen import Cone, Fluid, Specimen
 from tests.mujoco_ref.arms import CONE, HANGING, STRIP, model_of
 
@@ -62,7 +62,7 @@ def test_added_mass_matrix_is_the_hessian_of_the_waters_energy():
     stepper = make_stepper(model_of(CONE, Fluid(1000.0), added_mass={"C_a": 0.7}), links=5)
     bare = make_stepper(model_of(CONE, Fluid(1000.0)), links=5)
     random = np.random.default_rng(0)
-    state = State.at_rest(5, 0.3)
+    state = ChainState.at_rest(5, 0.3)
     state.q[3:] = random.normal(0.0, 0.3, 5)
     added = mass_matrix(stepper, state) - mass_matrix(bare, state)
 

@@ -7,9 +7,9 @@ import pytest
 
 import mujoco_ref
 from mujoco_ref.modes import natural_frequencies
-from mujoco_ref.mount import Rail, Servo
+from mujoco_ref.mount import MountRail, MountServo
 from mujoco_ref.simulate import Initial, Setup, make_stepper, simulate, state_of_shape
-from mujoco_ref.step import State
+from mujoco_ref.step import ChainState
 from tentacle.errors import InputError
 from tentacle.specimen import AIR, WATER, Gravity, Specimen
 from tentacle.waveform import Chirp, Rest, Sine
@@ -77,13 +77,13 @@ def test_agrees_with_mujocos_own_integrator_in_air():
 def test_momentum_closes(base):
     # Force on the mount + water's force + weight = rate of MuJoCo's own momentum, to 1e-4 N.
     model = swimming_model(skin_drag={"C_t": 0.05})
-    servo = Servo(2.0, 0.02, 1.0) if base == "servo" else None
-    rail = Rail(0.1) if base == "rail" else None
+    servo = MountServo(2.0, 0.02, 1.0) if base == "servo" else None
+    rail = MountRail(0.1) if base == "rail" else None
     hidden = {"mount_resonance": {"mass": 0.2, "f": 3.0}} if base == "stand" else None
     stepper = make_stepper(model, hidden, servo=servo, rail=rail)
     data, chain = mujoco.MjData(stepper.chain.model), stepper.chain
     wave, step = Sine(0.5, 1.3), 1e-3
-    state = State.at_rest(chain.links)
+    state = ChainState.at_rest(chain.links)
     momentum, forces = [], []
     weight = chain.model.body_mass[2:].sum() * chain.model.opt.gravity[:2]  # a stand carries the mount
     buoyancy = -model.fluid.density * stepper.body.links[:, 1].sum() * chain.model.opt.gravity[:2]
@@ -110,14 +110,14 @@ def test_load_cell_and_thrust_agree_over_a_period():
 
 
 def test_an_arm_that_swings_pushes_itself_forward():
-    run = simulate(level_model(), Sine(0.5, 1.25), 6.0, 50.0, setup=Setup(rail=Rail(0.1, viscous=0.02)))
+    run = simulate(level_model(), Sine(0.5, 1.25), 6.0, 50.0, setup=Setup(rail=MountRail(0.1, viscous=0.02)))
     assert np.mean(run.thrust[-80:]) < 0.0  # towards -y, where the base is
     assert run.mount[-1, 1] < -0.01
     assert np.ptp(run.mount[:, 0]) == 0.0
 
 
 def test_dry_rail_holds_against_a_weak_thrust():
-    run = simulate(level_model(), Sine(0.1, 0.5), 2.0, 50.0, setup=Setup(rail=Rail(0.1, dry=0.5)))
+    run = simulate(level_model(), Sine(0.1, 0.5), 2.0, 50.0, setup=Setup(rail=MountRail(0.1, dry=0.5)))
     assert np.ptp(run.mount[:, 1]) < 2e-5  # the bristle's own stretch
 
 
@@ -125,8 +125,8 @@ def test_quadratic_drag_decays_as_one_over_t():
     # A straight arm coasting along y meets skin drag alone: v = v0 / (1 + v0 t / l), l = 2 m / (rho C_t perimeter L).
     specimen = Specimen(STRIP, 0.2, 998.0)
     model = model_of(specimen, WATER, Gravity(0.0, 0.0), elasticity={"E": 1e8}, skin_drag={"C_t": 0.5})
-    stepper = make_stepper(model, links=5, rail=Rail(0.01))
-    state = State.at_rest(5)
+    stepper = make_stepper(model, links=5, rail=MountRail(0.01))
+    state = ChainState.at_rest(5)
     state.v[1] = 1.0
     for _ in range(500):
         stepper.step(state, np.zeros((3, 3)), 2e-3)
@@ -138,8 +138,8 @@ def test_terminal_speed():
     # The rail stands upright: net weight against skin drag.
     specimen = Specimen(STRIP, 0.2, 1500.0)
     model = model_of(specimen, WATER, HANGING, elasticity={"E": 1e8}, skin_drag={"C_t": 0.5})
-    stepper = make_stepper(model, links=5, rail=Rail(1e-6))
-    state = State.at_rest(5)
+    stepper = make_stepper(model, links=5, rail=MountRail(1e-6))
+    state = ChainState.at_rest(5)
     for _ in range(1500):
         stepper.step(state, np.zeros((3, 3)), 2e-3)
     weight = (1500.0 - 998.0) * float(STRIP.area(0.0)) * 0.2 * 9.80665
@@ -155,7 +155,7 @@ def test_rigid_arm_turning_steadily_feels_the_integral_of_eq_15():
     )
     for links in (10, 40):
         stepper = make_stepper(model, links=links)
-        state, omega, step = State.at_rest(links), 2.0, 1e-3
+        state, omega, step = ChainState.at_rest(links), 2.0, 1e-3
         state.v[2] = omega
         for i in range(300):
             angle = omega * (i + np.array([0.0, 0.5, 1.0])) * step
@@ -205,9 +205,9 @@ def test_undamped_arm_keeps_its_energy():
 
 
 def test_servo_follows_within_its_torque_and_stalls_beyond():
-    strong = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, setup=Setup(servo=Servo(2.0, 0.02, 1.0)))
+    strong = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, setup=Setup(servo=MountServo(2.0, 0.02, 1.0)))
     assert np.abs(strong.theta - strong.command).max() < 0.03
-    weak = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, setup=Setup(servo=Servo(2.0, 0.02, 2e-3)))
+    weak = simulate(swimming_model(), Sine(0.5, 1.0), 2.0, 50.0, setup=Setup(servo=MountServo(2.0, 0.02, 2e-3)))
     assert np.abs(weak.torque).max() <= 2e-3 * (1 + 1e-12)
     assert np.abs(weak.theta - weak.command).max() > 0.1
 
@@ -245,7 +245,7 @@ def test_unusable_runs_are_refused():
             0.1,
             60.0,
             hidden={"backlash": {"play": 0.1}},
-            setup=Setup(servo=Servo(2.0, 0.02, 1.0)),
+            setup=Setup(servo=MountServo(2.0, 0.02, 1.0)),
         )
 
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from mujoco_ref.midline import midline_points
+from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.simulate import make_stepper
-from mujoco_ref.statics import equilibrium
+from mujoco_ref.statics import chain_equilibrium
 from tentacle.errors import InputError
 from tentacle.specimen import AIR, Gravity, Specimen
 from tests.mujoco_ref.arms import CONE, HORIZONTAL, STRIP, model_of, swimming_model
@@ -12,9 +12,9 @@ MODULUS = 2e5
 
 
 def shape_at_rest(stepper, theta=0.0):
-    state = equilibrium(stepper, theta)
+    state = chain_equilibrium(stepper, theta)
     angles = np.cumsum(state.q[2:])
-    tip = midline_points(angles[None], np.zeros((1, 2)), stepper.chain.specimen.length, np.array([1.0]))[0, 0]
+    tip = chain_midline_points(angles[None], np.zeros((1, 2)), stepper.chain.specimen.length, np.array([1.0]))[0, 0]
     return tip, angles
 
 

@@ -6,8 +6,8 @@ from scipy.linalg import eigh
 from scipy.optimize import curve_fit
 
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared import Noise, Plan, Scenario, make
-from mujoco_ref.undeclared.strength import SCALED
+from mujoco_ref.undeclared import Noise, Scenario, TrialPlan, make_recording
+from mujoco_ref.undeclared.strength import SCALED_TOGETHER
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.specimen import AIR, Gravity, Rectangle, Specimen
@@ -25,16 +25,16 @@ WAVE = Chirp(0.5, 0.3, 2.2, 3.0)
 
 
 def made(effects, seed=1, noise=QUIET, duration=3.0):
-    return make(effects, Scenario(swimming_model(), WAVE, duration, 30.0), seed, noise)
+    return make_recording(effects, Scenario(swimming_model(), WAVE, duration, 30.0), seed, noise)
 
 
 def test_every_catalogue_effect_can_be_hidden():
-    assert set(CATALOGUE) | set(UNCATALOGUED) == set(SCALED)
-    assert set(SCALED) <= set(KNOWN)
+    assert set(CATALOGUE) | set(UNCATALOGUED) == set(SCALED_TOGETHER)
+    assert set(SCALED_TOGETHER) <= set(KNOWN)
     assert len(UNCATALOGUED) >= 4
 
 
-@pytest.mark.parametrize("effect", [effect for effect in SCALED if effect != "third_curvature"])
+@pytest.mark.parametrize("effect", [effect for effect in SCALED_TOGETHER if effect != "third_curvature"])
 def test_every_effect_moves_the_arm_and_only_when_it_is_there(effect):
     recording, truth = made({effect: 1.0})
     assert truth["moved_mm"] > 0.02
@@ -114,7 +114,7 @@ def test_noise_is_as_stated():
 
 def test_free_decay_with_a_hidden_payload():
     model = model_of(CONE, gravity=HORIZONTAL, damping={"eta": 300.0})
-    recording, truth = make(
+    recording, truth = make_recording(
         {"tip_mass": {"mass": 2e-3}}, Scenario(model, Rest(), 1.5, 60.0, initial_q=np.zeros(2), release_t=0.3), 3, QUIET
     )
     assert recording.motor is None
@@ -134,7 +134,7 @@ def test_a_stiff_arm_s_decay_has_the_frequency_of_rayleigh_s_beam():
         bar, AIR, Gravity(-0.5 * np.pi, 0.0981), 2,
         {"elasticity": {"E": Estimate.exact(modulus, "Pa")}, "damping": {"eta": Estimate.exact(100.0, "Pa s")}},
     )  # fmt: skip
-    recording, _ = make(
+    recording, _ = make_recording(
         {}, Scenario(model, Rest(), 2.0, 400.0, initial_q=np.zeros(2), release_t=0.0), 0, QUIET, clean_midline=True
     )
     assert recording.midline is not None
@@ -162,7 +162,7 @@ def test_a_stiff_arm_s_decay_has_the_frequency_of_rayleigh_s_beam():
 
 
 def test_trials_are_blind_reproducible_and_independent():
-    plan = Plan(swimming_model(), WAVE, 11, 1.0, 30.0)
+    plan = TrialPlan(swimming_model(), WAVE, 11, 1.0, 30.0)
     some, again = [plan.trial(k) for k in range(3)], [plan.trial(k) for k in (1, 0)][::-1]
     assert [t.recording.name for t in some] == ["trial_000", "trial_001", "trial_002"]
     for one, other in zip(some, again, strict=False):

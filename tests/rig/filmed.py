@@ -11,7 +11,7 @@ from benchmarks._rig_scene import DECLARED
 from rig.arm_plant import ArmPlant
 from rig.camera import compressed
 from rig.clock import ClockFit
-from rig.emulated_camera import EmulatedOptics, draw
+from rig.emulated_camera import EmulatedOptics, draw_picture
 from rig.protocol import LoadSample, Sample, ServoSample
 from rig.record import add_film
 from rig.recorder import Recorder
@@ -61,7 +61,7 @@ def filmed_run(
                 samples.append(ServoSample(len(samples), now, *angles, 1500, 40))
             if t >= frames / optics.declaration.fps:
                 frames += 1
-                image = draw(plant.midline(np.linspace(0.0, 1.0, 24)), 0.0, optics)
+                image = draw_picture(plant.midline(np.linspace(0.0, 1.0, 24)), 0.0, optics)
                 recorder.frames([compressed(image, 1e-6 * now)])
         recorder.samples(samples)
         stop = {"start_us": zero, "rest_n": 0.0, "camera": {"offset_s": 0.0, "offset_sigma_s": 1e-4, "gaps_host_s": []}}

@@ -15,12 +15,12 @@ from rig.arm_plant import ArmPlant
 from rig.bench_log import LogColumns, calibration_of, load_cell_signal, read_bench_log
 from rig.calibrate import camera_scale, fit_line, load_cell_calibration, read_cell, servo_calibration
 from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frames
-from rig.emulated_camera import EmulatedOptics, draw
+from rig.emulated_camera import EmulatedOptics, draw_picture
 from rig.emulator import Emulator
 from rig.fault import Fault
-from rig.play import arm
+from rig.play import arm_board
 from rig.safety import ServoCalibration
-from rig.servo_tap import FREQUENCIES, SWING, delay, root_angle
+from rig.servo_tap import SWING, TAP_FREQUENCIES, delay, root_angle
 from rig.setup_file import CameraSettings, read_setup, write_setup
 from tentacle.cli import main
 from tentacle.errors import InputError
@@ -133,7 +133,7 @@ def test_an_arm_that_swings_is_not_taken_for_the_lamp() -> None:
 def test_camera_delay_from_servo_taps() -> None:
     source = np.random.default_rng(5)
     times = np.arange(0, 8, 0.02) + 100.0
-    motion = np.sum([0.1 * np.sin(2 * np.pi * f * (times - 100)) for f in FREQUENCIES], axis=0)
+    motion = np.sum([0.1 * np.sin(2 * np.pi * f * (times - 100)) for f in TAP_FREQUENCIES], axis=0)
     frames = np.arange(0.3, 8, 1 / 30) + 100.0
     late = 0.049
     seen = 0.03 - 0.98 * np.interp(frames - late, times, motion) + source.normal(0, 0.01, frames.size)  # mirrored, too
@@ -149,7 +149,7 @@ def test_camera_delay_from_servo_taps() -> None:
 
 def test_the_root_of_a_soft_arm_tells_the_delay() -> None:
     """The MuJoCo arm, its lag and its bend known: the delay is the camera's alone, within 3 ms."""
-    taps, plant, late = Multisine((SWING,) * 3, FREQUENCIES, (0.0,) * 3), ArmPlant(SOFT, {}), 0.049
+    taps, plant, late = Multisine((SWING,) * 3, TAP_FREQUENCIES, (0.0,) * 3), ArmPlant(SOFT, {}), 0.049
     optics, s = EmulatedOptics.of(DECLARED), np.linspace(0.0, 1.0, 24)
     times = np.arange(0.0, 6.0, 0.01)
     servo, frames, seen = [], [], []
@@ -157,7 +157,7 @@ def test_the_root_of_a_soft_arm_tells_the_delay() -> None:
         plant.advance(t, float(taps(t)[0]), True)
         servo.append(plant.servo_angle)
         if t >= len(frames) / 20:
-            image = draw(plant.midline(s), 0.0, optics)
+            image = draw_picture(plant.midline(s), 0.0, optics)
             frames.append(t + late)
             seen.append(root_angle(image, DECLARED, root_angle(image, DECLARED)))
     found = delay(np.array(frames), np.array(seen), times, np.array(servo))
@@ -190,7 +190,7 @@ def test_two_estimates_that_agree_are_weighed_and_others_not() -> None:
 
 
 def test_cell_of_the_emulated_rig_is_read(board, limits, servo) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     reading = read_cell(board, 1.0)
     assert reading.mean == pytest.approx(52000, abs=4 * 60 / np.sqrt(reading.count))
     assert reading.deviation == pytest.approx(60, rel=0.4)

@@ -17,11 +17,15 @@ from rig.board import Board
 from rig.emulator import Emulator
 from rig.fault import Fault
 from rig.link import Link
-from rig.play import arm
-from rig.protocol import Frame, Type
+from rig.play import arm_board
+from rig.protocol import Type, WireFrame
 from rig.safety import ServoCalibration
 
-FRAMES = [Frame(Type.PING, 0, bytes([7, 0, 0, 0])), Frame(Type.POINTS, 9, bytes(range(112))), Frame(Type.CLEAR, 3)]
+FRAMES = [
+    WireFrame(Type.PING, 0, bytes([7, 0, 0, 0])),
+    WireFrame(Type.POINTS, 9, bytes(range(112))),
+    WireFrame(Type.CLEAR, 3),
+]
 
 
 class Echo(threading.Thread):
@@ -64,8 +68,8 @@ def url(request: pytest.FixtureRequest):
             yield f"socket://127.0.0.1:{server.getsockname()[1]}"
 
 
-def collect(link: Link, count: int) -> list[Frame]:
-    got: list[Frame] = []
+def collect(link: Link, count: int) -> list[WireFrame]:
+    got: list[WireFrame] = []
     until = time.monotonic() + 3.0
     while len(got) < count and time.monotonic() < until:
         got += link.receive(0.02)
@@ -138,7 +142,7 @@ class Rfc2217Server(threading.Thread):
 def test_a_board_behind_an_rfc2217_server_plays_a_run(emulator: Emulator) -> None:
     board = Board(Link(Rfc2217Server(emulator.url).url))
     board.connect()
-    arm(board, LIMITS, ServoCalibration())
+    arm_board(board, LIMITS, ServoCalibration())
     samples, start, end = played(board, 1.0)
     board.close()
     assert end.outcome == "complete"

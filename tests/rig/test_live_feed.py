@@ -48,14 +48,14 @@ def test_pictures_go_out_a_few_times_a_second(monkeypatch: pytest.MonkeyPatch) -
 def test_a_viewer_that_is_not_there_leaves_the_file_whole(emulator, tmp_path: Path) -> None:
     from benchmarks._rig_scene import TABLE, WAVE, setup_for
     from rig.connection import connected
-    from rig.motion import motion_of
-    from rig.record import record
+    from rig.motion import rig_motion
+    from rig.record import record_run
     from rig.run_file import read_run
 
     setup, path = setup_for(emulator), tmp_path / "run.rrd"
     with connected(setup) as board:
-        motion = motion_of(WAVE, 0.5, setup.limits, TABLE)
-        result = record(
+        motion = rig_motion(WAVE, 0.5, setup.limits, TABLE)
+        result = record_run(
             setup, board, None, motion, path, Attendance(name="seen", viewer="rerun+http://127.0.0.1:1/proxy")
         )
     assert result.outcome == read_run(path).outcome == "complete"

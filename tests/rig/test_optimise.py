@@ -13,7 +13,7 @@ import pytest
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.journal import JOURNAL, cut_torn_line
-from rig.optimise import NEAR, StudyPlan, Suggestions, Trial, best, optimise, propulsion
+from rig.optimise import STEP_FROM_BEST, RigTrial, StudyPlan, Suggestions, best, optimise_on_rig, propulsion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
 from rig.run_file import read_run
@@ -83,7 +83,7 @@ def test_the_search_climbs_and_every_trial_is_a_recording(space: GaitSpace, tmp_
     bench = Bench(noise=2e-4)
     study = StudyPlan(space, trials=16, plan=TrialPlan(3, 1), seed=4)
     first = [{"frequency_hz": 2.4, "effort": 0.9}]  # a wrong model's best
-    trials = list(optimise(tmp_path, study, bench, Suggestions(first)))
+    trials = list(optimise_on_rig(tmp_path, study, bench, Suggestions(first)))
     assert len(trials) == 16
     assert trials[0].source == "model"
     assert trials[0].point == pytest.approx(first[0])
@@ -97,20 +97,20 @@ def test_the_search_climbs_and_every_trial_is_a_recording(space: GaitSpace, tmp_
 
 def test_every_other_trial_steps_from_the_best(space: GaitSpace, tmp_path: Path) -> None:
     """The search alone spends its trials in corners: steps from the best are what betters a model's gait."""
-    trials = list(optimise(tmp_path, StudyPlan(space, trials=16, plan=TrialPlan(3, 1), seed=2), Bench()))
+    trials = list(optimise_on_rig(tmp_path, StudyPlan(space, trials=16, plan=TrialPlan(3, 1), seed=2), Bench()))
     near = [k for k, trial in enumerate(trials) if trial.source == "near the best"]
     assert near == [9, 11, 13, 15]
     width = np.ptp(np.array(list(space.bounds.values())), axis=1)
     for k in near:
         before = best(trials[:k]).point
         steps = [(trials[k].point[name] - before[name]) for name in space.bounds]
-        assert np.abs(steps / width).max() < 4 * NEAR
+        assert np.abs(steps / width).max() < 4 * STEP_FROM_BEST
 
 
 @pytest.mark.parametrize("damage", ["zeroed", "gone", "a line"])
 def test_a_damaged_journal_is_made_again_from_the_recordings(space: GaitSpace, tmp_path: Path, damage: str) -> None:
     study = StudyPlan(space, trials=3, plan=TrialPlan(3, 1))
-    before = list(optimise(tmp_path, study, Bench()))
+    before = list(optimise_on_rig(tmp_path, study, Bench()))
     contents = {path.name: path.read_bytes() for path in tmp_path.glob("*.rrd")}
     journal = tmp_path / JOURNAL
     if damage == "gone":
@@ -122,7 +122,7 @@ def test_a_damaged_journal_is_made_again_from_the_recordings(space: GaitSpace, t
         journal.write_bytes(b"".join([*lines[:4], b"\x00\x01torn\n", *lines[5:]]))
     said: list[str] = []
     bench = Bench()
-    again = list(optimise(tmp_path, StudyPlan(space, trials=4, plan=TrialPlan(3, 1)), bench, told=said.append))
+    again = list(optimise_on_rig(tmp_path, StudyPlan(space, trials=4, plan=TrialPlan(3, 1)), bench, told=said.append))
     assert [t.propulsion for t in again[:3]] == [t.propulsion for t in before]
     assert [t.recording for t in again[:3]] == [t.recording for t in before]
     assert bench.runs == 1
@@ -144,16 +144,16 @@ def test_a_killed_study_goes_on_where_it_was(space: GaitSpace, tmp_path: Path) -
             super().__call__(gait, duration, path, description)
 
     with pytest.raises(Killed):
-        list(optimise(tmp_path, study, Dying()))
+        list(optimise_on_rig(tmp_path, study, Dying()))
     with (tmp_path / JOURNAL).open("ab") as journal:
         journal.write(b'{"op_code": 4, "wor')  # torn by the kill
     bench = Bench()
-    trials = list(optimise(tmp_path, study, bench))
+    trials = list(optimise_on_rig(tmp_path, study, bench))
     assert [t.number for t in trials[:2]] == [0, 1]
     assert len(trials) == 4
     assert bench.runs == 2  # what was finished is not run again
     assert "again" in [t.source for t in trials]  # what was running is
-    assert list(optimise(tmp_path, study, bench))[:4] == trials
+    assert list(optimise_on_rig(tmp_path, study, bench))[:4] == trials
     assert bench.runs == 2
 
 
@@ -169,20 +169,20 @@ def test_a_recording_that_was_whole_when_the_host_died_counts(space: GaitSpace, 
 
     study = StudyPlan(space, trials=3, plan=TrialPlan(3, 1))
     with pytest.raises(Killed):
-        list(optimise(tmp_path, study, DyingLate()))
+        list(optimise_on_rig(tmp_path, study, DyingLate()))
     bench = Bench()
-    assert len(list(optimise(tmp_path, study, bench))) == 3
+    assert len(list(optimise_on_rig(tmp_path, study, bench))) == 3
     assert bench.runs == 1
 
 
 def test_failed_trials_are_tried_again_and_three_in_a_row_stop(space: GaitSpace, tmp_path: Path) -> None:
     study = StudyPlan(space, trials=3, plan=TrialPlan(3, 1))
     bench = Bench(fails=(2,))
-    trials = list(optimise(tmp_path / "one", study, bench))
+    trials = list(optimise_on_rig(tmp_path / "one", study, bench))
     assert len(trials) == 3
     assert bench.runs == 4
     with pytest.raises(Fault, match="3 trials in a row"):
-        list(optimise(tmp_path / "all", study, Bench(fails=(1, 2, 3, 4))))
+        list(optimise_on_rig(tmp_path / "all", study, Bench(fails=(1, 2, 3, 4))))
 
 
 def test_the_model_is_asked_anew_after_every_k_trials(space: GaitSpace, tmp_path: Path) -> None:
@@ -193,17 +193,17 @@ def test_the_model_is_asked_anew_after_every_k_trials(space: GaitSpace, tmp_path
         return [{"frequency_hz": TOP, "effort": 1.0}]
 
     study = StudyPlan(space, trials=7, plan=TrialPlan(3, 1), reidentify_every=3)
-    trials = list(optimise(tmp_path, study, Bench(), suggestions=Suggestions(propose=propose)))
+    trials = list(optimise_on_rig(tmp_path, study, Bench(), suggestions=Suggestions(propose=propose)))
     assert asked == [3, 6]
     assert [t.source for t in trials][3] == "model after 3"
 
 
 def test_a_folder_of_another_study_is_refused(space: GaitSpace, limits: SafetyLimits, tmp_path: Path) -> None:
     study = StudyPlan(space, trials=1, plan=TrialPlan(3, 1))
-    list(optimise(tmp_path, study, Bench()))
+    list(optimise_on_rig(tmp_path, study, Bench()))
     other = StudyPlan(GaitSpace(limits, (0.5, 2.0), 0), trials=1)
     with pytest.raises(InputError, match="other bounds"):
-        list(optimise(tmp_path, other, Bench()))
+        list(optimise_on_rig(tmp_path, other, Bench()))
 
 
 def test_a_torn_last_line_is_cut(tmp_path: Path) -> None:
@@ -229,5 +229,5 @@ def test_propulsion_is_minus_thrust_less_rest(tmp_path: Path) -> None:
 def test_no_trial_has_no_best() -> None:
     with pytest.raises(InputError):
         best([])
-    trial = Trial(0, {}, 0.1, "model", Path("a"))
+    trial = RigTrial(0, {}, 0.1, "model", Path("a"))
     assert best([trial]) is trial

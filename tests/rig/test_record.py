@@ -11,12 +11,12 @@ import pytest
 
 from benchmarks._rig_scene import DECLARED, TABLE, WAVE, killed_while_recording, setup_for
 from rig.board import Board
-from rig.camera import Camera
+from rig.camera import CameraThread
 from rig.connection import connected, opened_camera
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator
-from rig.motion import Motion, motion_of
-from rig.record import Attendance, RunResult, record
+from rig.motion import RigMotion, rig_motion
+from rig.record import Attendance, RunResult, record_run
 from rig.run_file import read_run, to_recording
 from rig.settle import SettleRule
 from rig.setup_file import CameraSettings, RigSetup, read_setup, write_setup
@@ -51,7 +51,9 @@ def test_a_run_with_a_camera_becomes_a_recording(setup: RigSetup, tmp_path: Path
     setup = replace(setup, camera=CameraSettings("emulated"))
     path = tmp_path / "run.rrd"
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
-        result = record(setup, board, camera, motion_of(WAVE, 2.0, setup.limits, TABLE), path, Attendance(name="swim"))
+        result = record_run(
+            setup, board, camera, rig_motion(WAVE, 2.0, setup.limits, TABLE), path, Attendance(name="swim")
+        )
     assert result.outcome == "complete"
     assert result.lost == 0
     run = read_run(path)
@@ -78,7 +80,7 @@ def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path) -
     setup = replace(setup, camera=CameraSettings("emulated"))
     path = tmp_path / "run.rrd"
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
-        record(setup, board, camera, motion_of(WAVE, 1.0, setup.limits, TABLE), path, Attendance(name="swim"))
+        record_run(setup, board, camera, rig_motion(WAVE, 1.0, setup.limits, TABLE), path, Attendance(name="swim"))
     recording = read_rrd(path)
     assert recording.name == "swim"
     assert recording.notes["outcome"] == "complete"
@@ -108,11 +110,11 @@ def test_a_disk_that_fills_ends_the_run_safely(setup: RigSetup, emulator: Emulat
     begun = time.monotonic()
     path = tmp_path / "run.rrd"
     with connected(setup) as board:
-        result = record(
+        result = record_run(
             setup,
             board,
             None,
-            motion_of(WAVE, 20.0, setup.limits, TABLE),
+            rig_motion(WAVE, 20.0, setup.limits, TABLE),
             path,
             Attendance(name="full", free_bytes=lambda _: 0 if time.monotonic() - begun > 3.0 else 10**9),
         )
@@ -129,8 +131,10 @@ def test_a_stalled_camera_is_written_down_and_the_rest_is_whole(
     optics = replace(EmulatedOptics.of(DECLARED), stall=(5.0, 6.5))
     path = tmp_path / "run.rrd"
     with connected(setup) as board:
-        camera = Camera(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
-        result = record(setup, board, camera, motion_of(WAVE, 4.0, setup.limits, TABLE), path, Attendance(name="stall"))
+        camera = CameraThread(lambda: EmulatedSource(emulator.trace, optics, board.time), board.time)
+        result = record_run(
+            setup, board, camera, rig_motion(WAVE, 4.0, setup.limits, TABLE), path, Attendance(name="stall")
+        )
         camera.close()
     run = read_run(path)
     assert result.outcome == "complete"
@@ -143,11 +147,11 @@ def test_a_stalled_camera_is_written_down_and_the_rest_is_whole(
 def test_water_that_does_not_settle_ends_before_anything_moves(setup: RigSetup, tmp_path: Path) -> None:
     setup = replace(setup, settle=SettleRule(threshold=1e-5, samples=60, timeout=1.5))  # below the cell's own noise
     with connected(setup) as board:
-        result = record(
+        result = record_run(
             setup,
             board,
             None,
-            motion_of(WAVE, 2.0, setup.limits, TABLE),
+            rig_motion(WAVE, 2.0, setup.limits, TABLE),
             tmp_path / "run.rrd",
             Attendance(name="restless"),
         )
@@ -160,7 +164,7 @@ def test_a_taken_path_is_refused_before_anything_moves(setup: RigSetup, tmp_path
     path = tmp_path / "run.rrd"
     path.write_bytes(b"mine")
     with connected(setup) as board, pytest.raises(InputError, match="is there already"):
-        record(setup, board, None, motion_of(WAVE, 2.0, setup.limits, TABLE), path, Attendance(name="again"))
+        record_run(setup, board, None, rig_motion(WAVE, 2.0, setup.limits, TABLE), path, Attendance(name="again"))
     assert path.read_bytes() == b"mine"
 
 
@@ -173,18 +177,18 @@ def test_what_is_no_run_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_replayed_run_is_the_run(setup: RigSetup, tmp_path: Path) -> None:
-    from rig.replay import drive
+    from rig.replay import drive_rig
 
     with connected(setup) as board:
-        record(
+        record_run(
             setup,
             board,
             None,
-            motion_of(WAVE, 2.0, setup.limits, TABLE),
+            rig_motion(WAVE, 2.0, setup.limits, TABLE),
             tmp_path / "run.rrd",
             Attendance(name="first"),
         )
-        result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
+        result, difference = drive_rig(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert result.outcome == "complete"
     assert difference is not None
     assert difference.seconds > 1.9
@@ -200,21 +204,23 @@ def test_a_replay_that_a_fault_cut_short_is_a_fault_and_no_bad_input(
     setup: RigSetup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where the board's watchdog bites in the first second, that is said, and not that the recording is too short."""
-    from rig.replay import drive
+    from rig.replay import drive_rig
 
-    def cut(setup: RigSetup, board: Board, camera: None, _: Motion, path: Path, __: Attendance) -> RunResult:
-        done = record(setup, board, camera, motion_of(WAVE, 0.5, setup.limits, TABLE), path, Attendance(name="cut"))
+    def cut(setup: RigSetup, board: Board, camera: None, _: RigMotion, path: Path, __: Attendance) -> RunResult:
+        done = record_run(
+            setup, board, camera, rig_motion(WAVE, 0.5, setup.limits, TABLE), path, Attendance(name="cut")
+        )
         return replace(done, outcome="watchdog")
 
     with connected(setup) as board:
-        record(
+        record_run(
             setup,
             board,
             None,
-            motion_of(WAVE, 2.0, setup.limits, TABLE),
+            rig_motion(WAVE, 2.0, setup.limits, TABLE),
             tmp_path / "run.rrd",
             Attendance(name="first"),
         )
-        monkeypatch.setattr("rig.replay.record", cut)
-        result, difference = drive(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
+        monkeypatch.setattr("rig.replay.record_run", cut)
+        result, difference = drive_rig(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert (result.outcome, difference) == ("watchdog", None)

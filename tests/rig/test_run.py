@@ -12,15 +12,15 @@ from rig import protocol
 from rig.board import Board
 from rig.emulator import Emulator
 from rig.fault import Fault
-from rig.play import arm
-from rig.protocol import Event, EventCode, LoadSample, ServoSample, Type
+from rig.play import arm_board
+from rig.protocol import BoardEvent, EventCode, LoadSample, ServoSample, Type
 from rig.safety import SafetyLimits, ServoCalibration
 
 
 def test_a_run_is_whole_and_on_time(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     samples, start, end = played(board, 2.0)
     assert end.outcome == "complete"
     assert gaps(samples) == 0  # none lost, none doubled, in order
@@ -47,7 +47,7 @@ def test_a_bad_line_costs_time_but_no_sample_and_no_truth(
     """
     share = 0.01 * percent / 3.0
     emulator.say("line", share, share, share)
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     samples, start, end = played(board, 2.0)
     emulator.say("line", 0.0, 0.0, 0.0)
     assert wrong_samples(samples, start, 2.0) == 0
@@ -62,7 +62,7 @@ def test_a_bad_line_costs_time_but_no_sample_and_no_truth(
 def test_unplugged_and_plugged_in_again(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     gone: list[float] = []
 
     def unplug() -> None:
@@ -74,14 +74,14 @@ def test_unplugged_and_plugged_in_again(
     assert end.outcome == "watchdog" or "gone" in end.words
     assert gone[0] < 0.5
     assert gaps(samples) == 0  # the board kept what was missed
-    assert any(isinstance(s, Event) and s.code == EventCode.WATCHDOG for s in samples)
+    assert any(isinstance(s, BoardEvent) and s.code == EventCode.WATCHDOG for s in samples)
     assert board.counters.reconnects == 1
 
 
 def test_board_reset_in_a_run_is_said(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     _, _, end = played(board, 2.0, once(0.5, lambda: emulator.say("reset")))
     assert end.outcome == "board_reset"
     assert to_neutral(emulator) < 0.2  # it was armed again: not left limp
@@ -90,7 +90,7 @@ def test_board_reset_in_a_run_is_said(
 def test_jammed_servo_ends_the_run(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     _, _, end = played(board, 2.0, once(0.5, lambda: emulator.say("jam", 1)))
     assert end.outcome == "overcurrent"
     assert to_neutral(emulator) < 0.5
@@ -98,7 +98,7 @@ def test_jammed_servo_ends_the_run(
     _, _, again = played(board, 1.0)
     assert again.outcome == "overcurrent"  # latched: nothing moves before a deliberate new start
     assert emulator.truth().pulse_us == 0
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     _, _, after = played(board, 1.0)
     assert after.outcome == "complete"
 
@@ -106,10 +106,10 @@ def test_jammed_servo_ends_the_run(
 def test_cell_faults_are_events_and_never_readings(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     samples, _, end = played(board, 3.0, once(0.5, lambda: emulator.say("cell_glitch")))
     assert end.outcome == "complete"
-    codes = [s.code for s in samples if isinstance(s, Event)]
+    codes = [s.code for s in samples if isinstance(s, BoardEvent)]
     assert EventCode.CELL_ERROR in codes
     assert EventCode.CELL_GOOD in codes
     assert all(abs(s.counts - 52000) < 20000 for s in samples if isinstance(s, LoadSample))
@@ -118,7 +118,7 @@ def test_cell_faults_are_events_and_never_readings(
 def test_silent_board_is_no_answer(
     board: Board, emulator: Emulator, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     emulator.say("mute", 20.0)
     with pytest.raises(Fault) as caught:
         board.command(Type.STREAM, protocol.stream(True))
@@ -128,7 +128,7 @@ def test_silent_board_is_no_answer(
 def test_points_beyond_the_limits_are_refused_by_the_board_too(
     board: Board, limits: SafetyLimits, servo: ServoCalibration
 ) -> None:
-    arm(board, limits, servo)
+    arm_board(board, limits, servo)
     board.command(Type.CLEAR)
     with pytest.raises(Fault, match="outside limits"):
         board.command(Type.POINTS, protocol.points(0, [0, 900_000]))

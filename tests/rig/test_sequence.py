@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 from rig.protocol import LoadSample
-from rig.sequence import ASK_AFTER, ASK_AGAIN, MAX_TRIES, SampleSequence
+from rig.sequence import ASK_AFTER, ASK_AGAIN, MOST_RESENDS, SampleSequence
 
 
 def sample(number: int) -> LoadSample:
@@ -38,7 +38,7 @@ def test_what_never_comes_is_counted_and_does_not_hold_up_the_rest() -> None:
     assert [s.number for s in sequence.add(sample(0), 0.0)] == [0]
     assert sequence.add(sample(3), 0.0) == []
     now = ASK_AFTER + 1e-6
-    for _ in range(MAX_TRIES):
+    for _ in range(MOST_RESENDS):
         assert sequence.requests(now) == [(1, 2)]
         assert sequence.requests(now + 0.5 * ASK_AGAIN) == []
         now += ASK_AGAIN + 1e-6

@@ -9,10 +9,19 @@ from tentacle.waveform import Ramped, Sine
 from tests.cli.test_reports import made_up
 from tests.page import problems
 from validation import validity_map
-from validation.ladder import affine_frequencies, climb, theory_frequencies
+from validation.ladder import affine_frequencies, run_ladder, theory_frequencies
 from validation.model_pair import affine_twin, net_weight, reference_twin, shape_error
 from validation.validity_advice import sentence, serves
-from validation.validity_map import AMPLITUDES, ORDERS, RATIOS, Validity, cell, own_slenderness, own_taper, variants
+from validation.validity_map import (
+    AMPLITUDES,
+    MAP_ORDERS,
+    RATIOS,
+    Validity,
+    own_slenderness,
+    own_taper,
+    validity_cell,
+    variants,
+)
 
 
 def swimmer() -> Model:
@@ -44,7 +53,7 @@ def test_an_arm_at_rest_weighs_what_it_should():
 
 @pytest.fixture(scope="module")
 def ladder():
-    return climb(swimmer(), 0.4)
+    return run_ladder(swimmer(), 0.4)
 
 
 def test_the_ladder_climbs(ladder):
@@ -72,19 +81,19 @@ def test_affine_frequencies_are_those_of_the_rayleigh_ritz_targets():
 
 
 def test_a_cell_of_the_map():
-    found = cell({"model": model_tables(swimmer()), "links": 20, "amplitude": 0.4, "frequency": 1.7})
+    found = validity_cell({"model": model_tables(swimmer()), "links": 20, "amplitude": 0.4, "frequency": 1.7})
     assert found["shape"][2] < found["shape"][0] < 0.02
     assert found["thrust_n"] < 0.0
 
 
 def validity(shape: np.ndarray, thrust: np.ndarray | None = None) -> Validity:
-    size = (len(ORDERS), len(AMPLITUDES), len(RATIOS))
+    size = (len(MAP_ORDERS), len(AMPLITUDES), len(RATIOS))
     told = np.full(size, 0.001) if thrust is None else thrust
     return Validity(0.1, 11.0, 3.0, shape, told, np.ones(size[1:]), np.zeros(3))
 
 
 def test_reach_ends_where_the_error_passes_the_level():
-    shape = np.full((len(ORDERS), len(AMPLITUDES), len(RATIOS)), 0.001)
+    shape = np.full((len(MAP_ORDERS), len(AMPLITUDES), len(RATIOS)), 0.001)
     shape[0, 0, 3:] = 0.2
     shape[0, 1, :] = 0.2
     found = validity(shape)
@@ -94,7 +103,7 @@ def test_reach_ends_where_the_error_passes_the_level():
 
 
 def test_the_sentence_says_whether_the_affine_model_serves():
-    shape = np.full((len(ORDERS), len(AMPLITUDES), len(RATIOS)), 0.001)
+    shape = np.full((len(MAP_ORDERS), len(AMPLITUDES), len(RATIOS)), 0.001)
     shape[0, :, 4:] = 0.2
     assert serves(validity(shape))
     words = sentence(validity(shape))
@@ -131,7 +140,9 @@ def test_modulus_drops_out_of_the_map_over_the_first_mode():
         model = replace(swimmer(), gravity=Gravity(0.0, 0.0)).with_effect("elasticity", E=Estimate.exact(modulus))
         model = model.with_effect("damping", eta=Estimate.exact(300.0 * np.sqrt(modulus / 2e5)))
         first = 3.45 * np.sqrt(modulus / 2e5)
-        cells.append(cell({"model": model_tables(model), "links": 10, "amplitude": 0.4, "frequency": 0.8 * first}))
+        cells.append(
+            validity_cell({"model": model_tables(model), "links": 10, "amplitude": 0.4, "frequency": 0.8 * first})
+        )
     # The steps of both models follow the frequency only roughly.
     np.testing.assert_allclose(cells[0]["shape"], cells[1]["shape"], rtol=0.05)
 
@@ -158,7 +169,7 @@ def test_bad_options_are_one_line_and_nothing_is_written(tmp_path, capsys, monke
     from tentacle.io.model_file import write_model
     from validation import ladder as rungs
 
-    monkeypatch.setattr(rungs, "climb", lambda *_: None)  # seconds, and not what this is about
+    monkeypatch.setattr(rungs, "run_ladder", lambda *_: None)  # seconds, and not what this is about
     write_model(swimmer(), tmp_path / "arm.toml")
     assert main(["compare", str(tmp_path / "arm.toml"), "--out", str(tmp_path / "out"), *options]) == 2
     error = capsys.readouterr().err
@@ -175,7 +186,7 @@ def test_a_grid_of_arms_is_one_page_beside_theirs(tmp_path, capsys, monkeypatch,
     files = [tmp_path / "one.toml", tmp_path / "two.toml"]
     for file, modulus in zip(files, (2e5, 4e5), strict=True):
         write_model(swimmer().with_effect("elasticity", E=Estimate.exact(modulus)), file)
-    monkeypatch.setattr(rungs, "climb", lambda *_: ladder)
+    monkeypatch.setattr(rungs, "run_ladder", lambda *_: ladder)
     monkeypatch.setattr(Runner, "run", made_up)  # a map takes minutes
     assert main(["compare", *map(str, files), "--out", str(tmp_path / "grid")]) == 0
     assert [line.split(",")[0] for line in (tmp_path / "grid" / "grid.csv").read_text().splitlines()] == [

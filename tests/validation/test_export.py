@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mujoco_ref.export.mjcf import export_mjcf
-from mujoco_ref.undeclared import Noise, Scenario, make
+from mujoco_ref.undeclared import Noise, Scenario, make_recording
 from tentacle.errors import InputError
 from tentacle.signals import Markers
 from tentacle.waveform import Ramped, Sine
@@ -23,7 +23,7 @@ def model():
 def recording(model):
     plain = replace(model, parameters={k: v for k, v in model.parameters.items() if k != "camera_roll"})
     hidden = {"camera_roll": {"roll": 0.03}}
-    return make(hidden, Scenario(plain, WAVE, 2.5, 60.0), 0, Noise(midline=1.5e-4), name="made")[0]
+    return make_recording(hidden, Scenario(plain, WAVE, 2.5, 60.0), 0, Noise(midline=1.5e-4), name="made")[0]
 
 
 def test_mujoco_shows_the_recording_as_well_as_ours(model, recording):

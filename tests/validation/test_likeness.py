@@ -8,9 +8,9 @@ import pytest
 from tentacle.errors import InputError
 from tentacle.waveform import Sine
 from tests.made_recordings import FPS, TRUTH, WAVE, S
-from validation.trials.design import NEAR, Design, designs
+from validation.trials.design import BASE_SPREAD, Design, designs
 from validation.trials.likeness import AFTER, BEFORE, likeness, sampled_motion
-from validation.trials.sight import Sight, track_noise
+from validation.trials.sight import Measurement, track_noise
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_designs_share_all_but_the_base_parameters_and_what_is_hidden(alike):
     assert {design.duration for design in found} == {alike.duration}
     ratios = np.array([design.model().value("elasticity", "E") for design in found])
     ratios /= alike.model.value("elasticity", "E")
-    assert NEAR[0] <= ratios.min() < 0.9 < 1.1 < ratios.max() <= NEAR[1]
+    assert BASE_SPREAD[0] <= ratios.min() < 0.9 < 1.1 < ratios.max() <= BASE_SPREAD[1]
     assert [Design.of(design.table()) for design in found] == found
 
 
@@ -60,7 +60,7 @@ def test_a_track_s_noise_has_the_stated_covariance_times_its_gain():
     root = np.array([[1e-3, 0.0, 0.0], [4e-4, 2e-3, 0.0], [-3e-4, 8e-4, 3e-3]])
     covariance = root @ root.T
     rows = tuple(tuple(row) for row in covariance.tolist())
-    sight = Sight("track", 1e-5, covariance=rows, gain=(1.0, 1.0, 1.0))
+    sight = Measurement("track", 1e-5, covariance=rows, gain=(1.0, 1.0, 1.0))
     errors = track_noise(sight, 40000, np.random.default_rng(0))
     # Variances of 40 000 draws scatter by .7 %; five of those.
     scale = np.sqrt(np.diag(covariance))

@@ -10,10 +10,10 @@ from tentacle.errors import InputError
 from tests.validation.made_designs import of_kind
 from validation.plants.draw import FASTEST, SETTLED
 from validation.plants.laws import LAWS, OUTSIDE
-from validation.trials.plant_design import SECONDS, PlantDesign, plant_designs
+from validation.trials.plant_design import DURATION_RANGE, PlantDesign, plant_designs
 from validation.trials.plant_recording import plant_recording
 from validation.trials.recording import trial_recording
-from validation.trials.rounds import KINDS, dealt
+from validation.trials.rounds import TRIAL_KINDS, dealt
 from validation.trials.sizing import bare_problem, sized, visible_size
 
 
@@ -35,7 +35,7 @@ def test_kinds_effects_plants_and_videos_come_in_their_shares():
     assert max(singles.values()) - min(singles.values()) <= 1  # shuffled decks deal evenly
     assert set(singles) == set(LAWS)
     assert sum(design.seen == "video" for design in found) == 40
-    assert {design.kind for design in found if design.seen == "video"} == set(KINDS)  # in turn, none is left out
+    assert {design.kind for design in found if design.seen == "video"} == set(TRIAL_KINDS)  # in turn, none is left out
     assert all(
         len(set(design.effects)) == {"single": 1, "pair": 2, "null": 0, "unknown": 1}[design.kind] for design in found
     )
@@ -52,7 +52,7 @@ def test_motions_keep_within_the_servo_s_speed():
         theta = design.trial().theta(t)
         assert np.abs(np.gradient(theta, t)).max() <= FASTEST * 1.001
         assert np.abs(theta).max() > 0.05
-        assert SECONDS[0] <= design.seconds <= SECONDS[1]
+        assert DURATION_RANGE[0] <= design.seconds <= DURATION_RANGE[1]
 
 
 @pytest.mark.parametrize(

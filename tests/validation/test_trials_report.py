@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tentacle.cli import main
-from tentacle.cli.pages.blind_trials import page
+from tentacle.cli.pages.blind_trials import blind_trials_page
 from validation.trials.figures import figures, results
 from validation.trials.outcome import Outcome
 from viz.report import Origin
@@ -38,8 +38,8 @@ def outcomes(count=60):
 
 def test_the_page_is_whole_and_the_same_twice():
     origin = Origin("tentacle blind-trial 60 --seed 0", 0)
-    text = page(outcomes(), [(61, "the simulation went out of bounds")], origin)
-    assert text == page(outcomes(), [(61, "the simulation went out of bounds")], origin)
+    text = blind_trials_page(outcomes(), [(61, "the simulation went out of bounds")], origin)
+    assert text == blind_trials_page(outcomes(), [(61, "the simulation went out of bounds")], origin)
     for heading in ("Scores", "Confusion matrix", "Is the stated confidence true?", "Other methods", "out of bounds"):
         assert heading in text
     assert "nan" not in text.lower().replace("covenant", "").split("<svg", 1)[0]
@@ -61,7 +61,7 @@ def test_figures_of_nothing_say_that_no_trial_tells():
     assert all(
         value is None for name, value in figures([]).items() if name not in ("trials", "calibration_gap_beyond_chance")
     )
-    page([], [], Origin("tentacle blind-trial 1"))
+    blind_trials_page([], [], Origin("tentacle blind-trial 1"))
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from tentacle.signals import MotorSignal
 from vision.encode import write_video
 from vision.kinematics import SHARED, Geometry, outline
 from vision.looks import CLEAN
-from vision.motion import Motion, sweep
-from vision.render import Filming, render
+from vision.motion import ShapeMotion, sweep
+from vision.render import RenderSettings, render
 from vision.scene import swaying
 from vision.track import track
 
@@ -21,13 +21,13 @@ def test_speed_and_acceleration_of_a_parabola():
         return np.array([0.3, -1.0]) + np.array([2.0, 1.0]) * t + np.array([-4.0, 6.0]) * t**2
 
     t0, t1, t = 0.1, 0.13, 0.2  # unequal steps
-    speed, acceleration = Motion(((t0, path(t0)), (t1, path(t1)))).at(t, path(t))
+    speed, acceleration = ShapeMotion(((t0, path(t0)), (t1, path(t1)))).at(t, path(t))
     np.testing.assert_allclose(speed, np.array([2.0, 1.0]) + 2.0 * np.array([-4.0, 6.0]) * t, atol=1e-9)
     np.testing.assert_allclose(acceleration, 2.0 * np.array([-4.0, 6.0]), atol=1e-9)
-    later, _ = Motion(((0.3, path(0.3)), (0.25, path(0.25)))).at(t, path(t))  # from what follows, as well
+    later, _ = ShapeMotion(((0.3, path(0.3)), (0.25, path(0.25)))).at(t, path(t))  # from what follows, as well
     np.testing.assert_allclose(later, speed, atol=1e-9)
-    assert not np.any(Motion().at(t, path(t)))
-    assert not np.any(Motion(((t, path(0.0)),)).at(t, path(t)))  # two frames of one time stamp tell no speed
+    assert not np.any(ShapeMotion().at(t, path(t)))
+    assert not np.any(ShapeMotion(((t, path(0.0)),)).at(t, path(t)))  # two frames of one time stamp tell no speed
 
 
 def test_mean_place_of_a_turning_straight_arm():
@@ -52,7 +52,7 @@ def test_mean_place_of_a_turning_straight_arm():
 def test_a_long_exposure_does_not_bias_the_shape(tmp_path):
     scene = swaying(seed=5, frames=24, size=(960, 540), exposure=0.006)  # the tip moves by up to 7 px
     quiet = replace(CLEAN, noise=0.5)
-    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, quiet, 5))
+    frames = render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, quiet, 5))
     write_video(tmp_path / "video.mp4", frames, scene.t)
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
     shape = track(tmp_path / "video.mp4", Declaration(scene.specimen, camera=scene.camera), motor)

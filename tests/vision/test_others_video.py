@@ -10,16 +10,16 @@ from tentacle.errors import InputError
 from tentacle.io.reading import read_recording
 from tentacle.recording import Declaration
 from tentacle.signals import MotorSignal
-from vision.batch import Batch, sources_of, track_all
+from vision.batch import TrackingBatch, sources_of, track_all
 from vision.body_evidence import length_doubts, width_doubts
-from vision.declared import Numbers
+from vision.declared import DeclaredNumbers
 from vision.encode import write_video
 from vision.looks import CLEAN
 from vision.midline_file import midline_columns, write_midline
 from vision.pick import pick, write_pick
 from vision.proofread import decided, parse_frames, read_verdicts
 from vision.remedy import Watch
-from vision.render import Filming, render
+from vision.render import RenderSettings, render
 from vision.scene import Swing, swaying
 from vision.silhouette import Axis
 from vision.track import Following, track_fully
@@ -30,7 +30,9 @@ def filmed(tmp_path_factory):
     """A swaying arm with a scene's truth: (video, scene, declaration)."""
     scene = swaying(seed=2, frames=45, size=(240, 180), swing=Swing(frequency=1.2))
     video = tmp_path_factory.mktemp("film") / "film.mp4"
-    write_video(video, render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)), scene.t)
+    write_video(
+        video, render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1)), scene.t
+    )
     return video, scene, Declaration(scene.specimen, camera=scene.camera)
 
 
@@ -86,7 +88,7 @@ def test_midlines_read_back_as_an_import_folders_own(filmed, tmp_path):
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
     shape = track_fully(video, declaration, motor, following=Following(order=2)).shape
     write_midline(shape, scene.theta, scene.specimen, tmp_path / "midline.csv")
-    home = write_pick(video, pick(video, Numbers(length=0.14)))
+    home = write_pick(video, pick(video, DeclaredNumbers(length=0.14)))
     recording_toml = (home / "recording.toml").read_text(encoding="utf-8")
     (tmp_path / "recording.toml").write_text(recording_toml, encoding="utf-8")
     midline = read_recording(tmp_path).midline
@@ -103,8 +105,8 @@ def test_many_videos_give_one_table_and_a_bad_one_is_a_row(filmed, tmp_path):
     (tmp_path / "films" / "a.MP4").write_bytes(video.read_bytes())
     (tmp_path / "films" / "b.mov").write_bytes(b"no video")
     sources = sources_of([tmp_path / "films"])
-    arm = Numbers(0.14, 0.0125, 0.0015, scene.camera.base_px, scene.camera.metres_per_px)
-    rows = track_all(sources, Batch(arm, 2, None, tmp_path / "out"), workers=1)
+    arm = DeclaredNumbers(0.14, 0.0125, 0.0015, scene.camera.base_px, scene.camera.metres_per_px)
+    rows = track_all(sources, TrackingBatch(arm, 2, None, tmp_path / "out"), workers=1)
     assert [bool(row["problem"]) for row in rows] == [False, True]
     assert rows[0]["accepted"] == 45
     table = (tmp_path / "out" / "summary.csv").read_text(encoding="utf-8").splitlines()

@@ -8,8 +8,8 @@ import pytest
 from tentacle.errors import InputError
 from vision.encode import write_video
 from vision.looks import CLEAN, LIGHT_ARM, TANK
-from vision.propose import picture, propose
-from vision.render import Filming, render
+from vision.propose import picture, propose_arm
+from vision.render import RenderSettings, render
 from vision.scene import swaying
 
 
@@ -18,9 +18,9 @@ from vision.scene import swaying
 )
 def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity, near):
     scene = swaying(seed=3, frames=30, size=(320, 240))
-    film = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, look, 1), scene.theta))
+    film = list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, look, 1), scene.theta))
     write_video(tmp_path / "film.mp4", film, scene.t)
-    found = propose(tmp_path / "film.mp4")
+    found = propose_arm(tmp_path / "film.mp4")
     assert found.polarity == polarity
     assert np.linalg.norm(np.subtract(found.base_px, scene.camera.base_px)) < near  # px; a clamp hides it
     tip = scene.camera.to_pixels(scene.midline.xy[0, -1])
@@ -38,4 +38,4 @@ def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity, near):
 def test_an_empty_picture_is_one_line():
     empty = (200 + np.random.default_rng(0).normal(0, 2, (120, 160))).astype(np.uint8)
     with pytest.raises(InputError, match="nothing slender"):
-        propose(empty)
+        propose_arm(empty)

@@ -11,7 +11,7 @@ from vision.coverage import polygon_coverage
 from vision.encode import write_video
 from vision.frames import read_frames
 from vision.looks import CLEAN, TANK, look_named
-from vision.render import Filming, frame_times, render
+from vision.render import RenderSettings, frame_times, render
 from vision.scene import swaying
 
 
@@ -44,9 +44,11 @@ def test_a_pixel_half_covered_is_half():
 def test_silhouette_area_is_the_arm_and_smear_keeps_it():
     scene = swaying(seed=3, frames=2, size=(320, 200))
     look = replace(CLEAN, noise=0.0)
-    sharp = next(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, look, 0))).astype(float)
+    sharp = next(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, look, 0))).astype(float)
     smeared_camera = replace(scene.camera, exposure=0.01)
-    smeared = next(render(scene.midline, scene.specimen, smeared_camera, Filming(scene.size, look, 0))).astype(float)
+    smeared = next(render(scene.midline, scene.specimen, smeared_camera, RenderSettings(scene.size, look, 0))).astype(
+        float
+    )
     dark = [(look.ground_level - image).sum() / (look.ground_level - look.arm_level) for image in (sharp, smeared)]
     length = scene.specimen.length / scene.camera.metres_per_px
     expected = length * (0.0125 + 1.5e-3) / scene.camera.metres_per_px  # a bent cone keeps its lamina's area (Pappus)
@@ -57,7 +59,7 @@ def test_silhouette_area_is_the_arm_and_smear_keeps_it():
 def test_same_seed_same_frames_and_another_seed_others():
     scene = swaying(seed=1, frames=3, size=(320, 180))
     frames = [
-        list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, TANK, seed), scene.theta))
+        list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, TANK, seed), scene.theta))
         for seed in (5, 5, 6)
     ]
     assert all(np.array_equal(a, b) for a, b in zip(frames[0], frames[1], strict=True))
@@ -68,7 +70,7 @@ def test_dropped_frames_leave_gaps_and_repeats_are_copies():
     scene = swaying(seed=1, frames=40, size=(160, 90))
     look = replace(CLEAN, dropped=0.2, duplicated=0.2)
     times = frame_times(scene.t, look, 4)
-    frames = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, look, 4)))
+    frames = list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, look, 4)))
     assert len(times) == len(frames) < 40
     assert any(np.array_equal(a, b) for a, b in pairwise(frames))
 

@@ -8,14 +8,14 @@ import pytest
 
 from tentacle.signals import ShapeTrack
 from vision.body import polynomial_rms, track_body
-from vision.calibrate import Board, calibrate
+from vision.calibrate import CharucoBoard, calibrate_lens
 from vision.frames import Frame, read_frames
 from vision.guess import guess_camera
 from vision.lens_file import format_lens, read_lens
 from vision.looks import CLEAN
 from vision.paper_pipeline import paper_axis
 from vision.period import period_average
-from vision.render import Filming, render
+from vision.render import RenderSettings, render
 from vision.scene import swaying
 from vision.silhouette import Axis
 
@@ -24,7 +24,7 @@ DATA = Path(os.environ.get("TENTACLE_DATA", "../shared/data")) / "worm_crops"
 
 def clean_frame(seed=1):
     scene = swaying(seed=seed, frames=1, size=(640, 360))
-    return scene, next(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 0)))
+    return scene, next(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 0)))
 
 
 def test_paper_axis_lies_on_the_true_midline():
@@ -80,8 +80,8 @@ def test_period_average_of_a_sine():
 
 
 def test_board_gives_its_scale_and_a_lens_survives_its_file(tmp_path):
-    board = Board()
-    found = calibrate([Frame(0.0, board.picture(100))], board)
+    board = CharucoBoard()
+    found = calibrate_lens([Frame(0.0, board.picture(100))], board)
     assert found.lens.metres_per_px == pytest.approx(0.02 / 100, rel=1e-3)
     assert abs(found.lens.k1) < 1e-3  # a drawn board is seen through no lens
     (tmp_path / "lens.toml").write_text(format_lens(found.lens, rms_px=found.rms_px))

@@ -10,21 +10,21 @@ from tentacle.errors import InputError
 from tentacle.recording import Declaration
 from tentacle.signals import MotorSignal
 from vision.encode import write_video
-from vision.follow import Follower, follow
+from vision.follow import Follower, follow_frames
 from vision.frames import Frame
 from vision.kinematics import SHARED, Geometry, outline
 from vision.lens import Lens
 from vision.looks import CLEAN, LIGHT_ARM, TANK, TANK_LENS
 from vision.pool import pool
-from vision.render import Filming, bend_by_lens, frame_times, render
+from vision.render import RenderSettings, bend_by_lens, frame_times, render
 from vision.scene import Swing, swaying
 from vision.scenery import frame_faults
-from vision.track import Following, stream, track, track_fully
+from vision.track import Following, stream_tracking, track, track_fully
 
 
 def film(scene, look, folder, seed=2, name="video.mp4"):
     path = folder / name
-    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, look, seed), scene.theta)
+    frames = render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, look, seed), scene.theta)
     write_video(path, frames, frame_times(scene.t, look, seed))
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
     return path, Declaration(scene.specimen, camera=scene.camera), motor
@@ -129,11 +129,11 @@ def test_third_coordinate_is_noticed_when_not_fitted(tmp_path):
 def test_the_fifth_coordinate_is_found_where_it_is():
     scene = swaying(seed=6, frames=8, size=(1280, 720), swing=Swing(order=5))
     quiet = replace(CLEAN, noise=0.5)
-    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, quiet, 1), scene.theta)
+    frames = render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, quiet, 1), scene.theta)
     follower = Follower(
         Geometry.declared(scene.specimen, scene.camera), 0.0, 5, lambda t: float(np.interp(t, scene.t, scene.theta))
     )
-    seen = list(follow((Frame(float(t), image) for t, image in zip(scene.t, frames, strict=True)), follower))
+    seen = list(follow_frames((Frame(float(t), image) for t, image in zip(scene.t, frames, strict=True)), follower))
     pooled = pool(seen, follower.shared, None)
     assert pooled.order == 5
     error = pooled.x[:, 1:] - scene.q
@@ -163,7 +163,7 @@ def test_no_camera_declared(tmp_path):
 
 def test_a_video_that_a_codec_has_smoothed_is_tracked(tmp_path):
     scene = swaying(seed=1, frames=20, size=(640, 360))
-    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1))
+    frames = render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1))
     write_video(tmp_path / "video.mp4", frames, scene.t, crf=18)
     shape = track(
         tmp_path / "video.mp4",
@@ -179,13 +179,13 @@ def test_a_video_that_a_codec_has_smoothed_is_tracked(tmp_path):
 
 def test_a_long_video_does_not_grow_in_memory(tmp_path):
     scene = swaying(seed=1, frames=20, size=(160, 120))
-    pictures = list(render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1)))
+    pictures = list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1)))
     there_and_back = [*range(20), *range(18, 0, -1)]
     order = [there_and_back[k % len(there_and_back)] for k in range(460)]
     times = np.arange(460) / scene.camera.fps
     write_video(tmp_path / "long.mp4", [pictures[k] for k in order], times)
     motor = MotorSignal(times, scene.theta[order], scene.theta[order])
-    _, results = stream(tmp_path / "long.mp4", Declaration(scene.specimen, camera=scene.camera), motor)
+    _, results = stream_tracking(tmp_path / "long.mp4", Declaration(scene.specimen, camera=scene.camera), motor)
     accepted, before = 0, 0
     try:
         for k, seen in enumerate(results):
@@ -203,7 +203,7 @@ def test_a_long_video_does_not_grow_in_memory(tmp_path):
 
 def test_tracking_follows_a_file_that_is_still_being_written(tmp_path):
     scene = swaying(seed=1, frames=60, size=(320, 180))
-    frames = render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1))
+    frames = render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1))
     write_video(tmp_path / "whole.mkv", frames, scene.t)
     data = (tmp_path / "whole.mkv").read_bytes()
     growing = tmp_path / "growing.mkv"

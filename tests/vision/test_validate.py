@@ -11,10 +11,10 @@ from tests.vision.edge_limit import edge_sigma, shape_limit
 from vision.encode import write_video
 from vision.looks import CLEAN, TANK_LENS
 from vision.picture_limit import jpeg_steps, picture_information, pose_known_limit, recording_limit
-from vision.render import Filming, render
+from vision.render import RenderSettings, render
 from vision.scene import Swing, swaying
 from vision.track import track
-from vision.validate import as_json, false_accepts, judge_disturbed, judge_look, table
+from vision.validate import false_accepts, judge_disturbed, judge_look, look_table, results_json
 
 
 def test_limit_has_its_closed_form():
@@ -38,7 +38,9 @@ def test_an_arm_that_leaves_the_picture_is_flagged(tmp_path):
     scene = swaying(seed=5, frames=90, size=(640, 360), swing=Swing(amplitude=1.2))
     tips = scene.camera.to_pixels(scene.midline.xy[:, -1])[:, 0]
     right = int(np.quantile(tips, 0.7))  # the tip is beyond this column in 3 of 10 frames
-    frames = [f[:, :right] for f in render(scene.midline, scene.specimen, scene.camera, Filming(scene.size, CLEAN, 1))]
+    frames = [
+        f[:, :right] for f in render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1))
+    ]
     write_video(tmp_path / "video.mp4", [np.ascontiguousarray(f[:, : right - right % 2]) for f in frames], scene.t)
     motor = MotorSignal(scene.t, scene.theta, scene.theta)
     shape = track(tmp_path / "video.mp4", Declaration(scene.specimen, camera=scene.camera), motor)
@@ -55,8 +57,8 @@ def test_report_of_a_look_with_a_lens():
     assert result.missed < 0.2
     assert result.rms[0] < 4e-3  # rad; some ten times the limit: bubbles are large beside an arm of 356 px
     assert result.rms[0] < 0.1 * result.paper_rms[0]
-    assert "tank_lens" in table([result])
-    assert as_json([result])[0]["look"] == "tank_lens"
+    assert "tank_lens" in look_table([result])
+    assert results_json([result])[0]["look"] == "tank_lens"
 
 
 def test_the_pictures_limit_is_the_edges_limit_where_nothing_disturbs():

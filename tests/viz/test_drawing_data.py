@@ -9,7 +9,7 @@ import pytest
 
 from tentacle.model import Estimate
 from tentacle.specimen import Cone, Specimen
-from viz.heat import COLUMNS, GAP, colour_limit, heat_map
+from viz.heat import GAP, HEAT_COLUMNS, colour_limit, heat_map
 from viz.palette import AUGMENTED, BASE, MEASURED, WARNING
 from viz.scene import scene_of
 from viz.spectrum import amplitude_spectrum
@@ -64,7 +64,7 @@ def test_the_residual_map_puts_time_and_arc_length_where_it_says(case):
     assert abs(bright[:, 1].mean() - drawn.column(run.t[instant])) < 2  # one sample is 600/180 columns wide
     gap = np.flatnonzero((drawn.picture == GAP).all(axis=(0, 2)))
     assert abs(gap.mean() - drawn.column(run.t[20:24].mean())) < 2
-    assert drawn.picture.shape[1] == COLUMNS
+    assert drawn.picture.shape[1] == HEAT_COLUMNS
 
 
 def test_both_maps_share_the_base_models_limit(case):

@@ -10,8 +10,8 @@ import pytest
 from tentacle.errors import InputError
 from tentacle.waveform import Chirp
 from viz.figures.extremes import extremes_figure, mean_square_error
-from viz.figures.period import fundamental_period, period_average, period_figure
-from viz.figures.pipeline import Still, pipeline_figure
+from viz.figures.period import average_over_period, fundamental_period, period_figure
+from viz.figures.pipeline import PaperStill, pipeline_figure
 from viz.figures.regression import regression_figure
 from viz.figures.speeds import Swim, speeds_figure
 from viz.figures.style import save, svg
@@ -39,7 +39,7 @@ def test_folding_gives_the_mean_and_the_deviation_over_cycles():
         (len(t), 2)
     )
     q[500:520] = np.nan
-    phase, mean, deviation = period_average(t, q, 2.0)
+    phase, mean, deviation = average_over_period(t, q, 2.0)
     # 800 samples a bin: 0.1 / sqrt(800) = 0.0035; a bin 1/50 wide is averaged, which bends the sine by (pi/50)^2 / 6
     np.testing.assert_allclose(mean[:, 0], np.sin(2 * np.pi * phase), atol=0.016)
     # within a bin the sine itself spreads by up to 2 pi / 50 / sqrt(12) = 0.036
@@ -102,7 +102,7 @@ def test_every_axis_of_every_figure_has_a_unit_and_every_format_is_written(case,
             assert save(figure, tmp_path / f"figure{suffix}").stat().st_size > 1000
     picture = np.full((90, 160, 3), 200, np.uint8)
     steps = pipeline_figure(
-        [Still("frame", picture, [(MEASURED, np.array([[0, 0], [10, 40]]))]), Still("mask", picture)]
+        [PaperStill("frame", picture, [(MEASURED, np.array([[0, 0], [10, 40]]))]), PaperStill("mask", picture)]
     )
     assert [axes.get_title() for axes in steps.axes] == ["a) frame", "b) mask"]
 

@@ -20,7 +20,7 @@ from tentacle.errors import InputError
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.recording import Recording
 from viz.blueprints.rig import LivePaths, rig_blueprint
-from viz.compare import Motion, model_markdown, motions_scene, write_comparison
+from viz.compare import ComparedMotion, model_markdown, motions_scene, write_comparison
 from viz.page import serve_web
 from viz.track import track_scene, write_recording_view
 from viz.viewer import DECLARATION, headless_viewer, holds, open_native, require_recordings, screenshot
@@ -64,7 +64,10 @@ def test_a_session_is_told_from_a_recording(case, tmp_path):
 
 def test_two_models_are_held_against_one_another(case, tmp_path):
     run = case.diagnosis.runs[0]
-    motions = {"MuJoCo reference": Motion(run.augmented), "affine/2": Motion(run.base, run.q_base, drag=run.drag_base)}
+    motions = {
+        "MuJoCo reference": ComparedMotion(run.augmented),
+        "affine/2": ComparedMotion(run.base, run.q_base, drag=run.drag_base),
+    }
     scene = motions_scene("side by side", run.t, run.s, run.theta, motions)
     page = model_markdown(case.diagnosis.base_model, ("first mode 5.16 Hz",))
     declared = Recording("side by side", case.recordings[0].declaration)

@@ -16,7 +16,7 @@ import pytest
 from tentacle.recording import Camera
 from tentacle.signals import Video
 from viz.priority import thread_policies
-from viz.video import TICKS, frames, small_video
+from viz.video import VIDEO_TIME_BASE, frames, small_video
 
 
 def filmed_unevenly(file: Path, t: np.ndarray) -> Path:
@@ -24,10 +24,10 @@ def filmed_unevenly(file: Path, t: np.ndarray) -> Path:
     with av.open(str(file), "w") as container:
         stream = container.add_stream("libx264", rate=30)
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
-        stream.codec_context.time_base = Fraction(1, TICKS)
+        stream.codec_context.time_base = Fraction(1, VIDEO_TIME_BASE)
         for number, instant in enumerate(t):
             frame = av.VideoFrame.from_ndarray(np.full((48, 64, 3), 4 * number, np.uint8), "rgb24")
-            frame.pts, frame.time_base = round(instant * TICKS), Fraction(1, TICKS)
+            frame.pts, frame.time_base = round(instant * VIDEO_TIME_BASE), Fraction(1, VIDEO_TIME_BASE)
             container.mux(stream.encode(frame))
         container.mux(stream.encode())
     return file
@@ -45,8 +45,8 @@ def test_frames_that_come_unevenly_keep_their_times(case, tmp_path):
     small = small_video(recording_filmed_unevenly(case, tmp_path, t))
     with av.open(io.BytesIO(small.contents)) as container:
         shown = [float(frame.time) for frame in container.decode(video=0) if frame.time is not None]
-    assert np.allclose(np.diff(small.t), np.diff(t), rtol=0, atol=1 / TICKS)  # the file's own resolution
-    assert np.allclose(shown, small.t, rtol=0, atol=1 / TICKS)
+    assert np.allclose(np.diff(small.t), np.diff(t), rtol=0, atol=1 / VIDEO_TIME_BASE)  # the file's own resolution
+    assert np.allclose(shown, small.t, rtol=0, atol=1 / VIDEO_TIME_BASE)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux's root lets the encoder raise priorities")

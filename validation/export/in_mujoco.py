@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from mujoco_ref.engine import mujoco
 from mujoco_ref.export.arm_forces import Forces, drive
-from mujoco_ref.midline import midline_points
+from mujoco_ref.midline import chain_midline_points
 from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.signals import Array
@@ -61,7 +61,7 @@ def points_in_mujoco(xml: str, model: Model, started: Started, exact: bool) -> A
         mujoco.set_mjcb_passive(None)
     angles = np.cumsum(positions[:, : links + 1], axis=1)
     shown = started.seen
-    xy = midline_points(angles, np.zeros((len(angles), 2)), model.specimen.length, shown.s)
+    xy = chain_midline_points(angles, np.zeros((len(angles), 2)), model.specimen.length, shown.s)
     phi = CubicSpline(np.arange(links + 1) / links, angles, axis=1)(shown.s)
     beside = shown.d[:, None] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     return as_camera_has_it(model, xy + beside, started.shift)

@@ -15,7 +15,7 @@ TRACKED_POINTS = np.linspace(0.05, 1.0, 20)  # of the axis, where a video's shap
 
 
 @dataclass(frozen=True)
-class Seen:
+class ObservedPoints:
     """Points (s, d) of the arm over time: t (T,) [s], s (P,), d (P,) [m] along the normal, xy (T, P, 2) [m], NaN where
     not seen. camera: the clamp may lie beside where the declaration puts it.
     """
@@ -27,19 +27,19 @@ class Seen:
     camera: bool
 
 
-def seen(recording: Recording) -> Seen:
+def observed_points(recording: Recording) -> ObservedPoints:
     """The points of a recording; InputError where it shows none."""
     if recording.midline is not None:
         line = recording.midline
-        return Seen(line.t, line.s, np.zeros(len(line.s)), line.xy, True)
+        return ObservedPoints(line.t, line.s, np.zeros(len(line.s)), line.xy, True)
     if recording.markers is not None:
         marks = recording.markers
-        return Seen(marks.t, marks.s, marks.d, marks.xy, False)
+        return ObservedPoints(marks.t, marks.s, marks.d, marks.xy, False)
     if recording.shape is not None and recording.motor is not None:
         shape, motor = recording.shape, recording.motor
         theta = np.interp(shape.t, motor.t, motor.angle) + shape.coefficients[:, 0]
         length = recording.declaration.specimen.length * shape.scale
         xy = midline(shape.coefficients[:, 1:], theta, length, TRACKED_POINTS) + shape.base_shift
         xy[~shape.accepted] = np.nan
-        return Seen(shape.t, TRACKED_POINTS, np.zeros(len(TRACKED_POINTS)), xy, True)
+        return ObservedPoints(shape.t, TRACKED_POINTS, np.zeros(len(TRACKED_POINTS)), xy, True)
     raise InputError("shows no midline and no markers", field=recording.name, expected="a recording that was tracked")

@@ -23,11 +23,11 @@ from tentacle.model import Model
 from tentacle.recording import Recording
 from tentacle.signals import Array
 from tentacle.waveform import Waveform
-from validation.export.seen import Seen, seen
+from validation.export.seen import ObservedPoints, observed_points
 
-STEP = 1.0 / 600.0  # s, of ours
-MARGIN = 0.05  # s simulated beyond the last frame
-NUDGE = 1e-4  # rad, rad/s; of the differences that give the derivatives
+REDUCED_STEP = 1.0 / 600.0  # s, of ours
+LAST_FRAME_MARGIN = 0.05  # s simulated beyond the last frame
+STATE_NUDGE = 1e-4  # rad, rad/s; of the differences that give the derivatives
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Started:
     base: the clamp's motion after servo lag and play; error_mm: ours, rms over points and frames.
     """
 
-    seen: Seen
+    seen: ObservedPoints
     t: Array
     start: float
     stop: float
@@ -68,7 +68,7 @@ def distance_mm(shown: Array, points: Array) -> float:
 
 def start_of(model: Model, recording: Recording) -> Started:
     """Fit the start of a recording under a model. InputError where it shows no arm, or the model cannot be run."""
-    shown = seen(recording)
+    shown = observed_points(recording)
     parameters = parameter_vector(model)
     offset = float(parameters[parameter_index("time_offset", "offset")])
     release = recording.declaration.release_t
@@ -90,7 +90,7 @@ def start_of(model: Model, recording: Recording) -> Started:
     return Started(shown, t, start, float(t[-1]), q, q_rate, shift, base, error)
 
 
-def _first_shape(model: Model, shown: Seen, theta: float) -> Array:
+def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
     """The shape of the first frame, its points fitted alone."""
     first = shown.xy[0]
     usable = np.isfinite(first).all(axis=1)
@@ -112,9 +112,9 @@ def _clamp(recording: Recording, model: Model, start: float, stop: float) -> Wav
     motion: BaseMotion = fit_base_motion(recording.motor)
     if lag[0] <= 0.0 and play[0] <= 0.0:
         return motion
-    steps = int(np.ceil((stop + MARGIN - start) / STEP)) + 2
-    table = base_table(motion, Steps(start - STEP, STEP, steps), lag, play)[:, :, 0]
-    return _Table(step_middles(start - STEP, STEP, steps), table)
+    steps = int(np.ceil((stop + LAST_FRAME_MARGIN - start) / REDUCED_STEP)) + 2
+    table = base_table(motion, Steps(start - REDUCED_STEP, REDUCED_STEP, steps), lag, play)[:, :, 0]
+    return _Table(step_middles(start - REDUCED_STEP, REDUCED_STEP, steps), table)
 
 
 @dataclass(frozen=True)
@@ -131,11 +131,13 @@ class _Table:
 class _Ours:
     """Ours under a recording's base motion, for many starts at once; unknowns: q(0), q'(0) if moving, shift."""
 
-    def __init__(self, model: Model, shown: Seen, t: Array, start: float, base: Waveform, moving: bool) -> None:
+    def __init__(
+        self, model: Model, shown: ObservedPoints, t: Array, start: float, base: Waveform, moving: bool
+    ) -> None:
         self.model, self.shown, self.t, self.start, self.moving = model, shown, t, start, moving
         self.arm, self.parameters = arm_of(model), parameter_vector(model)
-        steps = int(np.ceil((t[-1] + MARGIN - start) / STEP))
-        self.table = base(step_middles(start, STEP, steps))[:, :, None]
+        steps = int(np.ceil((t[-1] + LAST_FRAME_MARGIN - start) / REDUCED_STEP))
+        self.table = base(step_middles(start, REDUCED_STEP, steps))[:, :, None]
         n = model.order
         self.size = n * (1 + moving) + 2 * shown.camera
         self.scales = np.concatenate([np.full(n, 0.1), np.full(n * moving, 1.0), np.full(2 * shown.camera, 1e-3)])
@@ -155,10 +157,10 @@ class _Ours:
             self.arm,
             np.repeat(self.parameters[:, None], count, axis=1),
             self.table,
-            Timing(STEP, 1),
+            Timing(REDUCED_STEP, 1),
             start=Start(q=q, q_rate=rate, t0=self.start),
         )
-        place = np.clip((self.t - run.t[0]) / STEP, 0.0, len(run.t) - 1.001)
+        place = np.clip((self.t - run.t[0]) / REDUCED_STEP, 0.0, len(run.t) - 1.001)
         index, share = place.astype(int), (place - place.astype(int))[:, None, None]
         bend = (1.0 - share) * run.q[index] + share * run.q[index + 1]
         theta = (1.0 - share[..., 0]) * run.theta[index] + share[..., 0] * run.theta[index + 1]
@@ -178,7 +180,7 @@ class _Ours:
 
     def jacobian(self, unknowns: Array) -> Array:
         """Its derivatives by one batch of differences; what was not seen has none."""
-        steps = NUDGE * self.scales / 0.1
+        steps = STATE_NUDGE * self.scales / 0.1
         points = self.points(np.concatenate([unknowns[:, None], unknowns[:, None] + np.diag(steps)], axis=1))
         slope = 1e3 * (points[..., 1:] - points[..., :1]) / steps
         slope[~np.isfinite(self.shown.xy)] = 0.0

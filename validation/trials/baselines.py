@@ -25,17 +25,17 @@ from inference.weak_form import Bumps, weak_system
 from tentacle.model import Model
 from tentacle.recording import Recording
 
-ORDER = 2  # the paper's
-WIDTH = 0.3  # s: a weak form's bump, about half the shortest period of the trials' motions
+BASELINE_ORDER = 2  # the paper's
+BUMP_WIDTH = 0.3  # s: a weak form's bump, about half the shortest period of the trials' motions
 OVERLAP = 4
-WINDOW = 7  # samples that a derivative spans, as measured_motion takes them
+DERIVATIVE_WINDOW = 7  # samples that a derivative spans, as measured_motion takes them
 NATS_A_PARAMETER = 7.6  # as in discovery.rules.search: about 20 candidates at p = .01
 THRESHOLDS = np.geomspace(1e-3, 0.3, 8)  # of a column of norm 1, the target being of norm 1
-BASE = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"))
+BASE_PARAMETERS = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"))
 
 
 @dataclass(frozen=True)
-class Columns:
+class RegressionData:
     """A recording as regression wants it: t (T,) [s], the paper's q (T, 2) [rad], base (3, T)."""
 
     t: Array
@@ -43,7 +43,7 @@ class Columns:
     base: Array
 
 
-def columns_of(recording: Recording) -> Columns:
+def columns_of(recording: Recording) -> RegressionData:
     """The paper's coordinates of a recording's shapes; frames that were not seen are left out.
 
     Raises InputError where it holds too little, TypeError where it shows markers only.
@@ -52,10 +52,10 @@ def columns_of(recording: Recording) -> Columns:
     observation = experiment.observation
     if not isinstance(observation, ShapeObservation):
         raise TypeError("the paper's regression needs whole shapes")
-    q = restricted(observation, observation.coefficients, ORDER) @ legendre_to_monomial(ORDER).T
+    q = restricted(observation, observation.coefficients, BASELINE_ORDER) @ legendre_to_monomial(BASELINE_ORDER).T
     seen = np.isfinite(q).all(axis=1)
     t = observation.t[seen]
-    return Columns(t, q[seen], np.asarray(experiment.base(t)))
+    return RegressionData(t, q[seen], np.asarray(experiment.base(t)))
 
 
 def _regressed(effect: Effect) -> bool:
@@ -81,7 +81,7 @@ class System:
 def _system(residual: Callable[[Array], Array], independent: float) -> System:
     """The columns of the base and of every effect that has one; those that are dead in these data are left out."""
     effects = [effect for effect in absent_effects() if _regressed(effect)]
-    names = (*BASE, *((effect.name, strength.name) for effect in effects for strength in effect.strengths))
+    names = (*BASE_PARAMETERS, *((effect.name, strength.name) for effect in effects for strength in effect.strengths))
     given = neutral_parameters()
     given[parameter_index("elasticity", "E")] = 2e5
     with np.errstate(all="ignore"):
@@ -95,11 +95,11 @@ def _best_column(system: System) -> tuple[str, ...]:
     """The effect whose columns explain most beyond their price, beside the base's; none where none pays."""
     best, named = -np.inf, ()
     for effect in ("", *dict.fromkeys(name for name, _ in system.names)):
-        chosen = [k for k, name in enumerate(system.names) if name in BASE or name[0] == effect]
+        chosen = [k for k, name in enumerate(system.names) if name in BASE_PARAMETERS or name[0] == effect]
         solution = np.linalg.lstsq(system.columns[:, chosen], system.target, rcond=None)[0]
         found = system.evidence(system.target - system.columns[:, chosen] @ solution, len(chosen))
         if found > best:
-            best, named = found, (effect,) if len(chosen) > len(BASE) else ()
+            best, named = found, (effect,) if len(chosen) > len(BASE_PARAMETERS) else ()
     return named
 
 
@@ -120,7 +120,11 @@ def _sparse(system: System) -> tuple[str, ...]:
         share = np.ravel(optimizer.coef_) * size
         found = system.evidence(system.target - system.columns @ share, int(np.count_nonzero(share)))
         if found > best:
-            others = [(abs(s), name[0]) for s, name in zip(share, system.names, strict=True) if name not in BASE and s]
+            others = [
+                (abs(s), name[0])
+                for s, name in zip(share, system.names, strict=True)
+                if name not in BASE_PARAMETERS and s
+            ]
             best, named = found, (max(others)[1],) if others else ()
     return named
 
@@ -128,12 +132,14 @@ def _sparse(system: System) -> tuple[str, ...]:
 def baselines(recording: Recording) -> dict[str, tuple[str, ...]]:
     """Method -> the one effect it names, or nothing; without "pysindy" where that is not installed."""
     d = recording.declaration
-    arm = arm_of(Model(d.specimen, d.fluid, d.gravity, ORDER))
+    arm = arm_of(Model(d.specimen, d.fluid, d.gravity, BASELINE_ORDER))
     data = columns_of(recording)
     motion = measured_motion(arm, data.t, data.q, data.base)
-    inside = slice(WINDOW // 2, data.t.size - WINDOW // 2)
+    inside = slice(DERIVATIVE_WINDOW // 2, data.t.size - DERIVATIVE_WINDOW // 2)
     strong = _system(lambda vector: motion_residual(arm, vector, motion)[inside].ravel(), 1.0)
     # Rows of a weak form: OVERLAP bumps cover every instant, so that many rows count as one.
-    weak = _system(weak_system(arm, MeasuredCourse(data.t, data.q, data.base), Bumps(WIDTH, OVERLAP)), 1.0 / OVERLAP)
+    weak = _system(
+        weak_system(arm, MeasuredCourse(data.t, data.q, data.base), Bumps(BUMP_WIDTH, OVERLAP)), 1.0 / OVERLAP
+    )
     sparse = {"pysindy": _sparse(weak)} if find_spec("pysindy") else {}
     return {"regression": _best_column(strong), "weak_form": _best_column(weak), **sparse}

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from mujoco_ref.undeclared import Plan, Scenario, make, trial_name
+from mujoco_ref.undeclared import Scenario, TrialPlan, make_recording, trial_name
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Recording
@@ -16,14 +16,14 @@ from validation.film import filmed
 
 
 @dataclass(frozen=True)
-class Film:
+class FilmStyle:
     """How recordings are filmed: look (None: no video, the midline instead), size [px]."""
 
     look: str | None = None
     size: tuple[int, int] = (960, 720)
 
 
-def write_simulated(recording: Recording, film: Film, out: Path, seed: int) -> None:
+def write_simulated(recording: Recording, film: FilmStyle, out: Path, seed: int) -> None:
     """An import folder, or an .rrd file where out says so; with a look the midline becomes a rendered video."""
     with tempfile.TemporaryDirectory() as folder:
         if film.look is not None:
@@ -34,7 +34,7 @@ def write_simulated(recording: Recording, film: Film, out: Path, seed: int) -> N
             write_folder(recording, out)
 
 
-def write_trials(plan: Plan, count: int, film: Film, out: Path, sealed: Path) -> Iterator[int]:
+def write_trials(plan: TrialPlan, count: int, film: FilmStyle, out: Path, sealed: Path) -> Iterator[int]:
     """Write count recordings to out, with a baseline that hides nothing, and their answers to sealed (JSON lines).
 
     Yields each trial's number when it is done. A trial whose recording and answer exist is not made again.
@@ -45,7 +45,7 @@ def write_trials(plan: Plan, count: int, film: Film, out: Path, sealed: Path) ->
     out.mkdir(parents=True, exist_ok=True)
     sealed.parent.mkdir(parents=True, exist_ok=True)
     if not (out / "baseline").exists():
-        base, _ = make(
+        base, _ = make_recording(
             {},
             Scenario(plan.model, plan.waveform, plan.duration, plan.fps),
             plan.seed,

@@ -14,11 +14,11 @@ from tentacle.io.waveform_file import waveform_from_table
 from tentacle.model import Estimate, Model
 from tentacle.waveform import Waveform
 from validation.trials.likeness import Likeness
-from validation.trials.rounds import KINDS, Kind, dealt, log_uniform
-from validation.trials.sight import Sight
+from validation.trials.rounds import TRIAL_KINDS, TrialKind, dealt, log_uniform
+from validation.trials.sight import Measurement
 
 R_RANGE = (0.3, 10.0)  # noise sigmas: rms of the residual that refitting the base cannot absorb
-NEAR = (0.8, 1.25)  # times a fitted base parameter: those of the trials like a recording
+BASE_SPREAD = (0.8, 1.25)  # times a fitted base parameter: those of the trials like a recording
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class Design:
 
     index: int
     seed: int
-    kind: Kind
+    kind: TrialKind
     effects: tuple[str, ...]
     r: tuple[float, ...]
-    sight: Sight
+    sight: Measurement
     duration: float
     fps: float
     arm: dict[str, Any]
@@ -55,7 +55,7 @@ class Design:
         """The design of a table."""
         start = None if table["initial_q"] is None else tuple(table["initial_q"])
         tuples = {"effects": tuple(table["effects"]), "r": tuple(table["r"]), "initial_q": start}
-        return Design(**{**table, **tuples, "sight": Sight.of(table["sight"])})
+        return Design(**{**table, **tuples, "sight": Measurement.of(table["sight"])})
 
     def model(self) -> Model:
         """The arm with its true base parameters."""
@@ -69,7 +69,9 @@ class Design:
 def _varied(model: Model, random: np.random.Generator) -> Model:
     """The model with base parameters near its own: a fit that lacks an effect knows them no better."""
     changed = {
-        effect: {name: Estimate.exact(e.value * float(random.uniform(*NEAR)), e.unit) for name, e in values.items()}
+        effect: {
+            name: Estimate.exact(e.value * float(random.uniform(*BASE_SPREAD)), e.unit) for name, e in values.items()
+        }
         for effect, values in model.parameters.items()
     }
     return replace(model, parameters=changed)
@@ -81,7 +83,7 @@ def designs(
     catalogued: Sequence[str],
     outside: Sequence[str],
     like: Likeness,
-    kinds: Sequence[str] = KINDS,
+    kinds: Sequence[str] = TRIAL_KINDS,
 ) -> list[Design]:
     """The first `count` trials of a seed like a recording: runs of its arm under its motion, seen in its way.
 

@@ -16,7 +16,7 @@ from validation.trials.reliability import (
 )
 from validation.trials.scores import VISIBLE, Share, baseline_hit, scores, share
 
-METHODS = (
+BASELINE_METHODS = (
     ("regression", "the paper's regression (eq. 18-19), best column"),
     ("weak_form", "weak form of the same columns, best column"),
     ("pysindy", "PySINDy (STLSQ) over all columns of the weak form"),
@@ -49,7 +49,7 @@ def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, 
             for end, value in zip(("low", "high"), _interval(getattr(found, name)), strict=True)
         },
         **_by_plant(outcomes),
-        **{f"{method}_top1": _top1(outcomes, method) for method, _ in METHODS},
+        **{f"{method}_top1": _top1(outcomes, method) for method, _ in BASELINE_METHODS},
     }
     return {name: value if value == value else None for name, value in values.items()}
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from mujoco_ref.undeclared.strength import SCALED, SIZES, typical
+from mujoco_ref.undeclared.strength import SCALED_TOGETHER, STRENGTH_SIZES, typical
 from tentacle.errors import InputError
 from tentacle.model import Model
 
@@ -17,15 +17,15 @@ def hidden_effects(options: Sequence[str], seed: int, model: Model) -> dict[str,
     for option in options:
         effect, _, text = option.partition("=")
         drawn = typical(effect, model, np.random.default_rng(seed))
-        if text in ("", *SIZES):
+        if text in ("", *STRENGTH_SIZES):
             effects[effect] = text or "visible"
             continue
         pairs = [pair.partition(":") for pair in text.split(",")]
         if not any(separator for _, separator, _ in pairs):
-            if len(SCALED[effect]) != 1:
+            if len(SCALED_TOGETHER[effect]) != 1:
                 expected = ",".join(f"{name}:VALUE" for name in drawn) or "no value"
                 raise InputError(f"{text!r} does not say of what", field=f"--hide {effect}", expected=expected)
-            pairs = [(SCALED[effect][0], ":", text)]
+            pairs = [(SCALED_TOGETHER[effect][0], ":", text)]
         try:
             effects[effect] = drawn | {name: float(number) for name, _, number in pairs}
         except ValueError:

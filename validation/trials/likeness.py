@@ -18,9 +18,9 @@ from tentacle.model import Estimate, Model
 from tentacle.recording import Recording
 from tentacle.signals import ShapeTrack
 from tentacle.waveform import Waveform
-from validation.trials.sight import EVERYWHERE, Sight, track_noise
+from validation.trials.sight import EVERYWHERE, Measurement, track_noise
 
-LEAST_TURN = 0.02  # rad: a base that turns by less does not move
+LEAST_BASE_TURN = 0.02  # rad: a base that turns by less does not move
 BEFORE, AFTER = 2.5, 1.5  # s of motion before the first and after the last frame: a run begins in the middle of things
 SAMPLED_AT = 100.0  # samples/s of the base motion, about 20 a period of the fastest that a servo swings
 DRAWS = 200  # of a track's noise, to say what it is worth
@@ -38,7 +38,7 @@ class Likeness:
     motion: dict[str, Any]
     duration: float
     fps: float
-    sight: Sight
+    sight: Measurement
     initial_q: tuple[float, ...] | None = None
     release_t: float | None = None
 
@@ -57,13 +57,13 @@ def likeness(recording: Recording) -> Likeness:
     seen = experiment.observation.t[experiment.used]
     theta = experiment.base(seen)[0]
     released = experiment.release is not None
-    if not released and np.ptp(theta) < LEAST_TURN:
+    if not released and np.ptp(theta) < LEAST_BASE_TURN:
         raise InputError(
             f"the base of {recording.name} turns by {np.ptp(theta):.2g} rad, and no release is declared",
             field="--like",
-            expected=f"a motor log that moves by {LEAST_TURN:g} rad, or release_t",
+            expected=f"a motor log that moves by {LEAST_BASE_TURN:g} rad, or release_t",
         )
-    if released and np.ptp(theta) > LEAST_TURN:
+    if released and np.ptp(theta) > LEAST_BASE_TURN:
         raise InputError(
             f"{recording.name} is let go on a base that turns by {np.ptp(theta):.2g} rad",
             field="--like",
@@ -107,21 +107,21 @@ def sampled_motion(base: Waveform, first: float, last: float) -> dict[str, Any]:
     return {"kind": "samples", "t_s": (t - first).tolist(), "angle_rad": angle.tolist()}
 
 
-def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Sight:
+def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Measurement:
     """How well a recording was seen: by what it states of its noise, and by what the fit found it to be."""
     recording, observation = prepared.recording, experiment.observation
     gain = float(np.median(experiment.noise_gain))
     angle_noise = _angle_noise(recording, experiment, interval)
     if isinstance(observation, MarkerObservation):
         places = tuple(map(float, observation.s)), tuple(map(float, observation.d))
-        return Sight("markers", gain * observation.sigma, None, *places, angle_noise=angle_noise)
+        return Measurement("markers", gain * observation.sigma, None, *places, angle_noise=angle_noise)
     if recording.midline is None:
         assert recording.shape is not None
         return _track_sight(recording.shape, observation, experiment.noise_gain, angle_noise)
     stated = recording.midline.sigma[np.isfinite(recording.midline.sigma)]
     places = tuple(map(float, recording.midline.s))
     sigma = float(np.median(stated)) if stated.size else prepared.sigma
-    return Sight("midline", gain * sigma, sigma if stated.size else None, places, angle_noise=angle_noise)
+    return Measurement("midline", gain * sigma, sigma if stated.size else None, places, angle_noise=angle_noise)
 
 
 def _angle_noise(recording: Recording, experiment: Experiment, interval: float) -> float:
@@ -133,13 +133,13 @@ def _angle_noise(recording: Recording, experiment: Experiment, interval: float) 
     return base.motion.noise * float(np.sqrt(min(between / interval, 1.0)))
 
 
-def _track_sight(track: ShapeTrack, observation: ShapeObservation, gain: Array, angle_noise: float) -> Sight:
+def _track_sight(track: ShapeTrack, observation: ShapeObservation, gain: Array, angle_noise: float) -> Measurement:
     """A track with the covariance of its middling frame; the shift's and scale's, stated once, have no gain."""
     stated = track.covariance[observation.seen]
     covariance = stated[np.argsort(np.linalg.slogdet(stated)[1])[len(stated) // 2]]
     kept = np.array([0, *range(gain.size - covariance.shape[0] + 1, gain.size)])
     scale_sigma = float(track.scale_sigma)
-    drawn = Sight(
+    drawn = Measurement(
         "track",
         0.0,
         angle_noise=angle_noise,

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tentacle.diagnosis import Diagnosis, Verdict
-from validation.trials.rounds import Kind
+from validation.trials.rounds import TrialKind
 
 SHAPE = "third_curvature"  # in every real arm, and in every trial's: naming it is neither right nor wrong
-REFERENCE = "reference"  # the plant of trials like a recording
-TWINS = 0.9  # |cos| above which a group is an honest answer
+REFERENCE_PLANT = "reference"  # the plant of trials like a recording
+TWIN_EFFECTS = 0.9  # |cos| above which a group is an honest answer
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Outcome:
     """
 
     index: int
-    kind: Kind
+    kind: TrialKind
     hidden: tuple[str, ...]
     r: tuple[float, ...]
     seen: str
@@ -40,7 +40,7 @@ class Outcome:
     floor: float
     baselines: dict[str, tuple[str, ...]]
     seconds: float
-    plant: str = REFERENCE
+    plant: str = REFERENCE_PLANT
     laws: dict[str, str] = field(default_factory=dict)
     added_mass: bool = False
 
@@ -71,7 +71,7 @@ class Outcome:
     @property
     def needless_group(self) -> bool:
         """Whether a group was given where the effects are no twins in these data."""
-        return self.verdict == "group" and len(self.named) > 1 and self.twins <= TWINS
+        return self.verdict == "group" and len(self.named) > 1 and self.twins <= TWIN_EFFECTS
 
     @property
     def smallest_r(self) -> float:
@@ -133,6 +133,6 @@ def outcome(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str
         confidence=answer["confidence"], uncalibrated=answer["uncalibrated"], twins=min(beside, default=1.0),
         before=error("before"), after=error("after"), floor=error("floor"),
         baselines={method: tuple(names) for method, names in more["baselines"].items()}, seconds=more["seconds"],
-        plant=truth.get("plant", REFERENCE), laws=dict(truth.get("laws", {})),
+        plant=truth.get("plant", REFERENCE_PLANT), laws=dict(truth.get("laws", {})),
         added_mass=bool(truth.get("declared_added_mass", False)),
     )  # fmt: skip

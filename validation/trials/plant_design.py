@@ -11,13 +11,13 @@ import numpy as np
 from tentacle.errors import InputError
 from validation.plants import PLANTS, Filming, Trial, drawn
 from validation.plants.laws import LAWS, OUTSIDE
-from validation.trials.rounds import KINDS, Kind, dealt, log_uniform
+from validation.trials.rounds import TRIAL_KINDS, TrialKind, dealt, log_uniform
 
-DRAWN = ("stranger", "chain")  # plants that a series draws from, unless told: those that need no further package
-SECONDS = (12.0, 39.0)
-NOISE = (5e-5, 2e-4)  # m, of each coordinate of a midline point
+DRAWN_PLANTS = ("stranger", "chain")  # plants that a series draws from, unless told: those that need no further package
+DURATION_RANGE = (12.0, 39.0)
+NOISE_RANGE = (5e-5, 2e-4)  # m, of each coordinate of a midline point
 VIDEO_NOISE = 2e-5  # m: a midline's noise that tells as little as the tracker's own covariance (some micrometres to 30)
-FPS = 60.0
+FRAME_RATE = 60.0
 # How far the midline moves, in sigmas of its noise: of an effect of the catalogue, faint ones too; of one outside it.
 MOVES, MOVES_VISIBLY = (1.0, 15.0), (6.0, 15.0)
 
@@ -32,7 +32,7 @@ class PlantDesign:
 
     index: int
     seed: int
-    kind: Kind
+    kind: TrialKind
     effects: tuple[str, ...]
     plant: str
     seen: Literal["midline", "video"]
@@ -51,15 +51,15 @@ class PlantDesign:
     def trial(self) -> Trial:
         """The plant's arm, motion, hidden effects, and the laws by which they act."""
         moves = MOVES_VISIBLY if self.kind == "unknown" else MOVES
-        return drawn(self.seed, self.effects, {}, Filming(self.seconds, FPS, self.sigma), moves)
+        return drawn(self.seed, self.effects, {}, Filming(self.seconds, FRAME_RATE, self.sigma), moves)
 
 
 def plant_designs(
     count: int,
     seed: int,
     *,
-    plants: Sequence[str] = DRAWN,
-    kinds: Sequence[str] = KINDS,
+    plants: Sequence[str] = DRAWN_PLANTS,
+    kinds: Sequence[str] = TRIAL_KINDS,
     video_share: float = 0.25,
 ) -> list[PlantDesign]:
     """The first `count` trials of a seed in these plants, drawn at random; a longer series begins with a shorter one.
@@ -72,8 +72,8 @@ def plant_designs(
     found = []
     for one in dealt(count, seed, tuple(LAWS), OUTSIDE, kinds=kinds, video_share=video_share):
         plant = str(one.random.choice(sorted(plants)))
-        seconds = float(np.round(one.random.uniform(*SECONDS), 1))
-        noise = log_uniform(one.random, *NOISE)
+        seconds = float(np.round(one.random.uniform(*DURATION_RANGE), 1))
+        noise = log_uniform(one.random, *NOISE_RANGE)
         own_seed = int(one.random.integers(2**31))
         seen, sigma = ("video", VIDEO_NOISE) if one.video else ("midline", noise)
         found.append(PlantDesign(one.index, own_seed, one.kind, one.effects, plant, seen, seconds, sigma))

@@ -19,8 +19,8 @@ from validation.plants import PLANTS, Plant, Shown, Trial, recorded, shown, trut
 from validation.plants.draw import SETTLED
 from validation.plants.filmed import PLACES, declaration_of, film
 from validation.trials.design import Design
-from validation.trials.plant_design import FPS, PlantDesign
-from validation.trials.sight import Sight
+from validation.trials.plant_design import FRAME_RATE, PlantDesign
+from validation.trials.sight import Measurement
 from validation.trials.sizing import bare_problem, left_by_refit
 
 PICTURE = (960, 540)
@@ -52,17 +52,17 @@ def _tracked(recording: Recording, run: Shown, design: PlantDesign) -> Recording
     """The same run as a camera saw it: rendered without the midline's noise, tracked, the midline left out."""
     from vision.encode import write_video
     from vision.looks import LOOKS
-    from vision.render import Filming, render
+    from vision.render import RenderSettings, render
     from vision.track import track
 
     assert recording.motor is not None
     specimen = recording.declaration.specimen
     exact = Midline(run.t, PLACES, run.xy, np.full(run.xy.shape[:2], np.nan))
     scale = specimen.length / (0.62 * PICTURE[1])
-    camera = Camera(FPS, scale, (0.5 * PICTURE[0], 0.16 * PICTURE[1]), (0.0, 1.0), exposure=0.002)
+    camera = Camera(FRAME_RATE, scale, (0.5 * PICTURE[0], 0.16 * PICTURE[1]), (0.0, 1.0), exposure=0.002)
     declaration = replace(recording.declaration, camera=camera)
     look = LOOKS[("clean", "uneven", "bubbles")[design.index % 3]]
-    frames = render(exact, specimen, camera, Filming(PICTURE, look, design.seed), recording.motor.angle)
+    frames = render(exact, specimen, camera, RenderSettings(PICTURE, look, design.seed), recording.motor.angle)
     with tempfile.TemporaryDirectory(prefix="tentacle-trial-") as folder:
         file = Path(folder) / "video.mp4"
         write_video(file, frames, exact.t)
@@ -88,7 +88,7 @@ def _sizes(design: PlantDesign, trial: Trial, plant: Plant, run: Shown, root: Ar
     (experiment,) = problem.experiments
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
-    frames = np.rint(observation.t * FPS).astype(int)
+    frames = np.rint(observation.t * FRAME_RATE).astype(int)
     theta, length, order = run.command[frames], trial.arm["length"], observation.coefficients.shape[1] - POSE
 
     tracker = Tracker(trial.sigma, by_edges=root is not None)
@@ -116,6 +116,6 @@ def _as_model(design: PlantDesign, trial: Trial) -> Design:
     model = Model(declared.specimen, declared.fluid, declared.gravity, parameters=parameters)
     t = np.arange(-SETTLED, design.seconds + AFTER, 1.0 / SAMPLED_AT)
     motion = {"kind": "samples", "t_s": t.tolist(), "angle_rad": trial.theta(t + SETTLED).tolist()}
-    sight = Sight(design.seen, design.sigma, s=tuple(PLACES.tolist()))
+    sight = Measurement(design.seen, design.sigma, s=tuple(PLACES.tolist()))
     head = (design.index, design.seed, design.kind, (), ())
-    return Design(*head, sight, design.seconds, FPS, model_tables(model), motion)
+    return Design(*head, sight, design.seconds, FRAME_RATE, model_tables(model), motion)

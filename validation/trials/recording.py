@@ -10,14 +10,14 @@ import numpy as np
 from affine_model.curvature import Array, legendre_to_monomial
 from inference.observation import POSE, Tracker, fit_shapes
 from mujoco_ref.influence import value
-from mujoco_ref.undeclared.make import Noise, Scenario, make
+from mujoco_ref.undeclared.make import Noise, Scenario, make_recording
 from tentacle.recording import Recording
 from tentacle.signals import Markers
 from validation.trials.design import Design
-from validation.trials.sight import EVERYWHERE, Sight, track_noise, track_of
+from validation.trials.sight import EVERYWHERE, Measurement, track_noise, track_of
 from validation.trials.sizing import sized, track_root
 
-ASIDE = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
+AXIS_STEP = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
 
 
 def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
@@ -27,7 +27,7 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
     """
     model, sight = design.model(), design.sight
     hidden, reached = sized(design, track_root(design) if sight.kind == "track" else None)
-    recording, truth = make(
+    recording, truth = make_recording(
         hidden,
         Scenario(
             model,
@@ -56,15 +56,19 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
     return recording, {"kind": design.kind, "r": reached, **truth}
 
 
-def _places(sight: Sight) -> Array:
+def _places(sight: Measurement) -> Array:
     """Where the reference's axis is looked at: for markers, beside each."""
     if sight.kind == "track":
         return np.array(EVERYWHERE)
     s = np.array(sight.s)
-    return np.concatenate([np.maximum(s - ASIDE, 0.0), s, np.minimum(s + ASIDE, 1.0)]) if sight.kind == "markers" else s
+    return (
+        np.concatenate([np.maximum(s - AXIS_STEP, 0.0), s, np.minimum(s + AXIS_STEP, 1.0)])
+        if sight.kind == "markers"
+        else s
+    )
 
 
-def _tracked(recording: Recording, sight: Sight, random: np.random.Generator) -> Recording:
+def _tracked(recording: Recording, sight: Measurement, random: np.random.Generator) -> Recording:
     """The same run as a tracker says that it saw it: shapes by the edges, with the noise that it states and its gain.
 
     The scale is one number of a recording, known to scale_sigma.
@@ -82,7 +86,7 @@ def _tracked(recording: Recording, sight: Sight, random: np.random.Generator) ->
     return replace(recording, midline=None, shape=track_of(sight, midline.t, coefficients, measured))
 
 
-def _marked(recording: Recording, sight: Sight, excess: float, random: np.random.Generator) -> Recording:
+def _marked(recording: Recording, sight: Measurement, excess: float, random: np.random.Generator) -> Recording:
     """The same run as a camera sees markers on it; excess: how much too large everything appears."""
     midline = recording.midline
     assert midline is not None

@@ -15,7 +15,7 @@ from validation.trials.outcome import Outcome
 from validation.trials.rounds import ROUND
 from validation.trials.scores import Share
 
-BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
+CONFIDENCE_BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Bin:
 
 def _bins_of(stated: Array) -> NDArray[np.intp]:
     """Which of BINS each stated confidence lies in."""
-    return np.clip(np.searchsorted(BINS, stated, side="right") - 1, 0, len(BINS) - 2)
+    return np.clip(np.searchsorted(CONFIDENCE_BINS, stated, side="right") - 1, 0, len(CONFIDENCE_BINS) - 2)
 
 
 def reliability(outcomes: Sequence[Outcome]) -> tuple[Bin, ...]:
@@ -63,12 +63,12 @@ def reliability(outcomes: Sequence[Outcome]) -> tuple[Bin, ...]:
     place = _bins_of(stated)
     return tuple(
         Bin(
-            BINS[k],
-            BINS[k + 1],
+            CONFIDENCE_BINS[k],
+            CONFIDENCE_BINS[k + 1],
             float(stated[place == k].mean()),
             Share(int(right[place == k].sum()), int((place == k).sum())),
         )
-        for k in range(len(BINS) - 1)
+        for k in range(len(CONFIDENCE_BINS) - 1)
         if (place == k).any()
     )
 
@@ -86,7 +86,7 @@ def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
         return float("nan")
     stated = np.array([o.confidence for o in outcomes])
     place = _bins_of(stated)
-    counts = np.bincount(place, minlength=len(BINS) - 1)
+    counts = np.bincount(place, minlength=len(CONFIDENCE_BINS) - 1)
     filled = counts > 0
     means = np.bincount(place, stated, minlength=counts.size)[filled] / counts[filled]
     right = np.random.default_rng(0).uniform(size=(draws, stated.size)) < stated

@@ -10,13 +10,13 @@ import numpy as np
 
 from tentacle.errors import InputError
 
-Kind = Literal["single", "pair", "null", "unknown"]
+TrialKind = Literal["single", "pair", "null", "unknown"]
 # Of every sixteen trials: singles carry the confusion matrix, nulls and unknowns the two ways of being wrong about it.
-ROUND: tuple[Kind, ...] = (
+ROUND: tuple[TrialKind, ...] = (
     "single", "null", "single", "unknown", "single", "pair", "single", "single",
     "null", "single", "unknown", "single", "pair", "single", "single", "pair",
 )  # fmt: skip
-KINDS: tuple[Kind, ...] = ("single", "pair", "null", "unknown")
+TRIAL_KINDS: tuple[TrialKind, ...] = ("single", "pair", "null", "unknown")
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Dealt:
     """A trial's place in its series: index, kind, effects hidden, whether it is a video's turn; random: its numbers."""
 
     index: int
-    kind: Kind
+    kind: TrialKind
     effects: tuple[str, ...]
     video: bool
     random: np.random.Generator
@@ -36,7 +36,7 @@ def dealt(
     catalogued: Sequence[str],
     outside: Sequence[str],
     *,
-    kinds: Sequence[str] = KINDS,
+    kinds: Sequence[str] = TRIAL_KINDS,
     video_share: float = 0.0,
 ) -> Iterator[Dealt]:
     """The first `count` trials of a seed; each depends on the seed, its index and the kinds alone, so more may follow.
@@ -44,13 +44,13 @@ def dealt(
     catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. InputError where a
     kind is not known or a share is none.
     """
-    unknown = sorted(set(kinds) - set(KINDS))
+    unknown = sorted(set(kinds) - set(TRIAL_KINDS))
     if unknown or not kinds:
-        raise InputError(f"{', '.join(unknown) or 'none'}", field="kinds", expected=f"some of {', '.join(KINDS)}")
+        raise InputError(f"{', '.join(unknown) or 'none'}", field="kinds", expected=f"some of {', '.join(TRIAL_KINDS)}")
     if not 0.0 <= video_share <= 1.0:
         raise InputError(f"{video_share!r} is not usable", field="video share", expected="0 to 1")
-    turns: list[Kind] = [kind for kind in ROUND if kind in kinds]
-    places = dict.fromkeys(KINDS, 0)
+    turns: list[TrialKind] = [kind for kind in ROUND if kind in kinds]
+    places = dict.fromkeys(TRIAL_KINDS, 0)
     for index in range(count):
         kind = turns[index % len(turns)]
         random = np.random.default_rng([seed, index])
@@ -71,7 +71,12 @@ def _turn(names: Sequence[str], place: int, seed: int) -> str:
 
 
 def _hidden(
-    kind: Kind, place: int, seed: int, catalogued: Sequence[str], outside: Sequence[str], random: np.random.Generator
+    kind: TrialKind,
+    place: int,
+    seed: int,
+    catalogued: Sequence[str],
+    outside: Sequence[str],
+    random: np.random.Generator,
 ) -> tuple[str, ...]:
     if kind == "null":
         return ()

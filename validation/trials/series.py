@@ -12,7 +12,7 @@ from typing import Any
 from discovery.diagnose import diagnose
 from discovery.given import Deciding
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared.strength import SCALED
+from mujoco_ref.undeclared.strength import SCALED_TOGETHER
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.runner import Runner
@@ -23,7 +23,7 @@ from validation.trials.plant_design import PlantDesign
 from validation.trials.plant_recording import plant_recording
 from validation.trials.recording import trial_recording
 
-ROOMS = (
+TRIAL_ROOMS = (
     "affine_model",
     "mujoco_ref",
     "vision",
@@ -31,7 +31,7 @@ ROOMS = (
     "discovery",
     "validation",
 )  # what a trial's result depends on
-CATALOGUED = tuple(name for name in KNOWN if SCALED.get(name) and name not in UNCATALOGUED)
+CATALOGUED = tuple(name for name in KNOWN if SCALED_TOGETHER.get(name) and name not in UNCATALOGUED)
 
 
 AnyDesign = PlantDesign | Design
@@ -53,10 +53,10 @@ def seen_as(design: AnyDesign) -> str:
 
 
 @cache
-def code_version() -> str:
+def trials_code_version() -> str:
     """A hash of the rooms' source, so that results of other code are not taken for this one's."""
     root, total = Path(__file__).resolve().parents[2], hashlib.sha256()
-    files = [file for room in ROOMS for pattern in ("*.py", "*.toml") for file in (root / room).rglob(pattern)]
+    files = [file for room in TRIAL_ROOMS for pattern in ("*.py", "*.toml") for file in (root / room).rglob(pattern)]
     for file in sorted(files):
         total.update(file.relative_to(root).as_posix().encode())
         total.update(file.read_bytes())
@@ -92,7 +92,9 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
 def run_series(found: Sequence[AnyDesign], runner: Runner) -> tuple[list[Outcome], list[tuple[int, str]]]:
     """Outcomes of the trials, and (index, line) of those that were refused; what the runner's folder holds is not
     done again."""
-    results = runner.run(trial, [design.table() for design in found], version=code_version(), words="blind trials")
+    results = runner.run(
+        trial, [design.table() for design in found], version=trials_code_version(), words="blind trials"
+    )
     outcomes, refused = [], []
     for design, result in zip(found, results, strict=True):
         if "refused" in result:

@@ -11,12 +11,12 @@ import numpy as np
 from affine_model.curvature import Array, legendre_to_monomial
 from tentacle.signals import ShapeTrack
 
-Kind = Literal["midline", "video", "track", "markers"]
+MeasurementKind = Literal["midline", "video", "track", "markers"]
 EVERYWHERE = tuple(np.linspace(0.0, 1.0, 41).tolist())
 
 
 @dataclass(frozen=True)
-class Sight:
+class Measurement:
     """What is measured of the arm, and how well.
 
     kind: points of the midline; a video that is rendered and tracked; a track, with the noise that it states but
@@ -28,7 +28,7 @@ class Sight:
     over that in its whitened channels, scale_sigma of its scale (NaN is None).
     """
 
-    kind: Kind
+    kind: MeasurementKind
     noise: float
     stated: float | None = None
     s: tuple[float, ...] = EVERYWHERE
@@ -44,13 +44,13 @@ class Sight:
         return {**asdict(self), "s": list(self.s), "d": list(self.d), "covariance": rows, "gain": list(self.gain)}
 
     @staticmethod
-    def of(table: Mapping[str, Any]) -> Sight:
+    def of(table: Mapping[str, Any]) -> Measurement:
         """The sight of a table."""
         lists = {name: tuple(table[name]) for name in ("s", "d", "gain")}
-        return Sight(**{**table, **lists, "covariance": tuple(tuple(row) for row in table["covariance"])})
+        return Measurement(**{**table, **lists, "covariance": tuple(tuple(row) for row in table["covariance"])})
 
 
-def track_of(sight: Sight, t: Array, coefficients: Array, scale: float) -> ShapeTrack:
+def track_of(sight: Measurement, t: Array, coefficients: Array, scale: float) -> ShapeTrack:
     """A track with the sight's covariance in every frame; t (F,) [s], coefficients (F, K)."""
     covariance = np.repeat(np.array(sight.covariance)[None], t.size, axis=0)
     sigma = np.nan if sight.scale_sigma is None else sight.scale_sigma
@@ -58,7 +58,7 @@ def track_of(sight: Sight, t: Array, coefficients: Array, scale: float) -> Shape
     return ShapeTrack(t, coefficients, covariance, accepted, reason, scale, sigma, np.zeros(2))
 
 
-def track_noise(sight: Sight, frames: int, random: np.random.Generator) -> Array:
+def track_noise(sight: Measurement, frames: int, random: np.random.Generator) -> Array:
     """Errors (F, K) of a track's coefficients [base angle offset, q1 ..], white from frame to frame.
 
     The gain is that of the whitened channels, in Legendre coordinates, as the fit found it.

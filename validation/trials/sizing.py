@@ -16,17 +16,24 @@ from inference.score import nuisance_tangent_basis
 from inference.trajectory import Problem, fit_multistart, unfitted
 from mujoco_ref.simulate import DEFAULT_LINKS
 from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
-from mujoco_ref.undeclared.strength import LARGEST, SCALED, SIZES, is_catalogued, scaled, typical
+from mujoco_ref.undeclared.strength import (
+    LARGEST_STRENGTH,
+    SCALED_TOGETHER,
+    STRENGTH_SIZES,
+    is_catalogued,
+    scaled,
+    typical,
+)
 from tentacle.errors import InputError
 from tentacle.signals import Midline
 from validation.trials.design import Design, designs
 from validation.trials.likeness import Likeness
-from validation.trials.sight import EVERYWHERE, Sight, track_of
+from validation.trials.sight import EVERYWHERE, Measurement, track_of
 
 SIZED_AT = 30.0  # frames/s: enough for rms values
 SIZED_ORDER, SEEN_ORDER = 3, 5
-STEP = 1.0 / 480.0  # s; a strong Maxwell branch on a stiff arm is unstable at 1/300
-SETTLED = 2.0  # s: the start from rest is not what a recording shows
+SIZING_STEP = 1.0 / 480.0  # s; a strong Maxwell branch on a stiff arm is unstable at 1/300
+SETTLING_TIME = 2.0  # s: the start from rest is not what a recording shows
 FACTORS = np.geomspace(3e-3, 300.0, 46)  # on a typical strength
 CORRECTIONS, CLOSE = 5, 0.05
 LEAST_SHOWN, SHOWN_BY_FAR = 1.0, 5.0  # R
@@ -51,18 +58,18 @@ def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Ar
     base = design.waveform()
     theta, release = base(t)[0], design.release_t
     duration = float(t[-1]) + 0.2 - (release or 0.0)
-    used, unseen = t > (SETTLED if release is None else release), _unseen(t, theta, model.specimen.length)
+    used, unseen = t > (SETTLING_TIME if release is None else release), _unseen(t, theta, model.specimen.length)
     experiment = Experiment("sizing", unseen, base, 0.0, duration, release, used, np.ones(POSE))
     nuisances = np.zeros(len(experiment.nuisance_names(SIZED_ORDER)))
     if design.initial_q is not None:
         q = np.array([*design.initial_q, *np.zeros(SIZED_ORDER)][:SIZED_ORDER])
         nuisances[:SIZED_ORDER] = np.linalg.solve(legendre_to_monomial(SIZED_ORDER), q)
-    shown = predict(arm, experiment, parameters[:, None], nuisances[:, None], STEP)
+    shown = predict(arm, experiment, parameters[:, None], nuisances[:, None], SIZING_STEP)
     seen = _observation(design.sight, t, shown.q[:, :, 0], shown.theta[:, 0], model.specimen.length, root)
     channels = 2 * seen.s.size if isinstance(seen, MarkerObservation) else seen.coefficients.shape[1]
     experiment = replace(experiment, observation=seen, noise_gain=np.ones(channels))
     nuisances = nuisances[: len(experiment.nuisance_names(SIZED_ORDER))]  # markers have no shift, which is the last
-    return Problem(arm, (experiment,), free, parameters, STEP), nuisances
+    return Problem(arm, (experiment,), free, parameters, SIZING_STEP), nuisances
 
 
 def _unseen(t: Array, theta: Array, length: float) -> ShapeObservation:
@@ -73,7 +80,7 @@ def _unseen(t: Array, theta: Array, length: float) -> ShapeObservation:
 
 
 def _observation(
-    sight: Sight, t: Array, q: Array, theta: Array, length: float, root: Array | None
+    sight: Measurement, t: Array, q: Array, theta: Array, length: float, root: Array | None
 ) -> ShapeObservation | MarkerObservation:
     """Shapes q (T, n) as they would be seen without noise."""
     s = np.array(sight.s)
@@ -166,8 +173,8 @@ def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], li
 
 def sizes_of(problem: Problem, nuisances: Array, effect: str, drawn: dict[str, float]) -> tuple[Array, Array]:
     """Factors (V,) on an effect's typical strength, and R (V,) at each to first order, rising."""
-    largest = max(abs(drawn[name]) for name in SCALED[effect])
-    factors = FACTORS[FACTORS * largest <= LARGEST.get(effect, np.inf)]
+    largest = max(abs(drawn[name]) for name in SCALED_TOGETHER[effect])
+    factors = FACTORS[FACTORS * largest <= LARGEST_STRENGTH.get(effect, np.inf)]
     sizes = visible_size(problem, nuisances, effect, [scaled(effect, drawn, float(f)) for f in factors])
     usable = sizes < 1e3  # a simulation that ran away counts as 1e6
     return factors[usable], np.maximum.accumulate(np.maximum(sizes[usable], 1e-12))
@@ -200,7 +207,7 @@ def shown_effects(
     places = np.array(EVERYWHERE)
     scene = Scenario(model, null.waveform(), seconds, like.fps, places, DEFAULT_LINKS, initial, like.release_t)
     bare = seen_midline(scene, {})
-    wanted = 1e3 * SIZES["visible"][0] * like.sight.noise
+    wanted = 1e3 * STRENGTH_SIZES["visible"][0] * like.sight.noise
 
     def moves(effect: str) -> bool:
         drawn = typical(effect, model, random)

@@ -17,8 +17,15 @@ LOGS = {
     "motor.csv": ("t_s", "command_rad", "angle_rad"),
     "load_cell.csv": ("t_s", "thrust_n"),
 }
-FILES = ("report.html", "session.rrd", "model.toml", "verdict.json", "identification.json", "next_experiment.toml")
-Pixels = tuple[float, float]
+SHOWN_FILES = (
+    "report.html",
+    "session.rrd",
+    "model.toml",
+    "verdict.json",
+    "identification.json",
+    "next_experiment.toml",
+)
+ImagePixels = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -27,13 +34,13 @@ class Proposed:
     a person should look at.
     """
 
-    base: Pixels
-    tip: Pixels
+    base: ImagePixels
+    tip: ImagePixels
     width: float
     words: tuple[str, ...]
 
 
-Proposer = Callable[[Path], Proposed]
+ArmProposer = Callable[[Path], Proposed]
 
 
 @dataclass(frozen=True)
@@ -41,7 +48,7 @@ class Desk:
     """The working folder, and what proposes where an arm is in a film."""
 
     folder: Path
-    propose: Proposer
+    propose: ArmProposer
 
     def recordings(self) -> list[str]:
         """Names of the recordings that were begun here."""

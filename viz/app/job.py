@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-State = Literal["waiting", "running", "done", "failed", "stopped"]
+JobState = Literal["waiting", "running", "done", "failed", "stopped"]
 
 
 @dataclass
@@ -20,7 +20,7 @@ class Job:
 
     arguments: list[str]
     folder: Path
-    state: State = "waiting"
+    state: JobState = "waiting"
     share: float = 0.0
     words: str = "waiting"
     said: list[str] = field(default_factory=list)

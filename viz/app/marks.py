@@ -11,8 +11,14 @@ from tentacle.errors import InputError
 from tentacle.recording import Camera
 
 Point = tuple[float, float]
-PLACES = ("base", "tip", "width", "ruler start", "ruler end")
-COLOURS = {"base": "#d55e00", "tip": "#0072b2", "width": "#cc79a7", "ruler start": "#009e73", "ruler end": "#009e73"}
+MARK_PLACES = ("base", "tip", "width", "ruler start", "ruler end")
+MARK_COLOURS = {
+    "base": "#d55e00",
+    "tip": "#0072b2",
+    "width": "#cc79a7",
+    "ruler start": "#009e73",
+    "ruler end": "#009e73",
+}
 
 
 @dataclass(frozen=True)
@@ -69,7 +75,7 @@ class Marks:
         return abs((u - u0) * dv - (v - v0) * du) * self.metres_per_px()
 
 
-def outline(camera: Camera, length: float, radii: tuple[float, float], angle: float) -> list[Point]:
+def arm_outline(camera: Camera, length: float, radii: tuple[float, float], angle: float) -> list[Point]:
     """The straight arm's four corners [px], turned about its base by angle [rad] as the servo turns it."""
     (nu, nv), (au, av) = camera.normal_px, camera.arm_px
     along = (-math.sin(angle), math.cos(angle))  # in (n, arm): theta turns y towards -x
@@ -93,12 +99,12 @@ def drawing(marks: Marks, arm: Sequence[Point], size: float) -> str:
     ruler = [marks.points[name] for name in ("ruler start", "ruler end") if name in marks.points]
     for (u0, v0), (u1, v1) in pairwise(ruler):
         line = f'x1="{u0:.1f}" y1="{v0:.1f}" x2="{u1:.1f}" y2="{v1:.1f}"'
-        parts.append(f'<line {line} stroke="{COLOURS["ruler start"]}" stroke-width="{0.35 * size:.1f}"/>')
+        parts.append(f'<line {line} stroke="{MARK_COLOURS["ruler start"]}" stroke-width="{0.35 * size:.1f}"/>')
     for place, (u, v) in marks.points.items():
         side, anchor = (-1.5, "end") if place in ("base", "ruler start") else (1.5, "start")
         edge = f'stroke="white" stroke-width="{0.3 * size:.1f}"'
-        parts.append(f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{size:.1f}" fill="{COLOURS[place]}" {edge}/>')
+        parts.append(f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{size:.1f}" fill="{MARK_COLOURS[place]}" {edge}/>')
         where = f'x="{u + side * size:.1f}" y="{v:.1f}" text-anchor="{anchor}" font-size="{2.6 * size:.1f}"'
-        ink = f'fill="{COLOURS[place]}" stroke="white" stroke-width="{0.5 * size:.1f}" paint-order="stroke"'
+        ink = f'fill="{MARK_COLOURS[place]}" stroke="white" stroke-width="{0.5 * size:.1f}" paint-order="stroke"'
         parts.append(f"<text {where} {ink}>{place}</text>")
     return "".join(parts)

@@ -13,13 +13,13 @@ from nicegui import app, events, ui
 from tentacle.errors import InputError
 from tentacle.io.recording_template import Answers, recording_text
 from tentacle.io.video_file import frame_rate
-from viz.app.desk import FILES, Desk
+from viz.app.desk import SHOWN_FILES, Desk
 from viz.app.guard import Guard
 from viz.app.job import Job
-from viz.app.marks import PLACES, Marks, drawing, outline
+from viz.app.marks import MARK_PLACES, Marks, arm_outline, drawing
 from viz.app.tables import batch_table, compare_table
 
-STYLE = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
+PAGE_STYLE = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
 NUMBERS = (
     ("length", "length of the arm [m]", 0.14),
     ("base_radius", "radius at the base [m]", 0.0125),
@@ -38,7 +38,7 @@ def serve(desk: Desk, port: int, token: str) -> None:
     def answer_file(answer: str, file: str):
         from fastapi.responses import FileResponse, PlainTextResponse
 
-        if file not in FILES or answer not in [path.name for path in desk.folder.iterdir()]:
+        if file not in SHOWN_FILES or answer not in [path.name for path in desk.folder.iterdir()]:
             return PlainTextResponse("not here", status_code=404)
         return FileResponse(desk.folder / answer / file)
 
@@ -57,7 +57,7 @@ class Page:
 
     def build(self) -> None:
         """All parts, top to bottom, in the order of work."""
-        ui.add_css(STYLE)
+        ui.add_css(PAGE_STYLE)
         with ui.column().classes("page"):
             ui.label("From a film to what the model lacks").classes("title").props('role="heading" aria-level="1"')
             ui.label(f"Everything is kept in {self.desk.folder}").classes("faint")
@@ -111,7 +111,7 @@ class Page:
 
     def _build_marks(self) -> None:
         self.advice = ui.label("Choose a film first.").classes("faint")
-        self.place = ui.toggle(list(PLACES), value="base").props("no-caps wrap").classes("places")
+        self.place = ui.toggle(list(MARK_PLACES), value="base").props("no-caps wrap").classes("places")
         self.picture = ui.interactive_image(on_mouse=self._clicked, events=["mousedown"], cross=True).classes("film")
         ui.label("A ruler in the arm's plane gives the scale; without one, the arm's own length does.").classes("faint")
         with ui.row().classes("w-full numbers"):
@@ -140,7 +140,7 @@ class Page:
         arm = []
         try:
             camera = marks.camera(30.0, bool(self.mirrored.value))
-            arm = outline(
+            arm = arm_outline(
                 camera, values["length"], (self._radius(marks), values["tip_radius"]), self.angle.value or 0.0
             )
             scale, radius = 1e3 * camera.metres_per_px, 1e3 * self._radius(marks)
@@ -218,7 +218,7 @@ class Page:
             if not place.is_dir():
                 return
             with ui.row():
-                for file in FILES:
+                for file in SHOWN_FILES:
                     if (place / file).exists():
                         ui.link(file, f"/answers/{place.name}/{file}", new_tab=True)
                 show = ui.button("show the session here", on_click=lambda: self._show_session(place))

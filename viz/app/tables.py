@@ -9,7 +9,7 @@ from nicegui import ui
 
 from tentacle.model import Estimate
 from viz.app.desk import Desk
-from viz.words import NONE, interval, number, value_of
+from viz.words import NO_VALUE, interval, number, value_of
 
 
 def batch_table(place: ui.column, desk: Desk, run_all: Callable[[], Awaitable[None]]) -> None:
@@ -54,13 +54,13 @@ def compared(one: Mapping[str, Any], other: Mapping[str, Any]) -> list[dict[str,
     """Rows (what, one, other) of two verdicts; a parameter that only one has is told as such."""
     columns = [_told(answer) for answer in (one, other)]
     keys = list(dict.fromkeys([*columns[0], *columns[1]]))
-    return [{"what": key, "one": columns[0].get(key, NONE), "other": columns[1].get(key, NONE)} for key in keys]
+    return [{"what": key, "one": columns[0].get(key, NO_VALUE), "other": columns[1].get(key, NO_VALUE)} for key in keys]
 
 
 def _told(answer: Mapping[str, Any]) -> dict[str, str]:
     told = {
         "verdict": answer["verdict"].replace("_", " "),
-        "effects": ", ".join(answer["effects"]) or NONE,
+        "effects": ", ".join(answer["effects"]) or NO_VALUE,
         "confidence": f"{answer['confidence']:.0%}",
     }
     for which in ("before", "after", "floor"):

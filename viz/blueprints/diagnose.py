@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import rerun.blueprint as rrb
 
-from viz.blueprints.run import Shown, run_page
-from viz.blueprints.views import page
+from viz.blueprints.run import LoggedTopics, run_page
+from viz.blueprints.views import blueprint_page
 
 
-def diagnose_blueprint(runs: Sequence[Shown]) -> rrb.Blueprint:
+def diagnose_blueprint(runs: Sequence[LoggedTopics]) -> rrb.Blueprint:
     """The layout of session.rrd of `tentacle diagnose`."""
     verdict = rrb.TextDocumentView(origin="verdict", name="verdict")
-    return page(rrb.Horizontal(verdict, rrb.Tabs(*(run_page(shown) for shown in runs)), column_shares=[1, 3]))
+    return blueprint_page(rrb.Horizontal(verdict, rrb.Tabs(*(run_page(shown) for shown in runs)), column_shares=[1, 3]))

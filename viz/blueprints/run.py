@@ -12,7 +12,7 @@ from viz.topics.paths import run_path
 
 
 @dataclass(frozen=True)
-class Shown:
+class LoggedTopics:
     """What was logged of a run: its models (key, name), and which of the optional topics."""
 
     name: str
@@ -32,7 +32,7 @@ def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(origin=f"{path}/residual/{key}", name=title, visual_bounds=bounds)
 
 
-def run_page(shown: Shown) -> rrb.Container:
+def run_page(shown: LoggedTopics) -> rrb.Container:
     """The views of one run."""
     path = run_path(shown.name)
     seen: list[rrb.View] = [camera_view(path)] if shown.camera else []

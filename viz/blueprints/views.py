@@ -49,7 +49,7 @@ def events_view(path: str) -> rrb.TextLogView:
     return rrb.TextLogView(origin=f"{path}/events", name="events", columns=columns)
 
 
-def page(*parts: rrb.BlueprintPart, state: Literal["paused", "following"] = "paused") -> rrb.Blueprint:
+def blueprint_page(*parts: rrb.BlueprintPart, state: Literal["paused", "following"] = "paused") -> rrb.Blueprint:
     """A layout with a low time panel that stands on the shared time line, other panels closed."""
     return rrb.Blueprint(
         *parts,

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from viz.figures.style import draw, house_style, legend_above, new_figure
+from viz.figures.style import draw_line, house_style, legend_above, new_figure
 from viz.palette import NEUTRAL
-from viz.scene import Scene
+from viz.scene import ViewedRun
 
 
-def shade_judged(axes: Axes, scene: Scene) -> None:
+def shade_judged(axes: Axes, scene: ViewedRun) -> None:
     """Mark where the errors are judged, unless that is everywhere."""
     if scene.judged.all() or not scene.judged.any():
         return
@@ -20,7 +20,7 @@ def shade_judged(axes: Axes, scene: Scene) -> None:
         axes.axvspan(float(scene.t[first]), float(scene.t[last - 1]), color=NEUTRAL.hex, alpha=0.18, lw=0)
 
 
-def coordinates_figure(scene: Scene) -> Figure:
+def coordinates_figure(scene: ViewedRun) -> Figure:
     """Two panels over one time axis; grey where the errors are judged."""
     with house_style():
         figure = new_figure(3.4)
@@ -29,7 +29,7 @@ def coordinates_figure(scene: Scene) -> Figure:
             shade_judged(axes, scene)
             for party in scene.parties:
                 if party.q is not None:
-                    draw(axes, party.role, scene.t, party.q[:, index])
+                    draw_line(axes, party.role, scene.t, party.q[:, index])
             axes.set_ylabel(f"q{index + 1} [rad]")
         panels[-1].set_xlabel("t [s]")
         legend_above(figure, panels[0])

@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.style import draw, house_style, legend_above, new_figure
-from viz.scene import Scene
+from viz.figures.style import draw_line, house_style, legend_above, new_figure
+from viz.scene import ViewedRun
 
 
-def mean_square_error(scene: Scene) -> Array:
+def mean_square_error(scene: ViewedRun) -> Array:
     """Table I's e (2,) [rad^2], a mean square, of the first model's q over the judged instants; NaN where unknown."""
     measured, model = scene.subject.q, scene.models[0].q
     if measured is None or model is None:
@@ -21,7 +21,7 @@ def mean_square_error(scene: Scene) -> Array:
     return np.nanmean(squares, axis=0) if np.isfinite(squares).any() else np.full(2, np.nan)
 
 
-def extremes_figure(scenes: Sequence[Scene]) -> Figure:
+def extremes_figure(scenes: Sequence[ViewedRun]) -> Figure:
     """q1 and q2 [rad] of the recording with the largest e (left) and with the smallest (right); e in the title."""
     with house_style():
         ordered = sorted(scenes, key=lambda scene: -np.nan_to_num(mean_square_error(scene).sum(), nan=-1.0))
@@ -35,7 +35,7 @@ def extremes_figure(scenes: Sequence[Scene]) -> Figure:
                 axes = panels[index, column]
                 for party in (scene.subject, *scene.models[:1]):
                     if party.q is not None:
-                        draw(axes, party.role, scene.t, party.q[:, index])
+                        draw_line(axes, party.role, scene.t, party.q[:, index])
                 axes.set_ylabel(f"q{index + 1} [rad]")
             panels[1, column].set_xlabel("t [s]")
         legend_above(figure, panels[0, 0])

@@ -14,14 +14,14 @@ from tentacle.recording import Camera, Recording
 from tentacle.signals import Array
 from viz.figures.style import house_style, new_figure
 from viz.palette import NEUTRAL
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 from viz.video import frames, upright
 from viz.words import number
 
-Grey = NDArray[np.uint8]
-MARGIN = 0.12  # of the arm's length, around it
+GreyImage = NDArray[np.uint8]
+PICTURE_MARGIN = 0.12  # of the arm's length, around it
 LEAST_WINDOW, OF_ERROR = 0.06, 2.6  # the inset's side: of the arm's length at least, and of the error
-WIDEST = 520  # pixels of the film's frame that are kept
+WIDEST_PICTURE = 520  # pixels of the film's frame that are kept
 PAPER_GREY = 255
 
 
@@ -29,11 +29,11 @@ PAPER_GREY = 255
 class Still:
     """A frame of the film as the base frame sees it: grey picture, and its extent (left, right, bottom, top) [mm]."""
 
-    picture: Grey
+    picture: GreyImage
     extent: tuple[float, float, float, float]
 
 
-def worst_instant(scene: Scene) -> int | None:
+def worst_instant(scene: ViewedRun) -> int | None:
     """The judged instant at which the first model misses most; None where nothing was measured."""
     if not scene.models:
         return None
@@ -41,7 +41,7 @@ def worst_instant(scene: Scene) -> int | None:
     return None if np.isnan(error).all() else int(np.nanargmax(error))
 
 
-def rms_at(scene: Scene, party: Party) -> Array:
+def rms_at(scene: ViewedRun, party: Party) -> Array:
     """Root mean square distance (T,) [mm] between a party and what was measured, at each instant."""
     residual = scene.residual_mm(party)
     seen = np.isfinite(residual)
@@ -68,10 +68,10 @@ def still_of(recording: Recording | None, t: float, box: Array) -> Still | None:
     return Still(in_base_frame(grey, recording.declaration.camera, box), (box[0, 0], box[1, 0], box[1, 1], box[0, 1]))
 
 
-def in_base_frame(picture: Grey, camera: Camera, box: Array) -> Grey:
+def in_base_frame(picture: GreyImage, camera: Camera, box: Array) -> GreyImage:
     """The picture sampled over a box [mm] of the base frame, rows along y, columns along x; pale, white outside."""
     side = (box[1] - box[0]) * 1e-3 / camera.metres_per_px
-    across, down = (max(2, round(float(s * min(1.0, WIDEST / side.max())))) for s in side)
+    across, down = (max(2, round(float(s * min(1.0, WIDEST_PICTURE / side.max())))) for s in side)
     x, y = np.linspace(box[0, 0], box[1, 0], across), np.linspace(box[0, 1], box[1, 1], down)
     at = camera.to_pixels(1e-3 * np.stack(np.meshgrid(x, y), axis=-1)).round().astype(int)
     inside = ((at >= 0) & (at < [picture.shape[1], picture.shape[0]])).all(axis=-1)
@@ -79,7 +79,7 @@ def in_base_frame(picture: Grey, camera: Camera, box: Array) -> Grey:
     return np.where(inside, 110 + 145 * (picture[at[..., 1], at[..., 0]] / 255.0), PAPER_GREY).astype(np.uint8)
 
 
-def finding_figure(scene: Scene, recording: Recording | None) -> Figure | None:
+def finding_figure(scene: ViewedRun, recording: Recording | None) -> Figure | None:
     """A panel a model: film, measured shape, the model's shape, and the tip again, magnified. None without a shape."""
     instant = worst_instant(scene)
     if instant is None:
@@ -87,7 +87,9 @@ def finding_figure(scene: Scene, recording: Recording | None) -> Figure | None:
     shown = [party.xy[instant] for party in scene.parties]
     points = 1e3 * np.concatenate([*shown, np.zeros((1, 2))])
     size = float(np.nanmax(np.ptp(points[np.isfinite(points).all(axis=1)], axis=0)))
-    box = np.stack([np.nanmin(points, axis=0), np.nanmax(points, axis=0)]) + MARGIN * size * np.array([[-1.0], [1.0]])
+    box = np.stack([np.nanmin(points, axis=0), np.nanmax(points, axis=0)]) + PICTURE_MARGIN * size * np.array(
+        [[-1.0], [1.0]]
+    )
     narrow = max(0.0, 0.8 * (box[1, 1] - box[0, 1]) - (box[1, 0] - box[0, 0]))  # a hanging arm is shown with its water
     box += 0.5 * narrow * np.array([[-1.0, 0.0], [1.0, 0.0]])
     still = still_of(recording, float(scene.t[instant]), box)
@@ -111,14 +113,14 @@ def finding_figure(scene: Scene, recording: Recording | None) -> Figure | None:
         return figure
 
 
-def _lines(axes: Axes, scene: Scene, party: Party, instant: int, size: float) -> None:
+def _lines(axes: Axes, scene: ViewedRun, party: Party, instant: int, size: float) -> None:
     subject = scene.subject
     axes.plot(*(1e3 * subject.xy[instant].T), "o", ms=2.6 * size, color=subject.role.hex, label=subject.role.name)
     style = "-" if scene.points == "midline" else "x"
     axes.plot(*(1e3 * party.xy[instant].T), style, color=party.role.hex, lw=2.0 * size, ms=5, label=party.role.name)
 
 
-def _tip(whole: Axes, axes: Axes, scene: Scene, party: Party, instant: int, window: float) -> None:
+def _tip(whole: Axes, axes: Axes, scene: ViewedRun, party: Party, instant: int, window: float) -> None:
     """The tip magnified below the whole arm, where a millimetre is seen."""
     tip = 1e3 * scene.subject.xy[instant, scene.tip]
     if not np.isfinite(tip).all():

@@ -13,8 +13,8 @@ from tentacle.signals import Array
 from viz.figures.style import INK, house_style, new_figure
 from viz.palette import NEUTRAL, SEQUENTIAL_MAP
 
-MARKERS = "osDv^P*X"
-LEAST = 1e-4
+TAPER_SYMBOLS = "osDv^P*X"
+LEAST_ERROR = 1e-4
 
 
 def flexibility_figure(
@@ -33,10 +33,10 @@ def flexibility_figure(
         colours = LogNorm(min(frequency_ratio), max(frequency_ratio))
         shown = None
         for panel, (title, arms) in zip(panels, errors.items(), strict=True):
-            for (arm, error), marker in zip(arms.items(), MARKERS, strict=False):
+            for (arm, error), marker in zip(arms.items(), TAPER_SYMBOLS, strict=False):
                 ratios = np.broadcast_to(np.asarray(frequency_ratio, dtype=float), error.shape)
                 shown = panel.scatter(
-                    flexibility[arm], np.maximum(error, LEAST), c=ratios, s=12, marker=marker, norm=colours,
+                    flexibility[arm], np.maximum(error, LEAST_ERROR), c=ratios, s=12, marker=marker, norm=colours,
                     cmap=SEQUENTIAL_MAP, linewidths=0.4, edgecolors=INK,
                 )  # fmt: skip
             for level in levels:
@@ -51,7 +51,7 @@ def flexibility_figure(
         arms = next(iter(errors.values()))
         handles = [
             Line2D([], [], color=NEUTRAL.hex, marker=marker, linestyle="", markersize=4, label=arm)
-            for arm, marker in zip(arms, MARKERS, strict=False)
+            for arm, marker in zip(arms, TAPER_SYMBOLS, strict=False)
         ]
         figure.legend(handles=handles, loc="outside upper center", ncols=min(3, len(handles)))
         if shown is not None:

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.style import draw, house_style, legend_above, new_figure
+from viz.figures.style import draw_line, house_style, legend_above, new_figure
 from viz.palette import AUGMENTED, BASE, MEASURED, REFERENCE, WARNING
 
-ROLES = (MEASURED, BASE, AUGMENTED, REFERENCE, WARNING)
+MOTION_ROLES = (MEASURED, BASE, AUGMENTED, REFERENCE, WARNING)
 
 
 def motion_figure(motions: Mapping[str, tuple[Array, Array]], height: float = 2.2, width: float = 7.2) -> Figure:
@@ -18,8 +18,8 @@ def motion_figure(motions: Mapping[str, tuple[Array, Array]], height: float = 2.
     with house_style():
         figure = new_figure(height, width)
         axes = figure.subplots()
-        for (name, (t, theta)), role in zip(motions.items(), ROLES, strict=False):
-            draw(axes, role, t, theta, name)
+        for (name, (t, theta)), role in zip(motions.items(), MOTION_ROLES, strict=False):
+            draw_line(axes, role, t, theta, name)
         axes.set_xlabel("t [s]")
         axes.set_ylabel("base angle [rad]")
         if len(motions) > 1:

@@ -11,7 +11,7 @@ from viz.figures.style import house_style, legend_above, new_figure
 from viz.palette import BASE, MEASURED
 from viz.spectrum import amplitude_spectrum
 
-BINS = 50
+PHASE_BINS = 50
 APERIODIC = 0.1  # of the variance; a sine cut into 50 bins leaves 0.1 %, a chirp 90 %
 
 
@@ -31,7 +31,7 @@ def fundamental_period(t: Array, theta: Array) -> float:
         tried = best + np.linspace(-reach, reach, 41)
         best = float(tried[np.argmin([sine_misfit(t, theta, one) for one in tried])])
     period = 1.0 / best
-    _, _, deviation = period_average(t, theta[:, None], period)
+    _, _, deviation = average_over_period(t, theta[:, None], period)
     if not np.nanmean(deviation**2) <= APERIODIC * np.nanvar(theta):
         raise InputError("the motion does not repeat itself", field="motor", expected="a periodic base motion")
     return period
@@ -44,7 +44,7 @@ def sine_misfit(t: Array, values: Array, frequency: float) -> float:
     return float(np.sum((values - columns @ solution) ** 2))
 
 
-def period_average(t: Array, q: Array, period: float, bins: int = BINS) -> tuple[Array, Array, Array]:
+def average_over_period(t: Array, q: Array, period: float, bins: int = PHASE_BINS) -> tuple[Array, Array, Array]:
     """Phase (bins,) in [0, 1), mean and deviation (bins, K) of q (T, K) folded by the period [s], NaN left out."""
     index = np.floor(((t / period) % 1.0) * bins).astype(int) % bins
     mean, deviation = np.full((bins, q.shape[1]), np.nan), np.full((bins, q.shape[1]), np.nan)
@@ -61,7 +61,7 @@ def period_figure(t: Array, q: Array, period: float) -> Figure:
     with house_style():
         figure = new_figure(2.6)
         axes = figure.subplots()
-        phase, mean, deviation = period_average(t, q, period)
+        phase, mean, deviation = average_over_period(t, q, period)
         for index, role in enumerate((MEASURED, BASE)):
             low, high = mean[:, index] - deviation[:, index], mean[:, index] + deviation[:, index]
             axes.fill_between(phase * period, low, high, color=role.hex, alpha=0.35, lw=0)

@@ -15,7 +15,7 @@ from viz.palette import Role
 
 
 @dataclass(frozen=True)
-class Still:
+class PaperStill:
     """A picture (H, W) or (H, W, 3) uint8, its title, and lines (N, 2) [px] drawn over it in a role's colour."""
 
     title: str
@@ -23,7 +23,7 @@ class Still:
     lines: Sequence[tuple[Role, Array]] = field(default_factory=tuple)
 
 
-def crop_around(stills: Sequence[Still], points: Array, margin: float = 0.25) -> list[Still]:
+def crop_around(stills: Sequence[PaperStill], points: Array, margin: float = 0.25) -> list[PaperStill]:
     """The stills cut to the points (N, 2) [px] that must be seen, with a margin on each side of that share of the
     longer side; where missing (NaN), a point counts for nothing.
     """
@@ -33,7 +33,7 @@ def crop_around(stills: Sequence[Still], points: Array, margin: float = 0.25) ->
     left, top = np.clip(np.floor(low - around), 0, size - 1).astype(int)
     right, bottom = np.clip(np.ceil(high + around), 1, size).astype(int)
     return [
-        Still(
+        PaperStill(
             still.title,
             still.picture[top:bottom, left:right],
             [(role, line - np.array([left, top])) for role, line in still.lines],
@@ -42,12 +42,12 @@ def crop_around(stills: Sequence[Still], points: Array, margin: float = 0.25) ->
     ]
 
 
-def pipeline_figure(steps: Sequence[Still]) -> Figure:
+def pipeline_figure(steps: Sequence[PaperStill]) -> Figure:
     """The steps in a row, lettered a, b, c ... as in the paper; pixels of the camera."""
     return stills_figure([steps], lettered=True)
 
 
-def stills_figure(rows: Sequence[Sequence[Still]], lettered: bool = False) -> Figure:
+def stills_figure(rows: Sequence[Sequence[PaperStill]], lettered: bool = False) -> Figure:
     """Rows of stills; all pictures of a figure at the same scale. No axes: they are pictures."""
     with house_style():
         columns = max(len(row) for row in rows)

@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from viz.figures.style import house_style, new_figure, thinned
 from viz.heat import colour_limit
 from viz.palette import SEQUENTIAL_MAP
-from viz.scene import Scene
+from viz.scene import ViewedRun
 
 
-def residual_figure(scene: Scene) -> Figure:
+def residual_figure(scene: ViewedRun) -> Figure:
     """Distance to the measured points [mm]; what is white was not measured."""
     with house_style():
         figure = new_figure(2.9)

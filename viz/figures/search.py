@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.motion import ROLES
-from viz.figures.style import draw, house_style, legend_above, new_figure
+from viz.figures.motion import MOTION_ROLES
+from viz.figures.style import draw_line, house_style, legend_above, new_figure
 
 
 def search_figure(courses: Mapping[str, tuple[Array, Array]], quantity: str) -> Figure:
@@ -16,8 +16,8 @@ def search_figure(courses: Mapping[str, tuple[Array, Array]], quantity: str) -> 
     with house_style():
         figure = new_figure(2.4)
         axes = figure.subplots()
-        for (name, (evaluations, best)), role in zip(courses.items(), ROLES, strict=False):
-            draw(axes, role, evaluations, best, name)
+        for (name, (evaluations, best)), role in zip(courses.items(), MOTION_ROLES, strict=False):
+            draw_line(axes, role, evaluations, best, name)
         axes.set_xlabel("evaluations [1]")
         axes.set_ylabel(f"best {quantity}")
         if len(courses) > 1:

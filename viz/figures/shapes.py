@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from viz.figures.style import house_style, legend_above, new_figure
-from viz.scene import Scene
+from viz.scene import ViewedRun
 
 INSTANTS = 5
 
 
-def instants(scene: Scene, count: int = INSTANTS) -> list[int]:
+def instants(scene: ViewedRun, count: int = INSTANTS) -> list[int]:
     """Indices of `count` judged instants with measured points, spread over one swing: quantiles of the tip's x."""
     usable = np.flatnonzero(scene.judged & np.isfinite(scene.subject.xy).any(axis=(1, 2)))
     if not len(usable):
@@ -20,7 +20,7 @@ def instants(scene: Scene, count: int = INSTANTS) -> list[int]:
     return [int(order[k]) for k in np.linspace(0, len(order) - 1, min(count, len(order))).round().astype(int)]
 
 
-def shapes_figure(scene: Scene) -> Figure:
+def shapes_figure(scene: ViewedRun) -> Figure:
     """One small panel an instant, equal scales, in mm, arm hanging from the origin."""
     with house_style():
         chosen = instants(scene)

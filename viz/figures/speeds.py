@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.motion import ROLES
-from viz.figures.style import INK, draw, house_style, new_figure
+from viz.figures.motion import MOTION_ROLES
+from viz.figures.style import INK, draw_line, house_style, new_figure
 
 HATCHES = ("", "//", "..", "xx", "\\\\")
 
@@ -34,7 +34,7 @@ def speeds_figure(swims: Sequence[Swim], motions: Mapping[str, tuple[Array, Arra
         for swim in swims:
             index = names.index(swim.motion)
             place = arms.index(swim.arm) + (index - 0.5 * (len(names) - 1)) * width
-            role = ROLES[index % len(ROLES)]
+            role = MOTION_ROLES[index % len(MOTION_ROLES)]
             deviation = 100 * swim.speeds.std(ddof=1) if len(swim.speeds) > 1 else None
             right.bar(
                 place, 100 * swim.speeds.mean(), 0.92 * width, yerr=deviation, color=role.hex, ecolor=INK, capsize=3,
@@ -48,7 +48,7 @@ def speeds_figure(swims: Sequence[Swim], motions: Mapping[str, tuple[Array, Arra
             left.set_axis_off()
             return figure
         for name, (t, theta) in motions.items():
-            draw(left, ROLES[names.index(name) % len(ROLES)], t, theta, name)
+            draw_line(left, MOTION_ROLES[names.index(name) % len(MOTION_ROLES)], t, theta, name)
         left.set_xlabel("t [s]")
         left.set_ylabel("base angle [rad]")
         return figure

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from viz.palette import Role
 
 INK = "#010203"  # stands for the page's own text colour; an SVG inside a page has it replaced by currentColor
-WIDTH = 7.2  # inches: a double column in print
-LONGEST = 2500  # instants a line is drawn with: more cannot be told apart in print
+FIGURE_WIDTH = 7.2  # inches: a double column in print
+MOST_INSTANTS = 2500  # instants a line is drawn with: more cannot be told apart in print
 
-STYLE: dict[str, Any] = {
+FIGURE_STYLE: dict[str, Any] = {
     "font.family": "sans-serif", "font.size": 9, "axes.titlesize": 9, "axes.labelsize": 9, "legend.fontsize": 8,
     "xtick.labelsize": 8, "ytick.labelsize": 8, "text.color": INK, "axes.labelcolor": INK, "axes.edgecolor": INK,
     "xtick.color": INK, "ytick.color": INK, "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.7,
@@ -33,21 +33,21 @@ STYLE: dict[str, Any] = {
 @contextmanager
 def house_style() -> Iterator[None]:
     """The look of every figure, inside the block only; matplotlib's own settings come back after it."""
-    with rc_context(cast(Any, STYLE)):
+    with rc_context(cast(Any, FIGURE_STYLE)):
         yield
 
 
-def new_figure(height: float, width: float = WIDTH) -> Figure:
+def new_figure(height: float, width: float = FIGURE_WIDTH) -> Figure:
     """An empty figure, width x height [inch], that needs no screen."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def thinned(count: int, longest: int = LONGEST) -> NDArray[np.int64]:
+def thinned(count: int, longest: int = MOST_INSTANTS) -> NDArray[np.int64]:
     """Indices of at most `longest` of `count` instants, evenly spread."""
     return np.arange(0, count, max(1, -(-count // longest)))
 
 
-def draw(axes: Axes, role: Role, x: NDArray[np.float64], y: NDArray[np.float64], label: str | None = None) -> None:
+def draw_line(axes: Axes, role: Role, x: NDArray[np.float64], y: NDArray[np.float64], label: str | None = None) -> None:
     """One party's line, in its colour and dash."""
     keep = thinned(len(x))
     axes.plot(x[keep], y[keep], role.dash, color=role.hex, label=role.name if label is None else label)
@@ -56,7 +56,7 @@ def draw(axes: Axes, role: Role, x: NDArray[np.float64], y: NDArray[np.float64],
 def legend_above(figure: Figure, axes: Axes) -> None:
     """One legend for a figure, above it, where it covers nothing."""
     handles, labels = axes.get_legend_handles_labels()
-    columns = len(labels) if figure.get_figwidth() >= 0.9 * WIDTH else 1
+    columns = len(labels) if figure.get_figwidth() >= 0.9 * FIGURE_WIDTH else 1
     figure.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 

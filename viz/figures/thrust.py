@@ -6,12 +6,12 @@ from matplotlib.figure import Figure
 
 from tentacle.signals import LoadCellSignal
 from viz.figures.coordinates import shade_judged
-from viz.figures.style import draw, house_style, legend_above, new_figure
+from viz.figures.style import draw_line, house_style, legend_above, new_figure
 from viz.palette import MEASURED
-from viz.scene import Scene
+from viz.scene import ViewedRun
 
 
-def thrust_figure(scene: Scene, load_cell: LoadCellSignal | None) -> Figure | None:
+def thrust_figure(scene: ViewedRun, load_cell: LoadCellSignal | None) -> Figure | None:
     """Thrust [N] over time; None where nothing of it is known."""
     lines = [(party.role, scene.t, party.thrust) for party in scene.parties if party.thrust is not None]
     if load_cell is not None:
@@ -23,7 +23,7 @@ def thrust_figure(scene: Scene, load_cell: LoadCellSignal | None) -> Figure | No
         axes = figure.subplots()
         shade_judged(axes, scene)
         for role, t, thrust in lines:
-            draw(axes, role, t, thrust)
+            draw_line(axes, role, t, thrust)
         axes.set_xlabel("t [s]")
         axes.set_ylabel("thrust [N]")
         legend_above(figure, axes)

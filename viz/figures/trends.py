@@ -15,16 +15,16 @@ from viz.figures.style import house_style, new_figure
 from viz.palette import NEUTRAL
 from viz.words import effect_name
 
-FEWEST = 3  # points that make a trend
+FEWEST_POINTS = 3  # points that make a trend
 COLUMNS, PANEL_HEIGHT = 2, 2.1
-MARKERS = "os^Dv*PX"
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA3377", "#56B4E9", "#E69F00")  # Okabe and Ito
+ARM_SYMBOLS = "os^Dv*PX"
+ARM_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA3377", "#56B4E9", "#E69F00")  # Okabe and Ito
 LEGEND = 8  # arms that a legend names; of more the table tells
-DRAWN = 400  # points a panel: beyond them they are thinned evenly
+POINTS_A_PANEL = 400  # points a panel: beyond them they are thinned evenly
 
 
 @dataclass(frozen=True)
-class Point:
+class TrendPoint:
     """A parameter's value in one recording, with its interval; arm: which specimen."""
 
     date: datetime
@@ -34,12 +34,12 @@ class Point:
     high: float
 
 
-def trends_figure(trends: Mapping[tuple[str, str, str], Sequence[Point]]) -> Figure | None:
+def trends_figure(trends: Mapping[tuple[str, str, str], Sequence[TrendPoint]]) -> Figure | None:
     """A panel for every (effect, parameter, unit) with FEWEST points or more; None where there is none.
 
     An axis reaches over the middle 98 % of the values: a fit that ran away does not hide the others.
     """
-    drawn = {name: points for name, points in trends.items() if len(points) >= FEWEST}
+    drawn = {name: points for name, points in trends.items() if len(points) >= FEWEST_POINTS}
     if not drawn:
         return None
     rows = -(-len(drawn) // COLUMNS)
@@ -57,16 +57,16 @@ def trends_figure(trends: Mapping[tuple[str, str, str], Sequence[Point]]) -> Fig
         return figure
 
 
-def _panel(axes: Axes, name: tuple[str, str, str], points: Sequence[Point], arms: Sequence[str]) -> None:
+def _panel(axes: Axes, name: tuple[str, str, str], points: Sequence[TrendPoint], arms: Sequence[str]) -> None:
     effect, parameter, unit = name
-    kept = points[:: max(1, -(-len(points) // DRAWN))]
+    kept = points[:: max(1, -(-len(points) // POINTS_A_PANEL))]
     for place, arm in enumerate(arms):
         own = [point for point in kept if point.arm == arm]
         value = np.array([point.value for point in own])
         reach = np.array([[p.value - p.low for p in own], [p.high - p.value for p in own]]).reshape(2, -1)
         axes.errorbar(
             np.array(date2num([point.date for point in own])), value, yerr=np.maximum(reach, 0.0),
-            fmt=MARKERS[place % len(MARKERS)], color=COLOURS[place % len(COLOURS)], ecolor=NEUTRAL.hex,
+            fmt=ARM_SYMBOLS[place % len(ARM_SYMBOLS)], color=ARM_COLOURS[place % len(ARM_COLOURS)], ecolor=NEUTRAL.hex,
             markersize=3, elinewidth=0.8, label=f"arm {arm}",
         )  # fmt: skip
     values = np.array([[p.low, p.high] for p in kept])

@@ -11,7 +11,7 @@ from tentacle.recording import Declaration
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
 from viz.palette import MEASURED, NEUTRAL, Role
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 from viz.topics.paths import seconds
 from viz.tube import planar_to_space, tube
 
@@ -19,7 +19,7 @@ CORE = 0.3  # a model's arm is drawn this thick, in front of the measured one: b
 
 
 @dataclass(frozen=True)
-class Course:
+class MidlineCourse:
     """A midline over time: t (T,) [s], s (P,), xy (T, P, 2) [m]."""
 
     t: Array
@@ -27,7 +27,9 @@ class Course:
     xy: Array
 
 
-def log_tube(session: rr.RecordingStream, path: str, role: Role, course: Course, arm: Specimen, full: bool) -> None:
+def log_tube(
+    session: rr.RecordingStream, path: str, role: Role, course: MidlineCourse, arm: Specimen, full: bool
+) -> None:
     """An arm over time, in full thickness, or its core in front of it."""
     drawn = (
         tube(course.xy, course.s, arm)
@@ -68,7 +70,7 @@ def log_tank(session: rr.RecordingStream, path: str, declaration: Declaration) -
         session.log(f"{path}/water", water, static=True)
 
 
-def log_misses(session: rr.RecordingStream, path: str, scene: Scene, party: Party, radius: float) -> None:
+def log_misses(session: rr.RecordingStream, path: str, scene: ViewedRun, party: Party, radius: float) -> None:
     """Lines from each measured marker to where a model puts it."""
     misses = planar_to_space(np.stack([scene.subject.xy, party.xy], axis=2))
     present = np.isfinite(misses).all(axis=(2, 3))
@@ -77,14 +79,16 @@ def log_misses(session: rr.RecordingStream, path: str, scene: Scene, party: Part
     session.send_columns(path, [seconds(scene.t)], columns.partition(present.sum(axis=1)))
 
 
-def log_arms(session: rr.RecordingStream, path: str, scene: Scene, declaration: Declaration) -> None:
+def log_arms(session: rr.RecordingStream, path: str, scene: ViewedRun, declaration: Declaration) -> None:
     """Every party's arm of a scene."""
     arm = declaration.specimen
     log_tank(session, f"{path}/arms", declaration)
     for party in scene.parties:
         where = f"{path}/arms/{party.key}"
         if scene.points == "midline":
-            log_tube(session, where, party.role, Course(scene.t, scene.s, party.xy), arm, full=party is scene.subject)
+            log_tube(
+                session, where, party.role, MidlineCourse(scene.t, scene.s, party.xy), arm, full=party is scene.subject
+            )
             continue
         log_markers(session, where, party.role, scene.t, party.xy, arm.length / 60)
         if party is not scene.subject:

@@ -10,7 +10,7 @@ import rerun as rr
 from tentacle.recording import Recording
 from tentacle.signals import Array, ShapeTrack
 from viz.palette import WARNING, Role
-from viz.scene import Scene
+from viz.scene import ViewedRun
 from viz.topics.paths import seconds
 from viz.tube import thin
 from viz.video import SmallVideo, small_video
@@ -46,7 +46,7 @@ def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, vide
     session.send_columns(path, [seconds(shape.t)], columns.partition(rejected.astype(int)))
 
 
-def log_camera(session: rr.RecordingStream, path: str, scene: Scene, recording: Recording) -> bool:
+def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recording: Recording) -> bool:
     """The video with every party's line over it; False where the recording has none."""
     camera = recording.declaration.camera
     if recording.video is None or camera is None:

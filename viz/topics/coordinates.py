@@ -8,7 +8,7 @@ import rerun as rr
 from tentacle.signals import Array, ShapeTrack
 from viz.midline import paper_coordinates
 from viz.palette import MEASURED
-from viz.scene import Scene
+from viz.scene import ViewedRun
 from viz.topics.lines import log_band, log_line
 
 NORMAL_95 = 1.959964  # two-sided 95 % quantile of the normal distribution
@@ -24,7 +24,7 @@ def coordinate_sigma(shape: ShapeTrack, t: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-def log_coordinates(session: rr.RecordingStream, path: str, scene: Scene, shape: ShapeTrack | None) -> None:
+def log_coordinates(session: rr.RecordingStream, path: str, scene: ViewedRun, shape: ShapeTrack | None) -> None:
     """q1 and q2 [rad] of every party that has them, and the servo's angle theta [rad]."""
     for party in scene.parties:
         if party.q is None:

@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 
 from tentacle.recording import Recording
-from viz.scene import Scene
+from viz.scene import ViewedRun
 from viz.topics.paths import seconds
 
 Level = Literal["INFO", "WARN", "ERROR"]
@@ -41,7 +41,7 @@ def recording_events(recording: Recording) -> list[Event]:
     return events
 
 
-def judged_events(scene: Scene) -> list[Event]:
+def judged_events(scene: ViewedRun) -> list[Event]:
     """Where the errors begin and cease to be judged; nothing where that is everywhere."""
     if scene.judged.all():
         return []

@@ -11,13 +11,13 @@ from tentacle.proposed_law import MissingForce
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
 from viz.palette import WARNING, Role
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 from viz.topics.paths import run_path, seconds
 from viz.tube import planar_to_space, thin
 
 ARROWS = 12  # along an arm
-LONGEST = 0.5  # arm lengths: the longest arrow of a kind in a run
-LANE = 3.0  # half thicknesses at the clamp between two thrust arrows
+LONGEST_ARROW = 0.5  # arm lengths: the longest arrow of a kind in a run
+ARROW_LANE = 3.0  # half thicknesses at the clamp between two thrust arrows
 
 
 def thrust_of(drag: Array, s: Array, length: float) -> Array:
@@ -46,7 +46,7 @@ def log_arrows(session: rr.RecordingStream, path: str, role: Role, arrows: Arrow
     session.send_columns(path, [seconds(arrows.t)], columns.partition(present.sum(axis=1)))
 
 
-def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specimen) -> str:
+def log_forces(session: rr.RecordingStream, path: str, scene: ViewedRun, arm: Specimen) -> str:
     """Arrows of every party whose drag is known, all on one scale; says what the longest are, or nothing."""
     known: list[tuple[Party, Array]] = [(party, party.drag) for party in scene.parties if party.drag is not None]
     if not known:
@@ -57,22 +57,22 @@ def log_forces(session: rr.RecordingStream, path: str, scene: Scene, arm: Specim
     if strongest == 0.0 or hardest == 0.0:
         return ""
     keep = thin(len(scene.s), ARROWS)
-    beside = LANE * float(arm.section.half_thickness(0.0))
+    beside = ARROW_LANE * float(arm.section.half_thickness(0.0))
     for lane, ((party, drag), thrust) in enumerate(zip(known, thrusts, strict=True), start=1):
-        arrows = LONGEST * arm.length / strongest * drag[:, keep]
+        arrows = LONGEST_ARROW * arm.length / strongest * drag[:, keep]
         where = party.xy[:, keep]
         log_arrows(
             session, f"{path}/arms/drag/{party.key}", party.role, Arrows(scene.t, where, arrows), arm.length / 200
         )
         start = np.broadcast_to([lane * beside, 0.0], (len(thrust), 1, 2))
-        whole = LONGEST * arm.length / hardest * np.stack([np.zeros_like(thrust), thrust], axis=-1)[:, None]
+        whole = LONGEST_ARROW * arm.length / hardest * np.stack([np.zeros_like(thrust), thrust], axis=-1)[:, None]
         log_arrows(
             session, f"{path}/arms/thrust/{party.key}", party.role, Arrows(scene.t, start, whole), arm.length / 80
         )
     return f"longest arrows: drag {strongest:.2g} N/m, thrust {1e3 * hardest:.2g} mN"
 
 
-def log_missing_force(session: rr.RecordingStream, scene: Scene, arm: Specimen, missing: MissingForce) -> None:
+def log_missing_force(session: rr.RecordingStream, scene: ViewedRun, arm: Specimen, missing: MissingForce) -> None:
     """Arrows of the missing force on the measured arm, on a band of faint ones a standard deviation longer, and of that
     at the tip; where the run has a map of it.
     """
@@ -88,14 +88,14 @@ def log_missing_force(session: rr.RecordingStream, scene: Scene, arm: Specimen, 
         tangent /= np.maximum(np.linalg.norm(tangent, axis=-1, keepdims=True), 1e-12)
         normal = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
         size, spread = (_in_time(shown.t, part[:, keep], scene.t[frames]) for part in (shown.force, shown.spread))
-        scale = LONGEST * arm.length / max(float(np.abs(shown.force).max()), 1e-300)
+        scale = LONGEST_ARROW * arm.length / max(float(np.abs(shown.force).max()), 1e-300)
         path = f"{run_path(scene.name)}/arms/missing"
         thick = arm.length / 150
         band = np.abs(size) + spread
         wide = np.sign(size)[..., None] * band[..., None] * normal
         faint = Role(WARNING.name, (235, 190, 150), WARNING.dash)
         at_tip = np.interp(scene.t[frames], shown.t, shown.tip_force)[:, None, None] * normal[:, -1:]
-        longest = LONGEST * arm.length / max(float(np.abs(shown.tip_force).max()), 1e-300)
+        longest = LONGEST_ARROW * arm.length / max(float(np.abs(shown.tip_force).max()), 1e-300)
         t = scene.t[frames]
         drawn = (
             ("band", faint, Arrows(t, place, scale * wide), thick / 2),

@@ -10,7 +10,7 @@ import rerun as rr
 from tentacle.signals import Array
 from viz.heat import colour_limit, heat_map
 from viz.palette import NEUTRAL, WARNING
-from viz.scene import Party, Scene
+from viz.scene import Party, ViewedRun
 from viz.topics.lines import log_line
 from viz.topics.paths import seconds
 
@@ -24,7 +24,7 @@ def rms_over_points(values: Array) -> Array:
         return np.sqrt(np.nanmean(values**2, axis=1))
 
 
-def log_heat(session: rr.RecordingStream, path: str, scene: Scene, party: Party) -> None:
+def log_heat(session: rr.RecordingStream, path: str, scene: ViewedRun, party: Party) -> None:
     """One model's residual map [mm] on the colour scale shared by all."""
     drawn = heat_map(scene, party, colour_limit(scene))
     height, width = drawn.picture.shape[:2]
@@ -40,7 +40,7 @@ def log_heat(session: rr.RecordingStream, path: str, scene: Scene, party: Party)
     session.send_columns(f"{path}/now", [seconds(t)], rr.LineStrips2D.columns(strips=mark.astype(np.float32)))
 
 
-def log_residual(session: rr.RecordingStream, path: str, scene: Scene) -> None:
+def log_residual(session: rr.RecordingStream, path: str, scene: ViewedRun) -> None:
     """Maps and rms [mm] of every model's residual."""
     for party in scene.models:
         log_heat(session, f"{path}/residual/{party.key}", scene, party)
@@ -48,7 +48,7 @@ def log_residual(session: rr.RecordingStream, path: str, scene: Scene) -> None:
         log_line(session, f"{path}/error/{party.key}", party.role, scene.t, rms)
 
 
-def log_spectra(session: rr.RecordingStream, path: str, scene: Scene) -> None:
+def log_spectra(session: rr.RecordingStream, path: str, scene: ViewedRun) -> None:
     """Amplitude spectra of the tip as a picture: the viewer's charts have no logarithmic and no frequency axis."""
     from viz.figures.spectrum import spectrum_figure
     from viz.figures.style import png

@@ -6,11 +6,11 @@ import rerun as rr
 
 from tentacle.signals import LoadCellSignal
 from viz.palette import MEASURED
-from viz.scene import Scene
+from viz.scene import ViewedRun
 from viz.topics.lines import log_line
 
 
-def log_thrust(session: rr.RecordingStream, path: str, scene: Scene, load_cell: LoadCellSignal | None) -> bool:
+def log_thrust(session: rr.RecordingStream, path: str, scene: ViewedRun, load_cell: LoadCellSignal | None) -> bool:
     """Whatever is known of the thrust; False where nothing is."""
     if load_cell is not None:
         log_line(session, f"{path}/thrust/measured", MEASURED, load_cell.t, load_cell.thrust)

@@ -8,7 +8,7 @@ from tentacle.diagnosis import Diagnosis
 from viz.words import VERDICT_TITLES, effect_name, error_rows, interval, number
 
 
-def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def text_table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     """A Markdown table."""
     lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     lines += ["| " + " | ".join(row) + " |" for row in rows]
@@ -23,7 +23,7 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
         f"# {VERDICT_TITLES[diagnosis.verdict]}",
         diagnosis.headline,
         f"Confidence {diagnosis.confidence:.0%}. Errors are rms on {judged}.",
-        table(("error", "unit", "before", "after", "floor"), [tuple(row) for row in errors]),
+        text_table(("error", "unit", "before", "after", "floor"), [tuple(row) for row in errors]),
     ]
     added = [
         (effect_name(effect), name, number(e.value), interval(e), e.unit)
@@ -31,16 +31,16 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
         for name, e in values.items()
     ]
     if added:
-        parts += ["## Added", table(("effect", "parameter", "value", "95 % interval", "unit"), added)]
+        parts += ["## Added", text_table(("effect", "parameter", "value", "95 % interval", "unit"), added)]
     if diagnosis.gates:
         gates = [(gate.name, "passed" if gate.passed else "FAILED", gate.words) for gate in diagnosis.gates]
-        parts += ["## Is the model adequate?", table(("test", "result", "meaning"), gates)]
+        parts += ["## Is the model adequate?", text_table(("test", "result", "meaning"), gates)]
     if diagnosis.ranking:
         ranked = [
             (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.2f}")
             for r in diagnosis.ranking[:8]
         ]
-        parts += ["## Candidates", table(("effect", "score [nat]", "error [mm]", "probability"), ranked)]
+        parts += ["## Candidates", text_table(("effect", "score [nat]", "error [mm]", "probability"), ranked)]
     if diagnosis.words:
         parts += ["## What remains", "\n".join(f"- {line}" for line in diagnosis.words)]
     return "\n\n".join(parts) + "\n"

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from validation.trials.design import NEAR
+from validation.trials.design import BASE_SPREAD
 from validation.trials.likeness import Likeness
-from viz.report import Section, Table
+from viz.report import ReportSection, ReportTable
 from viz.words import effect_name, number
 
 SEEN_AS = {
@@ -21,15 +21,15 @@ SEEN_AS = {
 
 def like_section(
     name: str, like: Likeness, effects: tuple[Sequence[str], Sequence[str]], silent: Sequence[str]
-) -> Section:
+) -> ReportSection:
     """name of the recording; effects that can show in it, in the catalogue and out of it, and silent ones."""
     inside, outside = (", ".join(map(effect_name, names)) for names in effects)
-    driven = "moved as its base was" if like.release_t is None else "let go as it was"
+    driven = "the base moves as recorded" if like.release_t is None else "the arm is let go as recorded"
     words = [
-        f"All trials are runs of the arm of {name} with base parameters within {NEAR[0]:g} to {NEAR[1]:g} times those "
-        f"fitted to it without any further effect, {driven}, for as long, at its frame rate, seen in its way and with "
-        "the noise that this fit found.",
-        f"Hidden are, in the catalogue: {inside}; out of it: {outside}.",
+        f"All trials are runs of the arm of {name}. The base parameters are {BASE_SPREAD[0]:g} to "
+        f"{BASE_SPREAD[1]:g} times those fitted to it without further effects; {driven}. Duration, frame rate, kind of "
+        "measurement and noise are those of the recording.",
+        f"Hidden effects of the catalogue: {inside}; outside it: {outside}.",
     ]
     if silent:
         names = ", ".join(map(effect_name, silent))
@@ -39,7 +39,7 @@ def like_section(
         "changing light. The trials have none of these, so the confidence does not account for them."
     )
     header = ("what", "value")
-    return Section(f"Trials like {name}", words, [Table("Shared by all trials", header, _rows(like))])
+    return ReportSection(f"Trials like {name}", words, [ReportTable("Shared by all trials", header, _rows(like))])
 
 
 def _rows(like: Likeness) -> list[tuple[str, str]]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.trials.figures import METHODS, hits
+from validation.trials.figures import BASELINE_METHODS, hits
 from validation.trials.outcome import Outcome
 from validation.trials.reliability import (
     AS_STATED,
@@ -22,16 +22,16 @@ from validation.trials.scores import VISIBLE, Scores, Share, confusion, scores, 
 from viz.figures.confusion import confusion_figure
 from viz.figures.error_drop import error_drop_figure
 from viz.figures.reliability import reliability_figure
-from viz.report import Origin, Picture, Report, Section, Table, render
+from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
 from viz.words import effect_name, number
 
 
-def page(
+def blind_trials_page(
     outcomes: Sequence[Outcome],
     refused: Sequence[tuple[int, str]],
     origin: Origin,
     prior: Prior = AS_STATED,
-    before: Sequence[Section] = (),
+    before: Sequence[ReportSection] = (),
 ) -> str:
     """report.html as text; before: sections ahead of the scores."""
     found = scores(outcomes)
@@ -57,7 +57,7 @@ def page(
         ("unknown recall", _percent(found.unknown_recall)),
         ("after / floor", number(found.after_over_floor)),
     ]
-    return render(Report("blind-trial", "Blind trials", headline, sections, origin, merits))
+    return render_report(Report("blind-trial", "Blind trials", headline, sections, origin, merits))
 
 
 def _percent(part: Share) -> str:
@@ -69,7 +69,7 @@ def _row(words: str, part: Share, target: str) -> tuple[str, ...]:
     return (words, _percent(part), f"{100 * low:.0f} to {100 * high:.0f} %", f"{part.hits} of {part.count}", target)
 
 
-def _score_section(found: Scores) -> Section:
+def _score_section(found: Scores) -> ReportSection:
     visible = f"R >= {VISIBLE:g}"
     rows = [
         _row(f"single effect, {visible}: named first, or in the named group", found.top1, ">= 95 %"),
@@ -89,25 +89,25 @@ def _score_section(found: Scores) -> Section:
         f"{number(found.seconds)} s of a processor."
     )
     header = ("trials", "share", "95 % interval", "count", "target")
-    return Section("Scores", [words], [Table("Asked and measured", header, rows, numeric=(1, 2, 3))])
+    return ReportSection("Scores", [words], [ReportTable("Asked and measured", header, rows, numeric=(1, 2, 3))])
 
 
 def _range(low: float, high: float) -> str:
     return f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
 
 
-def _confusion_section(outcomes: Sequence[Outcome]) -> Section:
+def _confusion_section(outcomes: Sequence[Outcome]) -> ReportSection:
     truths, answers, counts = confusion(outcomes)
     if not truths:
-        return Section("Confusion matrix", ["No trial has one effect, no effect, or an unknown effect."])
+        return ReportSection("Confusion matrix", ["No trial has one effect, no effect, or an unknown effect."])
     caption = "Rows: what was hidden; columns: what was answered (a group that holds the truth counts as the truth)."
     words = "Singles of every size, nulls (row: nothing) and effects outside the catalogue (row: unknown)."
-    return Section("Confusion matrix", [words], (), [Picture(confusion_figure(truths, answers, counts), caption)])
+    return ReportSection("Confusion matrix", [words], (), [Picture(confusion_figure(truths, answers, counts), caption)])
 
 
-def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance: float) -> Section:
+def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance: float) -> ReportSection:
     if not bins:
-        return Section("Is the stated confidence true?", ["No trial."])
+        return ReportSection("Is the stated confidence true?", ["No trial."])
     rows = []
     for b in bins:
         interval = f"{b.right.interval[0]:.2f} to {b.right.interval[1]:.2f}"
@@ -119,7 +119,7 @@ def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance:
         np.array([b.right.count for b in bins]),
     )  # fmt: skip
     header = ("confidence", "stated", "right", "95 % interval", "trials")
-    return Section(
+    return ReportSection(
         "Is the stated confidence true?",
         [
             f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points (expected by chance if "
@@ -127,7 +127,7 @@ def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance:
             "calibration.toml fitted to one half of these trials and tried on the other, "
             f"{100 * calibration_gap(crossed):.0f} points."
         ],
-        [Table("Reliability", header, rows, numeric=(1, 2, 3, 4))],
+        [ReportTable("Reliability", header, rows, numeric=(1, 2, 3, 4))],
         [
             Picture(
                 picture, "A bin a point, with its number of trials; on the line the stated confidence is the hit rate."
@@ -136,29 +136,29 @@ def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance:
     )
 
 
-def _error_section(outcomes: Sequence[Outcome]) -> Section:
+def _error_section(outcomes: Sequence[Outcome]) -> ReportSection:
     shown = [o for o in outcomes if o.kind in ("single", "pair") and o.floor > 0 and o.before > 0 and o.after > 0]
     if not shown:
-        return Section("Error before and after", ["No trial with a hidden effect and a midline."])
+        return ReportSection("Error before and after", ["No trial with a hidden effect and a midline."])
     columns = [np.array([getattr(o, name) for o in shown]) for name in ("before", "after", "floor", "hit")]
     caption = (
         "Held-out midline error over its floor (noise and the reduction); solid line: the floor; dotted: 1.2 times it."
     )
-    return Section("Error before and after", (), (), [Picture(error_drop_figure(*columns), caption)])
+    return ReportSection("Error before and after", (), (), [Picture(error_drop_figure(*columns), caption)])
 
 
-def _baseline_section(outcomes: Sequence[Outcome]) -> Section:
+def _baseline_section(outcomes: Sequence[Outcome]) -> ReportSection:
     rows = [("this loop", *_shares(outcomes, lambda o: o.hit and (o.kind != "unknown")))]
     tried = {method for o in outcomes for method in o.baselines}  # a regression on shapes has nothing in markers
-    rows += [(words, *_shares(outcomes, hits(method))) for method, words in METHODS if method in tried]
+    rows += [(words, *_shares(outcomes, hits(method))) for method, words in BASELINE_METHODS if method in tried]
     header = ("method", f"single, R >= {VISIBLE:g}: right", "null: nothing named", "unknown: nothing named")
     words = (
         "The baselines name one effect or no effect, and cannot call an effect unknown. Servo and camera effects are "
         "not among the columns of the regression. Pairs are left out, because no baseline names two effects."
     )
     rows[0] = (*rows[0][:3], _percent(share(outcomes, "unknown", lambda o: o.hit)))
-    return Section(
-        "Other methods on the same recordings", [words], [Table("Share right", header, rows, numeric=(1, 2, 3))]
+    return ReportSection(
+        "Other methods on the same recordings", [words], [ReportTable("Share right", header, rows, numeric=(1, 2, 3))]
     )
 
 
@@ -170,7 +170,7 @@ def _shares(outcomes: Sequence[Outcome], right: Any) -> tuple[str, ...]:
     )
 
 
-def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]]) -> Section:
+def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]]) -> ReportSection:
     rows = []
     for o in outcomes:
         hidden = ", ".join(
@@ -206,7 +206,9 @@ def _trial_section(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str
         "after [mm]",
         "floor [mm]",
     )
-    tables = [Table("Every trial; marked: wrong", header, rows, numeric=(6, 7, 8, 9), warned=wrong)]
+    tables = [ReportTable("Every trial; marked: wrong", header, rows, numeric=(6, 7, 8, 9), warned=wrong)]
     if refused:
-        tables.append(Table("Not run", ("trial", "why"), [(str(k), why) for k, why in refused]))
-    return Section("Trials", ["`--only N` with the same seed makes trial N again and keeps its recording."], tables)
+        tables.append(ReportTable("Not run", ("trial", "why"), [(str(k), why) for k, why in refused]))
+    return ReportSection(
+        "Trials", ["`--only N` with the same seed makes trial N again and keeps its recording."], tables
+    )

@@ -11,19 +11,19 @@ if TYPE_CHECKING:
     from tentacle.model import Model
     from validation.ladder import Ladder
     from validation.validity_map import Validity
-    from viz.report import Section
+    from viz.report import ReportSection
 
 WITHOUT_MAP = "The table gives the difference between the reduced model and the reference."
 
 
-def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], page: Path) -> None:
+def write_compare_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], page: Path) -> None:
     """The report of one arm."""
     import sys
 
     from tentacle.io.provenance import input_hashes, versions
     from validation.validity_advice import sentence
     from viz.figures.shapes import shapes_figure
-    from viz.report import Origin, Picture, Report, Section, Table, render, write_report
+    from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report, write_report
 
     both = ladder_rows(ladder)
     words = (
@@ -37,35 +37,35 @@ def write_page(file: Path, model: Model, ladder: Ladder, maps: list[Validity], p
         opinion = f"PyElastica's Cosserat rod, which also shears: first frequency in air {ladder.third_opinion:.4g} Hz."
         words = (*words, opinion)
     picture = Picture(shapes_figure(_scene(file.stem, model, ladder)), "Shapes of the driven motion at some instants.")
-    tables = tuple(Table(t.title, t.header, t.rows, numeric=tuple(range(2, len(t.header)))) for t in both)
-    sections = [Section("Ladder", words, tables, (picture,)), *_validity_sections(model, maps)]
+    tables = tuple(ReportTable(t.title, t.header, t.rows, numeric=tuple(range(2, len(t.header)))) for t in both)
+    sections = [ReportSection("Ladder", words, tables, (picture,)), *_validity_sections(model, maps)]
     origin = Origin("tentacle " + " ".join(sys.argv[1:]), versions=versions(), inputs=input_hashes([file]))
     merits = [(f"{rung.name}, order 2", row[-3]) for rung, row in zip(ladder.rungs, both[1].rows, strict=True)][:4]
     headline = sentence(maps[0]) if maps else WITHOUT_MAP
     report = Report("compare", f"Reduced model and reference: {file.stem}", headline, sections, origin, merits)
-    write_report(render(report), page)
+    write_report(render_report(report), page)
 
 
-def _validity_sections(model: Model, maps: list[Validity]) -> list[Section]:
+def _validity_sections(model: Model, maps: list[Validity]) -> list[ReportSection]:
     """A map an arm, and all of them over the one group that joins them."""
     from validation.validity_advice import sentence
-    from validation.validity_map import AMPLITUDES, LEVELS, ORDERS, RATIOS
+    from validation.validity_map import AMPLITUDES, LEVELS, MAP_ORDERS, RATIOS
     from viz.figures.flexibility import flexibility_figure
     from viz.figures.validity_map import validity_figure
-    from viz.report import Picture, Section, Table
+    from viz.report import Picture, ReportSection, ReportTable
 
     sections = []
     for found in maps:
-        errors: dict[str, Any] = {f"shape, order {o}": found.shape[i] for i, o in enumerate(ORDERS)}
+        errors: dict[str, Any] = {f"shape, order {o}": found.shape[i] for i, o in enumerate(MAP_ORDERS)}
         if model.fluid.density > 0.0:
-            errors |= {f"mean thrust, order {o}": found.thrust[i] for i, o in enumerate(ORDERS)}
-        mode = ", ".join(f"{100 * e:.2g} % at order {o}" for e, o in zip(found.frequency, ORDERS, strict=True))
+            errors |= {f"mean thrust, order {o}": found.thrust[i] for i, o in enumerate(MAP_ORDERS)}
+        mode = ", ".join(f"{100 * e:.2g} % at order {o}" for e, o in zip(found.frequency, MAP_ORDERS, strict=True))
         reach = [
             (str(o), f"{100 * level:.0f} %", *(f"{found.reach(o, level, a):g}" for a in range(len(AMPLITUDES))))
-            for o in ORDERS
+            for o in MAP_ORDERS
             for level in LEVELS
         ]
-        limits = Table(
+        limits = ReportTable(
             "largest frequency / first mode up to which the shape stays within the error, by amplitude",
             ("order", "error", *(f"{a:g} rad" for a in AMPLITUDES)),
             reach,
@@ -78,37 +78,37 @@ def _validity_sections(model: Model, maps: list[Validity]) -> list[Section]:
             " blank where the mean is under 1 % of the load's rms.",
         )
         picture = Picture(validity_figure(RATIOS, AMPLITUDES, errors, LEVELS), "Lines: 1, 5 and 10 %.")
-        sections.append(Section(f"Validity, {found.label}", words, (limits,), (picture,)))
+        sections.append(ReportSection(f"Validity, {found.label}", words, (limits,), (picture,)))
     if maps and model.fluid.density > 0.0:
-        over = {f"shape, order {o}": {m.label: m.shape[i] for m in maps} for i, o in enumerate(ORDERS)}
+        over = {f"shape, order {o}": {m.label: m.shape[i] for m in maps} for i, o in enumerate(MAP_ORDERS)}
         figure = flexibility_figure(RATIOS, {m.label: m.flexibility for m in maps}, over, LEVELS)
         words = (
             "Drag over stiffness: rho w (2 pi f theta L)^2 L^3 / (2 E I0), one point a motion. It decides little by"
             " itself: at one value the error runs over decades, ordered by the frequency (colour). At a given frequency"
             " over first mode E drops out: what stays is amplitude, taper, L/r0 and the material's loss.",
         )
-        sections.append(Section("Over flexibility", words, (), (Picture(figure, "Dashed: 1, 5 and 10 %."),)))
+        sections.append(ReportSection("Over flexibility", words, (), (Picture(figure, "Dashed: 1, 5 and 10 %."),)))
     return sections
 
 
 def _scene(name: str, model: Model, ladder: Ladder) -> Any:
     from affine_model.arm import arm_of, parameter_vector
     from affine_model.drag_along import drag_along as affine_drag
-    from mujoco_ref.drag_along import drag_along as reference_drag
+    from mujoco_ref.drag_along import chain_drag_along as reference_drag
     from validation.model_pair import S
-    from viz.compare import Motion, motions_scene
+    from viz.compare import ComparedMotion, motions_scene
 
     reference, wet = ladder.reference, model.fluid.density > 0.0
     drag = reference_drag(model, reference.t, S, reference.xy) if wet else None
-    motions = {"reference": Motion(reference.xy, reference.q, reference.load, drag)}
+    motions = {"reference": ComparedMotion(reference.xy, reference.q, reference.load, drag)}
     arm, parameters = arm_of(model), parameter_vector(model)
     for order, twin in ladder.affine.items():
         drag = affine_drag(arm, parameters, twin.t, S, twin.xy) if wet else None
-        motions[f"order {order}"] = Motion(twin.xy, twin.q, twin.load, drag)
+        motions[f"order {order}"] = ComparedMotion(twin.xy, twin.q, twin.load, drag)
     return motions_scene(name, reference.t, S, reference.theta, motions)
 
 
-def write_session(name: str, model: Model, ladder: Ladder, maps: list[Validity], file: Path) -> None:
+def write_compare_session(name: str, model: Model, ladder: Ladder, maps: list[Validity], file: Path) -> None:
     """Both models' arms in 3D, over one another, beside the ladder."""
     from tentacle.recording import Declaration, Recording
     from validation.validity_advice import sentence

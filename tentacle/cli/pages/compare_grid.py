@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     from validation.ladder import Ladder
     from validation.validity_map import Validity
 
-Answer = tuple[Path, "Ladder", "list[Validity]"]
+ArmComparison = tuple[Path, "Ladder", "list[Validity]"]
 
 
-def write_grid(answers: Sequence[Answer], out: Path) -> None:
+def write_grid(answers: Sequence[ArmComparison], out: Path) -> None:
     """One page and one table over all arms of a grid."""
     import csv
     import sys
 
     from tentacle.io.provenance import input_hashes, versions
     from validation.validity_advice import GOOD_SHAPE, reach_of, sentence, serves
-    from viz.report import Origin, Report, Section, Table, render, write_report
+    from viz.report import Origin, Report, ReportSection, ReportTable, render_report, write_report
 
     header = ("arm", "first mode [Hz]", "serves", "shape within 5 % up to [Hz]", "driven motion, order 2 [mm]")
     rows, words = [], []
@@ -40,10 +40,10 @@ def write_grid(answers: Sequence[Answer], out: Path) -> None:
         csv.writer(stream, lineterminator="\n").writerows([header, *rows])
     serving = sum(row[2] == "yes" for row in rows)
     headline = f"The affine model serves for {serving} of {len(rows)} arms." if words else WITHOUT_MAP
-    table = Table("arms of the grid", header, rows, numeric=(1, 3, 4))
+    table = ReportTable("arms of the grid", header, rows, numeric=(1, 3, 4))
     files = [file for file, _, _ in answers]
     origin = Origin("tentacle " + " ".join(sys.argv[1:]), versions=versions(), inputs=input_hashes(files))
     report = Report(
-        "compare", "Reduced model and reference: a grid", headline, (Section("Arms", words, (table,)),), origin
+        "compare", "Reduced model and reference: a grid", headline, (ReportSection("Arms", words, (table,)),), origin
     )
-    write_report(render(report), out / "report.html")
+    write_report(render_report(report), out / "report.html")

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from tentacle.io.library import Library
 
 SHOWN = ("name", "date", "specimen", "state", "verdict", "effects", "confidence", "before_mm", "after_mm", "floor_mm")
-PRINTED = 40  # rows in a terminal
+PRINTED_ROWS = 40  # rows in a terminal
 FILE_WIDTH = 160  # characters, where the output is no terminal
 
 
@@ -27,14 +27,14 @@ def print_rows(table: pa.Table) -> None:
     shown = Table(title=f"{table.num_rows} recording{'s' * (table.num_rows != 1)}", box=box.SIMPLE)
     for name in SHOWN:
         shown.add_column(name, no_wrap=True)
-    for row in table.select(SHOWN).slice(0, PRINTED).to_pylist():
+    for row in table.select(SHOWN).slice(0, PRINTED_ROWS).to_pylist():
         shown.add_row(*(number(v) if isinstance(v, float) else _text(v) for v in row.values()))
     console = Console()
     if not console.is_terminal:
         console = Console(width=FILE_WIDTH)
     console.print(shown)
-    if table.num_rows > PRINTED:
-        console.print(f"and {table.num_rows - PRINTED} more: the page and --csv hold all")
+    if table.num_rows > PRINTED_ROWS:
+        console.print(f"and {table.num_rows - PRINTED_ROWS} more: the page and --csv hold all")
 
 
 def _text(value: Any) -> str:

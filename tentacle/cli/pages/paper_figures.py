@@ -17,7 +17,7 @@ from validation.sine_thrust import sine_thrust
 from vision.paper_pipeline import bent_instant, paper_steps
 from viz.figures.extremes import extremes_figure
 from viz.figures.period import fundamental_period, period_figure
-from viz.figures.pipeline import Still, crop_around, pipeline_figure, stills_figure
+from viz.figures.pipeline import PaperStill, crop_around, pipeline_figure, stills_figure
 from viz.figures.regression import regression_figure
 from viz.figures.speeds import Swim, speeds_figure
 from viz.figures.thrust_map import ThrustMap, thrust_map_figure
@@ -40,11 +40,11 @@ def pipeline(source: Path, at: float | None) -> Figure:
     steps = paper_steps(*seen, bent_instant(*seen) if at is None else at)
     axis, fitted = camera.to_pixels(steps.axis), camera.to_pixels(steps.fitted)
     stills = [
-        Still("frame", steps.image),
-        Still("binarised", steps.binary),
-        Still("largest contour", steps.image, [(MEASURED, steps.contour)]),
-        Still("mean axis", steps.image, [(MEASURED, steps.contour), (AUGMENTED, axis)]),
-        Still(f"q = {steps.q[0]:.2f}, {steps.q[1]:.2f} rad", steps.image, [(AUGMENTED, axis), (BASE, fitted)]),
+        PaperStill("frame", steps.image),
+        PaperStill("binarised", steps.binary),
+        PaperStill("largest contour", steps.image, [(MEASURED, steps.contour)]),
+        PaperStill("mean axis", steps.image, [(MEASURED, steps.contour), (AUGMENTED, axis)]),
+        PaperStill(f"q = {steps.q[0]:.2f}, {steps.q[1]:.2f} rad", steps.image, [(AUGMENTED, axis), (BASE, fitted)]),
     ]
     return pipeline_figure(crop_around(stills, steps.contour))
 
@@ -57,7 +57,7 @@ def period(recording: Recording) -> Figure:
     return period_figure(t, q, fundamental_period(recording.motor.t, recording.motor.angle))
 
 
-def regression(recording: Recording, model: Model) -> Figure:
+def regression_page(recording: Recording, model: Model) -> Figure:
     """Figure 5."""
     t, delta, prediction = regression_sides(recording, model)
     return regression_figure(t, delta, prediction, model_scene(beside_model(recording, model)))
@@ -92,11 +92,11 @@ def stills(recording: Recording, model: Model | None) -> Figure:
         picture = upright(frame).to_ndarray(format="rgb24").astype(np.uint8)
         k = int(np.argmin(np.abs(scene.t - t)))
         seen = camera.to_pixels(perimeter(scene.subject.xy[k], scene.s, arm.section))
-        above.append(Still(f"t = {t:.2f} s", picture, [(MEASURED, seen)]))
+        above.append(PaperStill(f"t = {t:.2f} s", picture, [(MEASURED, seen)]))
         if run is not None:
             k = int(np.argmin(np.abs(run.t - t)))
             below.append(
-                Still("", picture, [(BASE, camera.to_pixels(perimeter(run.augmented[k], run.s, arm.section)))])
+                PaperStill("", picture, [(BASE, camera.to_pixels(perimeter(run.augmented[k], run.s, arm.section)))])
             )
     seen = camera.to_pixels(scene.subject.xy).reshape(-1, 2)
     return stills_figure([crop_around(row, seen) for row in ([above, below] if below else [above])])

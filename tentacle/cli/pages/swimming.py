@@ -8,40 +8,40 @@ from typing import TYPE_CHECKING, Any
 from viz.swimming import SearchCourse
 
 if TYPE_CHECKING:
-    from affine_model.swim import Front, Swimming, Trial
-    from viz.report import Origin, Picture, Section, Table
+    from affine_model.swim import Front, GaitTrial, Swimming
+    from viz.report import Origin, Picture, ReportSection, ReportTable
 
 FILM_S = 10.0
 NAMES = ("optimised gait", "best sine")
 
 
-def write_film(trial: Trial, found: Swimming, path: Path) -> None:
+def write_swim_film(trial: GaitTrial, found: Swimming, path: Path) -> None:
     """The gait and the best sine swimming side by side, as a Rerun session."""
     from affine_model.swim import PAPER_RAIL
-    from affine_model.swim.film import film
+    from affine_model.swim.film import swim_film
     from viz.swimming import Swimmer, write_swimming
 
     level = trial.on_rail(PAPER_RAIL)
-    films = [film(level, gait, FILM_S) for gait in (found.gait, found.sine)]
+    films = [swim_film(level, gait, FILM_S) for gait in (found.gait, found.sine)]
     swimmers = [Swimmer(name, one.theta, one.travel, one.xy) for name, one in zip(NAMES, films, strict=True)]
     specimen = trial.arm.specimen
     write_swimming(swimmers, films[0].t, films[0].s, specimen, SearchCourse(found.evaluations, found.best), path)
 
 
-def write_page(
-    trial: Trial, found: Swimming, tables: dict[str, Any], front: Front | None, origin: Origin, path: Path
+def write_swim_page(
+    trial: GaitTrial, found: Swimming, tables: dict[str, Any], front: Front | None, origin: Origin, path: Path
 ) -> None:
     """report.html: headline, what each gait does, convergence, gait over a period, thrust map, front."""
     from affine_model.swim import OBJECTIVES
-    from viz.report import Report, Section, render, write_report
+    from viz.report import Report, ReportSection, render_report, write_report
 
     objective = OBJECTIVES[found.objective]
     unchecked = [f"No check on the reference: {why}" for why in tables.get("left_out", {}).values()]
     sections = [
-        Section("What it does", (objective.words + ".", *unchecked), (_promise_table(tables),)),
-        Section("The gait", _limits_words(trial, found), (), (_motion_picture(found),)),
+        ReportSection("What it does", (objective.words + ".", *unchecked), (_promise_table(tables),)),
+        ReportSection("The gait", _limits_words(trial, found), (), (_motion_picture(found),)),
         _map_section(trial, found),
-        Section(
+        ReportSection(
             "The search",
             _search_words(found),
             (),
@@ -51,12 +51,12 @@ def write_page(
     if front is not None:
         sections.append(_front_section(found, front))
     headline = f"{found.gain:.2f} times the {found.objective} of the best sine that this servo can follow."
-    page = render(Report("optimise", "Optimal swimming", headline, sections, origin))
+    page = render_report(Report("optimise", "Optimal swimming", headline, sections, origin))
     write_report(page, path)
 
 
-def _promise_table(tables: dict[str, Any]) -> Table:
-    from viz.report import Table
+def _promise_table(tables: dict[str, Any]) -> ReportTable:
+    from viz.report import ReportTable
 
     rows = []
     for name, promise in ((NAMES[0], tables["promise"]), (NAMES[1], tables["sine"]["promise"])):
@@ -70,10 +70,12 @@ def _promise_table(tables: dict[str, Any]) -> Table:
             thrust, speed = 1e3 * measured[f"{prefix}thrust_n"], 100 * measured[f"{prefix}speed_m_s"]
             rows.append((name, "MuJoCo", f"{thrust:.2f}", f"{speed:.2f}", "-", "-", "-"))
     header = ("motion", "by", "thrust [mN]", "speed [cm/s]", "power [mW]", "peak torque [mN m]", "energy per way [J/m]")
-    return Table("Forward thrust with the base clamped; all else swimming on the rail.", header, rows, (2, 3, 4, 5, 6))
+    return ReportTable(
+        "Forward thrust with the base clamped; all else swimming on the rail.", header, rows, (2, 3, 4, 5, 6)
+    )
 
 
-def _limits_words(trial: Trial, found: Swimming) -> tuple[str, ...]:
+def _limits_words(trial: GaitTrial, found: Swimming) -> tuple[str, ...]:
     servo = trial.limits.servo
     angle, speed, acceleration = found.peaks.tolist()
     return (
@@ -105,13 +107,13 @@ def _motion_picture(found: Swimming) -> Picture:
     return Picture(motion_figure(motions), "Angle of the servo over three periods of the gait's strongest wave.")
 
 
-def _map_section(trial: Trial, found: Swimming) -> Section:
+def _map_section(trial: GaitTrial, found: Swimming) -> ReportSection:
     """Mean thrust of sines over amplitude and frequency, as far as the servo goes (the paper's Fig. 9)."""
     import numpy as np
 
     from affine_model.swim import OBJECTIVES, sine_map
     from viz.figures.thrust_map import ThrustMap, thrust_map_figure
-    from viz.report import Picture, Section
+    from viz.report import Picture, ReportSection
 
     limits = trial.limits
     amplitudes = np.round(np.linspace(0.15, 1.0, 7) * limits.servo.angle, 3)
@@ -120,7 +122,7 @@ def _map_section(trial: Trial, found: Swimming) -> Section:
     name = f"{100 * trial.arm.specimen.length:.0f} cm arm, sines"
     figure = thrust_map_figure([ThrustMap(name, amplitudes, frequencies, mapped.values)])
     words = f"The gait gives {1e3 * found.promise.thrust:.1f} mN. The map is empty where the servo cannot follow."
-    return Section("Thrust of sines", (words,), (), (Picture(figure, "Mean forward thrust of plain sines."),))
+    return ReportSection("Thrust of sines", (words,), (), (Picture(figure, "Mean forward thrust of plain sines."),))
 
 
 def _convergence_picture(found: Swimming, unit: str) -> Picture:
@@ -139,13 +141,13 @@ def _convergence_picture(found: Swimming, unit: str) -> Picture:
     )
 
 
-def _front_section(found: Swimming, front: Front) -> Section:
+def _front_section(found: Swimming, front: Front) -> ReportSection:
     from viz.figures.front import front_figure
-    from viz.report import Picture, Section
+    from viz.report import Picture, ReportSection
 
     promises = zip(NAMES, (found.promise, found.sine_promise), strict=True)
     marks = {name: (promise.speed, promise.power) for name, promise in promises}
     picture = Picture(
         front_figure(front.speed, front.power, marks), "Each point: no tried gait is faster at less power."
     )
-    return Section("Speed against power", (), (), (picture,))
+    return ReportSection("Speed against power", (), (), (picture,))

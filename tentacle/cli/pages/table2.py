@@ -7,21 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from affine_model.swim.table2 import HEADER, MAP_LIMITS, MOTIONS, PRINTED, REMARKS, Row, cells, ratios
+from affine_model.swim.table2 import MAP_LIMITS, MOTIONS, PRINTED_SPEEDS, REMARKS, TABLE2_HEADER, SwimRow, cells, ratios
 from affine_model.swim.table2_curves import RatioCurves
 from affine_model.swim.trial import PAPER_RAIL
 from tentacle.io.provenance import versions
 from viz.figures.motion import motion_figure
 from viz.figures.ratios import ratio_figure
 from viz.figures.speeds import Swim, speeds_figure
-from viz.report import Origin, Picture, Report, Section, Table, render, write_report
+from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report, write_report
 
 
-def row_table(row: Row) -> dict[str, Any]:
+def row_table(row: SwimRow) -> dict[str, Any]:
     """A row as plain data."""
     return {
         "length_m": row.length,
-        "printed_m_s": PRINTED[row.length].means,
+        "printed_m_s": PRINTED_SPEEDS[row.length].means,
         "affine_m_s": dict(zip(MOTIONS, row.affine, strict=True)),
         "reference_m_s": dict(zip(MOTIONS, row.reference or (), strict=True)),
         "alpha": {motion: gait.alpha for motion, gait in zip(MOTIONS, row.gaits, strict=True)},
@@ -34,16 +34,16 @@ def curves_table(curves: RatioCurves) -> dict[str, Any]:
     return {name: values.tolist() for name, values in vars(curves).items()}
 
 
-def _curves_section(curves: RatioCurves) -> Section:
+def _curves_section(curves: RatioCurves) -> ReportSection:
     names = tuple(f"{100 * length:.0f} cm" for length in curves.lengths)
     edge = ("edge of the map [Hz]", curves.edges, curves.by_edge, MAP_LIMITS.highest_frequency)
     friction = ("friction of the rail [N s/m]", curves.frictions, curves.by_friction, PAPER_RAIL.viscous)
     words = "The paper states neither the map's edge nor the rail's friction; the grey lines are what the table takes."
     picture = Picture(ratio_figure(names, (edge, friction)), "Speed of the best gait over that of the best sine.")
-    return Section("What the ratio depends on", (words,), (), (picture,))
+    return ReportSection("What the ratio depends on", (words,), (), (picture,))
 
 
-def write_page(rows: list[Row], curves: RatioCurves | None, evaluations: int, seed: int, path: Path) -> None:
+def write_table2_page(rows: list[SwimRow], curves: RatioCurves | None, evaluations: int, seed: int, path: Path) -> None:
     """report.html: the table beside the paper's, speeds and base motions; the ratio's curves where there are any."""
     names = [f"{100 * row.length:.0f} cm" for row in rows]
     measured = [row.reference or row.affine for row in rows]
@@ -57,10 +57,12 @@ def write_page(rows: list[Row], curves: RatioCurves | None, evaluations: int, se
         t = np.linspace(0.0, 4.0, 800)
         motions = {motion: (t, gait(t)[0]) for motion, gait in zip(MOTIONS[:3], row.gaits[:3], strict=True)}
         pictures.append(Picture(motion_figure(motions), f"Base motions of the {name} arm."))
-    numeric = tuple(range(2, len(HEADER)))
+    numeric = tuple(range(2, len(TABLE2_HEADER)))
     unbroken = [(line[0].replace(" ", "\N{NO-BREAK SPACE}"), *line[1:]) for line in cells(rows)]
-    section = Section("Table II", REMARKS, (Table("Swimming speeds [cm/s].", HEADER, unbroken, numeric),), pictures)
-    printed = ", ".join(f"{PRINTED[row.length].ratio:.1f}" for row in rows)
+    section = ReportSection(
+        "Table II", REMARKS, (ReportTable("Swimming speeds [cm/s].", TABLE2_HEADER, unbroken, numeric),), pictures
+    )
+    printed = ", ".join(f"{PRINTED_SPEEDS[row.length].ratio:.1f}" for row in rows)
     of_map, of_servo = (", ".join(f"{ratios(speeds)[which]:.2f}" for speeds in measured) for which in (0, 1))
     headline = (
         f"Gait over the better sine, 14, 21, 25 cm, on the reference: {of_map} within the paper's map, {of_servo} with "
@@ -70,4 +72,4 @@ def write_page(rows: list[Row], curves: RatioCurves | None, evaluations: int, se
     origin = Origin(command, seed, versions())
     sections = [section] if curves is None else [section, _curves_section(curves)]
     report = Report("reproduce", "Table II", headline, sections, origin)
-    write_report(render(report), path)
+    write_report(render_report(report), path)

@@ -13,14 +13,14 @@ from tentacle.recording import Recording
 from tentacle.signals import ShapeTrack
 from vision.declared import is_recording
 from vision.encode import write_picture, write_video
-from vision.follow import Seen
+from vision.follow import TrackedFrame
 from vision.frames import read_frames
 from vision.overlay import contact_sheet, overlay
 from vision.proofread import most_doubtful
 from vision.track import Tracking
 
 
-def summary(shape: ShapeTrack, tracked: Tracking | None, out: Path) -> dict[str, Any]:
+def tracking_summary(shape: ShapeTrack, tracked: Tracking | None, out: Path) -> dict[str, Any]:
     """What was found, as plain data."""
     return {
         "frames": len(shape.t),
@@ -35,7 +35,7 @@ def summary(shape: ShapeTrack, tracked: Tracking | None, out: Path) -> dict[str,
     }
 
 
-def as_json(told: dict[str, Any]) -> str:
+def tracking_json(told: dict[str, Any]) -> str:
     """The summary for programs; NaN is null."""
     return json.dumps({key: None if value != value else value for key, value in told.items()}, indent=1)
 
@@ -57,7 +57,7 @@ def in_words(told: dict[str, Any], source: Path, recording: Recording, shape: Sh
     return "\n".join([*lines, f"wrote {told['wrote']}"])
 
 
-def say(result: Seen) -> None:
+def print_frame(result: TrackedFrame) -> None:
     """One frame's shape, as soon as it is there."""
     words = "  ".join(f"{value:8.4f}" for value in result.x) if result.accepted else result.reason
     print(f"{result.t:9.4f}  {words}", flush=True)
@@ -83,7 +83,7 @@ def write_tracked(recording: Recording, shape: ShapeTrack, path: Path) -> None:
     write_rrd(replace(recording, shape=shape), path)
 
 
-def draw_overlay(path: Path, video: Path, recording: Recording, seen: Sequence[Seen]) -> None:
+def draw_overlay(path: Path, video: Path, recording: Recording, seen: Sequence[TrackedFrame]) -> None:
     """The fit drawn over the video (.mp4), or over nine of its frames (.png)."""
     camera = recording.declaration.camera
     frames = read_frames(video, None if camera is None else camera.fps)

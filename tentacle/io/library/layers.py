@@ -22,7 +22,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.compute as pc
 
-ROOMS = ("tentacle", "affine_model", "vision", "inference", "discovery")
+LIBRARY_ROOMS = ("tentacle", "affine_model", "vision", "inference", "discovery")
 LAYERS = pa.schema(
     [
         ("key", pa.string()), ("sha256", pa.string()), ("code", pa.string()), ("verdict", pa.string()),
@@ -41,10 +41,10 @@ LAYER, RESIDUAL = "layer.json", "residual.json"
 
 
 @cache
-def code_version() -> str:
+def library_code_version() -> str:
     """A hash of the source of every room that a verdict comes from."""
     total = hashlib.sha256()
-    for room in ROOMS:
+    for room in LIBRARY_ROOMS:
         spec = find_spec(room)
         for place in spec.submodule_search_locations or [] if spec else []:
             for file in sorted(Path(place).rglob("*.py")):

@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
 from tentacle.io.library.index import read_index, recordings_of, refreshed, write_parquet
-from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, code_version, layer_key, layers_and_parameters
+from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, layer_key, layers_and_parameters, library_code_version
 
 SETTINGS = "settings.json"
 
@@ -96,7 +96,7 @@ class Library:
 def _states(table: pa.Table) -> pa.ChunkedArray:
     """state of every row of a table that has the columns of index and layers."""
     calls: Any = pc.__dict__  # made when pyarrow starts: no type knows them
-    current = calls["fill_null"](calls["equal"](table["code"], code_version()), False)
+    current = calls["fill_null"](calls["equal"](table["code"], library_code_version()), False)
     cases = {
         "unreadable": calls["is_valid"](table["fault"]),
         "new": calls["is_null"](table["code"]),

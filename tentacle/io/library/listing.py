@@ -22,7 +22,7 @@ def chosen(table: pa.Table, where: Sequence[str], sort: str, reverse: bool = Fal
     return table.sort_by([(sort, "descending" if reverse else "ascending")])
 
 
-def write_csv(table: pa.Table, file: Path) -> None:
+def write_listing_csv(table: pa.Table, file: Path) -> None:
     """Every column of the rows; InputError where the file's folder is missing."""
     if not file.parent.is_dir():
         raise InputError("no such folder", file=file.parent, field="--csv")

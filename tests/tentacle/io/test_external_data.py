@@ -9,9 +9,9 @@ import pytest
 
 from tentacle.cli import main
 from tentacle.io.convert_data import convert_data
-from tentacle.io.external_data import DATA_SETS, check, data_folder, digest
+from tentacle.io.external_data import DATA_SETS, check_data_set, data_folder, file_digest
 from tentacle.io.import_folder import read_folder
-from tentacle.io.silicone_beam import FILES, read_beam, release_time
+from tentacle.io.silicone_beam import BEAM_FILES, read_beam, release_time
 from tests.tentacle.io.test_import_folder import assert_equal_recordings
 
 BEAMS = data_folder() / "silicone_beam"
@@ -22,14 +22,14 @@ needs_beams = pytest.mark.skipif(
 
 def test_a_set_is_absent_incomplete_changed_or_present(tmp_path: Path) -> None:
     bench = next(data_set for data_set in DATA_SETS if data_set.name == "thrust_bench")
-    assert check(bench, tmp_path) == ("absent", [])
+    assert check_data_set(bench, tmp_path) == ("absent", [])
     folder = tmp_path / "thrust_bench"
     folder.mkdir()
-    assert check(bench, tmp_path)[0] == "incomplete"
+    assert check_data_set(bench, tmp_path)[0] == "incomplete"
     for name in bench.files:
         (folder / name).write_text("t_s\n")
-    assert check(bench, tmp_path) == ("changed", list(bench.files))
-    assert digest(folder / "robo-3.csv") != bench.files["robo-3.csv"]
+    assert check_data_set(bench, tmp_path) == ("changed", list(bench.files))
+    assert file_digest(folder / "robo-3.csv") != bench.files["robo-3.csv"]
 
 
 def test_the_list_names_source_commit_and_licence(capsys: pytest.CaptureFixture[str]) -> None:
@@ -44,7 +44,7 @@ def test_the_list_names_source_commit_and_licence(capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize("data_set", DATA_SETS, ids=lambda data_set: data_set.name)
 def test_the_sets_here_are_those_that_the_tests_were_written_for(data_set: object) -> None:
     assert data_set in DATA_SETS
-    state, paths = check(data_set, data_folder())  # pyright: ignore[reportArgumentType]
+    state, paths = check_data_set(data_set, data_folder())  # pyright: ignore[reportArgumentType]
     if state == "absent":
         pytest.skip(f"not in {data_folder()}: `tentacle data` says where to get it")
     assert (state, paths) == ("present", [])
@@ -58,7 +58,7 @@ def test_the_release_of_a_free_fall_is_found() -> None:
 
 
 @needs_beams
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", BEAM_FILES)
 def test_a_beam_lies_straight_until_it_is_released_and_then_falls(name: str) -> None:
     recording = read_beam(BEAMS / f"{name}.csv")
     markers, release = recording.markers, recording.declaration.release_t
@@ -80,7 +80,7 @@ def test_a_beam_lies_straight_until_it_is_released_and_then_falls(name: str) -> 
 @needs_beams
 def test_converted_beams_are_import_folders(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["data", "convert", "silicone_beam", str(tmp_path / "beams")]) == 0
-    for name in FILES:
+    for name in BEAM_FILES:
         assert_equal_recordings(read_folder(tmp_path / "beams" / name), read_beam(BEAMS / f"{name}.csv"))
     assert main(["data", "convert", "silicone_beam", str(tmp_path / "beams")]) == 2
     assert "is there already" in capsys.readouterr().err

@@ -13,7 +13,7 @@ pytest.importorskip("nicegui", reason="nicegui is not installed: pip install ten
 
 from tentacle.errors import InputError
 from viz.app.desk import Desk, Proposed
-from viz.app.marks import Marks, outline
+from viz.app.marks import Marks, arm_outline
 from viz.app.tables import compared
 
 
@@ -31,10 +31,10 @@ def test_the_scale_is_the_rulers_where_it_was_clicked_and_the_arms_else():
 
 def test_the_declared_arm_lies_where_the_camera_says_and_turns_with_the_servo():
     camera = Marks({"base": (320.0, 40.0), "tip": (320.0, 240.0)}, length=0.2).camera(30.0)
-    (_, right, left, _) = outline(camera, 0.2, (0.01, 0.0), 0.0)
+    (_, right, left, _) = arm_outline(camera, 0.2, (0.01, 0.0), 0.0)
     assert right == pytest.approx((320.0, 240.0))
     assert left == pytest.approx((320.0, 240.0))
-    turned = outline(camera, 0.2, (0.01, 0.0), 0.3)[1]
+    turned = arm_outline(camera, 0.2, (0.01, 0.0), 0.3)[1]
     # theta turns the arm from y towards -x, as tentacle.recording.Camera maps it to the picture
     assert turned == pytest.approx(tuple(camera.to_pixels(np.array([-0.2 * math.sin(0.3), 0.2 * math.cos(0.3)]))))
 
