@@ -87,7 +87,7 @@ def test_the_search_climbs_and_every_trial_is_a_recording(space: GaitSpace, tmp_
     assert len(trials) == 16
     assert trials[0].source == "model"
     assert trials[0].point == pytest.approx(first[0])
-    # 0.05 N is the best there is. Sixteen trials in two dimensions: within 5 % (figure gap_after_30 of issue 8).
+    # 0.05 N is the best there is. Sixteen trials in two dimensions: within 5 % (benchmarks/rig.py, gap_after_30).
     assert bench.propulsion(**{k.removesuffix("_hz"): v for k, v in best(trials).point.items()}) > 0.95 * 0.05
     for trial in trials:
         run = read_run(trial.recording)
