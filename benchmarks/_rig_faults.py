@@ -35,7 +35,7 @@ from rig.emulator import Emulator, EmulatorSettings
 from rig.link import Link
 from rig.motion import rig_motion
 from rig.play import arm_board
-from rig.protocol import BoardEvent, WireFrame, LoadSample, Parser, Type, encode
+from rig.protocol import BoardEvent, LoadSample, Parser, Type, WireFrame, encode
 from rig.record import Attendance, record_run
 from rig.run_file import read_run
 from rig.safety import ServoCalibration

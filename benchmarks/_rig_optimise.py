@@ -13,7 +13,7 @@ from rig.emulator import Emulator, EmulatorSettings
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits
-from rig.optimise import StudyPlan, Suggestions, RigTrial, best, optimise_on_rig
+from rig.optimise import RigTrial, StudyPlan, Suggestions, best, optimise_on_rig
 from rig.record import trial_runner
 from rig.reidentify import proposer
 from rig.setup_file import CameraSettings

@@ -186,7 +186,7 @@ def app_paint(folder: Path) -> dict[str, float]:
 
 
 def measure(folder: Path, short: bool) -> dict[str, float]:
-    """All figures of issue 9."""
+    """All figures of the first hour."""
     seconds = 8.0 if short else PAPER_SECONDS
     programs, set_up = fresh_environment(folder)
     ask = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}

@@ -18,28 +18,28 @@ README, MEASURED, KEPT = ROOT / "README.md", ROOT / "docs" / "measured.md", ROOT
 BEGIN, END = "<!-- figures -->", "<!-- /figures -->"
 # The README's: benchmark, figure, words, unit. Where NAME_low and NAME_high are known, the 95 % interval is shown.
 FIVE = (
-    ("blind", "top1", "one hidden effect as large as the noise: named first, or in its group", ""),
-    ("blind", "false_alarm", "nothing hidden: something named all the same", ""),
-    ("blind", "unknown_recall", "an effect that the catalogue does not have: said to be unknown", ""),
-    ("vision", "worm_median_px", "midline of a real worm, from its outside reference, median", "px"),
+    ("blind", "top1", "one hidden effect at least as large as the noise: named first, or in its group", ""),
+    ("blind", "false_alarm", "nothing hidden, but an effect was named", ""),
+    ("blind", "unknown_recall", "a hidden effect outside the catalogue, answered with unknown", ""),
+    ("vision", "worm_median_px", "midline of a real worm: distance from an independent reference, median", "px"),
     (
         "soak",
         "soak_lost_untold",
-        "samples lost without a word in ten minutes of the emulated rig under random faults",
+        "samples lost without a report in ten minutes of the emulated rig with random faults",
         "",
     ),
 )
 # Why a row misses its limit: (benchmark, figure) -> sentences.
 WHY = {
     ("blind", "calibration_gap"): """\
-The gap of the worst of ten bins. With so few trials in a bin, luck alone makes a gap of the size that the next row
-says, were every confidence true. The limit can only be shown with several thousand trials.""",
+This is the gap of the worst of ten bins. Each bin has few trials. If every confidence were true, chance alone would
+give the gap of the next row. Only several thousand trials can show the limit.""",
     ("blind", "diagnose_s"): """\
-Measured on two cores that other work kept busy. Most of the time goes into refits of the candidates that score best;
-their number is what keeps a right answer from being missed.""",
+This was measured on two cores with other work on them. Most of the time goes into refits of the best candidates. With
+fewer refits a right answer would be missed more often.""",
     ("first_hour", "setup_mb"): """\
-The viewer (Rerun), OpenCV, the compiler of the kernels (LLVM), Arrow and the video codecs make up most of it, and each
-is needed from film to report. The viewer is the largest: one archive with its native program inside.""",
+Most of it is the viewer (Rerun), OpenCV, the compiler of the kernels (LLVM), Arrow and the video codecs. All of them
+are needed from film to report. The viewer is the largest.""",
 }
 # benchmark, figure, words, unit, what was asked for; a row is shown once its figure is there
 ROWS = (
@@ -58,23 +58,23 @@ ROWS = (
     (
         "blind",
         "calibration_gap",
-        "stated confidence off the hit rate, worst bin, by the map that the series before made",
+        "stated confidence minus hit rate, worst bin, with the map of the earlier series",
         "",
         "0.05",
     ),
     (
         "blind",
         "calibration_gap_by_chance",
-        "the same by luck alone in as many trials, were every confidence true",
+        "the same by chance alone, if every confidence were true",
         "",
         "",
     ),
     ("blind", "after_over_floor", "held-out error after, over its floor, median", "", "1.2"),
     ("blind", "diagnose_s", "diagnosis of 39 s at 60 frames/s, the whole catalogue", "s", "30"),
     ("vision", "rms_over_limit_max", "tracking error over the Cramer-Rao limit of the recording, worst look", "", "2"),
-    ("vision", "z_rms_min", "its error over the stated standard deviation: least of all looks", "", ""),
-    ("vision", "z_rms_max", "and largest", "", "1.3"),
-    ("vision", "worm_median_px", "midline of a real worm from its outside reference, median", "px", "0.8"),
+    ("vision", "z_rms_min", "its error over the stated standard deviation, lowest look", "", ""),
+    ("vision", "z_rms_max", "the same, highest look", "", "1.3"),
+    ("vision", "worm_median_px", "midline of a real worm: distance from an independent reference, median", "px", "0.8"),
     ("vision", "fps_720p", "tracking at 720p", "frames/s", ""),
     ("vision", "fps_4k", "tracking at 4K", "frames/s", ""),
     ("precision", "ratio_at_3_percent", "speed over the best other program at 3 % error, worst case", "times", ""),
@@ -92,47 +92,47 @@ ROWS = (
     (
         "reference",
         "sim_s_per_core_s",
-        "MuJoCo reference, 20 links, fluid, added mass, simulated s a s and core",
+        "MuJoCo reference, 20 links, fluid, added mass: simulated seconds per second and core",
         "",
         "",
     ),
     ("reference", "added_mass_ratio", "its first frequency in water over air (theory .719)", "", ""),
     ("reference", "order_links", "its observed order of convergence in the links", "", ""),
     ("reference", "momentum_n", "its momentum balance at the mount closes to", "N", "0.0001"),
-    ("reference", "pyelastica_f1_gap", "its first frequency from PyElastica's", "", "0.02"),
+    ("reference", "pyelastica_f1_gap", "its first frequency, difference from PyElastica", "", "0.02"),
     ("reference", "sweep_efficiency", "1000 runs on two workers, over ideal", "", ""),
     ("swim", "speedup_14", "optimised gait over sine in the paper's map, 14 cm arm (paper: 5.5)", "", ""),
     ("swim", "speedup_21", "the same, 21 cm (paper: 2.2)", "", ""),
     ("swim", "speedup_25", "the same, 25 cm (paper: 3.2)", "", ""),
-    ("swim", "speedup_14_servo", "the same, all that a servo can do allowed to both, 14 cm", "", ""),
+    ("swim", "speedup_14_servo", "the same within a hobby servo's limits, 14 cm", "", ""),
     ("swim", "speedup_21_servo", "the same, 21 cm", "", ""),
     ("swim", "speedup_25_servo", "the same, 25 cm", "", ""),
     ("swim", "cmaes_over_ga", "CMA-ES over the paper's GA, thrust at equal evaluations", "", ""),
     ("swim", "optimise_s", "one arm from model to checked gait", "s", "5"),
     ("rig", "samples_lost", "samples lost or doubled in 10 minutes on the emulated rig", "", "0"),
-    ("soak", "soak_runs", "runs of the emulated rig in a ten-minute soak, a fault drawn at random for each", "", ""),
-    ("soak", "soak_unreadable", "recordings of them that cannot be read", "", "0"),
-    ("soak", "soak_lost_untold", "samples lost in them without being told", "", "0"),
-    ("hostile", "hostile_cases", "hostile trials: damaged inputs, full disks, signals, torn caches", "", "600"),
-    ("hostile", "hostile_bad", "of them neither right nor refused in one line", "", "0"),
-    ("rig", "clock_ms", "host and board clocks apart, worst", "ms", "1"),
-    ("rig", "camera_offset_ms", "camera's delay, error", "ms", "3"),
+    ("soak", "soak_runs", "runs of the emulated rig in ten minutes, each with a random fault", "", ""),
+    ("soak", "soak_unreadable", "recordings of these that cannot be read", "", "0"),
+    ("soak", "soak_lost_untold", "samples lost in these without a report", "", "0"),
+    ("hostile", "hostile_cases", "hostile trials: damaged inputs, full disks, signals, damaged caches", "", "600"),
+    ("hostile", "hostile_bad", "of these neither right nor refused in one line", "", "0"),
+    ("rig", "clock_ms", "difference between host and board clocks, worst", "ms", "1"),
+    ("rig", "camera_offset_ms", "error of the camera's delay", "ms", "3"),
     ("rig", "wrong_accepted", "wrong samples accepted from damaged lines", "", "0"),
-    ("rig", "neutral_s", "host killed -9: arm at neutral after", "s", "0.5"),
-    ("rig", "tail_lost_s", "and lost of the recording", "s", "0.3"),
+    ("rig", "neutral_s", "host killed (-9): time until the arm is at neutral", "s", "0.5"),
+    ("rig", "tail_lost_s", "host killed (-9): end of the recording that is lost", "s", "0.3"),
     ("rig", "faults_survived", "faults survived, of 15 tried", "", ""),
     (
         "rig",
         "gap_after_30_reidentified",
-        "gait after 30 trials on the rig, models re-identified, short of the best",
+        "gait after 30 trials on the rig with re-identified models, distance from the best",
         "",
         "0.05",
     ),
     ("rig", "gap_after_30", "the same without re-identification", "", "0.05"),
-    ("first_hour", "setup_s", "`make demo` sets up, from an empty cache", "s", "60"),
-    ("first_hour", "setup_mb", "and downloads", "MB", "450"),
-    ("first_hour", "before_s", "the same set-up before it was made lean, in the same run", "s", ""),
-    ("first_hour", "before_mb", "and what it downloaded", "MB", ""),
+    ("first_hour", "setup_s", "`make demo`: set-up from an empty cache", "s", "60"),
+    ("first_hour", "setup_mb", "`make demo`: download", "MB", "450"),
+    ("first_hour", "before_s", "the earlier, larger set-up, in the same run", "s", ""),
+    ("first_hour", "before_mb", "download of the earlier set-up", "MB", ""),
     (
         "first_hour",
         "first_verdict_s",
@@ -145,7 +145,7 @@ ROWS = (
     ("first_hour", "help_s", "`tentacle --help`", "s", "0.7"),
     ("first_hour", "rrd_mb_39s", "session of a 39 s recording", "MB", "20"),
     ("first_hour", "report_mb", "its report", "MB", "3"),
-    ("first_hour", "path_minutes", "clone to verdict, downloads apart", "min", ""),
+    ("first_hour", "path_minutes", "from clone to verdict, without downloads", "min", ""),
 )
 
 

@@ -1,4 +1,4 @@
-"""The rig against faults, over a real pty, with the board's compiled core: figures of issue 8 and a table of faults.
+"""The rig against faults, over a real pty, with the board's compiled core: its figures and a table of faults.
 
 python benchmarks/rig.py --json FILE [--short]: about 45 minutes in full (10 of them one run), 5 in short form.
 """

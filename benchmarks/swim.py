@@ -39,7 +39,7 @@ from affine_model.swim import (
     trial_of,
 )
 from affine_model.swim.objectives import gait_scores
-from affine_model.swim.table2 import TABLE2_HEADER, REMARKS, cells, ratios, table2
+from affine_model.swim.table2 import REMARKS, TABLE2_HEADER, cells, ratios, table2
 from benchmarks.affine import operations_per_step
 from validation.reference_swim import reference_speed
 

@@ -32,7 +32,7 @@ from vision.looks import CLEAN, LOOKS  # noqa: E402
 from vision.render import render  # noqa: E402
 from vision.scene import swaying  # noqa: E402
 from vision.track import stream_tracking  # noqa: E402
-from vision.validate import results_json, judge_disturbed, judge_look, look_table  # noqa: E402
+from vision.validate import judge_disturbed, judge_look, look_table, results_json  # noqa: E402
 
 WORM_FPS = 15.0
 SHORT_FILMS = ("fish", "light", "debris")

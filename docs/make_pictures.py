@@ -137,7 +137,7 @@ def live(folder: Path) -> None:
         setup = read_setup(folder / "emulated" / "rig.toml")
         motion = rig_motion(read_waveform(folder / "wave.toml"), 8.0, setup.limits, {})
         with headless_viewer() as viewer, connected(setup) as board, opened_camera(setup, board.time) as camera:
-            send_live_layout(viewer.url, live_feed.APPLICATION, live_paths(camera=True))
+            send_live_layout(viewer.url, live_feed.RIG_APPLICATION, live_paths(camera=True))
             out, address = folder / "run.rrd", viewer.url
             words = {"name": "run", "viewer": address}
             run = threading.Thread(target=record_run, args=(setup, board, camera, motion, out), kwargs=words)

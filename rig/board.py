@@ -17,18 +17,18 @@ from rig.fault import Fault
 from rig.host_time import HostTime
 from rig.link import BAUD, Link
 from rig.protocol import (
-    CommandAnswer,
-    Boot,
     BoardEvent,
-    WireFrame,
+    BoardState,
+    Boot,
+    CommandAnswer,
     Gone,
     LoadSample,
     Pong,
     Reason,
     Sample,
     ServoSample,
-    BoardState,
     Type,
+    WireFrame,
     reason_words,
 )
 from rig.sequence import SampleSequence

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rig.camera import CameraThread, CameraFrame
+from rig.camera import CameraFrame, CameraThread
 from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frames
 from rig.clock import ClockFit
 from rig.fault import Fault

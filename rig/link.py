@@ -11,7 +11,7 @@ import serial
 from serial.tools import list_ports
 
 from rig.fault import Fault
-from rig.protocol import WireFrame, Parser, encode
+from rig.protocol import Parser, WireFrame, encode
 from tentacle.errors import InputError
 
 BAUD = 115200
@@ -28,7 +28,7 @@ class PortFound:
     due: bool
 
 
-def list_ports() -> list[PortFound]:
+def serial_ports() -> list[PortFound]:
     """The serial ports present. The Due's programming port (2341:003d) is the one to use, not its native port."""
     found = []
     for port in list_ports.comports():

@@ -13,7 +13,7 @@ from rig import protocol
 from rig.board import Board
 from rig.fault import Fault, FaultKind
 from rig.interrupts import Interrupts
-from rig.protocol import BoardEvent, EventCode, Sample, BoardState, Type
+from rig.protocol import BoardEvent, BoardState, EventCode, Sample, Type
 from rig.safety import SERVO_FRAME, SafetyLimits, ServoCalibration, check_limits, check_set_points, limits_message
 from rig.upload import QUEUED_AHEAD, Upload
 from tentacle.signals import Array

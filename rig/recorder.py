@@ -25,7 +25,7 @@ from rig.camera import CameraFrame
 from rig.clock import ClockFit
 from rig.disk_writer import DiskWriter
 from rig.fault import Fault
-from rig.live_feed import RIG_APPLICATION, BOARD_TIME, LiveFeed
+from rig.live_feed import BOARD_TIME, RIG_APPLICATION, LiveFeed
 from rig.protocol import NO_ANGLE, BoardEvent, LoadSample, Sample, ServoSample, event_name
 from rig.stop_file import release, reserve, write_stop
 from tentacle.io.checksums import Sum, columns_digest, log_sums, log_text

@@ -18,7 +18,7 @@ from rig.stills import encode_video
 from rig.stop_file import read_stop
 from tentacle.errors import InputError
 from tentacle.io.checksums import CHECKSUM_ENTITY as SUMS
-from tentacle.io.checksums import Sum, covered, columns_digest, first_unsound, read_sums, sound_text
+from tentacle.io.checksums import Sum, columns_digest, covered, first_unsound, read_sums, sound_text
 from tentacle.io.declaration_file import parse_recording_file
 from tentacle.io.recording_from_rrd import DAMAGE
 from tentacle.io.rrd_chunks import bytes_lost, read_chunks
@@ -94,7 +94,7 @@ def read_run(path: Path) -> Run:
 
 def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, path: Path) -> Run:
     start = _document(columns, recorder.START, path)
-    if start is None or start.get("format") != recorder.FORMAT:
+    if start is None or start.get("format") != recorder.RUN_FORMAT:
         raise InputError("holds no start record", file=path, expected="a run that `tentacle rig record` wrote")
     if start.get("version") != recorder.VERSION:
         raise InputError(f"is of version {start.get('version')}", file=path, expected=f"version {recorder.VERSION}")

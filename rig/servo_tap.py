@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from rig.board import Board
-from rig.camera import CameraThread, CameraFrame, Image
+from rig.camera import CameraFrame, CameraThread, Image
 from rig.camera_offset import LARGEST_OFFSET, CameraOffset
 from rig.fault import Fault
 from rig.motion import rig_motion
@@ -25,7 +25,7 @@ from tentacle.waveform import Multisine
 
 TAP_SECONDS = 8.0
 TAP_FREQUENCIES = (0.4, 0.65, 0.9)  # Hz, no multiples of one another: no delay looks like another
-SWING = 0.16  # rad, each
+TAP_SWING = 0.16  # rad, each
 LEAST_SWING = 0.02  # rad rms that the camera must see
 FEWEST_TAP_FRAMES = 30
 ROOT = (0.04, 0.25)  # of the length: where the root's direction is read
@@ -95,9 +95,9 @@ def delay_by_taps(setup: RigSetup, board: Board, camera: CameraThread) -> Camera
     declared = setup.recording.declaration
     if declared.camera is None:
         raise InputError("no camera is declared", field="recording.camera", expected="fps, m_per_px, base_px, arm_px")
-    room = min(setup.limits.max_angle, -setup.limits.min_angle) / (3 * SWING)
-    pace = setup.limits.max_speed / (2 * np.pi * sum(TAP_FREQUENCIES) * SWING)
-    swing = SWING * min(1.0, 0.9 * room, 0.9 * pace)
+    room = min(setup.limits.max_angle, -setup.limits.min_angle) / (3 * TAP_SWING)
+    pace = setup.limits.max_speed / (2 * np.pi * sum(TAP_FREQUENCIES) * TAP_SWING)
+    swing = TAP_SWING * min(1.0, 0.9 * room, 0.9 * pace)
     taps = rig_motion(Multisine((swing,) * 3, TAP_FREQUENCIES, (0.0, 0.0, 0.0)), TAP_SECONDS, setup.limits, {})
     camera.take()
     frames: list[CameraFrame] = []

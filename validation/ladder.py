@@ -114,9 +114,9 @@ def affine_tip(model: Model, order: int) -> np.ndarray:
     """Where the reduced model's tip hangs at rest (2,) [m]."""
     from affine_model.arm import arm_of, parameter_vector
     from affine_model.curvature import midline
-    from affine_model.statics import chain_equilibrium
+    from affine_model.statics import equilibrium
 
-    q = chain_equilibrium(arm_of(replace(model, order=order)), parameter_vector(model), 0.0)
+    q = equilibrium(arm_of(replace(model, order=order)), parameter_vector(model), 0.0)
     return midline(q, 0.0, model.specimen.length, np.array([1.0]))[0]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from affine_model.swim.silicones import PAPER_SILICONES as TABLE
+from affine_model.swim.silicones import SILICONES as TABLE
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 

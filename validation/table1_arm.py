@@ -109,10 +109,10 @@ def _paper_route(
     from inference.regression import regression
 
     declared = learnt.declaration
-    paper_arm = Arm(replace(declared.specimen, stiffness="affine"), declared.fluid, declared.gravity, 2)
+    arm = Arm(replace(declared.specimen, stiffness="affine"), declared.fluid, declared.gravity, 2)
     free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1"), ("drag", "C_perp")]
     t, q = _seen(contours[0])
-    fitted = regression(paper_arm, neutral_parameters(), free, MeasuredCourse(t, q, chirp(t)))
+    fitted = regression(arm, neutral_parameters(), free, MeasuredCourse(t, q, chirp(t)))
     result: dict[str, float | None] = {"paper_q1_rad2": None, "paper_q2_rad2": None}
     result |= {f"paper_{name}": float(value) for (_, name), value in zip(free, fitted.values, strict=True)}
     t, q = _seen(contours[1])
@@ -121,11 +121,7 @@ def _paper_route(
     middles = t[0] + (np.arange(int((t[-1] - t[0]) / step) + 1) + 0.5) * step
     base = sine(middles)[:, :, None]
     batch = simulate(
-        paper_arm,
-        fitted.parameters[:, None],
-        base,
-        Timing(step),
-        start=Start(q=smooth[0][:, None], q_rate=rate[0][:, None]),
+        arm, fitted.parameters[:, None], base, Timing(step), start=Start(q=smooth[0][:, None], q_rate=rate[0][:, None])
     )
     if np.isfinite(batch.diverged[0]):
         return result

@@ -10,14 +10,14 @@ if TYPE_CHECKING:
     from tentacle.signals import Array
     from validation.validity_map import Validity
 
-USUAL_AMPLITUDE = 0.4  # rad: up to this amplitude it is asked to serve
+SWING = 0.4  # rad: up to this amplitude it is asked to serve
 GOOD_SHAPE, GOOD_THRUST, STRICT = 0.05, 0.10, 0.01
 ENOUGH = 0.5  # of the first mode: up to here it is asked to serve, at least
 
 
 def reach_of(found: Validity, order: int, level: float, errors: Array | None = None) -> float:
     """The largest frequency ratio up to which the error stays under level at every amplitude up to USUAL."""
-    usual = [i for i, amplitude in enumerate(AMPLITUDES) if amplitude <= USUAL_AMPLITUDE]
+    usual = [i for i, amplitude in enumerate(AMPLITUDES) if amplitude <= SWING]
     return min(found.reach(order, level, i, errors) for i in usual)
 
 
@@ -39,10 +39,10 @@ def sentence(found: Validity) -> str:
     verdict = "serves" if serves(found) else "does not serve"
     shape, strict = (_upto(found, reach_of(found, 2, level)) for level in (GOOD_SHAPE, STRICT))
     words = (
-        f"The affine model {verdict} for this arm: at amplitudes up to {USUAL_AMPLITUDE:g} rad, two coordinates keep its shape"
+        f"The affine model {verdict} for this arm: at amplitudes up to {SWING:g} rad, two coordinates keep its shape"
         f" within {100 * GOOD_SHAPE:.0f} % {shape}, within {100 * STRICT:.0f} % {strict}"
     )
-    told = found.thrust[0, [a <= USUAL_AMPLITUDE for a in AMPLITUDES]]
+    told = found.thrust[0, [a <= SWING for a in AMPLITUDES]]
     if (told == told).any():
         words += f", its mean thrust within {100 * GOOD_THRUST:.0f} % "
         words += _upto(found, reach_of(found, 2, GOOD_THRUST, found.thrust))

@@ -113,5 +113,5 @@ def polynomial_rms(axis: Axis, order: int) -> float:
         curve = parameters[:2] + np.concatenate([np.zeros((1, 2)), np.cumsum(0.5 * (step[1:] + step[:-1]), axis=0)])
         return (curve[::4] - axis.points).ravel()
 
-    fit = least_squares(residual, start, method="lm", max_nfev=60)
+    fit = least_squares(residual, start, method="lm", max_nfev=60)  # a rough shape measure: no exact minimum is needed
     return float(np.sqrt(2.0 * np.mean(fit.fun**2)))

@@ -92,6 +92,8 @@ def calibrate_lens(frames: Iterable[Frame], board: CharucoBoard) -> LensCalibrat
     scales = [np.maximum(np.abs(start), 1e-3) for start in starts]
     begin = np.concatenate([[0.0], *(start / scale for start, scale in zip(starts, scales, strict=True))])
     fit = least_squares(residual, begin, loss="soft_l1")
+    if not fit.success:
+        raise InputError("the lens fit does not converge", expected="more views of the whole board")
     final = [np.append(fit.x[1 + 8 * k : 9 + 8 * k] * scales[k], 1.0).reshape(3, 3) for k in range(len(views))]
     per_metre, tilts = zip(
         *(_scale_and_tilt(h, points) for h, (points, _) in zip(final, views, strict=True)), strict=True

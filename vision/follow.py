@@ -14,10 +14,10 @@ from tentacle.errors import InputError
 from tentacle.signals import Array
 from vision.fit import (
     END_PIXELS,
-    TrackedArm,
+    EdgeLook,
     Exposure,
     FrameFit,
-    EdgeLook,
+    TrackedArm,
     contrast_along,
     fit_outline,
     ordinary_misfit,

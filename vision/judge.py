@@ -8,7 +8,7 @@ from scipy.special import erf
 
 from tentacle.signals import Array
 from vision.edges import grey_at
-from vision.fit import FrameFit, EdgeLook
+from vision.fit import EdgeLook, FrameFit
 from vision.kinematics import Geometry
 
 LEAST_FOUND = 0.5  # share of the side edges that must carry weight

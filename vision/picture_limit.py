@@ -16,7 +16,7 @@ from scipy.special import ndtr
 
 from tentacle.signals import Array
 from vision.looks import Look
-from vision.render import RenderSettings, Renderer
+from vision.render import Renderer, RenderSettings
 from vision.scene import Scene, exact_midline
 
 DIFFERENCE_STEP = 2e-3  # rad, of the central differences

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
-from vision.blurred_step import rise, step_softening, steepness
+from vision.blurred_step import rise, steepness, step_softening
 from vision.lens import bend_point
 
 MOST_PIXELS = 160  # that one edge may have

@@ -19,10 +19,9 @@ from scipy.stats import median_abs_deviation
 from tentacle.errors import InputError
 from tentacle.recording import Camera
 from tentacle.signals import Array
-from vision.frames import read_frames
+from vision.frames import Grey, read_frames
 from vision.silhouette import Axis, find_ends, mean_axis
 
-Grey = NDArray[np.uint8]
 LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
 FINE_BELOW = 480  # px; smaller pictures are enlarged
 STANDING_OUT = 5.0  # times the ground's own scatter

@@ -26,7 +26,7 @@ from viz.words import NO_VALUE, effect_name, error_rows, interval, listed, numbe
 
 DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
 PRICE = 7.6  # nat: what one parameter must gain to be worth more than chance gives it
-FAR_CORRELATED = "far off"  # a gate's limit beside its statistic
+OFF_WHITE = "far off"  # a gate's limit beside its statistic
 TWIN_COSINE = 0.85  # pairs above this are named in words
 
 
@@ -86,7 +86,7 @@ def parameter_section(diagnosis: Diagnosis) -> ReportSection:
 def limit_words(gate: Gate) -> str:
     """A gate's limit; in words where it is so far off that its digits say nothing."""
     far = gate.passed and abs(gate.threshold) > 100.0 * max(abs(gate.statistic), 1.0)
-    return FAR_CORRELATED if far else number(gate.threshold)
+    return OFF_WHITE if far else number(gate.threshold)
 
 
 def gate_section(diagnosis: Diagnosis) -> ReportSection:
@@ -98,10 +98,10 @@ def gate_section(diagnosis: Diagnosis) -> ReportSection:
     remarks = [
         "A model passes only where its residual looks like the measurement's noise: in size, in time, over the run."
     ]
-    if any(limit_words(gate) == FAR_CORRELATED for gate in diagnosis.gates):
+    if any(limit_words(gate) == OFF_WHITE for gate in diagnosis.gates):
         remarks.append(
-            f"{FAR_CORRELATED.capitalize()}: so much noise-like data would show an error that no model of a soft arm is free of. "
-            "The limit allows for it, and lies more than a hundred times higher than the statistic."
+            f"{OFF_WHITE.capitalize()}: with so much data even the small error of every model of a soft arm shows. "
+            "The limit allows for that error and is over a hundred times the statistic."
         )
     failed = tuple(k for k, gate in enumerate(diagnosis.gates) if not gate.passed)
     header = ("test", "statistic", "limit", "result", "in words")

@@ -16,8 +16,10 @@ from viz.figures.trends import POINTS_A_PANEL, TrendPoint, trends_figure
 from viz.report import render_page
 from viz.words import number
 
-LIBRARY_HEADER = ("recording", "date", "arm", "length [mm]", "seen as", "seconds", "state", "verdict", "effects", "confidence",
-          "before [mm]", "after [mm]", "floor [mm]")  # fmt: skip
+LIST_HEADER = (
+    "recording", "date", "arm", "length [mm]", "seen as", "seconds", "state", "verdict", "effects", "confidence",
+    "before [mm]", "after [mm]", "floor [mm]",
+)  # fmt: skip
 NUMERIC = (3, 5, 9, 10, 11, 12)
 MAPS = 48  # of the recordings whose models leave most over the noise
 
@@ -62,7 +64,7 @@ def library_page(
         ", ".join(f"{count} {verdict}" for verdict, count in verdicts.most_common()) or "none is diagnosed yet"
     )
     page = LibraryPage(
-        name, headline + ".", [(state, str(count)) for state, count in states.most_common()], LIBRARY_HEADER, NUMERIC,
+        name, headline + ".", [(state, str(count)) for state, count in states.most_common()], LIST_HEADER, NUMERIC,
         [_row(row) for row in rows], _pictures(rows, parameters, maps),
     )  # fmt: skip
     return render_page("library.html", page=page)

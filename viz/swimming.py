@@ -12,7 +12,7 @@ import rerun.blueprint as rrb
 
 from tentacle.signals import Array
 from tentacle.specimen import Specimen
-from viz.blueprints.views import lines_view, blueprint_page
+from viz.blueprints.views import blueprint_page, lines_view
 from viz.palette import AUGMENTED, BASE, MEASURED, NEUTRAL, Role
 from viz.session import session_file, session_id, set_layout
 from viz.topics.arms import MidlineCourse, log_tube

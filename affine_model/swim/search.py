@@ -26,7 +26,7 @@ class Generation:
     number: int
     evaluations: int
     unit: Array
-    gait_scores: Array
+    scores: Array
     best_unit: Array
     best_score: float
     speed: Array

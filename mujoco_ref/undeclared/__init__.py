@@ -4,6 +4,6 @@ The loop that looks for them (discovery) may not import this: the import rules s
 """
 
 from mujoco_ref.undeclared.make import Noise, Scenario, make_recording
-from mujoco_ref.undeclared.trials import TrialPlan, SimulatedTrial, trial_name
+from mujoco_ref.undeclared.trials import SealedPlan, SimulatedTrial, trial_name
 
-__all__ = ["Noise", "Plan", "Scenario", "Trial", "make", "trial_name"]
+__all__ = ["Noise", "SealedPlan", "Scenario", "SimulatedTrial", "make_recording", "trial_name"]

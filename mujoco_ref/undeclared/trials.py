@@ -40,7 +40,7 @@ def draw_effects(random: np.random.Generator, uncatalogued: float, nothing: floa
 
 
 @dataclass(frozen=True)
-class TrialPlan:
+class SealedPlan:
     """What all trials share, and the shares of those with nothing hidden and with what no catalogue has.
 
     most: effects in one trial at most. Trial k depends on the plan, the seed and k alone, so any can be made again.

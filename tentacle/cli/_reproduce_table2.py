@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     rows, device = [], chosen_device(arguments.device)
     with stages() as stage:
-        for length in table.PRINTED:
+        for length in table.PRINTED_SPEEDS:
             stage(f"optimising the {100 * length:.0f} cm arm")
             rows += table.table2(
                 evaluations=arguments.evaluations, seed=arguments.seed, reference=reference_speed, lengths=(length,),
@@ -44,12 +44,12 @@ def run(arguments: argparse.Namespace) -> int:
     lines = table.cells(rows)
     with written(arguments.out) as folder:
         with (folder / "table2.csv").open("w", encoding="utf-8", newline="") as file:
-            csv.writer(file).writerows([table.HEADER, *lines])
+            csv.writer(file).writerows([table.TABLE2_HEADER, *lines])
         (folder / "table2.json").write_text(json.dumps([row_table(row) for row in rows], indent=1) + "\n")
         if curves is not None:
             (folder / "ratios.json").write_text(json.dumps(curves_table(curves), indent=1) + "\n")
         write_table2_page(rows, curves, arguments.evaluations, arguments.seed, folder / "report.html")
-    _print_table(table.HEADER, lines)
+    _print_table(table.TABLE2_HEADER, lines)
     for remark in table.REMARKS:
         print(remark)
     return 0

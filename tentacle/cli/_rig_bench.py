@@ -15,7 +15,7 @@ LATE = 0.25  # s; the board's watchdog bites then
 
 def ports(_arguments: argparse.Namespace) -> int:
     """The serial ports, the Due's marked."""
-    from rig.link import list_ports as found_ports
+    from rig.link import serial_ports as found_ports
 
     found = found_ports()
     for port in found:

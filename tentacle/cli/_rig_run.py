@@ -29,7 +29,7 @@ def record(arguments: argparse.Namespace) -> int:
         rig_progress_bar() as progress,
         Interrupts(say) as interrupts,
     ):
-        result = rig_record.record(
+        result = rig_record.record_run(
             setup,
             board,
             camera,

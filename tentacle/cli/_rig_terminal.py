@@ -56,7 +56,7 @@ def viewer(wanted: bool, *, camera: bool) -> Iterator[LiveView]:
     address = f"rerun+http://127.0.0.1:{VIEWER_PORT}/proxy"
     shown = LiveView(address)
     try:
-        send_live_layout(address, live_feed.APPLICATION, live_paths(camera=camera))
+        send_live_layout(address, live_feed.RIG_APPLICATION, live_paths(camera=camera))
         yield shown
     finally:
         if process is not None and not shown.kept:

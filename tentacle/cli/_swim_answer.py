@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from affine_model.swim import Front, Swimming, GaitTrial
+    from affine_model.swim import Front, GaitTrial, Swimming
     from tentacle.model import Model
 
 

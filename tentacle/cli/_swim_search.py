@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from affine_model.swim import Generation, Swimming, GaitTrial
+    from affine_model.swim import GaitTrial, Generation, Swimming
     from tentacle.model import Model
 
 

@@ -73,7 +73,7 @@ def make_figure(arguments: argparse.Namespace) -> Figure:
             return paper_figures.stills(recordings[0], None if arguments.model is None else read_model(arguments.model))
         model = read_model(arguments.model)
         if arguments.number == 5:
-            return paper_figures.regression(recordings[0], model)
+            return paper_figures.regression_page(recordings[0], model)
         return (
             paper_figures.extremes(recordings, model)
             if arguments.number == 8

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     from affine_model.swim import robust_trial, trial_of
     from affine_model.swim.device import chosen_device
     from affine_model.swim.pareto import front_around
-    from tentacle.cli._swim_answer import check_on_reference, answer_summary, write_swim_answer
+    from tentacle.cli._swim_answer import answer_summary, check_on_reference, write_swim_answer
     from tentacle.cli._swim_search import searched
     from tentacle.cli._swim_tables import result_tables
     from tentacle.errors import InputError

@@ -6,8 +6,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tentacle.cli._simulate_arguments import configure as configure
 from tentacle.cli._simulate_arguments import base_motion_of
+from tentacle.cli._simulate_arguments import configure as configure
 
 HELP = "make a recording with the high-order reference (MuJoCo): import folder or .rrd, midline or video"
 
@@ -22,7 +22,7 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import track
 
-    from mujoco_ref.undeclared import Noise, TrialPlan, Scenario, make_recording
+    from mujoco_ref.undeclared import Noise, Scenario, SealedPlan, make_recording
     from tentacle.errors import InputError
     from tentacle.io.model_file import read_model
     from tentacle.units import from_mm
@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     noise, film = Noise(midline=from_mm(arguments.noise_mm)), FilmStyle(arguments.video, tuple(arguments.size))
     _check(arguments)
     if arguments.trials is not None:
-        plan = TrialPlan(
+        plan = SealedPlan(
             model, waveform, arguments.seed, arguments.duration, arguments.fps, noise, most=arguments.most
         )  # fmt: skip
         trials = write_trials(plan, arguments.trials, film, arguments.out, arguments.sealed)

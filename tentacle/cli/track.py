@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _one(source: Path, arguments: argparse.Namespace) -> int:
     from tentacle.cli._track_arguments import check_outputs
     from tentacle.cli._track_sources import stated_numbers
-    from tentacle.cli.pages.tracking import tracking_json, draw_overlay, in_words, tracking_summary, write_tracked
+    from tentacle.cli.pages.tracking import in_words, overlay_picture, tracking_json, tracking_summary, write_tracked
     from tentacle.errors import InputError
     from vision.declared import recording_of
     from vision.lens_file import read_lens
@@ -72,7 +72,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
         angle = motor_angle(recording.motor, shape.t)
         write_midline(shape, angle, recording.declaration.specimen, arguments.midline)
     if arguments.overlay is not None:
-        draw_overlay(arguments.overlay, video, recording, () if tracked is None else tracked.seen)
+        overlay_picture(arguments.overlay, video, recording, () if tracked is None else tracked.seen)
     told = tracking_summary(shape, tracked, arguments.out)
     print(tracking_json(told) if arguments.json else in_words(told, source, recording, shape))
     return 0

@@ -23,7 +23,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tentacle.errors import InputError
     from vision.looks import LOOKS, look_named
-    from vision.validate import results_json, judge_disturbed, judge_look, look_table
+    from vision.validate import judge_disturbed, judge_look, look_table, results_json
 
     size, seeds = tuple(arguments.size), tuple(arguments.seeds)
     if arguments.frames < 8 or min(size) < 120:

@@ -14,7 +14,7 @@ import numpy as np
 
 from tentacle.errors import InputError
 from tentacle.io.checksums import CHECKSUM_ENTITY as SUMS
-from tentacle.io.checksums import Sum, covered, columns_digest, first_unsound, read_sums, sound_text
+from tentacle.io.checksums import Sum, columns_digest, covered, first_unsound, read_sums, sound_text
 from tentacle.io.declaration_file import RecordingFile, parse_recording_file
 from tentacle.io.film_pieces import FILM_ENTITY as FILM
 from tentacle.io.film_pieces import stored_film

@@ -68,11 +68,11 @@ def write_rrd(recording: Recording, file: Path) -> None:
 
 def _identity(recording: Recording) -> str:
     """The same for the same declaration and signals: the viewer takes two files of one identity as one recording."""
-    columns_digest = hashlib.sha256(format_recording_file(describe(recording)).encode())
+    digest = hashlib.sha256(format_recording_file(describe(recording)).encode())
     for columns in signal_rows(recording).values():
         for values in columns.values():
-            columns_digest.update(np.ascontiguousarray(values).tobytes())
-    return columns_digest.hexdigest()[:32]
+            digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()[:32]
 
 
 def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from affine_model.swim.table2 import FAST_BAND, TABLE2_HEADER, MAP_LIMITS, PRINTED_SPEEDS, cells, ratios, table2
+from affine_model.swim.table2 import FAST_BAND, MAP_LIMITS, PRINTED_SPEEDS, TABLE2_HEADER, cells, ratios, table2
 from affine_model.swim.table2_curves import gain
 
 

@@ -3,7 +3,7 @@ import pytest
 from tentacle.cli import main
 from tentacle.cli.reproduce import paper_results
 from validation.paper_fig9 import fig9_cell
-from validation.paper_table1 import TABLE1_LENGTHS, PAPER
+from validation.paper_table1 import PAPER, TABLE1_LENGTHS
 from validation.table1_arm import arm_result
 
 

@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 from scipy.optimize import curve_fit
 
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
-from mujoco_ref.undeclared import Noise, TrialPlan, Scenario, make_recording
+from mujoco_ref.undeclared import Noise, Scenario, SealedPlan, make_recording
 from mujoco_ref.undeclared.strength import SCALED_TOGETHER
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
@@ -162,7 +162,7 @@ def test_a_stiff_arm_s_decay_has_the_frequency_of_rayleigh_s_beam():
 
 
 def test_trials_are_blind_reproducible_and_independent():
-    plan = TrialPlan(swimming_model(), WAVE, 11, 1.0, 30.0)
+    plan = SealedPlan(swimming_model(), WAVE, 11, 1.0, 30.0)
     some, again = [plan.trial(k) for k in range(3)], [plan.trial(k) for k in (1, 0)][::-1]
     assert [t.recording.name for t in some] == ["trial_000", "trial_001", "trial_002"]
     for one, other in zip(some, again, strict=False):

@@ -20,7 +20,7 @@ from rig.emulator import Emulator
 from rig.fault import Fault
 from rig.play import arm_board
 from rig.safety import ServoCalibration
-from rig.servo_tap import TAP_FREQUENCIES, SWING, delay, root_angle
+from rig.servo_tap import TAP_FREQUENCIES, TAP_SWING, delay, root_angle
 from rig.setup_file import CameraSettings, read_setup, write_setup
 from tentacle.cli import main
 from tentacle.errors import InputError
@@ -149,7 +149,7 @@ def test_camera_delay_from_servo_taps() -> None:
 
 def test_the_root_of_a_soft_arm_tells_the_delay() -> None:
     """The MuJoCo arm, its lag and its bend known: the delay is the camera's alone, within 3 ms."""
-    taps, plant, late = Multisine((SWING,) * 3, TAP_FREQUENCIES, (0.0,) * 3), ArmPlant(SOFT, {}), 0.049
+    taps, plant, late = Multisine((TAP_SWING,) * 3, TAP_FREQUENCIES, (0.0,) * 3), ArmPlant(SOFT, {}), 0.049
     optics, s = EmulatedOptics.of(DECLARED), np.linspace(0.0, 1.0, 24)
     times = np.arange(0.0, 6.0, 0.01)
     servo, frames, seen = [], [], []

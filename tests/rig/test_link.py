@@ -18,7 +18,7 @@ from rig.emulator import Emulator
 from rig.fault import Fault
 from rig.link import Link
 from rig.play import arm_board
-from rig.protocol import WireFrame, Type
+from rig.protocol import Type, WireFrame
 from rig.safety import ServoCalibration
 
 FRAMES = [

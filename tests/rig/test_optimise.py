@@ -13,7 +13,7 @@ import pytest
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.journal import JOURNAL, cut_torn_line
-from rig.optimise import STEP_FROM_BEST, StudyPlan, Suggestions, RigTrial, best, optimise_on_rig, propulsion
+from rig.optimise import STEP_FROM_BEST, RigTrial, StudyPlan, Suggestions, best, optimise_on_rig, propulsion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
 from rig.run_file import read_run
@@ -87,7 +87,7 @@ def test_the_search_climbs_and_every_trial_is_a_recording(space: GaitSpace, tmp_
     assert len(trials) == 16
     assert trials[0].source == "model"
     assert trials[0].point == pytest.approx(first[0])
-    # 0.05 N is the best there is. Sixteen trials in two dimensions: within 5 % (figure gap_after_30 of issue 8).
+    # 0.05 N is the best there is. Sixteen trials in two dimensions: within 5 % (benchmarks/rig.py, gap_after_30).
     assert bench.propulsion(**{k.removesuffix("_hz"): v for k, v in best(trials).point.items()}) > 0.95 * 0.05
     for trial in trials:
         run = read_run(trial.recording)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from benchmarks._rig_scene import damage
 from rig import protocol
-from rig.protocol import WireFrame, LoadSample, Parser, Type
+from rig.protocol import LoadSample, Parser, Type, WireFrame
 
 PAGE = Path(__file__).parents[2] / "docs" / "protocol.md"
 

@@ -221,6 +221,6 @@ def test_a_replay_that_a_fault_cut_short_is_a_fault_and_no_bad_input(
             tmp_path / "run.rrd",
             Attendance(name="first"),
         )
-        monkeypatch.setattr("rig.replay.record", cut)
+        monkeypatch.setattr("rig.replay.record_run", cut)
         result, difference = drive_rig(tmp_path / "run.rrd", setup, board, tmp_path / "again.rrd")
     assert (result.outcome, difference) == ("watchdog", None)

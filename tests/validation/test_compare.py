@@ -17,9 +17,9 @@ from validation.validity_map import (
     MAP_ORDERS,
     RATIOS,
     Validity,
-    validity_cell,
     own_slenderness,
     own_taper,
+    validity_cell,
     variants,
 )
 
@@ -169,7 +169,7 @@ def test_bad_options_are_one_line_and_nothing_is_written(tmp_path, capsys, monke
     from tentacle.io.model_file import write_model
     from validation import ladder as rungs
 
-    monkeypatch.setattr(rungs, "climb", lambda *_: None)  # seconds, and not what this is about
+    monkeypatch.setattr(rungs, "run_ladder", lambda *_: None)  # seconds, and not what this is about
     write_model(swimmer(), tmp_path / "arm.toml")
     assert main(["compare", str(tmp_path / "arm.toml"), "--out", str(tmp_path / "out"), *options]) == 2
     error = capsys.readouterr().err
@@ -186,7 +186,7 @@ def test_a_grid_of_arms_is_one_page_beside_theirs(tmp_path, capsys, monkeypatch,
     files = [tmp_path / "one.toml", tmp_path / "two.toml"]
     for file, modulus in zip(files, (2e5, 4e5), strict=True):
         write_model(swimmer().with_effect("elasticity", E=Estimate.exact(modulus)), file)
-    monkeypatch.setattr(rungs, "climb", lambda *_: ladder)
+    monkeypatch.setattr(rungs, "run_ladder", lambda *_: ladder)
     monkeypatch.setattr(Runner, "run", made_up)  # a map takes minutes
     assert main(["compare", *map(str, files), "--out", str(tmp_path / "grid")]) == 0
     assert [line.split(",")[0] for line in (tmp_path / "grid" / "grid.csv").read_text().splitlines()] == [

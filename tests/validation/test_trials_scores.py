@@ -174,7 +174,7 @@ def test_what_is_known_of_other_arms_stands_where_few_trials_speak():
     expected = (10.0 + 4.0 * 0.45 + 4.0 * 0.5) / 18.0
     assert found("effect", 0.9) == pytest.approx(expected, abs=5e-5)  # a file's digits
     assert found("group", 0.8) == others("group", 0.8) == pytest.approx(0.4)
-    assert "no blind trial of this one" in found.words("group", 0.8)
+    assert "no blind trial of this arm" in found.words("group", 0.8)
     assert "10 blind trials" in found.words("effect", 0.9)
     assert "uncalibrated" in found.words("unknown", 0.9)
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tentacle.signals import ShapeTrack
 from vision.body import polynomial_rms, track_body
 from vision.calibrate import CharucoBoard, calibrate_lens
 from vision.frames import Frame, read_frames
@@ -14,7 +13,6 @@ from vision.guess import guess_camera
 from vision.lens_file import format_lens, read_lens
 from vision.looks import CLEAN
 from vision.paper_pipeline import paper_axis
-from vision.period import period_average
 from vision.render import RenderSettings, render
 from vision.scene import swaying
 from vision.silhouette import Axis
@@ -66,17 +64,6 @@ def test_worm_against_the_outside_reference():
     assert np.median(distances) < 0.8  # px; a plain skeleton lies at 0.66
     assert (~body.accepted[~known]).any()  # coils are among the frames without a reference
     assert "affine fit is bad" in body.words()
-
-
-def test_period_average_of_a_sine():
-    t = np.arange(400) / 50.0
-    q = np.column_stack([np.zeros(400), np.sin(2 * np.pi * 0.75 * t), np.cos(2 * np.pi * 0.75 * t)])
-    nothing = np.zeros((400, 3, 3))
-    shape = ShapeTrack(t, q, nothing, np.ones(400, bool), ("",) * 400, 1.0, 0.0, np.zeros(2))
-    average = period_average(shape, 0.75, bins=20)
-    # within a bin of 1/20 period the sine moves by up to .31, uniform: a spread of .09, and a mean within half of that
-    np.testing.assert_allclose(average.mean[:, 1], np.sin(2 * np.pi * average.phase), atol=0.08)
-    assert np.nanmax(average.spread) < 0.12
 
 
 def test_board_gives_its_scale_and_a_lens_survives_its_file(tmp_path):

@@ -14,7 +14,7 @@ from vision.picture_limit import jpeg_steps, picture_information, pose_known_lim
 from vision.render import RenderSettings, render
 from vision.scene import Swing, swaying
 from vision.track import track
-from vision.validate import results_json, false_accepts, judge_disturbed, judge_look, look_table
+from vision.validate import false_accepts, judge_disturbed, judge_look, look_table, results_json
 
 
 def test_limit_has_its_closed_form():

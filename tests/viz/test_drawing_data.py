@@ -9,7 +9,7 @@ import pytest
 
 from tentacle.model import Estimate
 from tentacle.specimen import Cone, Specimen
-from viz.heat import HEAT_COLUMNS, GAP, colour_limit, heat_map
+from viz.heat import GAP, HEAT_COLUMNS, colour_limit, heat_map
 from viz.palette import AUGMENTED, BASE, MEASURED, WARNING
 from viz.scene import scene_of
 from viz.spectrum import amplitude_spectrum

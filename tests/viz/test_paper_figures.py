@@ -10,7 +10,7 @@ import pytest
 from tentacle.errors import InputError
 from tentacle.waveform import Chirp
 from viz.figures.extremes import extremes_figure, mean_square_error
-from viz.figures.period import fundamental_period, average_over_period, period_figure
+from viz.figures.period import average_over_period, fundamental_period, period_figure
 from viz.figures.pipeline import PaperStill, pipeline_figure
 from viz.figures.regression import regression_figure
 from viz.figures.speeds import Swim, speeds_figure

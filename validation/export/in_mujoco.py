@@ -18,13 +18,16 @@ from validation.export.start import Started, as_camera_has_it, distance_mm, star
 
 @dataclass(frozen=True)
 class ExportError:
-    """rms distance to the recording's points [mm]: ours, arm.xml with arm_forces.py, arm.xml alone; frames judged."""
+    """rms distance to the recording's points [mm]: ours, arm.xml with arm_forces.py, arm.xml alone; frames judged;
+    whether the fit of the common start converged.
+    """
 
     name: str
     ours_mm: float
     with_forces_mm: float
     alone_mm: float
     frames: int
+    converged: bool = True
 
     def sentence(self) -> str:
         """The three errors side by side."""
@@ -32,6 +35,7 @@ class ExportError:
             f"{self.name}: ours {self.ours_mm:.3f} mm, MuJoCo with arm_forces.py {self.with_forces_mm:.3f} mm "
             f"({self.with_forces_mm / self.ours_mm:.2f} times ours), arm.xml alone {self.alone_mm:.3f} mm, "
             f"rms over {self.frames} frames"
+            f"{'' if self.converged else '; the fit of the start did not converge'}"
         )
 
 
@@ -39,7 +43,7 @@ def export_error(xml: str, model: Model, recording: Recording) -> ExportError:
     """Run arm.xml's text in MuJoCo, with and without its callback, under a recording's base motion."""
     started = start_of(model, recording)
     errors = [distance_mm(started.seen.xy, points_in_mujoco(xml, model, started, exact)) for exact in (True, False)]
-    return ExportError(recording.name, started.error_mm, errors[0], errors[1], len(started.t))
+    return ExportError(recording.name, started.error_mm, errors[0], errors[1], len(started.t), started.converged)
 
 
 def points_in_mujoco(xml: str, model: Model, started: Started, exact: bool) -> Array:

@@ -35,10 +35,11 @@ class Started:
     """A recording and the state in which its simulation starts.
 
     t (T,) [s]: when the arm is at what the frames show, after `start` [s]; q, q_rate (n,) [rad, rad/s]; shift (2,) [m];
-    base: the clamp's motion after servo lag and play; error_mm: ours, rms over points and frames.
+    base: the clamp's motion after servo lag and play; error_mm: ours, rms over points and frames; converged: whether
+    the fit of the start ended before its evaluations did.
     """
 
-    observed_points: ObservedPoints
+    seen: ObservedPoints
     t: Array
     start: float
     stop: float
@@ -47,6 +48,7 @@ class Started:
     shift: Array
     base: Waveform
     error_mm: float
+    converged: bool
 
 
 def as_camera_has_it(model: Model, xy: Array, shift: Array) -> Array:
@@ -87,7 +89,7 @@ def start_of(model: Model, recording: Recording) -> Started:
     found = least_squares(run.residuals, unknowns, jac=slope, x_scale=run.scales, method="trf", max_nfev=30)
     q, q_rate, shift = run.parts(found.x)
     error = distance_mm(shown.xy, run.points(found.x[:, None])[..., 0])
-    return Started(shown, t, start, float(t[-1]), q, q_rate, shift, base, error)
+    return Started(shown, t, start, float(t[-1]), q, q_rate, shift, base, error, bool(found.success))
 
 
 def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:

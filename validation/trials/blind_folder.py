@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from mujoco_ref.undeclared import TrialPlan, Scenario, make_recording, trial_name
+from mujoco_ref.undeclared import Scenario, SealedPlan, make_recording, trial_name
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Recording
@@ -34,7 +34,7 @@ def write_simulated(recording: Recording, film: FilmStyle, out: Path, seed: int)
             write_folder(recording, out)
 
 
-def write_trials(plan: TrialPlan, count: int, film: FilmStyle, out: Path, sealed: Path) -> Iterator[int]:
+def write_trials(plan: SealedPlan, count: int, film: FilmStyle, out: Path, sealed: Path) -> Iterator[int]:
     """Write count recordings to out, with a baseline that hides nothing, and their answers to sealed (JSON lines).
 
     Yields each trial's number when it is done. A trial whose recording and answer exist is not made again.

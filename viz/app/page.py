@@ -16,7 +16,7 @@ from tentacle.io.video_file import frame_rate
 from viz.app.desk import SHOWN_FILES, Desk
 from viz.app.guard import Guard
 from viz.app.job import Job
-from viz.app.marks import MARK_PLACES, Marks, drawing, arm_outline
+from viz.app.marks import MARK_PLACES, Marks, arm_outline, drawing
 from viz.app.tables import batch_table, compare_table
 
 PAGE_STYLE = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")

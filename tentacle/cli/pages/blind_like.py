@@ -24,12 +24,12 @@ def like_section(
 ) -> ReportSection:
     """name of the recording; effects that can show in it, in the catalogue and out of it, and silent ones."""
     inside, outside = (", ".join(map(effect_name, names)) for names in effects)
-    driven = "moved as its base was" if like.release_t is None else "let go as it was"
+    driven = "the base moves as recorded" if like.release_t is None else "the arm is let go as recorded"
     words = [
-        f"All trials are runs of the arm of {name} with base parameters within {BASE_SPREAD[0]:g} to {BASE_SPREAD[1]:g} times those "
-        f"fitted to it without any further effect, {driven}, for as long, at its frame rate, seen in its way and with "
-        "the noise that this fit found.",
-        f"Hidden are, in the catalogue: {inside}; out of it: {outside}.",
+        f"All trials are runs of the arm of {name}. The base parameters are {BASE_SPREAD[0]:g} to "
+        f"{BASE_SPREAD[1]:g} times those fitted to it without further effects; {driven}. Duration, frame rate, kind of "
+        "measurement and noise are those of the recording.",
+        f"Hidden effects of the catalogue: {inside}; outside it: {outside}.",
     ]
     if silent:
         names = ", ".join(map(effect_name, silent))

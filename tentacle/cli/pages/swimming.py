@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from viz.swimming import SearchCourse
 
 if TYPE_CHECKING:
-    from affine_model.swim import Front, Swimming, GaitTrial
+    from affine_model.swim import Front, GaitTrial, Swimming
     from viz.report import Origin, Picture, ReportSection, ReportTable
 
 FILM_S = 10.0

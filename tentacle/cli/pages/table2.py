@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from affine_model.swim.table2 import TABLE2_HEADER, MAP_LIMITS, MOTIONS, PRINTED_SPEEDS, REMARKS, SwimRow, cells, ratios
+from affine_model.swim.table2 import MAP_LIMITS, MOTIONS, PRINTED_SPEEDS, REMARKS, TABLE2_HEADER, SwimRow, cells, ratios
 from affine_model.swim.table2_curves import RatioCurves
 from affine_model.swim.trial import PAPER_RAIL
 from tentacle.io.provenance import versions

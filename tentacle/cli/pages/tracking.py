@@ -83,7 +83,7 @@ def write_tracked(recording: Recording, shape: ShapeTrack, path: Path) -> None:
     write_rrd(replace(recording, shape=shape), path)
 
 
-def draw_overlay(path: Path, video: Path, recording: Recording, seen: Sequence[TrackedFrame]) -> None:
+def overlay_picture(path: Path, video: Path, recording: Recording, seen: Sequence[TrackedFrame]) -> None:
     """The fit drawn over the video (.mp4), or over nine of its frames (.png)."""
     camera = recording.declaration.camera
     frames = read_frames(video, None if camera is None else camera.fps)

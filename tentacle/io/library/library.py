@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
 from tentacle.io.library.index import read_index, recordings_of, refreshed, write_parquet
-from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, library_code_version, layer_key, layers_and_parameters
+from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, layer_key, layers_and_parameters, library_code_version
 
 SETTINGS = "settings.json"
 

@@ -22,7 +22,8 @@ def recording(name, length=0.14, date="2026-03-01"):
 
 def add_layer(library, sha256, **values):
     """A verdict beside a recording, as a diagnosis leaves it."""
-    layer = {"sha256": sha256, "code": library_code_version(), "verdict": "effect", "effects": "current", "confidence": 0.9,
+    code = library_code_version()
+    layer = {"sha256": sha256, "code": code, "verdict": "effect", "effects": "current", "confidence": 0.9,
              "failed": None, "parameters": [{"effect": "elasticity", "parameter": "E", "value": 2e5, "low": 1.9e5,
                                              "high": 2.1e5, "unit": "Pa"}]}  # fmt: skip
     write_layer({**layer, **values}, library.layer(sha256))
