@@ -92,6 +92,7 @@ def _moved(laws, theta: Array, step: float, every: int):
     rounds = ROUNDS_SLIDING if laws.c_f != 0.0 and laws.dry_friction_law == 0.0 else ROUNDS
     steps = (theta.size - 1) // 2
     found, pulls = np.zeros((steps // every + 1, n + 1, 2)), np.zeros(steps // every + 1)
+    nx, ny = 1.0, 0.0  # of a piece; after the last one, of the tip
     down_x, down_y = laws.gravity * np.sin(laws.tilt), laws.gravity * np.cos(laws.tilt)
     for k in range(steps):
         if k % every == 0:
