@@ -232,7 +232,7 @@ def moving(folder: Path) -> None:
 
 
 def laws(folder: Path) -> None:
-    """The missing force of one hidden magnet and one hidden thread, on white: a dark page must not swallow the words."""
+    """The missing force of one hidden magnet and one hidden thread, on white, for dark pages too."""
     from discovery.diagnose import diagnose
     from validation.plants import Filming, make
     from viz.figures.missing_force import missing_force_figure
