@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from discovery.answer import without_proposal
 from tentacle.diagnosis import Diagnosis
 from tentacle.proposed_law import MissingForce
 
@@ -30,8 +31,10 @@ def seeks_laws(answer: Diagnosis) -> bool:
 def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
     """The answer with the missing force and its laws; beside named effects only with laws that do as well."""
     if answer.verdict == "unknown":
-        following = missing.next_motion or answer.next_experiment
-        return replace(answer, missing=missing, words=(*answer.words, *missing.words), next_experiment=following)
+        if missing.next_motion is not None:
+            words = without_proposal(answer.words)
+            answer = replace(answer, words=words, next_experiment=missing.next_motion)
+        return replace(answer, missing=missing, words=(*answer.words, *missing.words))
     after = answer.after.midline_mm
     rivals = tuple(
         law for law in missing.laws
