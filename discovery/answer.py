@@ -43,15 +43,22 @@ def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
     )
 
 
+_NONE_SEPARATES, _NEXT = "No base motion within the servo's limits separates", "The next experiment,"
+
+
+def without_proposal(words: tuple[str, ...]) -> tuple[str, ...]:
+    """The sentences without that on the proposed base motion, for another motion takes its place."""
+    return tuple(word for word in words if not word.startswith((_NONE_SEPARATES, _NEXT)))
+
+
 def proposal_words(proposal: Proposal) -> str:
     """A sentence on the effects that the proposed base motion is expected to separate."""
     if proposal.nats < 5.0:
         return (
-            f"No base motion within the servo's limits separates {', '.join(proposal.splits)}: "
-            f"the best one tried would give {proposal.nats:.1f} nats."
+            f"{_NONE_SEPARATES} {', '.join(proposal.splits)}: the best one tried would give {proposal.nats:.1f} nats."
         )
     return (
-        f"The next experiment, {DURATION:.0f} s of the base motion in next_experiment.toml, would separate "
+        f"{_NEXT} {DURATION:.0f} s of the base motion in next_experiment.toml, would separate "
         f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
     )
 

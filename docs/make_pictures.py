@@ -1,7 +1,7 @@
 """The documentation's pictures, from the tool itself: python docs/make_pictures.py [GROUP...]
 
-Groups: moving, examples, views, reports, figures, maps (default: all). Views need a Vulkan driver, reports and the
-moving group Chromium, the rig's view g++. The arm swims in a current that its declaration leaves out; the
+Groups: moving, examples, views, reports, figures, maps, laws (default: all). Views need a Vulkan driver, reports and
+the moving group Chromium, the rig's view g++. The arm swims in a current that its declaration leaves out; the
 rest is what a user would type.
 """
 
@@ -231,7 +231,23 @@ def moving(folder: Path) -> None:
         keep(picture, name)
 
 
-GROUPS = {"moving": moving, "examples": examples, "views": views, "reports": reports, "figures": figures, "maps": maps}
+def laws(folder: Path) -> None:
+    """The missing force of one hidden magnet and one hidden thread, on white, for dark pages too."""
+    from discovery.diagnose import diagnose
+    from validation.plants import Filming, make
+    from viz.figures.missing_force import missing_force_figure
+
+    for name, effect, seed in (("missing_magnet", "magnet", 5), ("missing_tether", "thread", 6)):
+        recording, _ = make("stranger", seed, effects=(effect,), filming=Filming(seconds=24.0), size=(10.0, 10.0))
+        missing = diagnose([recording]).missing
+        print(name, *missing.words, sep="\n")
+        figure = missing_force_figure(missing.maps[0], missing.kinds)
+        figure.savefig(folder / f"{name}.png", dpi=150, facecolor="white")
+        keep(folder / f"{name}.png", name)
+
+
+GROUPS = {"moving": moving, "examples": examples, "views": views, "reports": reports, "figures": figures, "maps": maps,
+          "laws": laws}  # fmt: skip
 
 
 def main() -> None:
@@ -243,7 +259,7 @@ def main() -> None:
     PICTURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="pictures-") as place:
         folder = Path(place)
-        if set(chosen) - {"examples"}:
+        if set(chosen) - {"examples", "laws"}:
             material(folder)
         for name in chosen:
             GROUPS[name](folder)

@@ -8,6 +8,8 @@ from typing import Any
 from tentacle.law.written_law import WrittenLaw
 from tentacle.signals import Array
 
+UNPLACED = 0.1  # arm lengths: a 95 % interval of a place that is wider does not fix it
+
 
 @dataclass(frozen=True)
 class ForceMap:
@@ -28,7 +30,8 @@ class ForceMap:
 class ProposedLaw:
     """A law that explains the missing force. law: with the fitted values as nominal ones; values: of its parameters;
     evidence [nats] over no law, on the frames that were fitted; held_out_midline_mm: error of the model with it, on
-    frames that the search did not use; unexplained: share of the missing force's effect that it leaves, 0 .. 1.
+    frames that the search did not use; unexplained: share of the missing force's effect that it leaves, 0 .. 1;
+    deviations: standard deviations of its shapes, were the law true; length [m] of the arm.
     """
 
     law: WrittenLaw
@@ -36,6 +39,24 @@ class ProposedLaw:
     evidence: float
     held_out_midline_mm: float | None
     unexplained: float
+    deviations: dict[str, float]
+    length: float
+
+    @property
+    def region(self) -> dict[str, tuple[float, float]]:
+        """The 95 % interval of each coordinate of its place, were the law true."""
+        names = [name for name in ("at_x", "at_y", "edge") if name in self.values and name in self.deviations]
+        half = {name: 1.96 * self.deviations[name] for name in names}
+        return {name: (self.values[name] - half[name], self.values[name] + half[name]) for name in names}
+
+    @property
+    def region_words(self) -> str:
+        """What the recordings allow for its place, where they do not fix it; else empty."""
+        wide = {name: ends for name, ends in self.region.items() if ends[1] - ends[0] > UNPLACED * self.length}
+        if not wide:
+            return ""
+        ends = " and ".join(f"{name} from {low:.3g} to {high:.3g} m" for name, (low, high) in wide.items())
+        return f"The recordings do not fix its place: they allow {ends} (95 %, were the law true)."
 
     @property
     def numbers(self) -> str:
@@ -72,14 +93,18 @@ class ProposedLaw:
             "held_out_midline_mm": self.held_out_midline_mm,
             "file": f"laws/{self.law.name}.toml",
             "parameters": dict(self.values),
+            "region": {name: list(ends) for name, ends in self.region.items()},
         }
 
 
 @dataclass(frozen=True)
 class MissingForce:
-    """All that is said of it: maps, laws (best first), and (a kind of law, share that the best of it leaves) rows."""
+    """All that is said of it: maps, laws (best first), and (a kind of law, share that the best of it leaves) rows;
+    next_motion: the table of a base motion that would split the best law from its rivals.
+    """
 
     maps: tuple[ForceMap, ...] = ()
     laws: tuple[ProposedLaw, ...] = ()
     kinds: tuple[tuple[str, float], ...] = ()
     words: tuple[str, ...] = ()
+    next_motion: dict[str, Any] | None = None

@@ -20,6 +20,7 @@ POWERS = (0.5, 1.0, 1.5, 2.0, 3.0)
 REACHES = (0.15, 0.3)  # arm lengths
 STRENGTH_UNIT = {"line": "N/m", "tip": "N", "moment": "1"}
 NOMINAL = {"line": 0.02, "tip": 0.002, "moment": 0.1}
+STRONGEST = {"line": 1e3, "tip": 1e4, "moment": 1e3}  # nominal strengths: about ten times the arm's own weight
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def _form(
     """A form with the strengths a, and b where it is named; a shape called tau is the time of its memory."""
     unit, nominal = STRENGTH_UNIT[acts], NOMINAL[acts]
     used = set().union(*(names_in(parse(part)) for part in components.values()))
-    limits = (-1e4 * nominal, 1e4 * nominal)
+    limits = (-STRONGEST[acts] * nominal, STRONGEST[acts] * nominal)
     own = [WrittenParameter(s, unit, nominal, limits, "strength") for s in ("a", "b") if s in used]
     relaxation = "tau" if any(shape.name == "tau" for shape in shapes) else None
     text = " ".join([*components.values(), *(defined or {}).values()])

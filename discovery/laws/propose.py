@@ -5,24 +5,30 @@ frames that neither search nor fit used.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from affine_model.arm import neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
+from discovery.answer import HOBBY_SERVO, proposal_words
 from discovery.laws.along import force_map
 from discovery.laws.search import FittedLaw, LawInputs, Sought, search_laws
+from discovery.next_experiment import Proposal, propose_experiment
 from inference.compare import midline_error
 from inference.missing_force import SeenMotion, lacking, seen_motions, small_motions
 from inference.prepare import Prepared
 from inference.trajectory import Fit, ParameterName, Problem, fit, unfitted
+from tentacle.io.waveform_file import waveform_table
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter
 from tentacle.proposed_law import MissingForce, ProposedLaw
 
 MOST = 5  # laws that are fitted and shown
 EXPLAINS = 0.7  # largest share of the missing force's answer that a law may leave and still be fitted
+BEHIND = 0.15  # of that share beyond the best law's: a law that leaves more is not fitted
+RIVAL = 1.1  # of the best law's error on held-out frames: a law within it is its rival
+FIT_ROUNDS, FIT_TOLERANCE = 15, 1e-4
 BETTER = 0.8  # of the base's error on held-out frames: what a proposal must reach
 LEAST_FORCE = 0.5  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
@@ -58,16 +64,20 @@ def propose_laws(
     kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
                   for kind, starts in LAW_KINDS.items()
                   if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
-    worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:MOST]
+    limit = min(EXPLAINS, min(one.unexplained for one in found) + BEHIND)
+    worth = [one for one in found if one.evidence > GAIN and one.unexplained < limit][:MOST]
     if not worth:
         words = ("No law of the grammar explains the missing force: the best leaves "
                  f"{100.0 * min(one.unexplained for one in found):.0f} % of its effect.",)  # fmt: skip
         return MissingForce(maps, (), kinds, words)
     progress("fitting the best laws")
-    laws, freed = _fitted(base, prepared, worth, tuple(motion for _, motion in shown))
+    fits = _fitted(base, prepared, worth, tuple(motion for _, motion in shown))
     names = [problem.experiments[place].name for place, _ in shown]
-    maps = tuple(force_map(name, arm, motion) for name, motion in zip(names, freed, strict=True))
-    return MissingForce(maps, laws, kinds, _words(laws, kinds))
+    maps = tuple(force_map(name, arm, motion) for name, motion in zip(names, fits.motions, strict=True))
+    words = _words(fits.laws, kinds)
+    if fits.next_motion is not None:
+        words = (*words, proposal_words(fits.next_motion))
+    return MissingForce(maps, fits.laws, kinds, words, fits.next_motion and waveform_table(fits.next_motion.waveform))
 
 
 def _stiffness(problem: Problem, fitted: Fit) -> Array:
@@ -92,20 +102,43 @@ def as_found(found: FittedLaw) -> WrittenLaw:
     return replace(law, name=f"law_{law.name}", parameters=tuple(own(p) for p in law.parameters))
 
 
-def _fitted(
-    base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[FittedLaw], motions: tuple[SeenMotion, ...]
-) -> tuple[tuple[ProposedLaw, ...], tuple[SeenMotion, ...]]:
-    """The laws fitted one by one in the model's own simulation, best first on the fitted frames; and the motions.
+@dataclass(frozen=True)
+class LawHypothesis:
+    """The model with a law, fitted, and what is said of it."""
 
-    The motions get the missing force at the parameters that were fitted with the best law. The base parameters that
+    proposed: ProposedLaw
+    problem: Problem
+    fitted: Fit
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The law alone."""
+        return (self.proposed.law.name,)
+
+
+@dataclass(frozen=True)
+class LawFits:
+    """Laws that do well, best first; the motions; the base motion that would split the best law from its rivals.
+
+    The motions have the missing force at the parameters that were fitted with the best law. The base parameters that
     were fitted without a law are biased by the missing force.
     """
+
+    laws: tuple[ProposedLaw, ...]
+    motions: tuple[SeenMotion, ...]
+    next_motion: Proposal | None
+
+
+def _fitted(
+    base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[FittedLaw], motions: tuple[SeenMotion, ...]
+) -> LawFits:
+    """The laws fitted one by one in the model's own simulation, best first on the fitted frames."""
     problem, fitted = base
     before = midline_error(prepared, problem, fitted, _held_out(prepared))
     laws = [as_found(one) for one in worth]
     known = {(row.effect, row.parameter.name): fitted.parameters[row.index] for row in parameter_rows()}
     declared = fitted.parameters[len(known) :]
-    proposals: list[ProposedLaw] = []
+    accepted: list[LawHypothesis] = []
     with using(laws):
         bare = neutral_parameters()
         for name, value in known.items():
@@ -119,11 +152,26 @@ def _fitted(
             gain = start.misfit - again.misfit - found.price
             if gain < GAIN or (error is not None and before is not None and error > BETTER * before):
                 continue
-            if not proposals or gain > max(one.evidence for one in proposals):
-                motions = tuple(_beside(problem_with, again, law, motion) for motion in motions)
             law = replace(law, parameters=tuple(_at(p, values[p.name]) for p in law.parameters))
-            proposals.append(ProposedLaw(law, values, gain, error, _unexplained_share(start, again)))
-    return tuple(sorted(proposals, key=lambda one: -one.evidence)), motions
+            proposed = ProposedLaw(
+                law, values, gain, error, _unexplained_share(start, again), dict(found.deviations),
+                problem.known(fitted.parameters)[0].arm.specimen.length,
+            )  # fmt: skip
+            accepted.append(LawHypothesis(proposed, problem_with, again))
+        accepted.sort(key=lambda one: -one.proposed.evidence)
+        next_motion = None
+        if accepted:
+            best = accepted[0]
+            motions = tuple(_beside(best.problem, best.fitted, best.proposed.law, motion) for motion in motions)
+            next_motion = propose_experiment(best, _rivals(accepted), HOBBY_SERVO, 0)
+    return LawFits(tuple(one.proposed for one in accepted), motions, next_motion)
+
+
+def _rivals(accepted: list[LawHypothesis]) -> tuple[LawHypothesis, ...]:
+    """The laws that follow the held-out frames about as well as the best."""
+    best = accepted[0].proposed.held_out_midline_mm
+    errors = [(one, one.proposed.held_out_midline_mm) for one in accepted[1:]]
+    return tuple(one for one, error in errors if best is not None and error is not None and error <= RIVAL * best)
 
 
 def _beside(problem: Problem, fitted: Fit, law: WrittenLaw, motion: SeenMotion) -> SeenMotion:
@@ -162,7 +210,7 @@ def _with_law(plain: Problem, start: Fit, found: FittedLaw, law: WrittenLaw) -> 
         parameters[parameter_index(law.name, name)] = value
     own: tuple[ParameterName, ...] = tuple((law.name, p.name) for p in law.parameters)
     problem = replace(plain, free=(*plain.free, *own), parameters=parameters)
-    fitted = fit(problem, start.nuisances, tolerance=1e-5, most=30)
+    fitted = fit(problem, start.nuisances, tolerance=FIT_TOLERANCE, most=FIT_ROUNDS)
     return replace(problem, parameters=fitted.parameters), fitted
 
 
@@ -177,6 +225,8 @@ def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) 
     ]
     if len(laws) > 1:
         words.append(f"The next law, {laws[1].words}, is {laws[0].evidence - laws[1].evidence:.0f} nats behind.")
+    if region := best.region_words:
+        words.append(region)
     shares = ", ".join(f"{kind} {100.0 * left:.0f} %" for kind, left in sorted(kinds, key=lambda row: row[1]))
     words.append(f"Share of the missing force's effect that the best law of each kind leaves: {shares}.")
     return tuple(words)

@@ -16,17 +16,17 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-from scipy.optimize import minimize
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array, angle_basis
 from discovery.laws.grammar import Form, Scale, forms
+from discovery.laws.refine import Asked, Start, refined_shapes
 from inference.missing_force import MOTION_STEP, SeenMotion, SmallMotions
 from tentacle.law.written_law import NUMPY, WrittenLaw
 
 COLUMNS_AT_ONCE = 300  # columns at once
-REFINED = 10  # forms whose shapes are refined
-EVALUATIONS = 120  # of one form's refinement
+REFINED = 12  # forms whose shapes are refined
+STARTS, APART = 3, 1.5  # of each form, that many grid spacings from each other
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class FittedLaw:
     """A law of a form with its shapes and strengths.
 
     gain [nats]: over no law. price [nats]: of its parameters. unexplained: the share of the missing force's answer that
-    the law leaves, 0 .. 1 in rms.
+    the law leaves, 0 .. 1 in rms. deviations: standard deviations of the shapes, were the law true.
     """
 
     form: Form
@@ -43,6 +43,7 @@ class FittedLaw:
     gain: float
     price: float
     unexplained: float
+    deviations: Mapping[str, float]
 
     @property
     def evidence(self) -> float:
@@ -180,22 +181,30 @@ class Sought:
             answers.append(one.small.freed(one.small.answer(np.stack(forces, axis=2))))
         return np.concatenate(answers)
 
-    def explained(self, columns: Array, count: int) -> tuple[Array, Array]:
-        """Of each group of `count` columns: |t|^2 less the least |t - S a|^2, and a (groups, count)."""
+    def explained(self, form: Form, columns: Array) -> tuple[Array, Array]:
+        """Of each group of columns, one a strength: |t|^2 less the least |t - S a|^2, and a (groups, strengths);
+        nothing is explained where a strength leaves its bounds.
+        """
+        count = len(form.strengths)
         size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
         scaled = (columns / size).reshape(columns.shape[0], -1, count)
         slope = np.einsum("rgc,r->gc", scaled, self.target)
         information = np.einsum("rgc,rgd->gcd", scaled, scaled) + 1e-9 * np.eye(count)
         strengths = np.linalg.solve(information, slope[..., None])[..., 0]
-        return np.einsum("gc,gc->g", slope, strengths), strengths / size.reshape(-1, count)
+        found = strengths / size.reshape(-1, count)
+        bounds = np.array([p.bounds for p in form.strengths])
+        within = np.all((found >= bounds[:, 0]) & (found <= bounds[:, 1]), axis=1)
+        return np.where(within, np.einsum("gc,gc->g", slope, strengths), 0.0), found
 
 
 def search_laws(sought: Sought) -> tuple[FittedLaw, ...]:
     """Laws that explain the missing force, best first; one a form."""
-    rough = sorted(
-        (best for form in forms(sought.scale) for best in [_rough(sought, form)]), key=lambda one: -one.evidence
-    )
-    refined = [_refined(sought, one) for one in rough[:REFINED]]
+    rough = []
+    for form in forms(sought.scale):
+        starts = _starts(sought, form)
+        rough.append((starts[0].explained / 2.0 - _price(form, sought.frames), form, starts))
+    rough.sort(key=lambda row: -row[0])
+    refined = [_refined(sought, form, starts) for _, form, starts in rough[:REFINED]]
     whole = float(sought.target @ sought.target)
     degrees = max(sought.target.size - sum(one.small.absorbed.shape[1] for one in sought.seen), 1)
     variance = max(1.0, min((whole - 2.0 * one.gain) / degrees for one in refined))
@@ -207,26 +216,20 @@ def _price(form: Form, frames: int) -> float:
     return 0.5 * len(form.law.parameters) * float(np.log(frames))
 
 
-def _found(sought: Sought, form: Form, trial: tuple[float, ...], explained: float, strengths: Array) -> FittedLaw:
-    whole = float(sought.target @ sought.target)
-    names = [p.name for p in form.strengths]
-    return FittedLaw(
-        form, dict(zip((p.name for p in form.shapes), trial, strict=True)),
-        dict(zip(names, (float(v) for v in strengths), strict=True)), 0.5 * explained, _price(form, sought.frames),
-        float(np.sqrt(max(whole - explained, 0.0) / whole)),
-    )  # fmt: skip
-
-
-def _rough(sought: Sought, form: Form) -> FittedLaw:
-    """The best of the form's first values of its shapes."""
-    best: FittedLaw | None = None
-    for part in _batched(list(product(*(p.scan for p in form.shapes))), COLUMNS_AT_ONCE // len(form.strengths)):
-        explained, strengths = sought.explained(sought.columns(form, part), len(form.strengths))
-        k = int(np.argmax(explained))
-        if best is None or 0.5 * explained[k] > best.gain:
-            best = _found(sought, form, part[k], float(explained[k]), strengths[k])
-    assert best is not None
-    return best
+def _starts(sought: Sought, form: Form) -> list[Start]:
+    """The best of the form's first values of its shapes, apart from each other; best first."""
+    trials = list(product(*(p.scan for p in form.shapes)))
+    explained = np.concatenate([
+        sought.explained(form, sought.columns(form, part))[0]
+        for part in _batched(trials, COLUMNS_AT_ONCE // len(form.strengths))
+    ])  # fmt: skip
+    places, chosen = np.array(trials, float).reshape(len(trials), -1), list[int]()
+    spacing = np.array([grid_spacing(p.scan) for p in form.shapes])
+    for k in np.argsort(-explained):
+        apart = [np.abs((places[k] - places[one]) / spacing).max(initial=0.0) > APART for one in chosen]
+        if all(apart) and len(chosen) < STARTS:
+            chosen.append(int(k))
+    return [Start(places[k], float(explained[k])) for k in chosen]
 
 
 def _batched(trials: list[tuple[float, ...]], size: int) -> Iterator[list[tuple[float, ...]]]:
@@ -234,27 +237,29 @@ def _batched(trials: list[tuple[float, ...]], size: int) -> Iterator[list[tuple[
         yield trials[begin : begin + size]
 
 
-def _refined(sought: Sought, rough: FittedLaw) -> FittedLaw:
-    """The form with its shapes refined (Nelder and Mead's simplex), each within its bounds."""
-    form = rough.form
-    if not form.shapes:
-        return rough
-    bounds = np.array([p.bounds for p in form.shapes])
-    start = np.array([rough.shapes[p.name] for p in form.shapes])
-    spacing = np.array([_spacing(p.scan) for p in form.shapes])
+def _refined(sought: Sought, form: Form, starts: list[Start]) -> FittedLaw:
+    """The form with its shapes refined, each within its bounds."""
+    whole, names = float(sought.target @ sought.target), [p.name for p in form.shapes]
 
-    def loss(moves: Array) -> float:
-        trial = np.clip(start + spacing * moves, bounds[:, 0], bounds[:, 1])
-        return -float(sought.explained(sought.columns(form, [tuple(trial)]), len(form.strengths))[0][0])
+    def answers(trials: Array) -> Array:
+        return sought.columns(form, [tuple(float(v) for v in trial) for trial in trials])
 
-    first = np.vstack([np.zeros(start.size), 0.5 * np.eye(start.size)])
-    options = {"initial_simplex": first, "maxfev": EVALUATIONS, "xatol": 1e-3, "fatol": 0.05}
-    lowest = minimize(loss, np.zeros(start.size), method="Nelder-Mead", options=options)
-    trial = tuple(float(v) for v in np.clip(start + spacing * lowest.x, bounds[:, 0], bounds[:, 1]))
-    explained, strengths = sought.explained(sought.columns(form, [trial]), len(form.strengths))
-    return _found(sought, form, trial, float(explained[0]), strengths[0])
+    shapes, deviations = starts[0].shapes, np.zeros(0)
+    if names:
+        bounds = np.array([p.bounds for p in form.shapes])
+        spacing = np.array([grid_spacing(p.scan) for p in form.shapes])
+        asked = Asked(answers, sought.target, bounds, spacing, np.array([p.bounds for p in form.strengths]))
+        shapes, deviations = refined_shapes(starts, asked)
+    explained, strengths = sought.explained(form, answers(shapes[None]))
+    return FittedLaw(
+        form, dict(zip(names, (float(v) for v in shapes), strict=True)),
+        dict(zip((p.name for p in form.strengths), (float(v) for v in strengths[0]), strict=True)),
+        0.5 * float(explained[0]), _price(form, sought.frames),
+        float(np.sqrt(max(whole - float(explained[0]), 0.0) / whole)),
+        dict(zip(names, (float(v) for v in deviations), strict=True)),
+    )  # fmt: skip
 
 
-def _spacing(scan: tuple[float, ...]) -> float:
-    values = np.sort(scan)
-    return float(np.median(np.diff(values)))
+def grid_spacing(scan: tuple[float, ...]) -> float:
+    """Typical distance of the values of a grid."""
+    return float(np.median(np.diff(np.sort(scan))))

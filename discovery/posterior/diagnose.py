@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
+from discovery.laws.rivals import seeks_laws, with_laws
 from discovery.posterior.assemble import PosteriorContext, assemble_posterior
 from discovery.posterior.decide import decide_by_mass
 from discovery.posterior.detection import detection_limits
@@ -76,12 +77,12 @@ def diagnose_by_posterior(given: Given, seed: int, deciding: Deciding, progress:
     ]
     around = PosteriorContext(paper, shown, order, reduction, limits)
     answer = assemble_posterior(found, decision, open_loop, around, seed, calibration)
-    if answer.verdict != "unknown" or not deciding.laws:
+    if not deciding.laws or not seeks_laws(answer):
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
     alone = _open_loop(base)
     missing = propose_laws((alone.problem, alone.fitted), shown, progress)
-    return replace(answer, missing=missing, words=(*answer.words, *missing.words))
+    return with_laws(answer, missing)
 
 
 def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> Hypothesis:

@@ -10,6 +10,7 @@ import numpy as np
 from affine_model.curvature import Array
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
+from discovery.laws.rivals import seeks_laws, with_laws
 from discovery.rules.assemble import RulesContext, assemble_rules
 from discovery.rules.search import StepwiseSearch, stepwise_search
 from discovery.rules.unnamed import unnamed_rest
@@ -127,10 +128,10 @@ def diagnose_by_rules(given: Given, seed: int, deciding: Deciding, progress: Sta
     answer = assemble_rules(
         found, decision, rest, RulesContext(paper_model, prepared, order, tuple(words), reduction), seed, calibration
     )
-    if decision.verdict != "unknown" or not deciding.laws:
+    if not deciding.laws or not seeks_laws(answer):
         return answer
     missing = propose_laws((found.base.problem, found.base.fitted), prepared, progress)
-    return replace(answer, missing=missing, words=(*answer.words, *missing.words))
+    return with_laws(answer, missing)
 
 
 def _base_hypothesis(

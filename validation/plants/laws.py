@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from validation.plants.hidden_law import NUMBERS
+
 # effect -> the names of its laws; the law's number is its place.
 LAWS: dict[str, tuple[str, ...]] = {
     "added_mass": ("kirchhoff", "morison", "kirchhoff_with_end", "morison_with_end"),
@@ -46,7 +48,7 @@ _FIELDS = (
     # at the tip, outside the catalogue
     "magnet", "magnet_x", "magnet_y", "thread", "anchor_x", "anchor_y", "slack",
 )  # fmt: skip
-RECORD = np.dtype([(name, np.float64) for name in (*_FIELDS, *_LAW_FIELDS)])
+RECORD = np.dtype([(name, np.float64) for name in (*_FIELDS, *NUMBERS, *_LAW_FIELDS)])
 
 
 def record(**values: float) -> np.ndarray:
@@ -54,6 +56,7 @@ def record(**values: float) -> np.ndarray:
     made = np.zeros(1, RECORD)
     made["tau"], made["slip"], made["s0"], made["slosh_f"], made["settling"] = 1.0, 0.01, 0.3, 1.0, 10.0
     made["payload_density"], made["slack"] = 7850.0, 1.0
+    made["law_reach"], made["law_tau"] = 1.0, 1.0
     for name, value in values.items():
         if name not in (RECORD.names or ()):
             raise ValueError(f"no number is called {name!r}")

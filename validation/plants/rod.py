@@ -11,6 +11,7 @@ import numpy as np
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
+from validation.plants.hidden_law import delayed_moment, law_at_end, law_on_piece
 from validation.plants.material import BRANCHES, bending
 from validation.plants.tank import on_piece
 
@@ -86,11 +87,12 @@ def _moved(laws, theta: Array, step: float, every: int):
     ahead, beside = laws.payload_reach / piece, laws.payload_drop / piece
     carried = laws.payload * (1.0 + 0.5 * laws.water / laws.payload_density)
     sunk = laws.payload * (1.0 - laws.water / laws.payload_density)
-    memory, kept = np.zeros((n, BRANCHES + 1)), np.zeros((n, BRANCHES + 1))
+    memory, kept = np.zeros((n, BRANCHES + 2)), np.zeros((n, BRANCHES + 2))
     force, band, right = np.zeros((n + 1, 2)), np.zeros((2 * n, 6)), np.zeros(2 * n)
     rounds = ROUNDS_SLIDING if laws.c_f != 0.0 and laws.dry_friction_law == 0.0 else ROUNDS
     steps = (theta.size - 1) // 2
     found, pulls = np.zeros((steps // every + 1, n + 1, 2)), np.zeros(steps // every + 1)
+    nx, ny = 1.0, 0.0  # of a piece; after the last one, of the tip
     down_x, down_y = laws.gravity * np.sin(laws.tilt), laws.gravity * np.cos(laws.tilt)
     for k in range(steps):
         if k % every == 0:
@@ -123,8 +125,10 @@ def _moved(laws, theta: Array, step: float, every: int):
                 push_n, push_t, couple, inertia, slope = on_piece(
                     laws, (s, radius[i]), (px, py, nx, ny), (ux, uy, wx, wy), spin, t
                 )
-                fx = piece * (push_n * nx + push_t * tx)
-                fy = piece * (push_n * ny + push_t * ty)
+                own_x, own_y, own_slope = law_on_piece(laws, radius[i], (px, py, nx, ny), (ux, uy), t)
+                slope += own_slope
+                fx = piece * (push_n * nx + push_t * tx + own_x)
+                fy = piece * (push_n * ny + push_t * ty + own_y)
                 net = (laws.density * (1.0 + laws.heavier) - laws.water * (1.0 + laws.saltier)) * area[i] * piece
                 fx, fy = fx + net * down_x, fy + net * down_y
                 # A couple C turns the piece: a pair of forces along its normal; n turns with t by +90 degrees of -n.
@@ -168,8 +172,9 @@ def _moved(laws, theta: Array, step: float, every: int):
             reach_x, reach_y = laws.anchor_x - end[0], laws.anchor_y - end[1]
             far = np.sqrt(reach_x * reach_x + reach_y * reach_y)
             taut = laws.thread * max(0.0, far - laws.slack) / max(far, 1e-9)
-            force[n, 0] += draw * dx + taut * reach_x
-            force[n, 1] += draw * dy + taut * reach_y
+            own_x, own_y = law_at_end(laws, end[0], end[1], v_mid[n, 0], v_mid[n, 1], nx, ny)
+            force[n, 0] += draw * dx + taut * reach_x + own_x
+            force[n, 1] += draw * dy + taut * reach_y + own_y
             # Bends: the joint below piece i; the clamp's direction stands for a piece before the first.
             for i in range(n):
                 here, ahead_of = x[i] + 0.5 * step * v_mid[i], x[i + 1] + 0.5 * step * v_mid[i + 1]
@@ -192,7 +197,11 @@ def _moved(laws, theta: Array, step: float, every: int):
                 moment, stiff = bending(
                     laws, (joint_s[i], second[i]), (unit * turn, unit * rate), (memory[i], kept[i]), t, step
                 )
-                stiff *= unit
+                late, held, late_slope = delayed_moment(
+                    laws, joint_s[i], second[i], unit * rate, memory[i, BRANCHES + 1], step
+                )
+                kept[i, BRANCHES + 1] = held
+                moment, stiff = moment + late, unit * (stiff + late_slope)
                 for node, gx_, gy_ in ((i + 1, up_x, up_y), (i, -up_x - low_x, -up_y - low_y), (i - 1, low_x, low_y)):
                     if node < 0:
                         continue

@@ -1,0 +1,50 @@
+"""When a law is sought beside a verdict, and which laws then stand beside it.
+
+A combination of catalogued effects can do for one law that the catalogue lacks. So a law is also sought where the named
+effects leave more than noise on held-out frames, and where more than one effect is named; it is shown only where it
+follows those frames no worse than they do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from discovery.answer import without_proposal
+from tentacle.diagnosis import Diagnosis
+from tentacle.proposed_law import MissingForce
+
+LEFT = 1.2  # of the floor: held-out errors above it are more than noise
+
+
+def seeks_laws(answer: Diagnosis) -> bool:
+    """Whether a law could say more than the verdict does."""
+    if answer.verdict == "unknown":
+        return True
+    named = [name for name in answer.effects if name != "third_curvature"]
+    if not named:
+        return False
+    after, floor = answer.after.midline_mm, answer.floor.midline_mm
+    leaves = after is not None and floor is not None and after > LEFT * floor
+    return leaves or (answer.verdict == "effect" and len(named) > 1)
+
+
+def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
+    """The answer with the missing force and its laws; beside named effects only with laws that do as well."""
+    if answer.verdict == "unknown":
+        if missing.next_motion is not None:
+            words = without_proposal(answer.words)
+            answer = replace(answer, words=words, next_experiment=missing.next_motion)
+        return replace(answer, missing=missing, words=(*answer.words, *missing.words))
+    after = answer.after.midline_mm
+    rivals = tuple(
+        law for law in missing.laws
+        if law.held_out_midline_mm is not None and after is not None and law.held_out_midline_mm <= after
+    )  # fmt: skip
+    if not rivals:
+        return answer
+    best = rivals[0]
+    word = (
+        f"One law does as well as the named effects on held-out frames ({best.held_out_midline_mm:.2f} mm; they "
+        f"{after:.2f} mm): {best.words}. Compare it with them: --effects laws/{best.law.name}.toml."
+    )
+    return replace(answer, missing=replace(missing, laws=rivals), words=(*answer.words, word))

@@ -1,0 +1,42 @@
+"""Shapes of a law refined by variable projection, and what stands beside a verdict."""
+
+import numpy as np
+import pytest
+
+from discovery.laws.refine import Asked, Start, refined_shapes
+
+T = np.linspace(0.0, 1.0, 400)
+
+
+def answers(trials):
+    """Of a bump with its place and width as shapes, one strength."""
+    return np.stack([np.exp(-(((T - place) / width) ** 2)) for place, width in trials], axis=1)
+
+
+def asked(target, most=10.0):
+    bounds, spacing = np.array([[0.0, 1.0], [0.02, 1.0]]), np.array([0.1, 0.05])
+    return Asked(answers, target, bounds, spacing, np.array([[-most, most]]))
+
+
+def test_shapes_and_their_deviations_are_those_of_least_squares():
+    truth, noise = np.array([0.43, 0.12]), 0.02
+    errors, stated = [], []
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        target = (3.0 * answers([truth])[:, 0] + noise * random.standard_normal(T.size)) / noise
+        found, deviations = refined_shapes([Start(np.array([0.5, 0.2]), 0.0)], asked(target, 1e4))
+        errors.append(found - truth)
+        stated.append(deviations)
+    assert np.sqrt(np.mean(np.square(errors), axis=0)) == pytest.approx(np.mean(stated, axis=0), rel=0.5)
+
+
+def test_the_best_of_several_starts_is_kept():
+    target = answers([(0.2, 0.05)])[:, 0] * 100.0 + answers([(0.8, 0.05)])[:, 0] * 150.0
+    starts = [Start(np.array([place, 0.06]), 0.0) for place in (0.22, 0.78)]
+    assert refined_shapes(starts, asked(target, 1e3))[0][0] == pytest.approx(0.8, abs=0.01)
+
+
+def test_a_strength_beyond_its_bounds_is_no_answer():
+    target = 100.0 * answers([(0.4, 0.1)])[:, 0]
+    found, _ = refined_shapes([Start(np.array([0.5, 0.2]), 0.0)], asked(target, 1.0))
+    assert found == pytest.approx([0.5, 0.2])  # where it began: nowhere is the strength within its bounds
