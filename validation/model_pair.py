@@ -65,7 +65,8 @@ def affine_twin(
     model: Model, order: int, waveform: Waveform, duration: float, fps: float, start: Array | None = None
 ) -> Twin:
     """The reduced model with that many coordinates, from the same start."""
-    from affine_model.arm import arm_of, parameter_vector
+    from affine_model.arm import arm_of, parameter_index, parameter_vector
+    from affine_model.base_signal import Steps, base_table
     from affine_model.curvature import midline
     from affine_model.simulate import simulate
 
@@ -74,11 +75,12 @@ def affine_twin(
     stride = int(np.ceil(1.0 / (fps * AFFINE_STEP) - 1e-9))
     step = 1.0 / (fps * stride)
     steps = (int(np.floor(duration * fps + 1e-9)) + 1) * stride
-    middles = (np.arange(steps) + 0.5) * step
+    lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
+    base = base_table(waveform, Steps(0.0, step, steps), lag, play)
     q = np.zeros((order, 1))
     if start is not None:
         q[: min(order, start.size), 0] = start[:order]
-    run = simulate(arm, parameters[:, None], waveform(middles)[:, :, None], Timing(step, stride), start=Start(q=q))
+    run = simulate(arm, parameters[:, None], base, Timing(step, stride), start=Start(q=q))
     frames = len(run.t) - 1
     load = run.load[:frames, 0]
     # A reading at a frame is the mean of those over the intervals beside it.

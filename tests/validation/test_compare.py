@@ -44,6 +44,17 @@ def test_two_implementations_agree_where_they_should():
     assert affine.mean_load(window) == pytest.approx(reference.mean_load(window), abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("effect", "numbers", "apart"),
+    [("servo_lag", {"tau": 0.05}, 0.05), ("backlash", {"play": 0.03}, 0.2)],  # mm; the play's corners are rounded
+)
+def test_both_models_turn_behind_the_same_servo(effect, numbers, apart):
+    wave = Ramped(Sine(0.5, 1.3), 0.4)
+    model = swimmer().with_effect(effect, **{name: Estimate.exact(value) for name, value in numbers.items()})
+    affine, reference = affine_twin(model, 6, wave, 1.5, 50.0), reference_twin(model, wave, 1.5, 50.0, links=40)
+    assert shape_error(affine, reference, 1.0)[0] < apart
+
+
 def test_an_arm_at_rest_weighs_what_it_should():
     still = reference_twin(swimmer(), Sine(0.0, 1.0), 0.5, 50.0)
     assert np.abs(still.load).max() < 1e-9

@@ -2,7 +2,8 @@
 
 make(plant, seed) gives a recording as a lab would have it, and the truth about it. The same plant and seed give the
 same recording. Plants: "stranger", a rod of point masses that shares no line with the project's two models; "chain",
-rigid links in MuJoCo, with other links, hinges and steps than the chain whose error the loop takes off.
+rigid links in MuJoCo, with other links, hinges and steps than the chain whose error the loop takes off; "elastica",
+PyElastica's rod, which also shears (where PyElastica is installed).
 """
 
 from __future__ import annotations
@@ -12,13 +13,17 @@ from typing import Any
 
 from tentacle.errors import InputError
 from tentacle.recording import Recording
-from validation.plants import chain, stranger
+from validation.plants import chain, elastica, stranger
 from validation.plants.draw import USUAL_FILMING, Filming, Trial, drawn
 from validation.plants.filmed import Plant, Shown, recorded, shown, truth_of
 
 __all__ = ["PLANTS", "Filming", "Plant", "Shown", "Trial", "drawn", "make", "recorded", "shown", "truth_of"]
 
-PLANTS: dict[str, Callable[[Trial], Plant]] = {"stranger": stranger.plant, "chain": chain.plant}
+PLANTS: dict[str, Callable[[Trial], Plant]] = {
+    "stranger": stranger.plant,
+    "chain": chain.plant,
+    "elastica": elastica.plant,
+}
 
 
 def make(

@@ -1,6 +1,7 @@
 """Plants for trials: the same seed gives the same recording; every effect by every law moves the arm; nothing hints."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -84,3 +85,9 @@ def test_the_chain_s_links_are_drawn_and_both_plants_draw_the_same_arm():
     assert of_rod["arm"] == of_chain["arm"]
     assert of_rod["laws"] == of_chain["laws"]
     assert 24 <= of_chain["links"] <= 60
+
+
+def test_a_plant_that_is_not_installed_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "elastica", None)
+    with pytest.raises(InputError, match="PyElastica is not installed"):
+        make("elastica", 0, effects=())
