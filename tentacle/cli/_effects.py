@@ -12,7 +12,7 @@ def add_effects(parser: argparse.ArgumentParser) -> None:
     """The option; tentacle.cli.main reads the files before the verb runs."""
     parser.add_argument(
         "--effects", nargs="+", default=[], type=Path, metavar="FILE.toml",
-        help="effect files, whose laws act beside the catalogue (docs/howto/law.md)",
+        help="effect files: their laws are added to the catalogue (docs/howto/law.md)",
     )  # fmt: skip
 
 

@@ -34,17 +34,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=0.0,
         metavar="S",
-        help="the file is still being written: print each frame as it comes, stop where nothing comes for S seconds",
+        help="the file is still being written: print each new frame; stop if there is none for S seconds",
     )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     parser.add_argument(
         "--workers", type=int, metavar="N", help="of several videos: how many at a time (default: cores)"
     )
     hand = parser.add_argument_group("by hand (kept in VIDEO.proofread.toml, so that the next run knows)")
+    hand.add_argument("--reject", action="append", default=[], metavar="FRAMES", help="frames to reject: 120-131,140")
     hand.add_argument(
-        "--reject", action="append", default=[], metavar="FRAMES", help="frames that are wrong: 120-131,140"
+        "--accept",
+        action="append",
+        default=[],
+        metavar="FRAMES",
+        help="frames to accept although the tracker rejects them",
     )
-    hand.add_argument("--accept", action="append", default=[], metavar="FRAMES", help="frames that are right after all")
     plain = parser.add_argument_group("a plain video (not a recording)")
     plain.add_argument(
         "--pick",

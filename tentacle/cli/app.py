@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from viz.app.desk import Proposed
 
-HELP = "a page to begin with: choose a film, click where the arm is, run the verbs, read the answer"
+HELP = "a page in the browser: choose a film, click where the arm is, run the commands, read the answer"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -18,7 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "folder", type=Path, nargs="?", default=Path("my_recordings"), metavar="FOLDER",
         help="where recordings and answers are kept (default: my_recordings)",
     )  # fmt: skip
-    parser.add_argument("--port", type=int, default=8137, help="of 127.0.0.1 (default 8137)")
+    parser.add_argument("--port", type=int, default=8137, help="port on 127.0.0.1 (default 8137)")
     parser.add_argument("--no-browser", action="store_true", help="print the address, and open nothing")
 
 

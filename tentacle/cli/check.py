@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "tell which recordings, runs and results are sound: every checksum compared (exit code 0 sound, 2 not)"
+HELP = "check the checksums of recordings, runs and results (exit code 0: all are sound, 2: not all)"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

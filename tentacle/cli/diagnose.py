@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tentacle.cli._effects import add_effects
 
-HELP = "trace the residual of recordings to an effect that the model lacks; report the error before and after"
+HELP = "find the effect that the model lacks from the residual of recordings; report the error before and after"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +17,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING",
-        help="recordings with a complete declaration: the base parameters are fitted to them and then held",
+        help="recordings with a complete declaration: no missing effect acts in them",
     )  # fmt: skip
     parser.add_argument(
         "--held-out", nargs="+", default=[], type=Path, metavar="RECORDING",
@@ -25,12 +25,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--calibration", type=Path, metavar="FILE.toml",
-        help="state the confidence by your own blind trials: the file that tentacle blind-trial --like RECORDING wrote",
+        help="take the confidence from your own blind trials: the file of tentacle blind-trial --like RECORDING",
     )  # fmt: skip
     parser.add_argument(
         "--decide", choices=["posterior", "rules"],
-        help="how: by posterior mass under one likelihood, or by tests with limits (default: by posterior mass, free "
-        "decays by tests; docs/loop.md says why)",
+        help="decide by posterior mass or by rules (default: posterior, but rules for free decays; see docs/loop.md)",
     )  # fmt: skip
     add_effects(parser)
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "write an identified arm for another program (MuJoCo), and hold that program against recordings"
+HELP = "write an identified arm for another program (MuJoCo), and compare that program with recordings"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
-    parser.add_argument("model", type=Path, metavar="MODEL.toml", help="as diagnose or identify wrote it")
+    parser.add_argument("model", type=Path, metavar="MODEL.toml", help="the model that diagnose or identify wrote")
     parser.add_argument("--to", choices=("mjcf",), default="mjcf", help="the program's format, default: mjcf")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="arm.xml and arm_forces.py go there")
     parser.add_argument("--links", type=int, default=20, metavar="N", help="hinges of the chain, default: 20")

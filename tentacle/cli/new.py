@@ -22,7 +22,7 @@ QUESTIONS = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """A folder, the five answers, and the film."""
-    parser.add_argument("folder", type=Path, metavar="FOLDER", help="where the recording is to lie")
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder of the new recording")
     for name, question, _ in QUESTIONS:
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, metavar="X", help=question)
     parser.add_argument(

@@ -27,13 +27,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--evaluations", type=int, default=5000, help="gaits tried; default: the paper's 50 x 100")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--limits", type=Path, help=f"TOML with a [limits] table of {', '.join(SERVO + DRIVE)}")
-    parser.add_argument("--silicone", choices=SILICONES, default=SILICONES[0], help="of an arm without a fitted model")
-    parser.add_argument("--robust", type=int, default=0, metavar="N", help="over N samples of the model's intervals")
-    parser.add_argument("--restarts", type=int, default=1, metavar="N", help="searches from N seeds side by side")
+    parser.add_argument(
+        "--silicone", choices=SILICONES, default=SILICONES[0], help="silicone of an arm without a fitted model"
+    )
+    parser.add_argument(
+        "--robust", type=int, default=0, metavar="N", help="judge a gait over N samples from the model's intervals"
+    )
+    parser.add_argument("--restarts", type=int, default=1, metavar="N", help="run searches from N seeds in parallel")
     parser.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler for the searches (default: processes)")
     add_effects(parser)
     parser.add_argument("--device", default="auto", help="cpu, cuda, cuda:1; auto (default): CUDA where there is one")
-    parser.add_argument("--front", action="store_true", help="also trace the front of speed against power")
+    parser.add_argument("--front", action="store_true", help="also compute the Pareto front of speed against power")
     parser.add_argument("--no-reference", action="store_true", help="leave out the check on the MuJoCo reference")
 
 

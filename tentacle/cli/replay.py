@@ -25,7 +25,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as in tentacle diagnose")
     parser.add_argument("--decide", choices=["posterior", "rules"], help="as in tentacle diagnose")
     add_effects(parser)
-    parser.add_argument("--seed", type=int, help="as for diagnose (default: 0)")
+    parser.add_argument("--seed", type=int, help="as in tentacle diagnose (default: 0)")
     parser.add_argument(
         "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"
     )

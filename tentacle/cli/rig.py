@@ -8,7 +8,7 @@ from pathlib import Path
 
 from tentacle.cli._rig_arguments import configure_calibrate, configure_emulate
 
-HELP = "the bench: find, check, calibrate, emulate, record, import, optimise, run a campaign"
+HELP = "use the bench: find, check, calibrate, emulate, record, import, optimise, run a campaign"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -40,7 +40,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     convert.add_argument("--declare", type=Path, metavar="recording.toml", help="the specimen of a CSV log")
     convert.add_argument("--columns", nargs="+", metavar="NAME", help="time, counts, grams (default: as thrust_bench)")
     convert.add_argument(
-        "--calibration", nargs=2, type=float, metavar=("OFFSET", "COUNTS_PER_N"), help="instead of grams"
+        "--calibration",
+        nargs=2,
+        type=float,
+        metavar=("OFFSET", "COUNTS_PER_N"),
+        help="calibration of the counts, instead of grams",
     )
     convert.add_argument("--out", type=Path, required=True, metavar="FOLDER")
 

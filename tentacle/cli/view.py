@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "open recordings and sessions in the viewer, in a browser, or as a picture without a screen"
+HELP = "show recordings and sessions in the viewer, in a browser, or as a picture without a screen"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -18,7 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     way.add_argument(
         "--screenshot", type=Path, metavar="OUT.png", help="draw the viewer into a picture; needs no screen"
     )
-    parser.add_argument("--at", type=float, metavar="SECONDS", help="the instant that a screenshot shows")
+    parser.add_argument("--at", type=float, metavar="SECONDS", help="time of the screenshot")
 
 
 def run(arguments: argparse.Namespace) -> int:
