@@ -18,7 +18,7 @@ from vision.shape_file import write_shape
 from vision.track import Following, motor_angle, track_fully
 
 VERSION = "1"
-FILMS = (*VIDEO_SUFFIXES, ".gif", ".m4v", ".mpg", ".ts", ".wmv")
+FILMS = (*VIDEO_SUFFIXES, ".m4v", ".mpg", ".ts", ".wmv")
 SUMMARY_COLUMNS = ("source", "frames", "accepted", "repeats", "scale", "problem")
 
 

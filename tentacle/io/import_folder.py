@@ -3,7 +3,7 @@
 | file | columns or content | absent |
 |---|---|---|
 | recording.toml | the declaration (tentacle.io.declaration_file) | an error |
-| video.mp4 (.mkv .avi .mov .webm) or frames/00000.png ... | dark arm on a light ground; needs [camera] | not filmed |
+| video.mp4 (.mkv .avi .mov .webm .gif) or frames/00000.png | dark arm on a light ground; needs [camera] | not filmed |
 | motor.csv | t_s, command_rad, angle_rad | clamped |
 | load_cell.csv | t_s, thrust_n | not measured |
 | midline.csv | t_s, s, x_m, y_m, sigma_m, one point a row; sigma_m may be left out | no midline |

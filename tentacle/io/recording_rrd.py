@@ -50,6 +50,7 @@ MEDIA_TYPES = {
     ".avi": "video/x-msvideo",
     ".mov": "video/quicktime",
     ".webm": "video/webm",
+    ".gif": "image/gif",
 }
 SECONDS_PER_BLOCK = 1.0  # a cut costs at most this much, and the whole video
 

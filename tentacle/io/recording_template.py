@@ -42,7 +42,7 @@ density_kg_m3 = {answers.fluid_density!r}        # 998: water at 20 C; 0: air
 angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.5708: held horizontally
 
 {camera_text(answers.camera)}
-# Beside this file: the film as video.mp4 (.mkv .avi .mov .webm), and where you have them
+# Beside this file: the film as video.mp4 (.mkv .avi .mov .webm .gif), and where you have them
 #   motor.csv      t_s,command_rad,angle_rad     the servo, in the film's time; without it the base is clamped
 #   load_cell.csv  t_s,thrust_n
 """

@@ -12,7 +12,7 @@ from tentacle.io.plain_file import is_there, require_plain
 from tentacle.signals import Video
 
 LARGEST_SIDE = 16384  # px
-VIDEO_SUFFIXES = (".mp4", ".mkv", ".avi", ".mov", ".webm")
+VIDEO_SUFFIXES = (".mp4", ".mkv", ".avi", ".mov", ".webm", ".gif")
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 _PNG_END = b"IEND\xaeB`\x82"
 

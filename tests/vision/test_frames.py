@@ -8,8 +8,11 @@ import av
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from tentacle.errors import InputError
+from tentacle.io.import_folder import read_folder
+from tentacle.io.recording_rrd import read_rrd, write_rrd
 from vision.ahead import read_ahead
 from vision.encode import write_video
 from vision.frames import read_frames, read_picture
@@ -17,6 +20,21 @@ from vision.frames import read_frames, read_picture
 
 def ramp(shape=(48, 64)):
     return np.linspace(0, 255, shape[0] * shape[1]).reshape(shape).astype(np.uint8)
+
+
+RECORDING = """
+[specimen]
+section = "cone"
+length_m = 0.1
+base_radius_m = 0.004
+tip_radius_m = 0.002
+density_kg_m3 = 1000.0
+[camera]
+fps = 25.0
+m_per_px = 0.001
+base_px = [30.0, 4.0]
+arm_px = [0.0, 1.0]
+"""
 
 
 def test_missing_empty_and_no_video(tmp_path):
@@ -207,3 +225,16 @@ def test_what_is_transparent_in_a_video_is_black(tmp_path):
         container.mux(stream.encode(None))
     (read,) = read_frames(tmp_path / "v.mov")
     assert read.image[24, 50] < 3
+
+
+def test_a_gif_in_a_recording_is_read_and_survives_an_rrd(tmp_path):
+    pictures = [np.full((40, 60), 200 - 40 * k, dtype=np.uint8) for k in range(4)]
+    first, *rest = [Image.fromarray(picture) for picture in pictures]
+    first.save(tmp_path / "video.gif", save_all=True, append_images=rest, duration=[40, 80, 40, 40])
+    (tmp_path / "recording.toml").write_text(RECORDING)
+    write_rrd(read_folder(tmp_path), tmp_path / "kept.rrd")
+    video = read_rrd(tmp_path / "kept.rrd").video
+    frames = list(read_frames(video.path))
+    assert [frame.t for frame in frames] == pytest.approx([0.0, 0.04, 0.12, 0.16])
+    for frame, picture in zip(frames, pictures, strict=True):
+        assert np.abs(frame.image.astype(int) - picture).max() <= 2
