@@ -18,11 +18,12 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.experiment import Experiment
 from inference.linearise import latent_forces
-from inference.trajectory import ONE_SIDED, Problem, split
+from inference.trajectory import ONE_SIDED, Problem, minimised, split
 
 HORIZONS, STEPS = (1.0, 2.5, 6.0), 3  # periods of the motion that are followed one after the other; steps on each
 DECAY_SHARE = 0.05  # of unknown forces, beside which the fits of a decay begin
 DAMPED = 1e-2  # of the information's diagonal, to begin with
+ROUGH_TOLERANCE, MOST_ROUNDS = 1e-3, 20  # of the fits on the way
 FARTHEST = 0.7  # of its own size: how far one step moves an unknown
 FEWEST_FRAMES = 6  # that a horizon holds
 LEFT = 2  # points that are left in the end
@@ -36,13 +37,17 @@ def has_decay(problem: Problem) -> bool:
 
 
 def fit_from_release(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, tuple[Array, ...]]:
-    """A problem with decays, from where it stands followed through the horizons; the same where nothing decays."""
-    horizons = horizons_of(problem, nuisances)
-    if not horizons:
+    """A problem with decays fitted at one horizon after the other, each about the fit before; the same where nothing
+    decays.
+    """
+    if not has_decay(problem):
         return problem, nuisances
-    points = followed_from_release(horizons, nuisances, problem.parameters[:, None])
-    parameters, nuisances = split(replace(problem, parameters=points.parameters[:, 0]), points.unknowns[:, 0])
-    return replace(problem, parameters=parameters), nuisances
+    for periods in HORIZONS:
+        early = horizon_of(problem, nuisances, periods)
+        unknowns, _ = minimised(early, nuisances, tolerance=ROUGH_TOLERANCE, most=MOST_ROUNDS)
+        parameters, nuisances = split(problem, unknowns)
+        problem = replace(problem, parameters=parameters)
+    return problem, nuisances
 
 
 @dataclass(frozen=True)
@@ -73,19 +78,19 @@ def followed_from_release(horizons: tuple[Problem, ...], origin: tuple[Array, ..
 
 def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, ...]:
     """The problem at each of HORIZONS, whitened as about the run with these nuisances; none where nothing decays."""
-    if not has_decay(problem):
-        return ()
+    return tuple(horizon_of(problem, nuisances, periods) for periods in HORIZONS) if has_decay(problem) else ()
+
+
+def horizon_of(problem: Problem, nuisances: tuple[Array, ...], periods: float) -> Problem:
+    """The problem with the first periods of its decays alone, whitened as about the run with these nuisances."""
     forces = latent_forces(problem, problem.parameters, nuisances)
-    found = []
-    for periods in HORIZONS:
-        experiments = tuple(
-            _until(experiment, 2.0 * np.pi * periods * force.linearised.time)
-            for experiment, force in zip(problem.experiments, forces, strict=True)
-        )
-        early = replace(problem, experiments=experiments, filters=())
-        own = latent_forces(early, early.parameters, nuisances)
-        found.append(replace(early, filters=tuple(force.filter(DECAY_SHARE) for force in own)))
-    return tuple(found)
+    experiments = tuple(
+        _until(experiment, 2.0 * np.pi * periods * force.linearised.time)
+        for experiment, force in zip(problem.experiments, forces, strict=True)
+    )
+    early = replace(problem, experiments=experiments, filters=())
+    own = latent_forces(early, early.parameters, nuisances)
+    return replace(early, filters=tuple(force.filter(DECAY_SHARE) for force in own))
 
 
 def _until(experiment: Experiment, after: float) -> Experiment:

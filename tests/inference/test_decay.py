@@ -66,7 +66,7 @@ def test_the_growing_horizon_finds_the_stiffness_from_far(problem, wrong):
     parameters[E] = wrong * TRUE_E
     begun, nuisances = fit_from_release(replace(begun, parameters=parameters), nuisances)
     # Six periods, each known to the noise alone: cycles are not lost before the fit of the whole begins.
-    assert begun.parameters[E] == pytest.approx(TRUE_E, rel=0.02)
+    assert begun.parameters[E] == pytest.approx(TRUE_E, rel=0.05)
     followed = fit(begun, nuisances)
     # The midpoint rule at 1/600 s lowers the squared frequency by (27 rad/s)^2 (1/600 s)^2 / 6 = .03 %; noise: .01 %.
     assert followed.parameters[E] == pytest.approx(TRUE_E, rel=2e-3)
