@@ -141,6 +141,7 @@ def _run(case: Case, place: Path) -> None:
         sys.stdout.flush()
         if code == 0 and case.verify is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # the command has ended: what compares is not to be stopped
             changed = case.verify(place, place.with_suffix(".out").read_text(errors="replace"))
             if changed:
                 print(changed, file=sys.stderr, flush=True)

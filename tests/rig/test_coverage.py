@@ -16,8 +16,8 @@ SERVO = np.arange(0.0, SECONDS, 0.02)
 
 def told(load: np.ndarray, servo: np.ndarray) -> PlayEnd:
     """What is said of a run with readings at these times [s]."""
-    times = ([round(START + 1e6 * t) for t in series] for series in (load, servo))
-    return told_gaps(PlayEnd("complete", "", START), *times, SECONDS)
+    load_us, servo_us = ([round(START + 1e6 * t) for t in series] for series in (load, servo))
+    return told_gaps(PlayEnd("complete", "", START), load_us, servo_us, SECONDS)
 
 
 def test_a_run_that_was_measured_all_along_is_complete() -> None:
