@@ -52,6 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
         line = f"tentacle import {arguments.folder} --out my_arm.rrd"
         print(f"put the film beside it as video.mp4, fill in [camera], then: {line}")
     else:
+        if not (arguments.folder / "motor.csv").exists():
+            print("a servo turns the base? put its log there as motor.csv: without one the base counts as clamped")
         print(f"next: tentacle diagnose {arguments.folder} --out answer")
     return 0
 

@@ -29,7 +29,9 @@ def test_a_recording_is_begun_from_flags_and_a_film(tmp_path: Path, capsys: pyte
     film_an_arm(tmp_path / "filmed")
     folder = tmp_path / "my_arm"
     assert main(["new", str(folder), *ARM, "--video", str(tmp_path / "filmed" / "video.mp4")]) == 0
-    assert f"next: tentacle diagnose {folder} --out answer" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert f"next: tentacle diagnose {folder} --out answer" in said
+    assert "motor.csv: without one the base counts as clamped" in said
     recording = read_folder(folder)
     camera = recording.declaration.camera
     assert camera is not None
