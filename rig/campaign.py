@@ -101,7 +101,7 @@ def run_campaign(
 
 
 def _missing_runs(
-    setup: RigSetup, board: Board, camera: Camera | None, campaign: Campaign, folder: Path, attendance: Attendance
+    setup: RigSetup, board: Board, camera: CameraThread | None, campaign: Campaign, folder: Path, attendance: Attendance
 ) -> Iterator[RunResult]:
     for run in campaign.runs:
         path = folder / f"{run.name}.rrd"

@@ -134,8 +134,8 @@ def test_a_load_cell_that_is_saturated_for_half_of_a_run_is_no_complete_run(
 
     path = tmp_path / "run.rrd"
     with connected(setup) as board:
-        motion = motion_of(WAVE, 4.0, setup.limits, TABLE)
-        result = record(setup, board, None, motion, path, Attendance(name="saturated", progress=hang))
+        motion = rig_motion(WAVE, 4.0, setup.limits, TABLE)
+        result = record_run(setup, board, None, motion, path, Attendance(name="saturated", progress=hang))
     assert result.outcome == read_run(path).outcome == "load_cell"
     assert "the load cell gave no reading for" in result.words
     assert np.isnan(result.mean_thrust)
@@ -155,9 +155,9 @@ def test_a_disk_of_a_few_megabytes_that_is_full_ends_the_run_safely(
         setup = replace(setup, camera=CameraSettings("emulated", 0.05, 0.001))
         path = disk / "run.rrd"
         with connected(setup) as board, opened_camera(setup, board.time) as camera:
-            motion = motion_of(WAVE, 20.0, setup.limits, TABLE)
+            motion = rig_motion(WAVE, 20.0, setup.limits, TABLE)
             attendance = Attendance(name="full", free_bytes=lambda _: 10**9)
-            result = record(setup, board, camera, motion, path, attendance)
+            result = record_run(setup, board, camera, motion, path, attendance)
             time.sleep(0.3)
             assert emulator.truth().pulse_us == 1500
         assert result.outcome == "disk"
