@@ -24,6 +24,7 @@ from rig.record import UNATTENDED, Attendance, RunResult, record_run
 from rig.run_file import iterate_frames, read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
+from tentacle.io.folder_lock import owned_folder
 from tentacle.io.sound_recording import LONGEST_SPAN
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.io.waveform_file import parse_waveform
@@ -92,8 +93,16 @@ def run_campaign(
     """Makes the runs that are not complete in `folder` yet, yielding each; a run that ended otherwise is set aside
     first.
 
-    Fault where a run does not complete: the next start goes on from there.
+    Fault where a run does not complete: the next start goes on from there. InputError where another process makes runs
+    in the folder.
     """
+    with owned_folder(folder, "one campaign a folder"):
+        yield from _missing_runs(setup, board, camera, campaign, folder, attendance)
+
+
+def _missing_runs(
+    setup: RigSetup, board: Board, camera: CameraThread | None, campaign: Campaign, folder: Path, attendance: Attendance
+) -> Iterator[RunResult]:
     for run in campaign.runs:
         path = folder / f"{run.name}.rrd"
         if path.exists() and _set_aside(path) is None:

@@ -9,6 +9,8 @@ import numpy as np
 from rig.play import PlayEnd
 
 LONGEST_SILENCE = 1.0  # s without a reading; the cell's chip takes half of it to be started again after a bad read
+SHORT_GAP = 0.2  # s; two conversions of the load cell at its slow rate
+MOST_MISSING = 0.25  # of a run, in short gaps: a cell that saturates at each stroke loses the strokes' peaks
 
 
 def told_gaps(end: PlayEnd, load_us: Sequence[int], servo_us: Sequence[int], seconds: float) -> PlayEnd:
@@ -16,16 +18,17 @@ def told_gaps(end: PlayEnd, load_us: Sequence[int], servo_us: Sequence[int], sec
     if end.outcome != "complete":
         return end
     for name, times in (("the load cell", load_us), ("the servo", servo_us)):
-        missing = missing_seconds(np.asarray(times, dtype=float), end.start_us, seconds)
-        if missing > 0.0:
-            words = f"{name} gave no reading for {missing:.2f} of {seconds:.2f} s"
+        gaps = gap_seconds(np.asarray(times, dtype=float), end.start_us, seconds)
+        long, short = (float(gaps[gaps > least].sum()) for least in (LONGEST_SILENCE, SHORT_GAP))
+        words = f"{name} gave no reading for {short:.2f} of {seconds:.2f} s"
+        if long > 0.0 or short > MOST_MISSING * seconds:
             return PlayEnd("load_cell" if name == "the load cell" else "no_answer", words, end.start_us)
+        if short > 0.0:  # the run is complete, and whoever reads it knows what is not there
+            end = PlayEnd(end.outcome, "; ".join(filter(None, (end.words, words))), end.start_us)
     return end
 
 
-def missing_seconds(times_us: np.ndarray, start_us: float, seconds: float) -> float:
-    """The sum of the gaps over LONGEST_GAP within a run, its begin and end included [s]."""
+def gap_seconds(times_us: np.ndarray, start_us: float, seconds: float) -> np.ndarray:
+    """The times between readings within a run, its begin and end included [s]."""
     t = 1e-6 * (times_us - start_us)
-    inside = np.concatenate([[0.0], t[(t > 0.0) & (t < seconds)], [seconds]])
-    gaps = np.diff(inside)
-    return float(gaps[gaps > LONGEST_SILENCE].sum())
+    return np.diff(np.concatenate([[0.0], t[(t > 0.0) & (t < seconds)], [seconds]]))

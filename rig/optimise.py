@@ -27,7 +27,7 @@ from rig.interrupts import Interrupts
 from rig.journal import JOURNAL, recording_path, recover, set_aside, whole_journal
 from rig.run_file import Run, read_run
 from tentacle.errors import InputError
-from tentacle.io.folder_lock import owned
+from tentacle.io.folder_lock import owned_folder
 from tentacle.waveform import Waveform
 
 NAME = "gaits"
@@ -153,8 +153,7 @@ def propulsion(run: Run, begin: float, end: float) -> float:
 @contextmanager
 def _owned(folder: Path) -> Iterator[None]:
     """One process a study."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with owned(folder / ".lock", folder, "one optimisation a folder"):
+    with owned_folder(folder, "one optimisation a folder"):
         for left in folder.glob(f"{JOURNAL}*.lock*"):  # Optuna's own lock outlives a killed process
             left.unlink()
         yield

@@ -16,6 +16,7 @@ from rig.settle import SettleRule
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import RecordingFile, declaration_tables, parse_recording_file
 from tentacle.io.toml_table import Table, read_toml
+from tentacle.io.written_file import write_text
 
 EMULATED = "emulated"
 
@@ -84,13 +85,11 @@ def read_setup(file: Path) -> RigSetup:
 
 def write_setup(setup: RigSetup, file: Path) -> None:
     """rig.toml, whole or not at all."""
-    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
     tables = setup_tables(setup)
     tables["port"] = _beside(setup.port, file.parent)
     if setup.camera is not None:
         tables["camera"]["source"] = _beside(setup.camera.source, file.parent)
-    partial.write_bytes(tomli_w.dumps(tables).encode())
-    partial.replace(file)
+    write_text(file, tomli_w.dumps(tables))
 
 
 def setup_tables(setup: RigSetup) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from tentacle.errors import InputError
 from tentacle.io.recording_template import Answers
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_video, frame_rate
+from tentacle.io.written_file import written_file
 from vision.propose import propose_arm
 
 
@@ -20,7 +21,7 @@ def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
         raise InputError("no such file", file=film, field="--video", expected="a film")
     check_video(film)
     folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(film, folder / f"video{film.suffix.lower()}")
+    _keep(film, folder)
     try:
         proposal = propose_arm(film)
     except InputError as error:
@@ -29,3 +30,15 @@ def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
     u, v = camera.base_px
     words = f"the film proposes: base at ({u:.0f}, {v:.0f}) px, {1e3 * camera.metres_per_px:.3g} mm a pixel"
     return replace(answers, camera=camera), "; ".join([words, *proposal.words])
+
+
+def _keep(film: Path, folder: Path) -> None:
+    """Copies the film into the folder, whole or not at all. InputError where another film lies there."""
+    target = folder / f"video{film.suffix.lower()}"
+    there = [path for path in (folder / f"video{suffix}" for suffix in VIDEO_SUFFIXES) if path.exists()]
+    if any(path.samefile(film) for path in there):
+        return
+    if there:
+        raise InputError("is there already", file=there[0], field="--video", expected="a folder without a film")
+    with written_file(target) as partial:
+        shutil.copyfile(film, partial)

@@ -6,13 +6,13 @@ on. sigma_m is the standard deviation of a point across the arm; the midline mov
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 
 from tentacle.errors import InputError
 from tentacle.io.csv_table import write_csv
+from tentacle.io.written_file import written_file
 from tentacle.signals import Array, ShapeTrack
 from tentacle.specimen import Specimen
 
@@ -65,17 +65,13 @@ def write_midline(shape: ShapeTrack, theta: Array, specimen: Specimen, path: Pat
     """Write path, .csv or .h5, whole or not at all. HDF5 holds each column (T, points), t_s and reason (T,)."""
     path = Path(path)
     columns = midline_columns(shape, theta, specimen)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
+    with written_file(path) as partial:
         if path.suffix == ".csv":
             write_csv(partial, {name: values.ravel() for name, values in columns.items()})
         elif path.suffix == ".h5":
             _write_hdf5(partial, shape, columns)
         else:
             raise InputError("not a name that says what to write", file=path, field="--midline", expected=".csv or .h5")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _write_hdf5(path: Path, shape: ShapeTrack, columns: dict[str, Array]) -> None:

@@ -11,6 +11,7 @@ import av
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import RecordingFile, format_recording_file
 from tentacle.io.video_file import VIDEO_SUFFIXES
+from tentacle.io.written_file import write_text
 from tentacle.recording import Declaration
 from tentacle.specimen import Cone, Specimen
 from vision.declared import WATER_DENSITY, DeclaredNumbers
@@ -69,9 +70,7 @@ def write_pick(video: Path, picked: Picked) -> Path:
     file = home / "recording.toml"
     if file.exists():
         raise InputError("is there already", file=file, expected="--pick of a video that has none")
-    partial = file.with_name(f".{file.name}.partial")
-    partial.write_text(format_recording_file(RecordingFile(picked.declaration)), encoding="utf-8")
-    partial.replace(file)
+    write_text(file, format_recording_file(RecordingFile(picked.declaration)))
     return home
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import tomli_w
 
 from tentacle.errors import InputError
+from tentacle.io.written_file import write_text
 from vision.follow import TrackedFrame
 
 _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
@@ -63,9 +64,7 @@ def write_verdicts(video: Path, verdicts: Mapping[int, bool]) -> Path:
         name: _ranges(sorted(frame for frame, accepted in verdicts.items() if accepted == value))
         for name, value in (("reject", False), ("accept", True))
     }
-    partial = file.with_name(f".{file.name}.partial")
-    partial.write_text(tomli_w.dumps(table), encoding="utf-8")
-    partial.replace(file)
+    write_text(file, tomli_w.dumps(table))
     return file
 
 

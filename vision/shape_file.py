@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
+from tentacle.io.written_file import write_text
 from tentacle.signals import ShapeTrack
 
 
@@ -21,10 +21,4 @@ def write_shape(shape: ShapeTrack, path: Path) -> None:
         values = [*shape.coefficients[row].tolist(), *(float(shape.covariance[row, j, k]) for j, k in pairs)]
         cells = ["" if value != value else repr(value) for value in values]
         lines.append(",".join([repr(t), str(int(shape.accepted[row])), *cells, shape.reason[row].replace(",", ";")]))
-    path = Path(path)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        partial.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    write_text(Path(path), "\n".join(lines) + "\n")

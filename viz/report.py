@@ -11,6 +11,7 @@ from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from viz.figures.style import svg
+from viz.glossary import terms_in
 
 MAXIMUM_BYTES = 3_000_000
 
@@ -77,7 +78,16 @@ class Report:
 
 def render_report(report: Report) -> str:
     """The page as one self-contained HTML text: style and figures inside, nothing loaded from elsewhere."""
-    return render_page("report.html", report=report)
+    return render_page("report.html", report=report, terms=terms_in(_words_of(report)))
+
+
+def _words_of(report: Report) -> str:
+    """All that the page says in sentences, captions and headings."""
+    said = [report.headline, *(name for name, _ in report.figures_of_merit)]
+    for section in report.sections:
+        said += [section.title, *section.paragraphs, *(picture.caption for picture in section.pictures)]
+        said += [word for table in section.tables for word in (table.caption, *table.header)]
+    return "\n".join(said)
 
 
 def render_page(template: str, **content: object) -> str:

@@ -1,4 +1,6 @@
-"""Parts of the documentation that come from the code: the catalogue of effects, the verbs of the command line."""
+"""Parts of the documentation that come from the code: the catalogue of effects, the verbs of the command line,
+the glossary.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,15 @@ def verbs_table() -> str:
     return "\n".join(lines)
 
 
-PARTS = {"<!-- effects -->": effects_table, "<!-- verbs -->": verbs_table}
+def glossary_table() -> str:
+    """Every word with its meaning and unit, as Markdown."""
+    from viz.glossary import TERMS
+
+    lines = ["| term | meaning | unit |", "|---|---|---|"]
+    return "\n".join([*lines, *(f"| {term.name} | {term.meaning} | {term.unit} |" for term in TERMS)])
+
+
+PARTS = {"<!-- effects -->": effects_table, "<!-- verbs -->": verbs_table, "<!-- glossary -->": glossary_table}
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:

@@ -77,8 +77,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if words and not words[0].startswith("-") and words[0] not in verb_names():
         print(f"tentacle: {_unknown_verb(words[0])}", file=sys.stderr)
         return 2
-    parsed = build_parser().parse_args(words)
     with signals_as_interrupts() as asked, told(asked) as outcome:
+        parsed = build_parser().parse_args(words)
         require_sane(parsed)
         with effects_in_use(parsed):
             outcome.code = parsed.run(parsed)

@@ -49,14 +49,14 @@ class StopAsked:
 def signals_as_interrupts() -> Iterator[StopAsked]:
     """Inside, the signals raise Ended, unless whoever started us ignores them."""
     asked = StopAsked()
-    if threading.current_thread() is not threading.main_thread():
-        yield asked
+    if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
+        yield asked  # Windows has no alarm and no SIGHUP: there Ctrl-C is Python's own
         return
-    wanted = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL, signal.SIGHUP: signal.SIG_DFL}
+    usual = (signal.SIG_DFL, signal.default_int_handler)
     before = {
         number: signal.signal(number, asked.handle)
-        for number, usual in wanted.items()
-        if signal.getsignal(number) == usual
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        if signal.getsignal(number) in usual
     }
     before[signal.SIGALRM] = signal.signal(signal.SIGALRM, asked.again)
     report, sys.unraisablehook = sys.unraisablehook, _raise_again

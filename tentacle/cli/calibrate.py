@@ -26,6 +26,7 @@ def run(arguments: argparse.Namespace) -> int:
     import math
 
     from tentacle.errors import InputError
+    from tentacle.io.written_file import write_text
     from vision.calibrate import CharucoBoard, calibrate_lens
     from vision.encode import write_picture
     from vision.frames import read_frames
@@ -44,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     found = calibrate_lens(read_frames(arguments.source, fps=1.0), board)
     text = format_lens(found.lens, rms_px=found.rms_px, tilt_rad=found.tilt)
-    arguments.out.write_text(text, encoding="utf-8")
+    write_text(arguments.out, text)
     print(f"{found.views} views, corners within {found.rms_px:.3f} px rms, {found.lens.metres_per_px} m/px")
     print(f"lens bends by {100 * found.lens.k1:.3f} % at the picture's corner")
     if found.tilt > math.radians(5.0):

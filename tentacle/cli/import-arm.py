@@ -21,6 +21,8 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.errors import InputError
     from tentacle.io.model_file import write_model
 
+    if arguments.out.suffix != ".toml":
+        raise InputError("is no name of a model", file=arguments.out, field="--out", expected="MODEL.toml")
     if not arguments.out.parent.is_dir():
         raise InputError("no such folder", file=arguments.out.parent, field="--out")
     found = import_arm(arguments.arm, arguments.fluid)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 
@@ -32,12 +33,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask what was not given, write, and say what comes next."""
-    from tentacle.io.recording_template import Answers, recording_text, write_recording_file
+    from tentacle.io.recording_template import Answers, recording_text, require_usable, write_recording_file
 
     if (arguments.folder / "recording.toml").exists():  # said before anything is asked
         write_recording_file(arguments.folder, "")
     given = {name: _answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS}
     answers, words = Answers(camera=None, **given), ""
+    require_usable(answers)
     if arguments.video is not None:
         from vision.film_begun import begun
 
@@ -50,6 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
         line = f"tentacle import {arguments.folder} --out my_arm.rrd"
         print(f"put the film beside it as video.mp4, fill in [camera], then: {line}")
     else:
+        if not (arguments.folder / "motor.csv").exists():
+            print("a servo turns the base? put its log there as motor.csv: without one the base counts as clamped")
         print(f"next: tentacle diagnose {arguments.folder} --out answer")
     return 0
 
@@ -64,7 +68,6 @@ def _answer(given: float | None, name: str, question: str, usual: str) -> float:
         value = given if given is not None else float(text.replace(",", ".") or usual)
     except ValueError:
         raise InputError(f"{text!r} is no number", field=flag, expected=question) from None
-    least = 0.0
-    if not value >= least or (value == 0.0 and name in ("length", "base_radius", "density")):
+    if not 0.0 <= value < math.inf or (value == 0.0 and name in ("length", "base_radius", "density")):
         raise InputError(f"{value:g} is out of range", field=flag, expected=question)
     return value

@@ -13,6 +13,17 @@ from tentacle.errors import InputError
 
 
 @contextmanager
+def owned_folder(folder: Path, expected: str) -> Iterator[None]:
+    """Makes the folder where it is missing, and holds it. InputError as `owned`."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(error.strerror or str(error), file=folder, expected="a folder that can be written") from None
+    with owned(folder / ".lock", folder, expected):
+        yield
+
+
+@contextmanager
 def owned(lock: Path, folder: Path, expected: str) -> Iterator[None]:
     """Holds the lock file, which is there while something is done in the folder.
 

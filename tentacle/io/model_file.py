@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from tentacle.io.declaration_file import (
     specimen_table,
 )
 from tentacle.io.toml_table import Table, read_toml
+from tentacle.io.written_file import write_text
 from tentacle.model import Estimate, Model
 from tentacle.specimen import AIR, HANGING_DOWN
 
@@ -33,10 +33,7 @@ def read_model(file: Path) -> Model:
 
 def write_model(model: Model, file: Path) -> None:
     """A model as model.toml, every digit kept; the file appears whole or not at all."""
-    file = Path(file)
-    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    partial.write_text(tomli_w.dumps(model_tables(model)), encoding="utf-8", newline="\n")
-    partial.replace(file)
+    write_text(Path(file), tomli_w.dumps(model_tables(model)))
 
 
 def parse_model(document: Table) -> Model:

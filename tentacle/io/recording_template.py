@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tentacle.errors import InputError
+from tentacle.io.declaration_file import parse_recording_file
+from tentacle.io.toml_table import parse_toml
+from tentacle.io.written_file import write_text
 from tentacle.recording import Camera
 
 
@@ -19,6 +22,11 @@ class Answers:
     density: float
     fluid_density: float
     camera: Camera | None = None
+
+
+def require_usable(answers: Answers) -> None:
+    """InputError where a recording.toml with these answers would be refused."""
+    parse_recording_file(parse_toml(recording_text(answers), None))
 
 
 def recording_text(answers: Answers) -> str:
@@ -74,5 +82,5 @@ def write_recording_file(folder: Path, text: str) -> Path:
     if file.exists():
         raise InputError("is there already", file=file, expected="a folder without one, or edit it")
     folder.mkdir(parents=True, exist_ok=True)
-    file.write_text(text, encoding="utf-8", newline="\n")
+    write_text(file, text)
     return file

@@ -23,6 +23,7 @@ import tomli_w
 from tentacle.errors import InputError
 from tentacle.gait import GAIT_PARAMETERS, Gait
 from tentacle.io.toml_table import Table, read_toml
+from tentacle.io.written_file import write_text
 from tentacle.waveform import Chirp, Multisine, Ramped, Rest, Sine, Waveform
 
 WAVEFORM_KINDS = ("rest", "sine", "chirp", "multisine", "gait", "samples")
@@ -37,7 +38,7 @@ def read_waveform(file: Path) -> Waveform:
 
 def write_waveform(waveform: Waveform, file: Path) -> None:
     """A waveform as a TOML file, every digit kept."""
-    Path(file).write_text(tomli_w.dumps({"waveform": waveform_table(waveform)}), encoding="utf-8", newline="\n")
+    write_text(Path(file), tomli_w.dumps({"waveform": waveform_table(waveform)}))
 
 
 def parse_waveform(table: Table) -> Waveform:

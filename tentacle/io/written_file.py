@@ -7,10 +7,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from tentacle.errors import InputError
+
 
 @contextmanager
 def written_file(file: Path) -> Iterator[Path]:
-    """A path to write to; on success it becomes `file`, on failure nothing is left of it."""
+    """A path to write to; on success it becomes `file`, on failure nothing is left of it.
+
+    InputError for what is no file name, and where something other than a plain file has the name: it would be replaced.
+    """
+    if not file.name:
+        raise InputError("is no file name", file=repr(str(file)), expected="the name of a file to write")
+    if file.exists() and not file.is_file():
+        raise InputError("is there, and is no plain file", file=file, expected="a name that is free, or a file")
     partial = file.with_name(f".{file.name[:100]}.{os.getpid()}.partial")
     try:
         yield partial

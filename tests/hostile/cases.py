@@ -14,125 +14,16 @@ from zlib import crc32
 import numpy as np
 
 from tests.hostile.judge import Case
-from tests.hostile.mutations import KINDS, damaged_bytes, damaged_csv, damaged_toml
+from tests.hostile.mutations import KINDS, damaged_bytes, damaged_csv, damaged_toml, damaged_xml
+from tests.hostile.tables import BYTES, CSV, NUMBERS, OPTIONS, OUTS, PLACES, TOML, WORDS, WORK
 
 Damage = Callable[[Path], None]
-
-# name of the material that is damaged, the file in it, the command, the other material it needs
-TOML = (
-    ("folder", "recording.toml", ("import", "folder", "--out", "out.rrd"), (), 40),
-    ("film", "recording.toml", ("import", "film", "--out", "out.rrd"), (), 30),
-    ("folder", "recording.toml", ("identify", "folder", "--out", "out", "--order", "2"), (), 12),
-    ("folder", "recording.toml", ("diagnose", "folder", "--out", "out"), (), 8),
-    ("film", "recording.toml", ("track", "film", "--out", "out.csv"), (), 12),
-    ("model.toml", "", ("simulate", "model.toml", "--out", "out", "--duration", "1"), (), 40),
-    ("model.toml", "", ("optimise", "model.toml", "--out", "out", "--no-reference", "--evaluations", "100"), (), 10),
-    ("model.toml", "", ("compare", "model.toml", "--out", "out", "--no-map"), (), 8),
-    ("model.toml", "", ("figure", "9", "--model", "model.toml", "--out", "out.svg"), (), 8),
-    ("waveform.toml", "", ("simulate", "model.toml", "--waveform", "waveform.toml", "--duration", "1", "--out", "out"),
-     ("model.toml",), 20),
-    ("samples.toml", "", ("simulate", "model.toml", "--waveform", "samples.toml", "--duration", "1", "--out", "out"),
-     ("model.toml",), 12),
-    ("rig.toml", "", ("rig", "check", "rig.toml"), (), 30),
-    ("rig.toml", "", ("rig", "record", "rig.toml", "waveform.toml", "--seconds", "2", "--out", "out.rrd"),
-     ("waveform.toml",), 10),
-    ("waveform.toml", "", ("rig", "record", "rig.toml", "waveform.toml", "--seconds", "2", "--out", "out.rrd"),
-     ("rig.toml",), 12),
-    ("campaign.toml", "", ("rig", "campaign", "rig.toml", "campaign.toml", "--out", "out"), ("rig.toml",), 30),
-    ("model.toml", "", ("rig", "optimise", "rig.toml", "--model", "model.toml", "--out", "out"), ("rig.toml",), 6),
-    ("limits.toml", "", ("optimise", "model.toml", "--limits", "limits.toml", "--out", "out", "--no-reference",
-                         "--evaluations", "100"), ("model.toml",), 12),
-    ("calibration.toml", "", ("diagnose", "folder", "--calibration", "calibration.toml", "--out", "out"),
-     ("folder",), 12),
-    ("lens.toml", "", ("track", "film", "--lens", "lens.toml", "--out", "out.csv"), ("film",), 12),
-)  # fmt: skip
-CSV = (
-    ("folder", "motor.csv", ("import", "folder", "--out", "out.rrd"), (), 20),
-    ("folder", "load_cell.csv", ("import", "folder", "--out", "out.rrd"), (), 16),
-    ("folder", "midline.csv", ("import", "folder", "--out", "out.rrd"), (), 24),
-    ("folder", "markers.csv", ("import", "folder", "--out", "out.rrd"), (), 16),
-    ("folder", "midline.csv", ("identify", "folder", "--out", "out", "--order", "2"), (), 6),
-    ("folder", "motor.csv", ("diagnose", "folder", "--out", "out"), (), 6),
-    ("folder", "motor.csv", ("render", "folder", "--out", "out", "--seed", "1"), (), 4),
-    ("log.csv", "", ("rig", "import", "log.csv", "--declare", "film/recording.toml", "--out", "out"), ("film",), 16),
-    ("speeds.csv", "", ("figure", "10", "speeds.csv", "--out", "out.svg"), (), 10),
-)
-BYTES = (
-    ("film", "video.mp4", ("import", "film", "--out", "out.rrd"), (), 16),
-    ("film", "video.mp4", ("track", "film", "--out", "out.csv"), (), 14),
-    ("film.mp4", "", ("track", "film.mp4", "--length", "0.14", "--base-radius", "0.0125", "--tip-radius", "0.003",
-                      "--out", "out.csv"), (), 8),
-    ("stills", "frames/00001.png", ("track", "stills", "--out", "out.csv"), (), 10),
-    ("frames", "00002.png", ("calibrate", "frames", "--out", "out.toml"), (), 4),
-    ("film.rrd", "", ("track", "film.rrd", "--out", "out.csv"), (), 10),
-    ("film.rrd", "", ("replay", "film.rrd", "--out", "out"), (), 4),
-    ("run.rrd", "", ("rig", "import", "run.rrd", "--out", "out"), (), 40),
-    ("whole.rrd", "", ("identify", "whole.rrd", "--out", "out", "--order", "2"), (), 6),
-    ("whole.rrd", "", ("view", "whole.rrd", "--screenshot", "out.png"), (), 4),
-)  # fmt: skip
-PLACES = (
-    ("folder", "recording.toml", ("import", "folder", "--out", "out.rrd"), ()),
-    ("folder", "midline.csv", ("import", "folder", "--out", "out.rrd"), ()),
-    ("folder", "motor.csv", ("identify", "folder", "--out", "out"), ()),
-    ("film", "video.mp4", ("track", "film", "--out", "out.csv"), ()),
-    ("whole.rrd", "", ("import", "whole.rrd", "--out", "out.rrd"), ()),
-    ("run.rrd", "", ("rig", "import", "run.rrd", "--out", "out"), ()),
-    ("model.toml", "", ("simulate", "model.toml", "--duration", "1", "--out", "out"), ()),
-    ("rig.toml", "", ("rig", "check", "rig.toml"), ()),
-    ("stills", "frames/00001.png", ("track", "stills", "--out", "out.csv"), ()),
-    ("calibration.toml", "", ("diagnose", "folder", "--calibration", "calibration.toml", "--out", "out"), ("folder",)),
-    ("lens.toml", "", ("track", "film", "--lens", "lens.toml", "--out", "out.csv"), ("film",)),
-    ("speeds.csv", "", ("figure", "10", "speeds.csv", "--out", "out.svg"), ()),
-    ("log.csv", "", ("rig", "import", "log.csv", "--declare", "film/recording.toml", "--out", "out"), ("film",)),
-)
-NUMBERS = ("-1", "0", "nan", "inf", "1e30", "1000000000000", "-5", "1e-30", "100000", "30000", "9" * 400, "x")
-OPTIONS = (
-    (("simulate", "model.toml", "--out", "out", "--duration", "1"), ("model.toml",),
-     ("--links", "--seed", "--fps", "--duration", "--noise-mm")),
-    (("simulate", "model.toml", "--out", "out", "--duration", "1", "--video", "clean"), ("model.toml",),
-     ("--size W H",)),
-    (("render", "--out", "out", "--seed", "1", "--seconds", "0.2"), (),
-     ("--seed", "--seconds", "--fps", "--amplitude", "--frequency", "--exposure", "--compress", "--size W H")),
-    (("identify", "folder", "--out", "out"), ("folder",), ("--order", "--bootstrap", "--seed")),
-    (("diagnose", "folder", "--out", "out"), ("folder",), ("--seed",)),
-    (("optimise", "model.toml", "--out", "out", "--no-reference", "--evaluations", "50"), ("model.toml",),
-     ("--evaluations", "--seed", "--robust", "--restarts")),
-    (("compare", "model.toml", "--out", "out", "--no-map"), ("model.toml",), ("--amplitude", "--frequency")),
-    (("blind-trial", "1", "--out", "out"), (), ("--seed", "--workers", "--video-share", "--only")),
-    (("validate", "--out", "out", "--looks", "clean", "--seeds", "1", "--frames", "3"), (),
-     ("--seeds", "--frames", "--size W H")),
-    (("track", "frames", "--out", "out.csv", "--length", "0.14", "--base-radius", "0.0125", "--tip-radius", "0.003"),
-     ("frames",), ("--fps", "--length", "--base-radius", "--m-per-px", "--exposure")),
-    (("rig", "record", "rig.toml", "waveform.toml", "--out", "out.rrd"), ("rig.toml", "waveform.toml"),
-     ("--seconds",)),
-    (("rig", "optimise", "rig.toml", "--out", "out"), ("rig.toml",),
-     ("--trials", "--first", "--harmonics", "--reidentify", "--seed", "--frequency W H")),
-    (("rig", "calibrate", "camera-scale", "rig.toml", "--points", "1", "2", "3", "4"), ("rig.toml",), ("--metres",)),
-    (("calibrate", "--print-board", "out.png"), (), ("--across", "--down", "--square", "--marker")),
-    (("figure", "3", "film", "--out", "out.svg"), ("film",), ("--at",)),
-)  # fmt: skip
-WORK = (
-    (("import", "folder", "--out", "out.rrd"), ("folder",)),
-    (("import", "film", "--out", "out.rrd"), ("film",)),
-    (("simulate", "model.toml", "--out", "out", "--duration", "2"), ("model.toml",)),
-    (("simulate", "model.toml", "--out", "out.rrd", "--duration", "2"), ("model.toml",)),
-    (("track", "film", "--out", "out.rrd"), ("film",)),
-    (("track", "film", "--out", "out.csv", "--overlay", "out.mp4"), ("film",)),
-    (("identify", "folder", "--out", "out", "--order", "2"), ("folder",)),
-    (("diagnose", "folder", "--out", "out"), ("folder",)),
-    (("optimise", "model.toml", "--out", "out", "--no-reference", "--evaluations", "400"), ("model.toml",)),
-    (("render", "--out", "out", "--seed", "1", "--seconds", "0.5"), ()),
-    (("rig", "import", "run.rrd", "--out", "out"), ("run.rrd",)),
-    (("rig", "import", "log.csv", "--declare", "film/recording.toml", "--out", "out"), ("film", "log.csv")),
-    (("figure", "10", "speeds.csv", "--out", "out.svg"), ("speeds.csv",)),
-    (("calibrate", "--print-board", "out.png"), ()),
-)
 
 
 def cases(seed: int) -> list[Case]:
     """All of them, in an order that mixes the kinds, so that a part of them is a fair sample."""
-    found = [*_texts(seed), *_bytes(seed), *_stored(seed), *_places(), *_options(seed), *_disks(seed), *_signals(seed),
-             *_surroundings()]  # fmt: skip
+    found = [*_texts(seed), *_bytes(seed), *_stored(seed), *_places(), *_options(seed), *_disks(seed), *_outs(seed),
+             *_signals(seed), *_surroundings()]  # fmt: skip
     met: Counter[str] = Counter()
     for place, case in enumerate(found):  # two commands may begin alike: the second says that it is one more
         met[case.name] += 1
@@ -164,6 +55,11 @@ def _texts(seed: int) -> Iterator[Case]:
                 name = f"{path}: {' '.join(arguments[:2])} #{k}"
                 prepare = partial(_rewrite, path, damage, _random(seed, name))
                 yield Case(name, arguments, (material, *others), prepare, stop=4.0)
+
+    for k in range(30):
+        name = f"arm.xml: import-arm #{k}"
+        prepare = partial(_rewrite, "arm.xml", damaged_xml, _random(seed, name))
+        yield Case(name, ("import-arm", "arm.xml", "--out", "out.toml"), ("arm.xml",), prepare, stop=4.0)
 
 
 def _bytes(seed: int) -> Iterator[Case]:
@@ -262,6 +158,20 @@ def _options(seed: int) -> Iterator[Case]:
             for value in (NUMBERS[k] for k in chosen):
                 yield Case(f"{name}={value[:20]}", (*arguments, *(flag, *[value] * max(1, len(more)))), inputs,
                            stop=4.0)  # fmt: skip
+        if len(options) > 1:  # two that are wrong at once, or one twice
+            for k in range(4):
+                random = _random(seed, f"{' '.join(arguments[:2])} pair {k}")
+                flags = [options[j].split() for j in random.choice(len(options), size=2)]
+                more = [word for flag, *rest in flags for word in (flag, *_drawn(random, max(1, len(rest))))]
+                name = f"{' '.join(arguments[:2])} {' '.join(word[:20] for word in more)}"
+                yield Case(name, (*arguments, *more), inputs, stop=4.0)
+    for word in WORDS:
+        yield Case(f"library --where {word!r}", ("library", "library", "--where", word), ("library",), stop=10.0)
+        yield Case(f"library --sort {word!r}", ("library", "library", "--sort", word), ("library",), stop=10.0)
+
+
+def _drawn(random: np.random.Generator, count: int) -> list[str]:
+    return [NUMBERS[int(random.integers(len(NUMBERS)))]] * count
 
 
 def _disks(seed: int) -> Iterator[Case]:
@@ -278,6 +188,30 @@ def _disks(seed: int) -> Iterator[Case]:
 
 def _take(folder: Path) -> None:
     (folder / "taken").write_text("a file where a folder is to be")
+
+
+def _outs(seed: int) -> Iterator[Case]:
+    """Places that a careless command writes to: what was there before must be there afterwards."""
+    for arguments, inputs in WORK:
+        name = " ".join(arguments[:2])
+        out = next(k for k, word in enumerate(arguments) if word.startswith("out"))
+        drawn = _random(seed, f"outs {name}").choice(len(OUTS), size=6, replace=False)
+        for place in (*(OUTS[k] for k in drawn), *inputs[:1]):
+            changed = (*arguments[:out], place, *arguments[out + 1 :])
+            yield Case(
+                f"{name} to {place[:20]!r}", changed, inputs, _traps, stop=6.0, kept=("mine/notes.txt", "taken.rrd")
+            )
+
+
+def _traps(folder: Path) -> None:
+    _take(folder)
+    (folder / "taken.rrd").write_text("not a recording")
+    (folder / "mine").mkdir()
+    (folder / "mine" / "notes.txt").write_text("mine")
+    (folder / "loop").symlink_to("loop")
+    (folder / "dangling").symlink_to("nowhere")
+    (folder / "full").symlink_to("/dev/full")
+    os.mkfifo(folder / "fifo")
 
 
 def _signals(seed: int) -> Iterator[Case]:

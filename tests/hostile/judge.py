@@ -29,7 +29,8 @@ class Case:
 
     inputs: names of the material that is copied into the case's folder, where the command runs; prepare damages them;
     verify says in a line what was changed without being told, "" where nothing was, after the command ended with 0;
-    stop [s]: when it is asked to stop, by which signal; file_size [bytes]: the disk is full beyond it.
+    stop [s]: when it is asked to stop, by which signal; file_size [bytes]: the disk is full beyond it. Inputs, and
+    the files `kept`, are to be afterwards what they were, however it ends.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Case:
     environment: Mapping[str, str] = field(default_factory=dict)
     encoding: str | None = None
     must_refuse: bool = False
+    kept: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ def judge(case: Case, material: Path, place: Path) -> Outcome:
         source = material / name
         shutil.copytree(source, place / name) if source.is_dir() else shutil.copy(source, place / name)
     case.prepare(place)
+    before = {path: _content(path) for path in _kept(case, place)}
     place.with_suffix(".err").touch()
     begun = time.monotonic()
     child = os.fork()
@@ -79,6 +82,8 @@ def judge(case: Case, material: Path, place: Path) -> Outcome:
     seconds = time.monotonic() - begun
     said = place.with_suffix(".err").read_text(errors="replace")
     kind = _kind(case, code, said) if place.is_dir() else "removed its folder"
+    if kind in GOOD and (changed := [path for path, content in before.items() if _content(path) != content]):
+        kind, said = "overwritten", f"{changed[0].relative_to(place)}: {said}"
     left = [
         path.name
         for path in (place.iterdir() if place.is_dir() else ())
@@ -90,6 +95,18 @@ def judge(case: Case, material: Path, place: Path) -> Outcome:
         kind, said = "left running" if kind in GOOD else kind, said
     shutil.rmtree(place, ignore_errors=True)
     return Outcome(case.name, kind, said.strip()[-2000:], seconds)
+
+
+def _kept(case: Case, place: Path) -> list[Path]:
+    """Regular files that the case was given."""
+    given = [path for name in case.inputs for path in (place / name, *(place / name).rglob("*"))]
+    return [
+        path for path in (*given, *(place / name for name in case.kept)) if path.is_file() and not path.is_symlink()
+    ]
+
+
+def _content(path: Path) -> bytes | None:
+    return path.read_bytes() if path.is_file() else None
 
 
 def _run(case: Case, place: Path) -> None:
@@ -124,6 +141,7 @@ def _run(case: Case, place: Path) -> None:
         sys.stdout.flush()
         if code == 0 and case.verify is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # the command has ended: what compares is not to be stopped
             changed = case.verify(place, place.with_suffix(".out").read_text(errors="replace"))
             if changed:
                 print(changed, file=sys.stderr, flush=True)

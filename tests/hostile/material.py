@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from mujoco_ref.export.write import write_mjcf
 from rig.run_file import read_run, to_recording
 from tentacle.io.declaration_file import RecordingFile
+from tentacle.io.model_file import read_model
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Camera, Declaration, Recording
@@ -111,6 +114,25 @@ trials = 20
 stated = [0.2, 0.6, 0.95]
 right = [0.3, 0.7, 0.9]
 """,
+    "effect.toml": """name = "pull"
+title = "Pull at the tip"
+source = "a spring"
+[law]
+acts = "tip"
+force_x = "F * (place - x) / reference"
+[constants]
+reference = { value = 0.05, unit = "m" }
+[parameters.F]
+unit = "N"
+nominal = 0.002
+bounds = [-0.5, 0.5]
+words = "pull"
+[parameters.place]
+unit = "m"
+nominal = 0.06
+bounds = [-0.6, 0.6]
+words = "where"
+""",
     "lens.toml": """[lens]
 centre_px = [80.0, 60.0]
 reference_px = 100.0
@@ -140,6 +162,11 @@ def make_material(root: Path) -> Path:
     (root / "speeds.csv").write_text("arm,motion,speed_m_s\n1,1,0.01\n1,2,0.02\n2,1,0.015\n2,2,0.03\n")
     _run(root / "run.rrd")
     write_folder(to_recording(read_run(root / "run.rrd")), root / "run_as_folder")
+    (root / "library").mkdir()
+    for name in ("whole.rrd", "run.rrd"):
+        shutil.copy(root / name, root / "library" / name)
+    write_mjcf(read_model(root / "model.toml"), root / "exported", 4)
+    shutil.copy(root / "exported" / "arm.xml", root / "arm.xml")
     return root
 
 

@@ -17,6 +17,8 @@ VALUES = (
     "[]", "[1, 2]", "{}", "{a = 1}", "1979-05-27", '""', "3", "0.5", "-3.0", "100000", "2147483648", "'\\u001b[31m'",
     '"\\u001b[2J"', '"' + "x" * 5000 + '"', "[nan, nan]", "[1e400, 0]", "0x7fffffffffffffff", "[" * 300 + "]" * 300,
     "[" * 5000, '"\\u0000"', '"../../x"', '"/dev/null"', '"spy:///dev/null?file=spied"', '"alt://x?class=os"',
+    "5e-324", "-2147483649", "[1.0, \"a\"]", "{value = nan, sd = 1}", "{value = 0.1, sd = -1}", "{low = 1, high = 0}",
+    "{value = 1, low = 0}", "0b1", "07:32:00", "[[1], [2]]", '"\u0661"',
 )  # fmt: skip
 CELLS = (
     "nan", "inf", "-inf", "", "x", "1e308", "-1e308", "1e999", "1.7e9", "-1", "0", "1_0", "0x10", "9" * 400, "1,5",
@@ -53,7 +55,9 @@ def damaged_toml(text: str, random: Random) -> str:
     values = [k for k, line in enumerate(lines) if "=" in line]
     k = int(random.choice(values))
     key = lines[k].partition("=")[0]
-    kind = int(random.integers(12))
+    kind = int(random.integers(14))
+    if kind >= 12:
+        return _other_endings("\n".join(lines) + "\n", random)
     if kind <= 5:
         lines[k] = f"{key}= {VALUES[int(random.integers(len(VALUES)))]}"
     elif kind == 6:
@@ -81,7 +85,9 @@ def damaged_csv(text: str, random: Random) -> str:
     row = int(random.integers(1, len(lines)))
     cells = lines[row].split(",")
     column = int(random.integers(len(cells)))
-    kind = int(random.integers(12))
+    kind = int(random.integers(14))
+    if kind >= 12:
+        return _other_endings("\n".join(lines) + "\n", random)
     if kind <= 6:
         cells[column] = CELLS[int(random.integers(len(CELLS)))]
         lines[row] = ",".join(cells)
@@ -97,6 +103,37 @@ def damaged_csv(text: str, random: Random) -> str:
         other = int(random.integers(1, len(lines)))
         lines[row], lines[other] = lines[other], lines[row]
     return "\n".join(lines) + "\n"
+
+
+def _other_endings(text: str, random: Random) -> str:
+    """The same text as other programs write it, or as a careless editor leaves it."""
+    changed = (
+        "\ufeff" + text, text.replace("\n", "\r\n"), text.replace("\n", "\r"), text.rstrip("\n"), text + "\x1a",
+        "\n\n" + text, text.replace("\n", "\n\n"), text + text, text.replace("0.", "0,"), text.replace(",", ";"),
+        text.replace("=", ":"),
+        text.replace(",", "\t"), text.replace("-", "\u2212"), text.upper(), text + "\x00", text.replace(" ", "\u00a0"),
+    )  # fmt: skip
+    return changed[int(random.integers(len(changed)))]
+
+
+def damaged_xml(text: str, random: Random) -> str:
+    """One wrong number, attribute, element or entity."""
+    kind = int(random.integers(8))
+    numbers = list(re.finditer(r"-?\d+(\.\d+)?(e-?\d+)?", text))
+    at = numbers[int(random.integers(len(numbers)))]
+    if kind <= 3:
+        return text[: at.start()] + VALUES[int(random.integers(13))] + text[at.end() :]
+    if kind == 4:
+        head = '<!DOCTYPE m [<!ENTITY a "' + "x" * 1000 + '">' + "".join(
+            f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True)) + "]>"  # fmt: skip
+        return head + text.replace("<worldbody>", "<custom><text name='t' data='&i;'/></custom><worldbody>")
+    elements = re.findall(r"<\w+[^>]*/>", text)
+    chosen = elements[int(random.integers(len(elements)))]
+    if kind == 5:
+        return text.replace(chosen, "", 1)
+    if kind == 6:
+        return text.replace(chosen, chosen + chosen, 1)
+    return text.replace("<worldbody>", "<include file='/etc/passwd'/><worldbody>")
 
 
 def _remade(path: Path) -> None:

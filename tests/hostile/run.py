@@ -32,7 +32,9 @@ def warm() -> None:
     import rig.run_file
     import tentacle.io.recording_rrd
     import vision.track
+    from tentacle.cli import build_parser
 
+    build_parser()  # every verb's file
     del av, cv2, rerun, scipy, affine_model, discovery, inference, rig, tentacle, vision
 
 
@@ -53,7 +55,20 @@ def made(material: Path) -> None:
 
 
 HEAVY = frozenset(
-    ["simulate", "optimise", "compare", "identify", "diagnose", "blind-trial", "validate", "render", "track", "replay"]
+    [
+        "simulate",
+        "optimise",
+        "compare",
+        "identify",
+        "diagnose",
+        "blind-trial",
+        "validate",
+        "render",
+        "track",
+        "replay",
+        "library",
+        "app",
+    ]
 )
 
 

@@ -15,6 +15,7 @@ from rig.settle import SettleRule
 from rig.setup_file import LoadCellCalibration, RigSetup
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import RecordingFile
+from tentacle.io.folder_lock import owned_folder
 from tentacle.recording import Declaration
 from tentacle.specimen import WATER, Cone, Specimen
 
@@ -69,5 +70,7 @@ def test_a_campaign_goes_on_where_it_stopped(emulator: Emulator, limits: SafetyL
         again = list(run_campaign(setup, board, None, campaign, folder))
     assert first.path.name == "a.rrd"
     assert [result.path.name for result in rest] == ["a-2.rrd"]
+    with owned_folder(folder, ""), pytest.raises(InputError, match="out: is in use by another process"):
+        next(run_campaign(setup, board, None, campaign, folder))
     assert again == []
     assert read_run(folder / "a-2.rrd").outcome == "complete"

@@ -121,6 +121,27 @@ def test_ctrl_c_twice_stops_the_motor_and_writes_the_stop_record(bench: Path, tm
     assert run.stop["counters"]["samples_lost"] == 0
 
 
+@pytest.mark.parametrize("what", ["its terminal is closed", "the host sleeps"])
+def test_a_run_that_loses_its_host_says_so(bench: Path, tmp_path: Path, what: str) -> None:
+    (tmp_path / "wave.toml").write_text(WAVE)
+    out = tmp_path / "run.rrd"
+    words = ["rig", "record", str(bench / "rig.toml"), str(tmp_path / "wave.toml"), "--seconds", "10"]
+    with started(*words, "--out", str(out)) as process:
+        wait_for(lambda: 100 < abs(read_truth(bench / "truth").pulse_us - NEUTRAL_US) < NEUTRAL_US)
+        if what == "the host sleeps":
+            process.send_signal(signal.SIGSTOP)
+            wait_for(lambda: read_truth(bench / "truth").pulse_us == NEUTRAL_US)  # the board's watchdog
+            process.send_signal(signal.SIGCONT)
+        else:
+            process.send_signal(signal.SIGHUP)
+        process.communicate(timeout=20)
+        assert process.returncode == (3 if what == "the host sleeps" else 130)
+    assert read_truth(bench / "truth").pulse_us == NEUTRAL_US
+    run = read_run(out)
+    assert run.outcome == ("watchdog" if what == "the host sleeps" else "interrupted")
+    assert not run.missing
+
+
 def test_a_campaign_is_made_once(bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "c.toml").write_text(CAMPAIGN)
     words = ["rig", "campaign", str(bench / "rig.toml"), str(tmp_path / "c.toml"), "--out", str(tmp_path / "runs")]

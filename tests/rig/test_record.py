@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -122,6 +123,48 @@ def test_a_disk_that_fills_ends_the_run_safely(setup: RigSetup, emulator: Emulat
         assert emulator.truth().pulse_us == 1500
     assert result.outcome == "disk"
     assert read_run(path).outcome == "disk"
+
+
+def test_a_load_cell_that_is_saturated_for_half_of_a_run_is_no_complete_run(
+    setup: RigSetup, emulator: Emulator, tmp_path: Path
+) -> None:
+    def hang(phase: str, share: float) -> None:
+        if phase == "running":
+            emulator.say("load", 100.0 if 0.3 < share < 0.8 else 0.0)  # N; 47 N are the end of 24 bits
+
+    path = tmp_path / "run.rrd"
+    with connected(setup) as board:
+        motion = rig_motion(WAVE, 4.0, setup.limits, TABLE)
+        result = record_run(setup, board, None, motion, path, Attendance(name="saturated", progress=hang))
+    assert result.outcome == read_run(path).outcome == "load_cell"
+    assert "the load cell gave no reading for" in result.words
+    assert np.isnan(result.mean_thrust)
+
+
+def test_a_disk_of_a_few_megabytes_that_is_full_ends_the_run_safely(
+    setup: RigSetup, emulator: Emulator, tmp_path: Path
+) -> None:
+    """A true file system: what fails is the write itself, whatever the free space is said to be."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4m", "tmpfs", disk], capture_output=True, check=False)
+    if mounted.returncode != 0:
+        pytest.skip("nothing may be mounted here")
+    try:
+        (disk / "ballast").write_bytes(bytes(3_400_000))
+        setup = replace(setup, camera=CameraSettings("emulated", 0.05, 0.001))
+        path = disk / "run.rrd"
+        with connected(setup) as board, opened_camera(setup, board.time) as camera:
+            motion = rig_motion(WAVE, 20.0, setup.limits, TABLE)
+            attendance = Attendance(name="full", free_bytes=lambda _: 10**9)
+            result = record_run(setup, board, camera, motion, path, attendance)
+            time.sleep(0.3)
+            assert emulator.truth().pulse_us == 1500
+        assert result.outcome == "disk"
+        (disk / "ballast").unlink()
+        assert len(read_run(path).load_t) > 100  # what was on the disk is readable
+    finally:
+        subprocess.run(["umount", disk], check=True)
 
 
 def test_a_stalled_camera_is_written_down_and_the_rest_is_whole(

@@ -29,13 +29,26 @@ def test_a_recording_is_begun_from_flags_and_a_film(tmp_path: Path, capsys: pyte
     film_an_arm(tmp_path / "filmed")
     folder = tmp_path / "my_arm"
     assert main(["new", str(folder), *ARM, "--video", str(tmp_path / "filmed" / "video.mp4")]) == 0
-    assert f"next: tentacle diagnose {folder} --out answer" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert f"next: tentacle diagnose {folder} --out answer" in said
+    assert "motor.csv: without one the base counts as clamped" in said
     recording = read_folder(folder)
     camera = recording.declaration.camera
     assert camera is not None
     assert camera.base_px == pytest.approx((320, 40), abs=4.0)
     assert camera.metres_per_px == pytest.approx(0.0008, rel=0.05)
     assert main(["new", str(folder), *ARM]) == 2  # what is there stays
+
+
+def test_a_film_that_lies_in_the_folder_stays_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    film_an_arm(tmp_path / "filmed")
+    folder, film = tmp_path / "my_arm", tmp_path / "filmed" / "video.mp4"
+    folder.mkdir()
+    (folder / "video.mkv").write_bytes(b"mine")
+    assert main(["new", str(folder), *ARM, "--video", str(film)]) == 2
+    assert "video.mkv: --video: is there already" in capsys.readouterr().err
+    assert [path.read_bytes() for path in folder.iterdir()] == [b"mine"]
+    assert main(["new", str(tmp_path / "filmed"), *ARM, "--video", str(film)]) == 0
 
 
 def test_without_a_film_the_camera_is_left_to_be_filled_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -49,7 +62,7 @@ def test_without_a_film_the_camera_is_left_to_be_filled_in(tmp_path: Path, monke
     assert declared.camera is None
 
 
-@pytest.mark.parametrize("wrong", [["--length", "-1"], ["--length", "nan"]])
+@pytest.mark.parametrize("wrong", [["--length", "-1"], ["--length", "nan"], ["--length", "inf"]])
 def test_a_wrong_answer_is_named(tmp_path: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", str(tmp_path / "a"), *wrong]) == 2
     assert "--length: " in capsys.readouterr().err

@@ -40,6 +40,12 @@ def test_it_is_valid_whole_and_legible(page):
     assert problems(page) == []
 
 
+def test_it_explains_the_words_that_it_uses(page):
+    words = page[page.index('<section id="words">') : page.index('<section id="reproduce">')]
+    assert "<dt>floor</dt><dd>the error that noise" in words
+    assert "<dt>weak form</dt>" not in words
+
+
 def test_what_is_wrong_with_a_page_is_found(page):
     """The check itself: each of these is a mistake that a browser forgives."""
     for wrong, said in (

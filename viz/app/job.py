@@ -7,10 +7,12 @@ import os
 import shlex
 import sys
 from collections import deque
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+LAST_WORDS = 1.0  # s for what an ended command has said to be read
 JobState = Literal["waiting", "running", "done", "failed", "stopped"]
 
 
@@ -42,8 +44,11 @@ class Job:
             stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE,
         )  # fmt: skip
         errors: deque[str] = deque(maxlen=20)
-        await asyncio.gather(self._read_progress(errors), self._read_output())
-        status = await self._process.wait()
+        heard = asyncio.gather(self._read_progress(errors), self._read_output())
+        while (status := self._process.returncode) is None:  # wait() waits for the ends of its pipes, too
+            await asyncio.sleep(0.05)
+        with suppress(TimeoutError):  # what it started may outlive it and hold its output open
+            await asyncio.wait_for(heard, LAST_WORDS)
         if self.state == "stopped":
             return
         if status == 0:

@@ -10,6 +10,7 @@ from pyarrow import csv
 
 from tentacle.errors import InputError
 from tentacle.io.library.query import conditions
+from tentacle.io.written_file import written_file
 
 
 def chosen(table: pa.Table, where: Sequence[str], sort: str, reverse: bool = False) -> pa.Table:
@@ -23,10 +24,13 @@ def chosen(table: pa.Table, where: Sequence[str], sort: str, reverse: bool = Fal
 
 
 def write_listing_csv(table: pa.Table, file: Path) -> None:
-    """Every column of the rows; InputError where the file's folder is missing."""
+    """Every column of the rows, whole or not at all; InputError where the file has no folder, or is no .csv."""
+    if file.suffix != ".csv":
+        raise InputError("is no name of a table", file=file, field="--csv", expected="FILE.csv")
     if not file.parent.is_dir():
         raise InputError("no such folder", file=file.parent, field="--csv")
-    csv.write_csv(table, file)
+    with written_file(file) as partial:
+        csv.write_csv(table, partial)
 
 
 def all_done(table: pa.Table) -> bool:

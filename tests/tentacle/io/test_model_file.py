@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,18 @@ def test_a_model_file_gives_the_model_back_exactly(tmp_path: Path) -> None:
         write_model(model, tmp_path / "model.toml")
         assert read_model(tmp_path / "model.toml") == model
     assert [file.name for file in tmp_path.iterdir()] == ["model.toml"]
+
+
+def test_only_a_plain_file_is_replaced(tmp_path: Path) -> None:
+    """A device must stay: root can rename a file onto /dev/null, and the machine has none afterwards."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("/dev/full")
+    for name in ("pipe", "link", ""):
+        with pytest.raises(InputError, match=r"no plain file|no file name"):
+            write_model(MODEL, tmp_path / name if name else Path())
+    assert (tmp_path / "pipe").is_fifo()
+    assert (tmp_path / "link").is_char_device()
+    assert {path.name for path in tmp_path.iterdir()} == {"pipe", "link"}
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
+import gc
 import json
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +16,7 @@ pytest.importorskip("nicegui", reason="nicegui is not installed: pip install ten
 
 from tentacle.errors import InputError
 from viz.app.desk import Desk, Proposed
+from viz.app.job import Job
 from viz.app.marks import Marks, arm_outline
 from viz.app.tables import compared
 
@@ -65,3 +69,19 @@ def test_two_answers_are_told_side_by_side(tmp_path):
     (tmp_path / "a_answer").mkdir()
     (tmp_path / "a_answer" / "verdict.json").write_text(json.dumps(one))
     assert Desk(tmp_path, nothing).state("a") == "current"
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # the pipe is left to who holds it
+def test_a_verb_that_crashes_is_told_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What it started may live on and hold its output open: the page does not wait for that."""
+    python = tmp_path / "python"
+    python.write_text("#!/bin/sh\necho 'tentacle: a defect' >&2\nsleep 20 &\nexit 70\n")
+    python.chmod(0o755)
+    monkeypatch.setattr("viz.app.job.sys.executable", str(python))
+    job = Job(["diagnose"], tmp_path)
+    begun = time.monotonic()
+    asyncio.run(job.run())
+    assert (job.state, job.words) == ("failed", "tentacle: a defect")
+    assert time.monotonic() - begun < 15.0  # the child sleeps for 20 s
+    del job
+    gc.collect()
