@@ -118,15 +118,15 @@ _CHILD = """
 import sys
 from pathlib import Path
 from rig.connection import connected
-from rig.motion import motion_of
-from rig.record import Attendance, record
+from rig.motion import rig_motion
+from rig.record import Attendance, record_run
 from rig.setup_file import read_setup
 from tentacle.waveform import Sine
 setup = read_setup(Path(sys.argv[1]))
 with connected(setup) as board:
     say = lambda phase, share: print(phase, flush=True)
-    motion = motion_of(Sine(0.5, 1.0), 60.0, setup.limits, {})
-    record(setup, board, None, motion, Path(sys.argv[2]), Attendance(name="killed", progress=say))
+    motion = rig_motion(Sine(0.5, 1.0), 60.0, setup.limits, {})
+    record_run(setup, board, None, motion, Path(sys.argv[2]), Attendance(name="killed", progress=say))
 """
 
 
