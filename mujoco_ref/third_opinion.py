@@ -21,8 +21,9 @@ TIP_NUDGE = 0.01  # m/s at the tip: a swing of a third of a millimetre
 
 
 def is_installed() -> bool:
-    """Whether PyElastica can be asked."""
-    return find_spec("elastica") is not None
+    """Whether PyElastica can be asked. (A folder of caches, which an uninstalled one leaves behind, has no origin.)"""
+    spec = find_spec("elastica")
+    return spec is not None and spec.origin is not None
 
 
 def first_frequency(specimen: Specimen, modulus: float, guess: float, elements: int = 40) -> float:

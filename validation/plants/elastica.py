@@ -31,10 +31,14 @@ GRIP = 0.3  # of what an explicit dashpot may take in a step: stretch and shear 
 def plant(_: Trial) -> Plant:
     """The trial's rod: every trial has the same pieces and steps. InputError where PyElastica is not installed."""
     try:
-        import_module("elastica")
+        usable = hasattr(
+            import_module("elastica"), "CosseratRod"
+        )  # an uninstalled one leaves a folder of caches behind
     except ImportError:
+        usable = False
+    if not usable:
         expected = 'one of the other plants, or: pip install "tentacle-twin[elastica]"'
-        raise InputError("PyElastica is not installed", field="elastica", expected=expected) from None
+        raise InputError("PyElastica is not installed", field="elastica", expected=expected)
     return Plant(move, COARSE, {"pieces": PIECES, "step_s": STEP})
 
 
