@@ -102,7 +102,7 @@ class Effect:
     curvature of a spring in series with a dashpot, or with a slip at that size. Outside the equations of motion: base
     ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature
     coordinates added). family "option": another form of a base law, which a model may choose and the loop does not
-    search. law_error: what the law may leave of what it explains, for no law is known exactly.
+    search.
     """
 
     name: str
@@ -132,7 +132,6 @@ class Effect:
     base: Literal["lag", "backlash"] | None = None
     measurement: Literal["time_offset", "roll", "scale"] | None = None
     extra_order: int = 0
-    law_error: float = 0.015  # another simulator's law, or an arm's, differs so
 
     @property
     def strengths(self) -> tuple[Parameter, ...]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
-from importlib.resources import as_file, files
 from pathlib import Path
 from typing import get_args
 
@@ -15,7 +13,6 @@ import numpy as np
 from tentacle.diagnosis import Verdict
 from tentacle.io.toml_table import Table, read_toml
 
-STORED = "calibration.toml"
 HIT_RATE_BOUNDS = (0.02, 0.98)  # no finite number of trials shows more
 Curve = tuple[tuple[float, ...], tuple[float, ...], int]
 
@@ -73,10 +70,3 @@ def _curve(table: Table) -> Curve:
     if len(right) != len(stated) or np.any(np.diff(right) < 0.0) or right[0] < 0.0 or right[-1] > 1.0:
         raise table.error("is not usable", "right", f"{len(stated)} numbers that do not fall, within 0 to 1")
     return stated, right, trials
-
-
-@cache
-def stored() -> Calibration:
-    """The calibration that comes with the package (`tentacle blind-trial` writes such a file beside its report)."""
-    with as_file(files("discovery").joinpath(STORED)) as file:
-        return read_calibration(file)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from discovery.answer import cannot_tell
-from discovery.given import Deciding, Given, How, same_arm
-from discovery.posterior.diagnose import diagnose_by_posterior as by_posterior
-from discovery.rules.diagnose import diagnose_by_rules as by_rules
+from discovery.given import Deciding, Given, same_arm
+from discovery.loop import close_loop
 from inference.prepare import CannotTellError
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError
@@ -36,17 +35,7 @@ def diagnose(
         raise InputError("no recording", expected="at least one")
     given = Given(recordings, baseline, held_out)
     same_arm(given.all)
-    loop = by_posterior if (deciding.how or decided_by(given)) == "posterior" else by_rules
     try:
-        return loop(given, seed, deciding, progress)
+        return close_loop(given, seed, deciding, progress)
     except CannotTellError as reason:
         return cannot_tell(recordings[0], str(reason), seed)
-
-
-def decided_by(given: Given) -> How:
-    """How the loop decides by default: by posterior mass, but by the rules if a recording is a free decay.
-
-    In a decay a small error of the frequency gives a large error of phase, and the search by posterior mass is not
-    reliable there yet (docs/loop.md has the figures).
-    """
-    return "rules" if any(recording.declaration.release_t is not None for recording in given.all) else "posterior"

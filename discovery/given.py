@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 from discovery.calibration import Calibration
 from inference.prepare import Prepared
@@ -26,18 +25,13 @@ class Given:
         return (*self.recordings, *self.baseline, *self.held_out)
 
 
-How = Literal["posterior", "rules"]
-
-
 @dataclass(frozen=True)
 class Deciding:
     """How a diagnosis is decided.
 
-    how: by posterior mass or by the rules (None: discovery.diagnose.decided_by). calibration: of the confidence (None:
-    the posterior mass itself, or the stored calibration of the rules). laws: search laws after an unknown.
+    calibration: of the confidence (None: the posterior mass itself). laws: search laws after an unknown.
     """
 
-    how: How | None = None
     calibration: Calibration | None = None
     laws: bool = True
 

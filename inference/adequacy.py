@@ -17,11 +17,7 @@ from tentacle.diagnosis import Gate
 SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fit, false alarms well under 1 %
 # Noise sigmas: structure below this rms is not called missing physics (the models' own numerics reach it)
 MATERIAL = 0.12
-ALLOWANCE = 1.5  # times the measured error of the reduction: another simulator, or a real arm, has a different one
-UNCERTAINTY = 2.0  # standard deviations of the parameters, by which held-out frames may be wrong
 LAGS = 20
-# Times the baseline's own mean square rest: repeats of one experiment on silicone differ by as much
-LIKE_BASELINE = 2.0
 
 
 @dataclass(frozen=True)
@@ -37,9 +33,9 @@ class Adequacy:
         return all(gate.passed for gate in self.gates)
 
 
-def judged_rows(experiment: Experiment, residuals: Array, held_out: bool) -> Array:
-    """Whitened residuals (T', K) of the fitted frames, or of the held-out frames, without unseen frames."""
-    chosen = residuals[~experiment.used if held_out else experiment.used]
+def _fitted_rows(experiment: Experiment, residuals: Array) -> Array:
+    """Whitened residuals (T', K) of the fitted frames, without unseen frames."""
+    chosen = residuals[experiment.used]
     return chosen[np.any(chosen != 0.0, axis=1)]
 
 
@@ -66,36 +62,22 @@ def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:
     return total, lags * rows.shape[1]
 
 
-def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, discrepancy_rms: float = 0.0) -> Adequacy:
-    """The gates on fitted or held-out frames; drift is judged where the Jacobian is known, on the fitted ones.
-
-    discrepancy_rms: how much the model may leave by its own error, rms in noise sigmas.
-    """
+def adequacy(problem: Problem, fitted: Fit) -> Adequacy:
+    """The gates on the frames that were fitted."""
     experiments = problem.experiments
-    allowed = discrepancy_rms**2 + (TRACKER_ERROR if any(_tracked(e) for e in experiments) else MATERIAL) ** 2
-    if held_out:  # these frames carry the parameters' own uncertainty on top of the noise
-        allowed += (UNCERTAINTY * fitted.spread) ** 2
-    parts = [
-        _live(judged_rows(experiment, residuals, held_out))
-        for experiment, residuals in zip(experiments, fitted.residuals, strict=True)
-    ]
-    parts = [part for part in parts if part.size]
+    allowed = (TRACKER_ERROR if any(_tracked(e) for e in experiments) else MATERIAL) ** 2
+    both = zip(experiments, fitted.residuals, strict=True)
+    parts = [part for part in (_live(_fitted_rows(e, residuals)) for e, residuals in both) if part.size]
     if not parts:
         return Adequacy((), 0.0)
     squares = sum(float(np.sum(part**2)) for part in parts)
-    count = sum(part.size for part in parts) - (0 if held_out else len(fitted.values))
+    count = sum(part.size for part in parts) - len(fitted.values)
     ratio = squares / max(count, 1)
     structure = float(np.sqrt(max(ratio - 1.0, 0.0)))
-    threshold = float(chi_square.isf(SIGNIFICANCE, count)) / count
-    threshold += allowed
-    coloured = any(experiment.correlation > 1.0 for experiment in experiments)
-    if coloured:
-        threshold = max(threshold, LIKE_BASELINE)
+    threshold = float(chi_square.isf(SIGNIFICANCE, count)) / count + allowed
     gates = [
         Gate("chi-square", ratio, threshold, ratio <= threshold, f"mean square residual {ratio:.3f} noise variances"),
     ]
-    if coloured:  # the baseline's own residual is correlated and drifts: only its size can be judged
-        return Adequacy(tuple(gates), structure)
     statistic, freedom = 0.0, 0
     for part in parts:
         value, degrees = ljung_box(part)
@@ -107,8 +89,7 @@ def adequacy(problem: Problem, fitted: Fit, *, held_out: bool, discrepancy_rms: 
         gates.append(
             Gate("Ljung-Box", statistic, limit, statistic <= limit, f"residuals correlated over {LAGS} frames")
         )
-    if not held_out:
-        gates.append(_drift(problem, fitted, allowed))
+    gates.append(_drift(problem, fitted, allowed))
     return Adequacy(tuple(gates), structure)
 
 

@@ -273,12 +273,11 @@ def fit_baseline_alone(setting: Setting, order: int, *, warm: Fit) -> tuple[Prob
 def refit_noise_and_step(problem: Problem, fitted: Fit) -> tuple[Problem, Fit]:
     """Refit with the noise that the residuals show and with a sufficient step; at most twice.
 
-    The noise of a fit against a baseline stays as it is. The given objects are returned if neither noise nor step
-    changes.
+    The given objects are returned if neither noise nor step changes.
     """
     for _ in range(2):
         experiments = tuple(
-            recalibrated(experiment, residuals) if experiment.correlation == 1.0 else experiment
+            recalibrated(experiment, residuals)
             for experiment, residuals in zip(problem.experiments, fitted.residuals, strict=True)
         )
         step = sufficient_step(problem, fitted)

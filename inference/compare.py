@@ -236,23 +236,3 @@ def floor_errors(
     noise = _rms(distance)
     total = None if noise is None else float(np.hypot(noise, reduction_mm))
     return ErrorMeasure(total, _rms(angle), _rms(first), _rms(second), None)
-
-
-def unexplained_share(
-    base: tuple[Problem, Fit],
-    chosen: tuple[Problem, Fit],
-    prepared: list[Prepared],
-    reduction_mm: float,
-    *,
-    held_out: bool,
-) -> float:
-    """The share 0 .. 1 of the base's midline error that the chosen model leaves, without noise and reduction.
-
-    It is 1 if midlines are not measured, or if the base has no error beyond noise and reduction.
-    """
-    runs = [run_comparison(source, place, base, chosen, held_out) for place, source in enumerate(prepared)]
-    first, last = (run_errors(runs, prepared, augmented=augmented).midline_mm for augmented in (False, True))
-    floor = floor_errors(runs, prepared, reduction_mm).midline_mm
-    if first is None or last is None or floor is None or first <= floor:
-        return 1.0
-    return float(np.clip(np.sqrt(max(last**2 - floor**2, 0.0) / (first**2 - floor**2)), 0.0, 1.0))

@@ -35,8 +35,7 @@ class Experiment:
 
     base: the recorded base motion. t0, duration [s]: the simulated window. release [s]: the arm is held still until
     then (None: it moves from the start). used (T,) bool: frames that the fit may use; the others judge it. noise_gain:
-    factor on the observation's stated standard deviation, found from the data. correlation [frames]: correlation time
-    of that noise; it is above 1 if the noise includes the residual of a baseline, which is not white. remembers: the
+    factor on the observation's stated standard deviation, found from the data. remembers: the
     model has a Maxwell branch, whose initial state is unknown too (an arm held still until its release has none).
     rates_seen (K,) [rad/s]: rms rates of the Legendre coordinates that the recording shows. base_known_from [s]: the
     base motion is recorded from then on (None: from t0). complete: the declaration is complete, so that no absent
@@ -52,7 +51,6 @@ class Experiment:
     used: np.ndarray
     noise_gain: Array
     release_sigma: float = 0.01
-    correlation: float = 1.0
     remembers: bool = False
     rates_seen: Array = field(default_factory=lambda: np.zeros(0))
     base_known_from: float | None = None

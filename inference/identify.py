@@ -14,8 +14,8 @@ from inference.bootstrap import bootstrap
 from inference.compare import reduced_shape, run_comparison, run_errors
 from inference.declared_arm import names_of
 from inference.declared_words import declared_words
-from inference.hypothesis import GatedHypothesis, estimates, gated_hypothesis, variance_inflation
 from inference.identifiability import Identifiability, identifiability
+from inference.judged_fit import JudgedFit, estimates, judged_fit, variance_inflation
 from inference.measured_motion import MeasuredCourse
 from inference.observation import POSE, ShapeObservation
 from inference.prepare import Prepared, prepare
@@ -88,7 +88,7 @@ def identify(
     if order is None:
         setting = replace(setting, order=needed_order(setting, complete=True))
     problem, fitted = fit_base(setting, setting.order)
-    judged = gated_hypothesis((), problem, fitted)
+    judged = judged_fit(problem, fitted)
     prepared = [replace(p, experiment=e) for p, e in zip(prepared, problem.experiments, strict=True)]
     shown, final = (judges, _initial_states(setting, problem, judges)) if judges else (prepared, (problem, fitted))
     runs = [run_comparison(p, place, final, final, False) for place, p in enumerate(shown)]
@@ -157,7 +157,7 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
     return words
 
 
-def _remarks(judged: GatedHypothesis, correlation: Array) -> tuple[str, ...]:
+def _remarks(judged: JudgedFit, correlation: Array) -> tuple[str, ...]:
     words = [] if judged.fitted.result.converged else [judged.fitted.result.message]
     names = [".".join(name) for name in judged.fitted.free]
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):

@@ -23,7 +23,6 @@ from inference.trajectory import Fit, ParameterName, Problem
 from tentacle.specimen import declared_effects
 
 STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
-GRID_SIZES = (0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
 SCORE_BATCH = 96  # individuals at once: what memory holds for a long recording
 VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
@@ -34,7 +33,7 @@ class Candidate:
     """An absent effect in the score test.
 
     gain [nats]; strengths: linear estimates; shapes: the values with the largest gain; sensitivity (N, S): without what
-    the base can absorb. from_grid: strengths from the grid, a second start of a refit (None: no grid was needed).
+    the base can absorb.
     """
 
     effect: Effect
@@ -42,7 +41,6 @@ class Candidate:
     strengths: Array
     shapes: tuple[float, ...]
     sensitivity: Array
-    from_grid: Array | None = None
 
     @property
     def free(self) -> tuple[ParameterName, ...]:
@@ -112,41 +110,6 @@ def sensitivities(
                 parts.append((values[:, place] - values[:, place + 1]) / spread)
                 place += 2
             found.setdefault(effect.name, []).append((shapes, np.stack(parts, axis=1)))
-    return found
-
-
-def strength_grid(problem: Problem, fitted: Fit, candidates: list[Candidate]) -> dict[str, tuple[float, Array]]:
-    """The best of a coarse grid of strengths for each candidate. A linear estimate misleads if the residual is large.
-
-    Every strength is tried alone at nominal sizes times SURVEYED (both signs where bounds allow), with the shape
-    values that the score test prefers; base and initial states stay. Returns effect -> (gain [nats], strengths).
-    """
-    problem = replace(problem, parameters=fitted.parameters)
-    unknowns = np.concatenate([fitted.values, *fitted.nuisances])
-    plan: list[tuple[str, Array]] = []
-    columns = []
-    for candidate in candidates:
-        for place, strength in enumerate(candidate.effect.strengths):
-            for size in (*GRID_SIZES, *(-value for value in GRID_SIZES)):
-                value = size * strength.nominal
-                if not strength.bounds[0] <= value <= strength.bounds[1]:
-                    continue
-                parameters = fitted.parameters.copy()
-                for shape, best in zip(candidate.effect.shapes, candidate.shapes, strict=True):
-                    parameters[parameter_index(candidate.effect.name, shape.name)] = best
-                parameters[parameter_index(candidate.effect.name, strength.name)] = value
-                strengths = np.zeros(len(candidate.effect.strengths))
-                strengths[place] = value
-                plan.append((candidate.effect.name, strengths))
-                columns.append(parameters)
-    found: dict[str, tuple[float, Array]] = {}
-    for begin in range(0, len(plan), SCORE_BATCH):
-        part = np.stack(columns[begin : begin + SCORE_BATCH], axis=1)
-        values = problem.residuals_of(part, np.repeat(unknowns[:, None], part.shape[1], axis=1))
-        gains = fitted.misfit - 0.5 * np.einsum("nb,nb->b", values, values)
-        for (name, strengths), gain in zip(plan[begin : begin + SCORE_BATCH], gains, strict=True):
-            if gain > found.get(name, (0.0, strengths))[0]:
-                found[name] = (float(gain), strengths)
     return found
 
 

@@ -15,14 +15,6 @@ OF_NOISE = 0.05  # noise sigmas (rms): one nat in 800 values, nearly the same fo
 OF_REST = 0.02  # of the residual's rms: a finer step would not help a model with such a residual
 
 
-def unbiased_noise(problem: Problem) -> float:
-    """The largest error of the motion, in noise sigmas (rms), that moves no parameter by over half its deviation.
-
-    Unlike noise it does not average out: all of it may lie along one parameter's column.
-    """
-    return 0.5 / float(np.sqrt(sum(e.used.sum() * e.noise_gain.size for e in problem.experiments)))
-
-
 def sufficient_step(problem: Problem, fitted: Fit, of_noise: float = OF_NOISE) -> float:
     """The coarsest of STEPS [s] at which the fitted motion errs by less than of_noise, or OF_REST of the rest, on the
     fitted frames of every recording and on those kept for judging.

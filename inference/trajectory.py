@@ -34,9 +34,8 @@ class Fit:
     free: the fitted parameters; values, covariance of them alone, all else marginalised; parameters (R,) the whole
     vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
     (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
-    parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; spread: rms in noise
-    sigmas that the unknowns' own uncertainty adds to the frames that were not fitted; result: how the solver ended;
-    slopes: d residuals / d unknowns (T, K, P) a recording, all frames.
+    parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; result: how the solver
+    ended; slopes: d residuals / d unknowns (T, K, P) a recording, all frames.
     """
 
     free: tuple[ParameterName, ...]
@@ -51,7 +50,6 @@ class Fit:
     jacobian: Array
     used_residuals: Array
     evaluations: int
-    spread: float = 0.0
     result: RESULTS = RESULTS.CONVERGED
     slopes: tuple[Array, ...] = ()
 
@@ -281,20 +279,8 @@ def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
         jacobian=jacobian,
         used_residuals=used[:, 0],
         evaluations=evaluations,
-        spread=_held_out_spread(problem, slopes, covariance),
         slopes=tuple(slopes),
     )
-
-
-def _held_out_spread(problem: Problem, slopes: list[Array], covariance: Array) -> float:
-    """rms in noise sigmas that the unknowns' covariance (P, P) adds to the frames that were not fitted."""
-    total, count = 0.0, 0
-    for experiment, slope in zip(problem.experiments, slopes, strict=True):
-        rows = slope[~experiment.used].reshape(-1, slope.shape[2])
-        rows = rows[np.any(rows != 0.0, axis=1)]
-        total += float(np.einsum("rp,pq,rq->", rows, covariance, rows))
-        count += rows.shape[0]
-    return float(np.sqrt(max(total, 0.0) / count)) if count else 0.0
 
 
 def unfitted(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:

@@ -11,7 +11,7 @@ from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import midline
 from affine_model.simulate import Timing, simulate
 from inference.base_fit import Setting, fit_base
-from inference.hypothesis import GatedHypothesis, gated_hypothesis
+from inference.judged_fit import JudgedFit, judged_fit
 from inference.prepare import prepare
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
@@ -60,20 +60,20 @@ def as_markers(recording: Recording, places: tuple[float, ...] = (0.6, 0.8, 1.0)
     return replace(recording, midline=None, markers=seen)
 
 
-def base_of(recording: Recording) -> GatedHypothesis:
+def base_of(recording: Recording) -> JudgedFit:
     """The declared model's fit to a recording, judged."""
     setting = Setting(recording.declaration, (prepare(recording, hold_out=True).experiment,), 2)
-    return gated_hypothesis((), *fit_base(setting, 2))
+    return judged_fit(*fit_base(setting, 2))
 
 
 @pytest.fixture(scope="session")
-def plain(recorded) -> GatedHypothesis:
+def plain(recorded) -> JudgedFit:
     """The base hypothesis of a recording in which nothing is hidden."""
     return base_of(recorded())
 
 
 @pytest.fixture(scope="session")
-def with_current(recorded) -> GatedHypothesis:
+def with_current(recorded) -> JudgedFit:
     """The base hypothesis of a recording with a steady current of 30 mm/s across the arm."""
     return base_of(recorded({("current", "U_x"): 0.03}))
 

@@ -10,5 +10,4 @@ BACKLASH = Effect(
     family="servo",
     dissipative=True,
     base="backlash",
-    law_error=0.2,  # a real coupling gives, and rings where it strikes: a sprung one leaves .14 to .19
 )

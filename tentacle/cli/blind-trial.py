@@ -54,7 +54,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Run what has not been run, score all, write; an interrupted series goes on where it stopped."""
     import json
 
-    from discovery.calibration import stored
     from tentacle.cli._blind_like import like_recording
     from tentacle.cli.pages.blind_trials import blind_trials_page
     from tentacle.errors import InputError
@@ -63,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.runner import Runner
     from validation.trials.figures import figures, results
     from validation.trials.plant_design import plant_designs
-    from validation.trials.reliability import AS_STATED, LIKE_OTHERS, Prior, fit_calibration
+    from validation.trials.reliability import AS_STATED, fit_calibration
     from validation.trials.remake import remake
     from validation.trials.series import run_series
     from viz.report import Origin, write_report
@@ -87,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
             if given is not None:
                 raise InputError("not together with --like", field=field, expected=expected)
         found, sections = like_recording(arguments.like, arguments.count, arguments.seed, kinds)
-        prior, inputs = Prior(stored(), LIKE_OTHERS), [arguments.like]
+        inputs = [arguments.like]
         options = f"--like {arguments.like}"
     if arguments.only:
         for path in remake(found, arguments.only, arguments.out):

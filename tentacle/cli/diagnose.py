@@ -27,10 +27,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--calibration", type=Path, metavar="FILE.toml",
         help="take the confidence from your own blind trials: the file of tentacle blind-trial --like RECORDING",
     )  # fmt: skip
-    parser.add_argument(
-        "--decide", choices=["posterior", "rules"],
-        help="decide by posterior mass or by rules (default: posterior, but rules for free decays; see docs/loop.md)",
-    )  # fmt: skip
     add_effects(parser)
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(
@@ -70,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
             baseline,
             held_out,
             seed=arguments.seed,
-            deciding=Deciding(arguments.decide, calibration),
+            deciding=Deciding(calibration),
             progress=stage,
         )
         stage("writing the report")

@@ -23,7 +23,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="as in tentacle diagnose"
     )
     parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as in tentacle diagnose")
-    parser.add_argument("--decide", choices=["posterior", "rules"], help="as in tentacle diagnose")
     add_effects(parser)
     parser.add_argument("--seed", type=int, help="as in tentacle diagnose (default: 0)")
     parser.add_argument(
@@ -45,7 +44,6 @@ def run(arguments: argparse.Namespace) -> int:
         baseline=arguments.baseline,
         held_out=[],
         calibration=arguments.calibration,
-        decide=arguments.decide,
         effects=arguments.effects,
         seed=arguments.seed or 0,
         out=arguments.out,

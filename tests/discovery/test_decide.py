@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discovery.posterior.decide import decide_by_mass, log_prior_of_set
+from discovery.decide import decide_by_mass, log_prior_of_set
 from inference.posterior import FORCE_SHARES, Hypothesis
 from inference.solver_result import RESULTS
 

@@ -1,7 +1,6 @@
 """The next experiment settles what one run cannot: a lag of the servo and a clock's offset are the same on one sine."""
 
 from discovery.diagnose import diagnose
-from discovery.given import Deciding
 from discovery.next_experiment import DURATION
 from tentacle.io.waveform_file import waveform_from_table
 from tentacle.waveform import Ramped, Sine
@@ -19,8 +18,7 @@ def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):
 
     proposed = waveform_from_table(first.next_experiment)
     second = recorded(hidden, wave=proposed, noise=1e-3, seconds=DURATION, seed=1)
-    # The rules split them; the posterior keeps both while a lag of another form might resemble an offset.
-    both = diagnose([sine, second], deciding=Deciding("rules"))
+    both = diagnose([sine, second])
     assert both.verdict == "effect"
     assert both.effects == ("servo_lag",)
     estimate = both.parameters["servo_lag"]["tau"]

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from discovery.posterior.decide import decide_by_mass
-from discovery.posterior.detection import detection_limits
-from discovery.posterior.rank import ranked_sets
-from discovery.posterior.search import search_posterior
+from discovery.decide import decide_by_mass
+from discovery.detection import detection_limits
+from discovery.rank import ranked_sets
+from discovery.search import search_posterior
 from inference.posterior import credible_interval, declared_model
 from inference.score import score
 

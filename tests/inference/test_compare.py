@@ -7,11 +7,10 @@ import pytest
 
 from affine_model.arm import parameter_index
 from affine_model.curvature import legendre_to_monomial, midline
-from discovery.rules.diagnose import REMAINS
 from inference.base_fit import Setting, fit_base
 from inference.compare import floor_errors, restricted, run_comparison, run_errors
 from inference.discrepancy import model_discrepancy, without_discrepancy
-from inference.hypothesis import gated_hypothesis
+from inference.judged_fit import judged_fit
 from inference.observation import POSE, Tracker, fit_shapes
 from inference.prepare import prepare
 from inference.trajectory import fit
@@ -85,9 +84,9 @@ def test_the_chain_s_error_taken_off_leaves_little_of_it(recorded):
     assert lost.structure > 1.0
     less = without_discrepancy(problem, lost)
     relieved = fit(replace(less, parameters=fitted.parameters), fitted.nuisances)
-    before = gated_hypothesis((), problem, fitted).train.structure
+    before = judged_fit(problem, fitted).train.structure
     assert before == pytest.approx(lost.structure, rel=0.3)  # the chain's own error is what was left
-    assert gated_hypothesis((), less, relieved).train.structure < REMAINS * before
+    assert judged_fit(less, relieved).train.structure < 0.3 * before
 
 
 @pytest.mark.parametrize("rigid", [True, False])
@@ -127,7 +126,7 @@ def test_the_chain_is_seen_as_a_tracker_sees(recorded, rigid):
     assert lost.structure > 1.0
     less = without_discrepancy(problem, lost)
     relieved = fit(replace(less, parameters=fitted.parameters), fitted.nuisances)
-    assert gated_hypothesis((), less, relieved).train.structure < 0.3
+    assert judged_fit(less, relieved).train.structure < 0.3
 
 
 def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(recorded):
@@ -152,5 +151,5 @@ def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(rec
     np.testing.assert_array_equal(lost_with(camera_roll={"roll": 0.02}).beyond[0], bare.beyond[0])
     current = lost_with(current={"U_x": 0.03, "U_y": 0.0})
     assert current.structure < 2.0 * bare.structure
-    without = gated_hypothesis((), problem, fitted).train.structure  # what a current less in the model leaves
+    without = judged_fit(problem, fitted).train.structure  # what a current less in the model leaves
     assert current.structure < 0.2 * without

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from discovery.calibration import Calibration, read_calibration, stored
+from discovery.calibration import Calibration, read_calibration
 from tentacle.errors import InputError
 from validation.trials.outcome import Outcome, outcome
 from validation.trials.reliability import (
@@ -212,12 +212,3 @@ def test_a_file_that_is_no_calibration_is_one_line(tmp_path, wrong, named):
     assert named in refused.value.line()
     assert "calibration.toml" in refused.value.line()
     assert "\n" not in refused.value.line()
-
-
-def test_the_stored_calibration_rises_and_stays_within_bounds():
-    for verdict in ("effect", "group", "unknown", "nothing_missing"):
-        found = [stored()(verdict, x) for x in np.linspace(0.05, 0.95, 19)]
-        assert np.all(np.diff(found) >= -1e-12)
-        assert min(found) >= 0.02
-        assert max(found) <= 0.98
-    assert stored() is stored()

@@ -27,7 +27,6 @@ class Prior:
 
 
 AS_STATED = Prior(Calibration({}), 4.0)
-LIKE_OTHERS = 12.0  # trials of many arms that say as much of one as one of its own
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from discovery.assemble import PosteriorContext, assemble_posterior
+from discovery.decide import decide_by_mass
+from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
 from discovery.laws.rivals import seeks_laws, with_laws
-from discovery.posterior.assemble import PosteriorContext, assemble_posterior
-from discovery.posterior.decide import decide_by_mass
-from discovery.posterior.detection import detection_limits
-from discovery.posterior.search import search_posterior
+from discovery.search import search_posterior
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
 from inference.decay import fit_from_release
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
@@ -31,7 +31,7 @@ from tentacle.progress import Stage
 FINER = 0.5  # of the sufficient step of the declared model: added laws may need a finer one
 
 
-def diagnose_by_posterior(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
+def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
     calibration = deciding.calibration
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out

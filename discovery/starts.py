@@ -14,7 +14,7 @@ import numpy as np
 
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array
-from discovery.posterior.rank import RankedSet
+from discovery.rank import RankedSet
 from inference.decay import LEFT, Points, followed_from_release, residuals_at
 from inference.posterior import Hypothesis
 from inference.score import Candidate, nuisance_tangent_basis

@@ -8,9 +8,9 @@ import numpy as np
 
 from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
 from discovery.calibration import Calibration
+from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, missing_of, usable
 from discovery.next_experiment import propose_experiment
-from discovery.posterior.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, missing_of, usable
-from discovery.posterior.search import PosteriorSearch
+from discovery.search import PosteriorSearch
 from inference.compare import floor_errors, midline_error, run_comparison, run_errors
 from inference.discrepancy import ModelDiscrepancy
 from inference.observation import ShapeObservation

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from discovery.posterior.decide import log_prior_of_set
+from discovery.decide import log_prior_of_set
 from inference.posterior import Hypothesis
 from inference.score import score
 from tentacle.diagnosis import Limit

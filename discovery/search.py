@@ -18,9 +18,9 @@ from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from discovery.answer import MOST_EFFECTS
-from discovery.posterior.decide import log_masses, log_prior_of_set, missing_of
-from discovery.posterior.rank import RankedSet, ranked_sets
-from discovery.posterior.starts import RefitStart, refit_starts
+from discovery.decide import log_masses, log_prior_of_set, missing_of
+from discovery.rank import RankedSet, ranked_sets
+from discovery.starts import RefitStart, refit_starts
 from inference.decay import DECAY_SHARE, has_decay, horizons_of
 from inference.linearise import latent_forces
 from inference.posterior import Hypothesis, RoughFit, fit_hypothesis, rough_fit, with_rest
