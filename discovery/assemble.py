@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
 from discovery.calibration import Calibration
@@ -75,6 +77,7 @@ def assemble_posterior(
     temperature = missing_of(found.hypotheses).temperature
     for h in (*reversed(decision.rivals), chosen):
         known |= posterior_estimates(h, temperature)
+    known = _over_sets(known, decision, temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base = hypothesis_of_paper(paper)
     proposal = propose_experiment(*_to_be_split(found, decision), HOBBY_SERVO, seed)
@@ -113,6 +116,38 @@ def assemble_posterior(
         detection_limits=around.limits,
         where={p.recording.name: effects for p in prepared},
     )
+
+
+def _over_sets(
+    known: dict[str, dict[str, Estimate]], decision: PosteriorDecision, temperature: float
+) -> dict[str, dict[str, Estimate]]:
+    """The estimates with intervals over all credible sets: each is a Gaussian of its set's mass, and 95 % of their sum
+    lies within.
+    """
+    masses = [mass for _, mass in decision.sets] or [1.0]
+    both = list(zip((decision.leading, *decision.rivals), masses, strict=True))
+    tables = [(posterior_estimates(h, temperature), mass) for h, mass in both]
+    found: dict[str, dict[str, Estimate]] = {}
+    for effect, table in known.items():
+        for name, one in table.items():
+            parts = [(t[effect][name], mass) for t, mass in tables if name in t.get(effect, {})]
+            low, high = (_quantile(parts, level) for level in (0.025, 0.975))
+            found.setdefault(effect, {})[name] = replace(one, low=min(low, one.value), high=max(high, one.value))
+    return found
+
+
+def _quantile(parts: list[tuple[Estimate, float]], level: float) -> float:
+    """The quantile of a sum of Gaussians, given by their 95 % intervals and masses; a part's own bounds hold."""
+    total = sum(mass for _, mass in parts)
+
+    def below(value: float) -> float:
+        spread = [max((e.high - e.low) / (2.0 * 1.96), 1e-300) for e, _ in parts]
+        return sum(m * float(ndtr((value - e.value) / s)) for (e, m), s in zip(parts, spread, strict=True)) / total
+
+    ends = min(e.low for e, _ in parts), max(e.high for e, _ in parts)
+    if below(ends[0]) >= level or below(ends[1]) <= level:
+        return ends[0] if below(ends[0]) >= level else ends[1]
+    return float(brentq(lambda value: below(value) - level, *ends))
 
 
 def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estimate]]:

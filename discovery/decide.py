@@ -2,7 +2,8 @@
 
     P(set, known | y) ~ P(set) (1 - ELSE)  int  k(a, r)      evidence(set, a)^(1/T) d log a
     P(set, else  | y) ~ P(set)  ELSE       int (1 - k(a, r)) evidence(set, a)^(1/T) d log a
-    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = d^2 + (FORM a_0)^2,  T = 1 + min(FORM_ALIKE^2 G, D)
+    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = d^2 + (FORM a_0)^2
+    T = 1 + max(min(FORM_ALIKE^2 G, D), B / FALSE_GAIN)
 
 a is the share of the acting forces that no law of the set explains (inference.latent_force), with a prior that is flat
 in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share d of the
@@ -11,9 +12,10 @@ the force a_0 that is missing without them. r^2 is the residual that the set's m
 without the set. "Something else" (ELSE) means that more is left than the forms allow. An error of form can also look
 like another effect: of the G nats that the best set gains, such an effect can gain FORM_ALIKE^2 G, and no more than the
 D nats by which the residual of the best set's model alone exceeds its noise. The likelihood is therefore coarsened by T
-(Miller and Dunson 2019, Robust Bayesian inference via coarsening). T is 1 if that model follows the data to their
-noise. The verdict is the outcome with the largest mass. A group is the smallest family of sets with CREDIBLE of the
-known mass.
+(Miller and Dunson 2019, Robust Bayesian inference via coarsening). A baseline measures the same directly: B nats are
+what the best set would gain there, although none acts. T is 1 if the best set's model follows the data to their noise.
+The verdict is the outcome with the largest mass. A group is the smallest family of sets with CREDIBLE of the known
+mass.
 """
 
 from __future__ import annotations
@@ -35,6 +37,7 @@ DECLARED_FORM = 0.003  # share of the acting forces that the declared laws leave
 MOST_DECLARED_FORM = 0.05  # the same where a baseline shows it: a model that leaves more certifies nothing
 FORM = 0.3  # share of what an added law explains that its true form may differ by
 FORM_ALIKE = 0.15  # share of it that resembles another effect
+FALSE_GAIN = 3.0  # nats: what effects may gain, coarsened, on a baseline where none acts
 CREDIBLE = 0.95
 
 
@@ -78,7 +81,7 @@ class Missing:
 
     share: of the acting forces. rest [noise variances]: residual beyond noise. gained [nats]: by the best set, whose
     model alone leaves a residual of `structured` nats beyond noise. declared: share of the acting forces that the form
-    of the declared laws leaves.
+    of the declared laws leaves. baseline_gain [nats]: see Hypothesis.
     """
 
     share: float
@@ -86,11 +89,13 @@ class Missing:
     gained: float
     structured: float
     declared: float
+    baseline_gain: float
 
     @property
     def temperature(self) -> float:
         """T: the factor by which the likelihood is coarsened."""
-        return 1.0 + min(FORM_ALIKE**2 * self.gained, self.structured)
+        alike = min(FORM_ALIKE**2 * self.gained, self.structured)
+        return 1.0 + max(alike, self.baseline_gain / FALSE_GAIN)
 
 
 def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
@@ -99,7 +104,7 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     form = max(DECLARED_FORM, min(base.baseline_share, MOST_DECLARED_FORM))
     best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: float(h.log_evidence.max()))
     gained = float(best.log_evidence.max()) - float(base.log_evidence.max())
-    return Missing(base.share, base.rest, gained, best.structured, form)
+    return Missing(base.share, base.rest, gained, best.structured, form, base.baseline_gain)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:

@@ -10,19 +10,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from affine_model.curvature import Array
+from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
 from discovery.decide import decide_by_mass
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
 from discovery.laws.rivals import seeks_laws, with_laws
+from discovery.rank import ranked_sets
 from discovery.search import search_posterior
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
-from inference.decay import fit_from_release
+from inference.decay import fit_from_release, has_decay
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
 from inference.experiment import PARAMETER_SPREAD
-from inference.posterior import Hypothesis, baseline_share, declared_model, followed_closely, with_rest
+from inference.posterior import Hypothesis, baseline_alone, declared_model, followed_closely, with_rest
 from inference.prepare import Prepared, prepare
+from inference.score import score
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
@@ -60,7 +64,7 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     reduction = model_discrepancy(setting.declaration, problem, fitted)
     progress("searching the catalogue")
     fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
-    base = replace(_base(fine, fitted, reduction), baseline_share=baseline_share(fine, fitted.nuisances))
+    base = _with_baseline(_base(fine, fitted, reduction), baseline_alone(fine, fitted.nuisances))
     found = search_posterior(
         base,
         fitted,
@@ -90,12 +94,31 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
 
     The choice is the one with the larger evidence.
     """
-    plain = declared_model(*fit_from_release(problem, fitted.nuisances))
+    plain = _declared(problem, fitted.nuisances)
     corrected = None if reduction is None else without_discrepancy(problem, reduction)
     if corrected is None:
         return plain
-    corrected_model = declared_model(*fit_from_release(corrected, fitted.nuisances))
+    corrected_model = _declared(corrected, fitted.nuisances)
     return corrected_model if corrected_model.log_evidence.max() > plain.log_evidence.max() else plain
+
+
+def _with_baseline(base: Hypothesis, known: Hypothesis | None) -> Hypothesis:
+    """The declared model with what its baseline shows of its own error: the share of unknown forces there, and what the
+    best set of absent effects would gain there, although none acts.
+    """
+    if known is None:
+        return base
+    ranked = ranked_sets(known.fitted, score(known.problem, known.fitted), MOST_EFFECTS)
+    gained = max((one.evidence for one in ranked), default=0.0)
+    return replace(base, baseline_share=known.share, baseline_gain=max(gained, 0.0))
+
+
+def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
+    """The declared model fitted from here, with a decay also from its release on; the one of larger evidence."""
+    found = [declared_model(problem, nuisances)]
+    if has_decay(problem):
+        found.append(declared_model(*fit_from_release(problem, nuisances)))
+    return max(found, key=lambda h: float(h.log_evidence.max()))
 
 
 def _cut(problem: Problem) -> Problem:

@@ -29,7 +29,7 @@ WAY = (
     ("tentacle/cli", "diagnose: parse the command line"),
     ("tentacle/io", "reading: the folder or .rrd as a Recording"),
     ("vision", "track: shapes with covariance, from the video"),
-    ("discovery", "diagnose: choose the loop, posterior or rules"),
+    ("discovery", "diagnose: recordings of one arm; loop: the order"),
     ("inference", "prepare: base motion and observation, once"),
     ("inference", "base_fit: the declared model and its order"),
     ("affine_model", "simulate: one batch of motions a step of the fit"),

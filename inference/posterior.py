@@ -39,6 +39,7 @@ class Hypothesis:
     log_evidence (A,) [nats] at each of FORCE_SHARES. alone: the model fitted without unknown forces (None: not fitted
     yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows.
     baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none).
+    baseline_gain [nats]: what the best set of absent effects would gain there, to first order, although none acts.
     """
 
     effects: tuple[str, ...]
@@ -50,6 +51,7 @@ class Hypothesis:
     rest: float = float("nan")
     rows: int = 0
     baseline_share: float = 0.0
+    baseline_gain: float = 0.0
 
     @property
     def structured(self) -> float:
@@ -107,14 +109,14 @@ def rough_fit(
     return min(found, key=lambda one: one.cost)
 
 
-def baseline_share(problem: Problem, nuisances: tuple[Array, ...]) -> float:
-    """The share of unknown forces that the complete recordings need, fitted alone; 0 where there is none."""
+def baseline_alone(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis | None:
+    """The declared model fitted to the complete recordings alone; None where there is none."""
     both = [(e, n) for e, n in zip(problem.experiments, nuisances, strict=True) if e.complete]
     if not both:
-        return 0.0
-    experiments = tuple(replace(e, varies=()) for e, _ in both)
+        return None
+    experiments = tuple(replace(e, varies=(), complete=False) for e, _ in both)
     own = tuple(n[: len(n) - len(e.varies)] for e, n in both)
-    return declared_model(replace(problem, experiments=experiments), own).share
+    return declared_model(replace(problem, experiments=experiments), own)
 
 
 def declared_model(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
