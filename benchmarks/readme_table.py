@@ -31,6 +31,9 @@ FIVE = (
 )
 # Why a row misses its limit: (benchmark, figure) -> sentences.
 WHY = {
+    ("blind", "false_alarm"): """\
+One of four recordings without a hidden effect was called sloshing, with a confidence of .83. Four trials cannot show
+the limit: their interval reaches from .01 to .81.""",
     ("blind", "calibration_gap"): """\
 This is the gap of the worst of ten bins. Each bin has few trials. If every confidence were true, chance alone would
 give the gap of the next row. Only several thousand trials can show the limit.""",

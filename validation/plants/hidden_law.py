@@ -21,6 +21,9 @@ DRAG, ONE_WAY, NEAR_POINT, JET, VORTEX, STOP, TETHER, MAGNET, TIP_DRAG, DELAYED 
 UNIT_SPEED = 0.1  # m/s
 
 
+Pair = tuple[float, float]
+
+
 @njit(cache=True)
 def law_on_piece(laws, radius: float, place, velocity, t: float):
     """Force per length along x and y, and how fast its normal part falls with the normal speed."""
@@ -47,9 +50,9 @@ def law_on_piece(laws, radius: float, place, velocity, t: float):
 
 
 @njit(cache=True)
-def law_at_end(laws, x: float, y: float, vx: float, vy: float, nx: float, ny: float):
-    """Force on the last node along x and y."""
-    kind = laws.law_kind
+def law_at_end(laws, place: Pair, velocity: Pair, normal: Pair):
+    """Force on the last node along x and y: the node's place, velocity and normal, each along x and y."""
+    kind, (x, y), (vx, vy), (nx, ny) = laws.law_kind, place, velocity, normal
     if kind == STOP:
         beyond = max(0.0, laws.law_b * (x - laws.law_x)) / (0.1 * laws.length)
         return -laws.law_b * laws.law_a * beyond**laws.law_power, 0.0

@@ -172,7 +172,7 @@ def _moved(laws, theta: Array, step: float, every: int):
             reach_x, reach_y = laws.anchor_x - end[0], laws.anchor_y - end[1]
             far = np.sqrt(reach_x * reach_x + reach_y * reach_y)
             taut = laws.thread * max(0.0, far - laws.slack) / max(far, 1e-9)
-            own_x, own_y = law_at_end(laws, end[0], end[1], v_mid[n, 0], v_mid[n, 1], nx, ny)
+            own_x, own_y = law_at_end(laws, (end[0], end[1]), (v_mid[n, 0], v_mid[n, 1]), (nx, ny))
             force[n, 0] += draw * dx + taut * reach_x + own_x
             force[n, 1] += draw * dy + taut * reach_y + own_y
             # Bends: the joint below piece i; the clamp's direction stands for a piece before the first.

@@ -34,7 +34,7 @@ def on_piece(kind, speed, t=0.0, **numbers):
 
 
 def at_end(kind, x, y, **numbers):
-    return law_at_end.py_func(one(law_kind=kind, **numbers), x, y, 0.0, 0.0, 1.0, 0.0)
+    return law_at_end.py_func(one(law_kind=kind, **numbers), (x, y), (0.0, 0.0), (1.0, 0.0))
 
 
 @pytest.mark.parametrize("power", [0.5, 1.5, 3.0])
