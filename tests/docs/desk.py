@@ -20,6 +20,7 @@ from tentacle.cli import main
 from tests.docs.shown import ROOT
 
 SPEEDS = "arm,motion,speed_m_s\n14 cm,sine,0.0012\n14 cm,sine,0.0010\n14 cm,optimised,0.0066\n"
+CALIBRATION = 'made = "3 trials"\n[effect]\ntrials = 3\nstated = [0.0, 1.0]\nright = [0.1, 0.9]\n'
 
 
 def environment(folder: Path) -> dict[str, str]:
@@ -85,7 +86,7 @@ def set_desk(desk: Path) -> Path:
         shutil.copy(desk / "answer" / "session.rrd", desk / name)
     shutil.copy(desk / "my_arm.rrd", desk / "my_arm_tracked.rrd")
     (desk / "like_mine").mkdir()
-    shutil.copy(ROOT / "discovery" / "calibration.toml", desk / "like_mine")
+    (desk / "like_mine" / "calibration.toml").write_text(CALIBRATION)
     shutil.copy(desk / "answer" / "model.toml", desk / "model.toml")
     shutil.copy(desk / "my_arm" / "recording.toml", desk / "recording.toml")
     shutil.copy(desk / "my_arm" / "video.mp4", desk / "video.mp4")
