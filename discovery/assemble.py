@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
@@ -147,7 +146,10 @@ def _quantile(parts: list[tuple[Estimate, float]], level: float) -> float:
     ends = min(e.low for e, _ in parts), max(e.high for e, _ in parts)
     if below(ends[0]) >= level or below(ends[1]) <= level:
         return ends[0] if below(ends[0]) >= level else ends[1]
-    return float(brentq(lambda value: below(value) - level, *ends))
+    while ends[1] - ends[0] > 1e-6 * max(abs(ends[0]), abs(ends[1])):
+        middle = 0.5 * (ends[0] + ends[1])
+        ends = (middle, ends[1]) if below(middle) < level else (ends[0], middle)
+    return ends[1]
 
 
 def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estimate]]:
