@@ -108,6 +108,7 @@ FILMS = (
     Film("post", intruder="post"),
     Film("glare", intruder="glare"),
 )
+REPEATABLE = {"threads": "1", "x264-params": "asm=0"}  # x264's vector code, or threads, code equal pictures unequally
 REST = {"top": 0.5 * np.pi, "bottom": -0.5 * np.pi, "left": 0.0, "right": np.pi}  # heading of the straight arm
 
 
@@ -203,7 +204,8 @@ def _delivered(film: Film, plain: list[Array], seed: int) -> list[Grey]:
     if kind == "h264":
         buffer = BytesIO()
         with av.open(buffer, "w", format="matroska") as container:
-            stream = container.add_stream("libx264", rate=Fraction(60), options={"crf": number})
+            options = {"crf": number, **REPEATABLE}
+            stream = container.add_stream("libx264", rate=Fraction(60), options=options)
             stream.width, stream.height, stream.pix_fmt = film.size[0], film.size[1], "yuv420p"
             for p in noisy:
                 container.mux(stream.encode(av.VideoFrame.from_ndarray(p, format="gray")))
