@@ -34,7 +34,6 @@ def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
         budget=ErrorBudget(0.0, 0.0, 0.0, 0.0),
         base_model=model,
         augmented_model=model,
-        gates=(),
         twin_names=(),
         twin_cosines=np.zeros((0, 0)),
         runs=(),

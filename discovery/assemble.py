@@ -103,7 +103,6 @@ def assemble_posterior(
         budget=error_budget(before, after, floor, lost),
         base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
         augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, posterior_estimates(open_loop)),
-        gates=(),
         twin_names=tuple(c.effect.name for c in candidates),
         twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
         runs=tuple(run for run, _, _ in runs),

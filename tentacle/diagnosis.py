@@ -130,7 +130,6 @@ class Diagnosis:
     budget: ErrorBudget
     base_model: Model
     augmented_model: Model
-    gates: tuple[Gate, ...]
     twin_names: tuple[str, ...]
     twin_cosines: Array
     runs: tuple[RunComparison, ...]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from tentacle.diagnosis import Diagnosis, Gate
+from tentacle.diagnosis import Diagnosis
 from tentacle.model import Model
 from tentacle.proposed_law import MissingForce
 from tentacle.recording import Recording
@@ -26,7 +26,6 @@ from viz.words import NO_VALUE, effect_name, error_rows, interval, listed, numbe
 
 DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
 PRICE = 7.6  # nat: what one parameter must gain to be worth more than chance gives it
-OFF_WHITE = "far off"  # a gate's limit beside its statistic
 TWIN_COSINE = 0.85  # pairs above this are named in words
 
 
@@ -81,35 +80,6 @@ def parameter_section(diagnosis: Diagnosis) -> ReportSection:
     if elsewhere:
         tables.append(ReportTable("Found, each with its own refit", header[:5], elsewhere, numeric=(2,)))
     return ReportSection("Parameters", [arm], tables)
-
-
-def limit_words(gate: Gate) -> str:
-    """A gate's limit; in words where it is so far off that its digits say nothing."""
-    far = gate.passed and abs(gate.threshold) > 100.0 * max(abs(gate.statistic), 1.0)
-    return OFF_WHITE if far else number(gate.threshold)
-
-
-def gate_section(diagnosis: Diagnosis) -> ReportSection:
-    """Whether the augmented model leaves anything that noise does not explain."""
-    rows = [
-        (gate.name, number(gate.statistic), limit_words(gate), "passed" if gate.passed else "failed", gate.words)
-        for gate in diagnosis.gates
-    ]
-    remarks = [
-        "A model passes only where its residual looks like the measurement's noise: in size, in time, over the run."
-    ]
-    if any(limit_words(gate) == OFF_WHITE for gate in diagnosis.gates):
-        remarks.append(
-            f"{OFF_WHITE.capitalize()}: with so much data even the small error of every model of a soft arm shows. "
-            "The limit allows for that error and is over a hundred times the statistic."
-        )
-    failed = tuple(k for k, gate in enumerate(diagnosis.gates) if not gate.passed)
-    header = ("test", "statistic", "limit", "result", "in words")
-    return ReportSection(
-        "Is the model adequate?",
-        remarks,
-        [ReportTable("Adequacy tests", header, rows, numeric=(1, 2), warned=failed)] if rows else [],
-    )
 
 
 def twin_words(names: Sequence[str], cosines: Array) -> str:
@@ -233,7 +203,6 @@ def diagnosis_report(
         parameter_section(diagnosis),
         *limits_sections(diagnosis.verdict_json()),
         candidate_section(diagnosis),
-        gate_section(diagnosis),
         runs_section(scenes),
         *(run_section(scene, known.get(scene.name)) for scene in worst_runs(scenes, DRAWN_RUNS)),
     ]

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, Gate, RankedEffect, RunComparison
+from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure, RankedEffect, RunComparison
 from tentacle.model import Estimate, Model
 from tentacle.recording import Camera, Declaration, Recording
 from tentacle.signals import LoadCellSignal, Midline, MotorSignal, ShapeTrack, Video
@@ -104,8 +104,6 @@ def make_case(duration: float, folder: Path | None, names: tuple[str, ...] = ("c
               for k, (n, p) in enumerate(zip(names17, (0.93, 0.04, 0.02, 0.01, 0, 0), strict=True))),
         {"kind": "multisine", "amplitudes": [0.3, 0.1], "frequencies": [0.4, 1.3], "phases": [0.0, 1.0]},
         ErrorBudget(0.15, 0.15, 10.4, 0.22), model, model.with_effect("current", speed=speed),
-        (Gate("chi-square", 1.02, 1.10, True, "residual is as large as the noise"),
-         Gate("Ljung-Box", 31.0, 28.0, False, "neighbouring residuals are alike")),
         names17, cosines, tuple(run for run, _ in pairs),
         ("The residual that remains grows towards the tip & is <0.3 mm.",), 7,
     )  # fmt: skip

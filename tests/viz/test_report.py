@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tentacle.diagnosis import ErrorMeasure, Gate
+from tentacle.diagnosis import ErrorMeasure
 from tentacle.model import Estimate
 from tests.page import parsed, problems
-from viz.diagnosis_report import diagnosis_report, limit_words, twin_words
+from viz.diagnosis_report import diagnosis_report, twin_words
 from viz.report import MAXIMUM_BYTES, write_report
 from viz.verdict_sections import limits_sections, sure_words
 from viz.words import interval, value_of
@@ -93,7 +93,7 @@ def test_every_verdict_has_a_page_even_where_little_was_measured(case, verdict):
     nothing = ErrorMeasure()
     bare = replace(
         case.diagnosis, verdict=verdict, effects=("current", "gravity_tilt") if verdict == "group" else (),
-        parameters={}, before=nothing, after=nothing, floor=nothing, ranking=(), gates=(), twin_names=(),
+        parameters={}, before=nothing, after=nothing, floor=nothing, ranking=(), twin_names=(),
         twin_cosines=np.zeros((0, 0)),
         runs=(replace(run, points="markers"),), words=(), next_experiment=None, held_out=False,
     )  # fmt: skip
@@ -142,11 +142,6 @@ def test_what_the_likelihood_says_is_shown_where_it_is_there(case):
 def test_numbers_have_the_digits_that_their_interval_needs(value, low, high, shown):
     estimate = Estimate(value, low, high)
     assert (value_of(estimate), interval(estimate)) == shown
-
-
-def test_a_limit_that_is_far_off_is_said_in_words():
-    assert limit_words(Gate("Ljung-Box", 4880.0, 1.1e9, True, "")) == "far off"
-    assert limit_words(Gate("Ljung-Box", 31.0, 28.0, False, "")) == "28"
 
 
 def test_twins_are_named_in_words():

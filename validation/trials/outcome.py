@@ -104,7 +104,6 @@ def answer_table(diagnosis: Diagnosis) -> dict[str, Any]:
         "score_test": list(diagnosis.twin_names[:5]),
         "cosines": cosines,
         "parameters": {e: {n: v.value for n, v in values.items()} for e, values in diagnosis.parameters.items()},
-        "gates": [[gate.name, gate.statistic, gate.threshold, gate.passed] for gate in diagnosis.gates],
         "words": list(diagnosis.words),
     }
 

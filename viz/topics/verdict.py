@@ -16,7 +16,7 @@ def text_table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 
 def verdict_markdown(diagnosis: Diagnosis) -> str:
-    """Headline, errors, parameters of what was added, gates, ranking, and what remains."""
+    """Headline, errors, parameters of what was added, ranking, and what remains."""
     judged = "held-out data" if diagnosis.held_out else "the data that were fitted"
     errors = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
     parts = [
@@ -32,9 +32,6 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
     ]
     if added:
         parts += ["## Added", text_table(("effect", "parameter", "value", "95 % interval", "unit"), added)]
-    if diagnosis.gates:
-        gates = [(gate.name, "passed" if gate.passed else "FAILED", gate.words) for gate in diagnosis.gates]
-        parts += ["## Is the model adequate?", text_table(("test", "result", "meaning"), gates)]
     if diagnosis.ranking:
         ranked = [
             (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.2f}")
