@@ -54,8 +54,9 @@ class DiskWriter:
         except TimeoutError:
             raise self._late() from None
 
-    def close(self) -> None:
-        """Ends the thread once what is under way is done."""
+    def close(self, last: Callable[[], None]) -> None:
+        """Ends the thread once what is under way and then `last` are done. It is not waited for."""
+        self._jobs.put((last, Future()))
         self._jobs.put(None)
 
     def _late(self) -> Fault:

@@ -5,7 +5,9 @@ A stream of its own beside the file's: a viewer that is slow, or is closed, cost
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import cv2
@@ -59,11 +61,10 @@ class LiveFeed:
 
     def close(self) -> None:
         """Lets the viewer go; it keeps what it was shown."""
-        try:
+        with suppress(Exception):  # of undocumented kinds: a viewer that was closed is no fault
             self._stream.flush(timeout_sec=CLOSE_WITHIN)
-        except Exception:  # rerun raises its own, undocumented, kinds here; a viewer that was closed is no fault
-            return
-        self._stream.disconnect()
+        # Rerun tries for seconds to reach a viewer that is gone; nobody waits for that.
+        threading.Thread(target=self._stream.disconnect, name="viewer", daemon=True).start()
 
 
 def preview(jpeg: bytes) -> bytes:

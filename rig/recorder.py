@@ -30,6 +30,7 @@ from rig.protocol import NO_ANGLE, BoardEvent, LoadSample, Sample, ServoSample, 
 from rig.stop_file import release, reserve, write_stop
 from tentacle.io.checksums import Sum, columns_digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file, parse_recording_file
+from tentacle.io.disk_pipe import DiskPipe
 from tentacle.io.film_pieces import log_film
 from tentacle.io.recording_rrd import LARGE_VIDEO, log_video_file
 from tentacle.io.rrd_chunks import just_written
@@ -42,7 +43,7 @@ COMMAND, ANGLE, CURRENT = "/rig/servo/command", "/rig/servo/angle", "/rig/servo/
 EVENTS, CLOCK, CAMERA = "/rig/events", "/rig/clock", "/rig/camera"
 HOST_TIME, SAMPLE = "host_time", "sample"
 FLUSH_EVERY = 0.15  # s; so much and what is on its way is lost when the host is killed
-WRITE_WITHIN = 3.0  # s, of Rerun's own flush: less than the writer's patience, so that its words are heard
+WRITE_WITHIN = 3.0  # s, for Rerun and for the disk: less than the writer's patience, so that their words are heard
 LEAST_FREE = 64 * 2**20  # bytes; under this a run is ended while there is still room to end it properly
 
 
@@ -67,7 +68,6 @@ class Recorder:
         self._to_newtons = to_newtons
         self._free = free_bytes or (lambda where: shutil.disk_usage(where).free)
         self._flushed_at = time.monotonic()
-        self._size = -1
         self._stopped = False
         self._pending: list[Sample] = []
         self._queue: list[Callable[[], None]] = []
@@ -78,10 +78,12 @@ class Recorder:
         self._require_space()
         try:
             reserve(path)
+            self._pipe = DiskPipe(path)
         except OSError as error:
             raise Fault("disk", f"{path} cannot be written: {error.strerror}") from None
         self._stream = rr.RecordingStream(RIG_APPLICATION, send_properties=True)
-        self._stream.set_sinks(rr.FileSink(str(path)))
+        self._stream.set_sinks(rr.FileSink(self._pipe.entrance))
+        self._pipe.opened()
         self._live = None if viewer is None else LiveFeed(viewer)
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)
@@ -175,43 +177,49 @@ class Recorder:
             if outcome == "disk":
                 raise Fault("disk", "")
             self.flush()
-            self._writer.begin(self._stream.disconnect)
-            self._writer.wait()
+            self._end_file()
             release(self.path)
             just_written(self.path)
         except Fault:
             write_stop(self.path, {"outcome": outcome if outcome != "complete" else "disk", **record})
             if outcome == "disk":
                 self._last_try()
-        self._writer.close()
+            self._pipe.abandon()
+        self._writer.close(self._stream.disconnect)
 
     def _last_try(self) -> None:
         """After a disk fault: what may still go into the file, if it does at once."""
         try:
             self.flush()
-            self._writer.begin(self._stream.disconnect)
-            self._writer.wait()
+            self._end_file()
         except Fault:
             return  # the stop document lies beside the file
+
+    def _end_file(self) -> None:
+        """Closes the file. Fault("disk") when it does not take its end."""
+
+        def end() -> None:
+            self._stream.disconnect()
+            self._pipe.finish()
+
+        self._writer.begin(end)
+        self._writer.wait()
 
     def _begin_to_write(self) -> bool:
         """Hands what is queued to the writer, unless that is still busy."""
         self._hand_over()
         jobs = self._queue
-        if not self._writer.begin(partial(self._write, jobs, bool(jobs))):
+        if not self._writer.begin(partial(self._write, jobs)):
             return False
         self._queue = []
         return True
 
-    def _write(self, jobs: Sequence[Callable[[], None]], grows: bool) -> None:
-        """In the writer's thread. grows: whether the file must be longer afterwards."""
+    def _write(self, jobs: Sequence[Callable[[], None]]) -> None:
+        """In the writer's thread."""
         for job in jobs:
             job()
         self._stream.flush(timeout_sec=WRITE_WITHIN)
-        size = self.path.stat().st_size if self.path.exists() else 0
-        if grows and size <= self._size:
-            raise Fault("disk", f"{self.path} does not grow: is the disk full?")
-        self._size = size
+        self._pipe.settle(WRITE_WITHIN)
         self._require_space()
 
     def _hand_over(self) -> None:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import errno
-import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import UUID
 
 import rerun as rr
 import rerun_bindings
 
-from tentacle.io.rrd_chunks import FOOTER_END, FOOTER_MAGIC
+from tentacle.io.disk_pipe import DiskPipe
 
 APPLICATION = "tentacle-twin"
-FREE_ROOM = 256 * 1024  # bytes that a disk must still take before a file is begun
 
 
 def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.RecordingStream:
@@ -31,24 +28,18 @@ def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.Reco
 @contextmanager
 def saved(stream: rr.RecordingStream, file: Path, blueprint: rr.blueprint.Blueprint | None = None) -> Iterator[None]:
     """What is logged inside goes into the file. OSError where the disk does not take it to its end."""
-    with file.open("wb") as probe:  # Rerun stands still for good where its very first bytes cannot be written
-        probe.write(bytes(FREE_ROOM))
-        probe.flush()
-        os.fsync(probe.fileno())
+    pipe = DiskPipe(file)
     try:
-        stream.save(file, default_blueprint=blueprint)
+        try:
+            stream.save(pipe.entrance, default_blueprint=blueprint)
+        finally:
+            pipe.opened()
         yield
         stream.flush()
         stream.disconnect()
-    except RuntimeError as error:
-        stream.disconnect()
-        if "writer" in str(error) or "write" in str(error):
-            raise OSError(errno.ENOSPC, f"cannot be written: {error}", str(file)) from None
-        raise
     except BaseException:
         stream.disconnect()
+        with suppress(OSError):  # the first error is the one to be told
+            pipe.finish()
         raise
-    with file.open("rb") as opened:  # Rerun tells nobody that a disk was full
-        opened.seek(max(0, file.stat().st_size - FOOTER_END))
-        if opened.read(len(FOOTER_MAGIC)) != FOOTER_MAGIC:
-            raise OSError(errno.ENOSPC, "could not be written to its end (is the disk full?)", str(file))
+    pipe.finish()

@@ -1,0 +1,65 @@
+"""The pipe into a file: all bytes arrive; a disk that is full or stands still never holds up who writes."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tentacle.io.disk_pipe import AT_ONCE, DiskPipe
+
+CONTENT = np.random.default_rng(5).bytes(40 * AT_ONCE + 17)  # many times what a pipe holds
+
+
+def write(pipe: DiskPipe, content: bytes) -> int:
+    """Opens the pipe as Rerun does, and writes; the open descriptor."""
+    entrance = os.open(pipe.entrance, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+    pipe.opened()
+    rest = memoryview(content)
+    while rest:
+        rest = rest[os.write(entrance, rest) :]
+    return entrance
+
+
+def test_the_file_has_all_that_was_written_once_it_has_settled(tmp_path: Path) -> None:
+    pipe = DiskPipe(tmp_path / "file")
+    entrance = write(pipe, CONTENT)
+    pipe.settle(5.0)
+    assert (tmp_path / "file").read_bytes() == CONTENT
+    os.write(entrance, b"end")
+    os.close(entrance)
+    pipe.finish()
+    assert (tmp_path / "file").read_bytes() == CONTENT + b"end"
+    pipe.settle(5.0)  # at its end nothing is on its way
+
+
+def test_a_full_disk_is_told_and_holds_up_nobody() -> None:
+    pipe = DiskPipe(Path("/dev/full"))
+    entrance = write(pipe, CONTENT)
+    with pytest.raises(OSError, match="/dev/full") as caught:
+        pipe.settle(5.0)
+    assert caught.value.errno == errno.ENOSPC
+    os.close(entrance)
+    with pytest.raises(OSError, match="No space left"):
+        pipe.finish()
+
+
+def test_a_disk_that_stands_still_is_told_and_can_be_left_behind(tmp_path: Path) -> None:
+    """A named pipe that nobody empties takes one pipe's length, and then nothing."""
+    os.mkfifo(tmp_path / "disk")
+    never_read = os.open(tmp_path / "disk", os.O_RDONLY | os.O_NONBLOCK)
+    pipe = DiskPipe(tmp_path / "disk")
+    entrance = write(pipe, CONTENT[: 2 * AT_ONCE])
+    with pytest.raises(TimeoutError, match="not written within"):
+        pipe.settle(0.05)
+    pipe.abandon()
+    rest = memoryview(CONTENT)
+    while rest:
+        rest = rest[os.write(entrance, rest) :]
+    os.close(entrance)
+    os.close(never_read)  # the write that stood still fails now, and the thread ends
+    with pytest.raises(BrokenPipeError):
+        pipe.finish()
