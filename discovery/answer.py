@@ -1,4 +1,4 @@
-"""Parts of every answer of both loops: the error budget, the next experiment in words, and "cannot tell"."""
+"""Parts of every answer: the error budget, the next experiment in words, and "cannot tell"."""
 
 from __future__ import annotations
 

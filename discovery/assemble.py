@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import root_scalar
 from scipy.special import ndtr
 
 from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
@@ -14,8 +15,9 @@ from discovery.next_experiment import propose_experiment
 from discovery.search import PosteriorSearch
 from inference.compare import floor_errors, midline_error, run_comparison, run_errors
 from inference.discrepancy import ModelDiscrepancy
+from inference.estimates import estimates
 from inference.observation import ShapeObservation
-from inference.posterior import Hypothesis, posterior_estimates
+from inference.posterior import Hypothesis
 from inference.prepare import Prepared
 from inference.score import twin_cosines
 from inference.trajectory import Fit, Problem
@@ -72,13 +74,9 @@ def assemble_posterior(
             effects, verdict = ("third_curvature",), "effect"
         elif verdict in ("effect", "group"):
             effects = (*effects, "third_curvature")
-    known: dict[str, dict[str, Estimate]] = {}
-    temperature = missing_of(found.hypotheses).temperature
-    for h in (*reversed(decision.rivals), chosen):
-        known |= posterior_estimates(h, temperature)
-    known = _over_sets(known, decision, temperature)
+    known = _over_sets(decision, missing_of(found.hypotheses).temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
-    base = hypothesis_of_paper(paper)
+    base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
     proposal = propose_experiment(*_to_be_split(found, decision), HOBBY_SERVO, seed)
     words += _decision_words(found, decision)
     if withdrawn:
@@ -102,7 +100,7 @@ def assemble_posterior(
         next_experiment=None if proposal is None else waveform_table(proposal.waveform),
         budget=error_budget(before, after, floor, lost),
         base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
-        augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, posterior_estimates(open_loop)),
+        augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, written),
         twin_names=tuple(c.effect.name for c in candidates),
         twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
         runs=tuple(run for run, _, _ in runs),
@@ -116,19 +114,18 @@ def assemble_posterior(
     )
 
 
-def _over_sets(
-    known: dict[str, dict[str, Estimate]], decision: PosteriorDecision, temperature: float
-) -> dict[str, dict[str, Estimate]]:
-    """The estimates with intervals over all credible sets: each is a Gaussian of its set's mass, and 95 % of their sum
-    lies within.
+def _over_sets(decision: PosteriorDecision, temperature: float) -> dict[str, dict[str, Estimate]]:
+    """The estimates of the leading set that has them, with intervals over all credible sets: each is a Gaussian of its
+    set's mass, and 95 % of their sum lies within.
     """
     masses = [mass for _, mass in decision.sets] or [1.0]
-    both = list(zip((decision.leading, *decision.rivals), masses, strict=True))
-    tables = [(posterior_estimates(h, temperature), mass) for h, mass in both]
+    sets = zip((decision.leading, *decision.rivals), masses, strict=True)
+    tables = [(estimates(h.problem, h.fitted, temperature), mass) for h, mass in sets]
     found: dict[str, dict[str, Estimate]] = {}
-    for effect, table in known.items():
-        for name, one in table.items():
-            parts = [(t[effect][name], mass) for t, mass in tables if name in t.get(effect, {})]
+    for effect in {effect: None for table, _ in tables for effect in table}:
+        leading = next(table[effect] for table, _ in tables if effect in table)
+        for name, one in leading.items():
+            parts = [(table[effect][name], mass) for table, mass in tables if name in table.get(effect, {})]
             low, high = (_quantile(parts, level) for level in (0.025, 0.975))
             found.setdefault(effect, {})[name] = replace(one, low=min(low, one.value), high=max(high, one.value))
     return found
@@ -142,18 +139,16 @@ def _quantile(parts: list[tuple[Estimate, float]], level: float) -> float:
         spread = [max((e.high - e.low) / (2.0 * 1.96), 1e-300) for e, _ in parts]
         return sum(m * float(ndtr((value - e.value) / s)) for (e, m), s in zip(parts, spread, strict=True)) / total
 
-    ends = min(e.low for e, _ in parts), max(e.high for e, _ in parts)
-    if below(ends[0]) >= level or below(ends[1]) <= level:
-        return ends[0] if below(ends[0]) >= level else ends[1]
-    while ends[1] - ends[0] > 1e-6 * max(abs(ends[0]), abs(ends[1])):
-        middle = 0.5 * (ends[0] + ends[1])
-        ends = (middle, ends[1]) if below(middle) < level else (ends[0], middle)
-    return ends[1]
+    low, high = min(e.low for e, _ in parts), max(e.high for e, _ in parts)
+    if below(low) >= level or below(high) <= level:
+        return low if below(low) >= level else high
+    found = root_scalar(lambda value: below(value) - level, bracket=(low, high), xtol=1e-9 * (high - low))
+    return float(found.root)
 
 
 def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estimate]]:
     """The paper's model as fitted, with intervals."""
-    return posterior_estimates(Hypothesis((), *paper, (), np.zeros(0)))
+    return estimates(*paper)
 
 
 def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:

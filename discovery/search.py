@@ -30,7 +30,7 @@ from inference.trajectory import Fit, Problem, linearised_fit
 T = TypeVar("T")
 SINGLES, SETS, ROUNDS = 7, 2, 4
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
-FOR_A_SHAPE = 3.0  # nats: what a fitted shape must gain over its neutral value
+FOR_A_SHAPE = 3.0  # nats: what a fitted shape must gain over its neutral value; chosen on the silicone beam
 NEGLIGIBLE_NATS = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
 
 
@@ -58,11 +58,14 @@ def search_posterior(
         candidates, ranked = _ranked(centre)
         first = first or candidates
         alone = [RankedSet((one,), one.gain, (one.strengths,)) for one in candidates]
-        singles = _begun(centre if number else _at(base, origin), alone)
+        from_there = centre if number else _at(base, origin)
+        unmoved = replace(from_there.problem, parameters=from_there.fitted.parameters)
+        horizons = horizons_of(unmoved, from_there.fitted.nuisances)
+        singles = _begun(from_there, alone, horizons)
         several = [one for one in ranked if len(one.names) > 1]
         linear = max((one.evidence for one in ranked if len(one.names) == 1), default=np.inf)
         several = [one for one in several if one.evidence > linear][:SETS]
-        several = [] if has_decay(base.problem) and centre is base else _begun(centre, several)
+        several = [] if has_decay(base.problem) and centre is base else _begun(centre, several, horizons)
         wanted = [
             begun
             for begun in (*singles[: SINGLES if number == 0 else SETS], *several)
@@ -158,9 +161,11 @@ class Begun:
     starts: tuple[RefitStart, ...]
 
 
-def _begun(centre: Hypothesis, ranked: list[RankedSet]) -> list[Begun]:
-    """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads."""
-    horizons = horizons_of(replace(centre.problem, parameters=centre.fitted.parameters), centre.fitted.nuisances)
+def _begun(centre: Hypothesis, ranked: list[RankedSet], horizons: tuple[Problem, ...]) -> list[Begun]:
+    """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads.
+
+    horizons: of decays, about the centre; none where nothing decays.
+    """
     begun = _side_by_side([lambda one=one: Begun(one, tuple(refit_starts(centre, one, horizons))) for one in ranked])
     return sorted(begun, key=lambda one: one.starts[0].cost)
 

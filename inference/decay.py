@@ -6,7 +6,8 @@ A decay's phase runs away with any error of the frequency: over the whole record
 every cycle that is gained or lost, and a broad one where the motion is damped to nothing. Over its first period it has
 one. w: residuals whitened beside a share DECAY_SHARE of unknown forces (inference.latent_force).
 
-Source: Bock 1983, on the choice of short horizons in parameter identification of oscillating systems.
+Voss, Timmer and Kurths 2004 describe these valleys and the methods that fit short pieces first; a horizon that grows is
+the plainest of them, for a run that begins at a known release.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment
-from inference.linearise import latent_forces
+from inference.linearise import latent_forces, motion_times
 from inference.trajectory import ONE_SIDED, Problem, minimised, split
 
 HORIZONS, STEPS = (1.0, 2.5, 6.0), 3  # periods of the motion that are followed one after the other; steps on each
@@ -37,11 +38,7 @@ def has_decay(problem: Problem) -> bool:
 
 
 def fit_from_release(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, tuple[Array, ...]]:
-    """A problem with decays fitted at one horizon after the other, each about the fit before; the same where nothing
-    decays.
-    """
-    if not has_decay(problem):
-        return problem, nuisances
+    """A problem with decays fitted at one horizon after the other, each about the fit before."""
     for periods in HORIZONS:
         early = horizon_of(problem, nuisances, periods)
         unknowns, _ = minimised(early, nuisances, tolerance=ROUGH_TOLERANCE, most=MOST_ROUNDS)
@@ -83,10 +80,9 @@ def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem
 
 def horizon_of(problem: Problem, nuisances: tuple[Array, ...], periods: float) -> Problem:
     """The problem with the first periods of its decays alone, whitened as about the run with these nuisances."""
-    forces = latent_forces(problem, problem.parameters, nuisances)
     experiments = tuple(
-        _until(experiment, 2.0 * np.pi * periods * force.linearised.time)
-        for experiment, force in zip(problem.experiments, forces, strict=True)
+        _until(experiment, 2.0 * np.pi * periods * time)
+        for experiment, time in zip(problem.experiments, motion_times(problem, nuisances), strict=True)
     )
     early = replace(problem, experiments=experiments, filters=())
     own = latent_forces(early, early.parameters, nuisances)

@@ -14,8 +14,9 @@ from inference.bootstrap import bootstrap
 from inference.compare import reduced_shape, run_comparison, run_errors
 from inference.declared_arm import names_of
 from inference.declared_words import declared_words
+from inference.estimates import estimates
 from inference.identifiability import Identifiability, identifiability
-from inference.judged_fit import JudgedFit, estimates, judged_fit, variance_inflation
+from inference.judged_fit import JudgedFit, judged_fit, variance_inflation
 from inference.measured_motion import MeasuredCourse
 from inference.observation import POSE, ShapeObservation
 from inference.prepare import Prepared, prepare
@@ -97,8 +98,9 @@ def identify(
     known = identifiability(problem, fitted)
     drawn = bootstrap(problem, fitted, replicates=replicates, seed=seed) if replicates else None
     arm = problem.known(fitted.parameters)[0].arm
+    table = estimates(problem, fitted, variance_inflation(judged))
     return Identification(
-        model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, estimates(judged, variance_inflation(judged))),
+        model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, table),
         regression=_paper_regression(replace(arm, order=2), problem, fitted, prepared),
         errors=run_errors(runs, shown, augmented=False),
         held_out=bool(judges),
@@ -114,7 +116,7 @@ def identify(
         },
         runs=tuple(run for run, _, _ in runs),
         words=(*_remarks(judged, correlation), *_told(problem, known), *declared_words(problem, fitted)),
-        adequate=all(gate.passed for gate in judged.train.gates),
+        adequate=judged.train.passed,
     )
 
 

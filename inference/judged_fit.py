@@ -1,4 +1,4 @@
-"""A fit of the declared model, judged by the adequacy gates, and its estimates with their intervals."""
+"""A fit of the declared model, judged by the adequacy gates."""
 
 from __future__ import annotations
 
@@ -6,12 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from affine_model.arm import parameter_rows
-from affine_model.curvature import Array
 from inference.adequacy import Adequacy, adequacy
-from inference.declared_arm import DECLARED
 from inference.trajectory import Fit, Problem
-from tentacle.model import Estimate
 
 
 @dataclass(frozen=True)
@@ -54,25 +50,3 @@ def variance_inflation(judged: JudgedFit) -> float:
     if not values:
         return 1.0
     return float(max(1.0, np.average([np.mean(value) for value in values], weights=weights)))
-
-
-def parameter_interval(judged: JudgedFit, index: int, inflation: float) -> tuple[float, float]:
-    """95 % interval of one free parameter, widened by the inflation and cut at the physical bounds."""
-    spread: Array = np.sqrt(np.maximum(np.diag(judged.fitted.covariance), 0.0))
-    half = 1.96 * float(spread[index]) * np.sqrt(inflation)
-    low, high = (limit[index] for limit in judged.problem.bounds())
-    value = float(judged.fitted.values[index])
-    return max(low, value - half), min(high, value + half)
-
-
-def estimates(judged: JudgedFit, inflation: float) -> dict[str, dict[str, Estimate]]:
-    """All fitted parameters with their 95 % intervals, as a Model takes them."""
-    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
-    table: dict[str, dict[str, Estimate]] = {}
-    for index, (effect, name) in enumerate(judged.problem.free):
-        if effect == DECLARED:
-            continue
-        low, high = parameter_interval(judged, index, inflation)
-        value = float(judged.fitted.values[index])
-        table.setdefault(effect, {})[name] = Estimate(value, low, high, units[effect, name])
-    return table

@@ -53,6 +53,16 @@ def latent_forces(
     return tuple(found)
 
 
+def motion_times(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[float, ...]:
+    """ELL times the motion's own time [s] of every recording's run with these unknowns."""
+    known, parameters = problem.known(problem.parameters)
+    runs = (
+        predict(known.arm, experiment, parameters[:, None], values[:, None], known.step)
+        for experiment, values in zip(known.experiments, nuisances, strict=True)
+    )
+    return tuple(ELL * _own_time(known.arm, run) for run in runs)
+
+
 def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) -> Array:
     """Derivatives (T, K, n + 2 + P) of the observation by the coordinates, base angle, scale and P markers' places."""
     n, observation = arm.order, experiment.observation

@@ -24,8 +24,7 @@ from inference.declared_arm import DECLARED
 from inference.experiment import MEMORY_PRIOR
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.trajectory import Fit, ParameterName, Problem, fit, linearised_fit, minimised, split
-from tentacle.model import Estimate
+from inference.trajectory import Fit, Problem, fit, linearised_fit, minimised, split
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
 NOISE_REACH = 2.0  # standard deviations of a mean square over pure noise
@@ -278,24 +277,3 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
             total -= np.log(high - low)
     memories = sum(problem.arm.order for experiment in problem.experiments if experiment.begins_with_memory)
     return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))
-
-
-def credible_interval(h: Hypothesis, name: ParameterName, temperature: float = 1.0) -> tuple[float, float]:
-    """95 % interval of a free parameter, cut at its bounds; temperature: by which the likelihood is coarsened."""
-    place = h.problem.free.index(name)
-    half = 1.96 * float(np.sqrt(temperature * max(h.fitted.covariance[place, place], 0.0)))
-    low, high = (limit[place] for limit in h.problem.bounds())
-    value = float(h.fitted.values[place])
-    return max(low, value - half), min(high, value + half)
-
-
-def posterior_estimates(h: Hypothesis, temperature: float = 1.0) -> dict[str, dict[str, Estimate]]:
-    """All fitted parameters of a hypothesis with their 95 % intervals, as a Model takes them."""
-    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
-    table: dict[str, dict[str, Estimate]] = {}
-    for place, (effect, name) in enumerate(h.problem.free):
-        if effect == DECLARED:
-            continue
-        low, high = credible_interval(h, (effect, name), temperature)
-        table.setdefault(effect, {})[name] = Estimate(float(h.fitted.values[place]), low, high, units[effect, name])
-    return table

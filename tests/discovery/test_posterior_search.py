@@ -7,7 +7,8 @@ from discovery.decide import decide_by_mass
 from discovery.detection import detection_limits
 from discovery.rank import ranked_sets
 from discovery.search import search_posterior
-from inference.posterior import credible_interval, declared_model
+from inference.estimates import interval
+from inference.posterior import declared_model
 from inference.score import score
 
 
@@ -35,7 +36,7 @@ def test_a_set_s_first_order_strengths_are_the_least_squares_ones(base_with_curr
 def test_a_hidden_current_is_named_and_measured(found):
     decision = decide_by_mass(list(found.hypotheses))
     assert decision.certain == ("current",) or decision.effects == ("current",)
-    low, high = credible_interval(decision.leading, ("current", "U_x"))
+    low, high = interval(decision.leading.problem, decision.leading.fitted, ("current", "U_x"))
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     # A 95 % interval, taken twice as wide: it holds the truth with a chance of 0.9999.
     assert abs(middle - 0.03) < 2.0 * half

@@ -1,0 +1,34 @@
+"""The fitted parameters with their 95 % intervals.
+
+interval = value +- 1.96 sqrt(inflation covariance_kk), cut at the physical bounds
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from affine_model.arm import parameter_rows
+from inference.declared_arm import DECLARED
+from inference.trajectory import Fit, ParameterName, Problem
+from tentacle.model import Estimate
+
+
+def interval(problem: Problem, fitted: Fit, name: ParameterName, inflation: float = 1.0) -> tuple[float, float]:
+    """95 % interval of a free parameter. inflation: the factor by which the fit's variance is too small."""
+    place = problem.free.index(name)
+    half = 1.96 * float(np.sqrt(inflation * max(fitted.covariance[place, place], 0.0)))
+    low, high = (limit[place] for limit in problem.bounds())
+    value = float(fitted.values[place])
+    return max(low, value - half), min(high, value + half)
+
+
+def estimates(problem: Problem, fitted: Fit, inflation: float = 1.0) -> dict[str, dict[str, Estimate]]:
+    """All fitted parameters with their intervals, as a Model takes them: effect -> parameter -> estimate."""
+    units = {(row.effect, row.parameter.name): row.parameter.unit for row in parameter_rows()}
+    table: dict[str, dict[str, Estimate]] = {}
+    for place, (effect, name) in enumerate(problem.free):
+        if effect == DECLARED:
+            continue
+        low, high = interval(problem, fitted, (effect, name), inflation)
+        table.setdefault(effect, {})[name] = Estimate(float(fitted.values[place]), low, high, units[effect, name])
+    return table
