@@ -182,11 +182,14 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
         names = " + ".join(decision.leading.effects)
         if names:
             words.append(f"The best model adds {names}. Its remaining error is too large to name these effects.")
+    elif decision.verdict == "group":
+        apart = [name for name in decision.effects if name not in decision.certain]
+        words.append("These data cannot separate " + ", ".join(apart) + ".")
+        if decision.certain:
+            words.append(f"Every likely answer has {' + '.join(decision.certain)} in it too.")
     elif decision.certain and len(decision.sets) > 1:
         open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
         words.append(f"{' + '.join(decision.certain)} is certain; {', '.join(open_names)} may act too.")
-    elif decision.verdict == "group":
-        words.append("These data cannot separate " + ", ".join(decision.effects) + ".")
     missing = missing_of(found.hypotheses)
     reached = log_masses(decision.leading, missing)[0]
     stuck = [h for h in found.hypotheses if not usable(h) and max(log_masses(h, missing)) > reached]

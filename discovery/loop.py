@@ -24,7 +24,8 @@ from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_c
 from inference.decay import fit_from_release, has_decay
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
 from inference.experiment import PARAMETER_SPREAD
-from inference.posterior import Hypothesis, baseline_alone, declared_model, followed_closely, with_rest
+from inference.motion import motion_nats
+from inference.posterior import FORCE_SHARES, Hypothesis, baseline_alone, declared_model, followed_closely, with_rest
 from inference.prepare import Prepared, prepare
 from inference.score import score
 from inference.sufficient_step import sufficient_step
@@ -64,7 +65,9 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     reduction = model_discrepancy(setting.declaration, problem, fitted)
     progress("searching the catalogue")
     fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
-    base = _with_baseline(_base(fine, fitted, reduction), baseline_alone(fine, fitted.nuisances))
+    base = _base(fine, fitted, reduction)
+    base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
+    base = _with_baseline(base, baseline_alone(fine, fitted.nuisances))
     found = search_posterior(
         base,
         fitted,

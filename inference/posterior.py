@@ -39,6 +39,7 @@ class Hypothesis:
     yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows.
     baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none).
     baseline_gain [nats]: what the best set of absent effects would gain there, to first order, although none acts.
+    motion [nats]: of the motion seen, beside the smallest share of unknown forces (inference.motion; 0: not known).
     """
 
     effects: tuple[str, ...]
@@ -51,6 +52,7 @@ class Hypothesis:
     rows: int = 0
     baseline_share: float = 0.0
     baseline_gain: float = 0.0
+    motion: float = 0.0
 
     @property
     def structured(self) -> float:
