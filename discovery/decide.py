@@ -15,8 +15,8 @@ D nats by which the residual of the best set's model alone exceeds its noise. Th
 (Miller and Dunson 2019, Robust Bayesian inference via coarsening). A baseline measures the same directly: B nats are
 what the best set would gain there, although none acts. Without a baseline, the declared laws may err by a share
 DECLARED_ALIKE of the motion that looks like an effect: in M nats of motion (inference.motion) such an effect gains
-DECLARED_ALIKE^2 M. In 19 development recordings of two plants without an effect, the best set gained at most .00095^2 M;
-the constant is 1.5 times that.
+DECLARED_ALIKE^2 M. In 19 development recordings of two plants without an effect, the best set gained at most
+.00095^2 M; the constant is 1.5 times that.
 The verdict is the outcome with the largest mass. A group is the smallest family of sets with CREDIBLE of the known
 mass.
 """

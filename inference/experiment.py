@@ -10,6 +10,7 @@ from affine_model.arm import Arm, parameter_index, parameter_rows
 from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
+from affine_model.effects.time_offset import shown_times
 from affine_model.simulate import Batch, Start, Timing, simulate
 from inference.observation import MarkerObservation, ShapeObservation
 from tentacle.waveform import Waveform
@@ -204,7 +205,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
     memory = None if memory is None else arm.to_monomial @ memory
     batch = simulate(arm, parameters, base, Timing(step, 2), start=Start(q=q, q_rate=rates, memory=memory, t0=start))
-    times = experiment.observation.t[:, None] + value["offset"]
+    times = shown_times(experiment.observation.t[:, None], value["offset"], value["drift"])
     if experiment.release is not None:
         times = times - nuisances[n]
     if np.all(times == times[:, :1]):
@@ -215,7 +216,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     return Prediction(q, theta, shift, batch)
 
 
-_OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"))
+_OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"), ("time_offset", "drift"))
 
 
 def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:

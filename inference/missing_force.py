@@ -23,6 +23,7 @@ from scipy.linalg import cho_factor, cho_solve
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
+from affine_model.effects.time_offset import shown_times
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce, discretised
 from inference.linearise import latent_forces
@@ -232,8 +233,8 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     advance, push = _equations(arm, own, motion)
     begin = motion.t[0] - 0.5 * MOTION_STEP
     lasts = motion.t[-1] + 0.5 * MOTION_STEP
-    offset = parameters[parameter_index("time_offset", "offset")]
-    t = observation.t + offset
+    clock = (parameters[parameter_index("time_offset", name)] for name in ("offset", "drift"))
+    t = shown_times(observation.t, *clock)
     shown = np.flatnonzero(experiment.used & observation.seen & (t >= begin + END_MARGIN) & (t <= lasts - END_MARGIN))
     when = (t[shown] - begin) / MOTION_STEP
     gain = experiment.noise_gain[:, None]

@@ -162,7 +162,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "stiffness_drift": ("rate",),
     "servo_lag": ("tau",),
     "backlash": ("play",),
-    "time_offset": ("offset",),
+    "time_offset": ("offset", "drift"),
     "camera_roll": ("roll",),
     "camera_scale": ("excess",),
     # Not in the catalogue, so that "unknown" can be tested:

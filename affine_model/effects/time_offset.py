@@ -1,14 +1,27 @@
-"""Time offset: the camera's clock runs ahead of the motor's by a constant."""
+"""Time offset: a frame that the camera stamps with t shows the arm at the motor's time
+
+    t + offset + drift t.
+
+Two clocks that were started apart differ by the offset. Quartz crystals run at rates that differ by some 1e-5 to 1e-4,
+and a film whose nominal frame rate is not the true one by up to 1e-3.
+"""
 
 from affine_model.effect import Effect, Parameter
+from tentacle.signals import Array
 
 TIME_OFFSET = Effect(
     name="time_offset",
     title="Offset between camera and motor clock",
     parameters=(
         Parameter("offset", "s", 0.01, (-1.0, 1.0), "frames show the arm this much later than they are stamped"),
+        Parameter("drift", "1", 1e-4, (-0.01, 0.01), "and later still by this share of the stamp"),
     ),
     source="two clocks",
     family="measurement",
     measurement="time_offset",
 )
+
+
+def shown_times(t: Array, offset: Array | float, drift: Array | float) -> Array:
+    """The motor's times [s] at which frames stamped t [s] show the arm."""
+    return t + offset + drift * t

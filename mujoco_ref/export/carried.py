@@ -36,7 +36,7 @@ NOT_IN_THE_ARM = {
     "wall": "the water that it makes an arm carry changes with the distance",
     "servo_lag": "the command: delay theta before it goes to ctrl",
     "backlash": "the command: put the play before ctrl",
-    "time_offset": "the measurement: shift the recording's clock",
+    "time_offset": "the measurement: shift and stretch the recording's clock",
     "camera_roll": "the measurement: turn the points that are compared",
     "camera_scale": "the measurement: scale the points that are compared",
 }

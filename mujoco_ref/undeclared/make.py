@@ -67,14 +67,19 @@ class Scenario:
 
 
 def _run(
-    scene: Scenario, hidden: Mapping[str, Mapping[str, float]], offset: float = 0.0, duration: float = 0.0
+    scene: Scenario,
+    hidden: Mapping[str, Mapping[str, float]],
+    offset: float = 0.0,
+    duration: float = 0.0,
+    drift: float = 0.0,
 ) -> Simulation:
+    """The simulation on the clock of a camera that runs `offset` [s] and the share `drift` late."""
     decay = scene.initial_q is not None
     return simulate(
         scene.model,
         Shifted(scene.waveform, offset) if offset else scene.waveform,
-        duration or scene.duration,
-        scene.fps,
+        (duration or scene.duration) * (1.0 + drift),
+        scene.fps / (1.0 + drift),
         hidden=hidden,
         setup=Setup(
             links=max(scene.links, DECAY_LINKS) if decay else scene.links,
@@ -90,7 +95,8 @@ def _run(
 
 def seen_midline(scene: Scenario, hidden: Mapping[str, Mapping[str, float]], duration: float = 0.0) -> Array:
     """Midline points (F, P, 2) [m] as the camera has them: late, rolled and scaled where it is."""
-    points = _run(scene, hidden, value(hidden, "time_offset", "offset"), duration).midline.xy
+    offset, drift = (value(hidden, "time_offset", name) for name in ("offset", "drift"))
+    points = _run(scene, hidden, offset, duration, drift).midline.xy
     roll = value(hidden, "camera_roll", "roll")
     turn = np.array([[np.cos(roll), -np.sin(roll)], [np.sin(roll), np.cos(roll)]])
     return (1.0 + value(hidden, "camera_scale", "excess")) * points @ turn.T

@@ -93,6 +93,17 @@ def test_time_offset_shows_the_arm_later():
     np.testing.assert_allclose(late.xy[:-2], plain.xy[2:], atol=2e-5)
 
 
+def test_a_drifting_clock_shows_the_arm_later_and_later():
+    # A rate that is off by 1/30: frame k shows what frame k (1 + 1/30) of a right clock shows.
+    late = made({"time_offset": {"drift": 1 / 30}})[0].midline
+    plain = made({})[0].midline
+    assert late is not None
+    assert plain is not None
+    assert len(late.xy) == len(plain.xy)
+    np.testing.assert_allclose(late.xy[30], plain.xy[31], atol=2e-5)
+    np.testing.assert_allclose(late.xy[60], plain.xy[62], atol=2e-5)
+
+
 def test_camera_roll_turns_the_picture_about_the_clamp():
     rolled = made({"camera_roll": {"roll": 0.1}})[0].midline
     plain = made({})[0].midline

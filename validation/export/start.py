@@ -16,6 +16,7 @@ from scipy.optimize import least_squares
 from affine_model.arm import arm_of, parameter_index, parameter_vector
 from affine_model.base_signal import Steps, base_table, step_middles
 from affine_model.curvature import points_beside
+from affine_model.effects.time_offset import shown_times
 from affine_model.simulate import Start, Timing, simulate
 from tentacle.base_motion import BaseMotion, fit_base_motion
 from tentacle.errors import InputError
@@ -72,9 +73,9 @@ def start_of(model: Model, recording: Recording) -> Started:
     """Fit the start of a recording under a model. InputError where it shows no arm, or the model cannot be run."""
     shown = observed_points(recording)
     parameters = parameter_vector(model)
-    offset = float(parameters[parameter_index("time_offset", "offset")])
+    clock = (parameters[parameter_index("time_offset", name)] for name in ("offset", "drift"))
     release = recording.declaration.release_t
-    t = shown.t + offset
+    t = shown_times(shown.t, *clock)
     start = float(t[0]) if release is None else release
     keep = (t >= start) & np.isfinite(shown.xy).any(axis=(1, 2))
     if keep.sum() < 3:
