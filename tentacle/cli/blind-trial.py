@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.runner import Runner
     from validation.trials.figures import figures, results
     from validation.trials.plant_design import plant_designs
-    from validation.trials.reliability import AS_STATED, fit_calibration
+    from validation.trials.reliability import fit_calibration
     from validation.trials.remake import remake
     from validation.trials.series import run_series
     from viz.report import Origin, write_report
@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.workers} is too few", field="--workers", expected="1 or more")
     kinds = _listed(arguments.kinds)
     share = VIDEO_SHARE if arguments.video_share is None else arguments.video_share
-    prior, sections, inputs = AS_STATED, [], []
+    sections, inputs = [], []
     if arguments.like is None:
         plants = _listed(arguments.plant or PLANTS)
         found = plant_designs(arguments.count, arguments.seed, plants=plants, kinds=kinds, video_share=share)
@@ -95,13 +95,13 @@ def run(arguments: argparse.Namespace) -> int:
     runner = Runner(arguments.out / "trials", workers=arguments.workers, scheduler=arguments.cluster)
     outcomes, refused = run_series(found, runner)
     command = f"tentacle blind-trial {arguments.count} --seed {arguments.seed} --kinds {','.join(kinds)} {options}"
-    calibration = fit_calibration(outcomes, prior, f"Isotonic fit to {len(outcomes)} blind trials: {command}")
+    calibration = fit_calibration(outcomes, f"Isotonic fit to {len(outcomes)} blind trials: {command}")
     origin = Origin(command, arguments.seed, versions(), input_hashes(inputs))
     with written(arguments.out) as folder:
-        (folder / "results.json").write_text(json.dumps(results(outcomes, refused, prior), indent=1) + "\n")
+        (folder / "results.json").write_text(json.dumps(results(outcomes, refused), indent=1) + "\n")
         (folder / "calibration.toml").write_text(calibration.toml())
-        write_report(blind_trials_page(outcomes, refused, origin, prior, sections), folder / "report.html")
-    for name, value in figures(outcomes, prior).items():
+        write_report(blind_trials_page(outcomes, refused, origin, sections), folder / "report.html")
+    for name, value in figures(outcomes).items():
         print(f"{name:30s} {'no trial tells' if value is None else format(value, '.3f')}")
     print(f"report: {arguments.out / 'report.html'}")
     return 0

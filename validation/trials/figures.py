@@ -7,8 +7,6 @@ from typing import Any
 
 from validation.trials.outcome import Outcome
 from validation.trials.reliability import (
-    AS_STATED,
-    Prior,
     calibration_gap,
     cross_calibrated,
     gap_by_chance,
@@ -27,8 +25,8 @@ BASELINE_METHODS = (
 INTERVALS = ("top1", "false_alarm", "unknown_recall", "pairs")  # shares that are told with their 95 % interval
 
 
-def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, float | None]:
-    """The benchmark's figures; None where no trial tells. prior: what a map of the confidence starts from."""
+def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
+    """The benchmark's figures; None where no trial tells."""
     found, bins = scores(outcomes), reliability(outcomes)
     values = {
         "top1": found.top1.value,
@@ -40,7 +38,7 @@ def figures(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> dict[str, 
         "calibration_gap": calibration_gap(bins),
         "calibration_gap_beyond_chance": max((b.gap_beyond_chance for b in bins), default=float("nan")),
         "calibration_gap_by_chance": gap_by_chance(outcomes),
-        "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes, prior))),
+        "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes))),
         "after_over_floor": found.after_over_floor,
         "trials": float(len(outcomes)),
         **{
@@ -78,9 +76,7 @@ def hits(method: str) -> Callable[[Outcome], bool]:
     return lambda o: baseline_hit(o, method)
 
 
-def results(
-    outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]], prior: Prior = AS_STATED
-) -> dict[str, Any]:
+def results(outcomes: Sequence[Outcome], refused: Sequence[tuple[int, str]]) -> dict[str, Any]:
     """results.json: the figures, every trial's truth beside its answer, and the trials that could not be run."""
     trials = [
         {
@@ -94,7 +90,7 @@ def results(
         for o in outcomes
     ]  # fmt: skip
     not_run = [{"trial": k, "why": why} for k, why in refused]
-    return {"figures": figures(outcomes, prior), "trials": trials, "refused": not_run}
+    return {"figures": figures(outcomes), "trials": trials, "refused": not_run}
 
 
 def _plain(value: float) -> float | None:

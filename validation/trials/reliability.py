@@ -18,15 +18,7 @@ from validation.trials.scores import Share
 CONFIDENCE_BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
 
 
-@dataclass(frozen=True)
-class Prior:
-    """What a verdict's map starts from: so many imaginary trials, right as often as a calibration says."""
-
-    calibration: Calibration
-    trials: float
-
-
-AS_STATED = Prior(Calibration({}), 4.0)
+IMAGINED_TRIALS = 4.0  # that were right as often as they stated: a verdict's map starts from them
 
 
 @dataclass(frozen=True)
@@ -93,21 +85,20 @@ def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
     return float(np.median(np.abs(hits - means).max(axis=1)))
 
 
-def fit_calibration(outcomes: Sequence[Outcome], prior: Prior = AS_STATED, made: str = "") -> Calibration:
-    """A map a verdict, from the uncalibrated confidence to the hit rate; made: one line on the trials.
+def fit_calibration(outcomes: Sequence[Outcome], made: str = "") -> Calibration:
+    """A map for each verdict, from the uncalibrated confidence to the hit rate; made: one line on the trials.
 
-    Isotonic regression on the trials together with the prior's, spread over the stated range: few trials move the map
-    little, many of them make it. A verdict that no trial gave keeps the prior's curve.
+    Isotonic regression on the trials together with the imagined ones, spread over the stated range: few trials move the
+    map little, many of them make it. A verdict that no trial gave keeps its stated confidence.
     """
-    tables = {verdict: (stated, right, 0) for verdict, (stated, right, _) in prior.calibration.tables.items()}
+    tables: dict[str, tuple[tuple[float, ...], tuple[float, ...], int]] = {}
     for verdict in sorted({o.verdict for o in outcomes}):
         chosen = [o for o in outcomes if o.verdict == verdict]
         stated = np.array([o.uncalibrated for o in chosen])
         ends = np.unique(np.concatenate([[0.0, 1.0], np.round(stated, 3)]))
         raw = np.concatenate([stated, ends])
-        before = [prior.calibration(verdict, float(x)) for x in ends]
-        right = np.concatenate([[float(o.hit) for o in chosen], before])
-        weights = np.concatenate([np.ones(stated.size), np.full(ends.size, prior.trials / ends.size)])
+        right = np.concatenate([[float(o.hit) for o in chosen], ends])
+        weights = np.concatenate([np.ones(stated.size), np.full(ends.size, IMAGINED_TRIALS / ends.size)])
         order = np.argsort(raw, kind="stable")
         knots, place = np.unique(np.round(raw[order], 3), return_inverse=True)
         # Ties pooled first, so that the map is a function of the stated value.
@@ -118,10 +109,10 @@ def fit_calibration(outcomes: Sequence[Outcome], prior: Prior = AS_STATED, made:
     return Calibration(tables, made)
 
 
-def cross_calibrated(outcomes: Sequence[Outcome], prior: Prior = AS_STATED) -> list[Outcome]:
+def cross_calibrated(outcomes: Sequence[Outcome]) -> list[Outcome]:
     """Every trial with the confidence that a map fitted to the other half of the trials gives it: what the map is
     worth on recordings that it was not made from.
     """
     rounds = len(ROUND)  # by turns, so that both halves hold every kind
-    maps = [fit_calibration([o for o in outcomes if o.index // rounds % 2 == half], prior) for half in (0, 1)]
+    maps = [fit_calibration([o for o in outcomes if o.index // rounds % 2 == half]) for half in (0, 1)]
     return [replace(o, confidence=maps[1 - o.index // rounds % 2](o.verdict, o.uncalibrated)) for o in outcomes]

@@ -10,9 +10,7 @@ import numpy as np
 from validation.trials.figures import BASELINE_METHODS, hits
 from validation.trials.outcome import Outcome
 from validation.trials.reliability import (
-    AS_STATED,
     Bin,
-    Prior,
     calibration_gap,
     cross_calibrated,
     gap_by_chance,
@@ -30,7 +28,6 @@ def blind_trials_page(
     outcomes: Sequence[Outcome],
     refused: Sequence[tuple[int, str]],
     origin: Origin,
-    prior: Prior = AS_STATED,
     before: Sequence[ReportSection] = (),
 ) -> str:
     """report.html as text; before: sections ahead of the scores."""
@@ -41,7 +38,7 @@ def blind_trials_page(
         f"{_percent(found.false_alarm)}; effects outside the catalogue called unknown "
         f"{_percent(found.unknown_recall)}; both of a pair {_percent(found.pairs)}."
     )
-    crossed = reliability(cross_calibrated(outcomes, prior))
+    crossed = reliability(cross_calibrated(outcomes))
     sections = [
         *before,
         _score_section(found),
