@@ -28,9 +28,11 @@ from inference.score import Candidate, score
 from inference.trajectory import Fit, Problem, linearised_fit
 
 T = TypeVar("T")
-SINGLES, SETS, ROUNDS = 7, 2, 4
+SINGLES, SECOND, SETS = 7, 3, 2  # effects tried beside none, and beside others; sets of several tried at once
+ROUNDS = 6
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
 FOR_A_SHAPE = 3.0  # nats: what a fitted shape must gain over its neutral value; chosen on the silicone beam
+SURELY_LESS = 0.5  # of what the prior asks for: a set that gains less even to first order is not fitted
 NEGLIGIBLE_NATS = 12.0  # nats behind the best: what lies further behind holds no mass, whatever it leaves
 
 
@@ -45,6 +47,14 @@ class PosteriorSearch:
     candidates: tuple[Candidate, ...]
 
 
+@dataclass(frozen=True)
+class Begun:
+    """A set of effects to be added, and where its refit begins."""
+
+    chosen: RankedSet
+    starts: tuple[RefitStart, ...]
+
+
 def search_posterior(
     base: Hypothesis, origin: Fit, progress: Callable[[float], None] = lambda _: None
 ) -> PosteriorSearch:
@@ -55,27 +65,19 @@ def search_posterior(
     first: list[Candidate] = []
     centre = base
     for number in range(ROUNDS):
-        candidates, ranked = _ranked(centre)
+        candidates = score(centre.problem, centre.fitted)
         first = first or candidates
-        alone = [RankedSet((one,), one.gain, (one.strengths,)) for one in candidates]
-        from_there = centre if number else _at(base, origin)
-        unmoved = replace(from_there.problem, parameters=from_there.fitted.parameters)
-        horizons = horizons_of(unmoved, from_there.fitted.nuisances)
-        singles = _begun(from_there, alone, horizons)
-        several = [one for one in ranked if len(one.names) > 1]
-        linear = max((one.evidence for one in ranked if len(one.names) == 1), default=np.inf)
-        several = [one for one in several if one.evidence > linear][:SETS]
-        several = [] if has_decay(base.problem) and centre is base else _begun(centre, several, horizons)
+        temperature = missing_of(list(tried.values())).temperature
         wanted = [
             begun
-            for begun in (*singles[: SINGLES if number == 0 else SETS], *several)
+            for begun in _begun_about(centre, candidates, centre if number else _at(base, origin))
             if frozenset((*centre.effects, *begun.chosen.names)) not in tried
+            and (has_decay(base.problem) or _may_be_named(begun, centre, temperature))
         ]
-        fewer = [name for name in centre.effects if frozenset(centre.effects) - {name} not in tried]
         tasks: list[Callable[[], RoughFit]] = [
             *(partial(added, centre, begun) for begun in wanted),
             *(partial(added, centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
-            *(partial(removed, centre, name) for name in fewer),
+            *(partial(removed, centre, name) for name in centre.effects if len(centre.effects) > 1),
         ]
         found = _side_by_side([partial(fit_hypothesis, one) for one in _promising(_side_by_side(tasks))])
         temperature = missing_of([*tried.values(), *found]).temperature
@@ -86,7 +88,7 @@ def search_posterior(
         tried = _with_rests(tried)
         missing = missing_of(list(tried.values()))
         best = max(tried.values(), key=lambda h: max(log_masses(h, missing)))
-        if best.effects == centre.effects or len(best.effects) >= MOST_EFFECTS:
+        if best.effects == centre.effects:
             break
         centre = best
     return PosteriorSearch(tried[frozenset()], tuple(tried.values()), tuple(first))
@@ -112,11 +114,24 @@ def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str],
     return tried | {frozenset(): base} | {frozenset(h.effects): h for h in found}
 
 
+def _may_be_named(begun: Begun, centre: Hypothesis, temperature: float) -> bool:
+    """Whether a set may gain what its prior asks for: to first order, or where its refit begins."""
+    sizes = len(centre.effects), len(centre.effects) + len(begun.chosen.names)
+    asked = temperature * (log_prior_of_set(sizes[0]) - log_prior_of_set(sizes[1]))
+    return max(begun.chosen.evidence, centre.fitted.misfit - begun.starts[0].cost) > SURELY_LESS * asked
+
+
 def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
-    """Those that may still be the best when they are fitted closely."""
+    """Those that may still be the best when they are fitted closely, and the best of each number of effects: more
+    effects leave less, whatever acts.
+    """
     costs = np.array([one.cost for one in roughs])
     least, most = (costs.min(), costs.max()) if costs.size else (0.0, 0.0)
-    return [one for one in roughs if one.cost <= least + max(FAR, ROOM * (most - least))]
+    best: dict[int, float] = {}
+    for one in roughs:
+        best[len(one.effects)] = min(one.cost, best.get(len(one.effects), np.inf))
+    reach = least + max(FAR, ROOM * (most - least))
+    return [one for one in roughs if one.cost <= max(reach, best[len(one.effects)])]
 
 
 def _side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
@@ -135,13 +150,25 @@ def _done(task: Callable[[], T]) -> T | None:
         return None
 
 
-def _ranked(centre: Hypothesis) -> tuple[list[Candidate], list[RankedSet]]:
-    """Candidates, and sets of them, about a hypothesis at its own share of unknown forces."""
-    candidates = score(centre.problem, centre.fitted)
+def _begun_about(centre: Hypothesis, candidates: list[Candidate], start: Hypothesis) -> list[Begun]:
+    """The most promising single effects, and sets of several that promise more than each of them, with their starts.
+
+    start: where single effects begin (in a decay, where the base's own fit began: sets of several do not begin there).
+    """
+    if len(centre.effects) == MOST_EFFECTS:
+        return []
+    alone = [RankedSet((one,), one.gain, (one.strengths,)) for one in candidates]
+    unmoved = replace(start.problem, parameters=start.fitted.parameters)
+    horizons = horizons_of(unmoved, start.fitted.nuisances)
+    singles = _begun(start, alone, horizons)[: SECOND if centre.effects else SINGLES]
+    if has_decay(centre.problem) and not centre.effects:
+        return singles
     ranked = ranked_sets(centre.fitted, candidates, MOST_EFFECTS - len(centre.effects))
-    prior = [log_prior_of_set(len(centre.effects) + len(one.names)) for one in ranked]
-    order = np.argsort([-(one.evidence + p) for one, p in zip(ranked, prior, strict=True)], kind="stable")
-    return candidates, [ranked[k] for k in order]
+    linear = max((one.evidence for one in ranked if len(one.names) == 1), default=np.inf)
+    several = [one for one in ranked if len(one.names) > 1 and one.evidence > linear]
+    prior = [log_prior_of_set(len(centre.effects) + len(one.names)) for one in several]
+    order = np.argsort([-(one.evidence + p) for one, p in zip(several, prior, strict=True)], kind="stable")
+    return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], horizons)]
 
 
 def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
@@ -151,14 +178,6 @@ def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
     problem = replace(base.problem, parameters=origin.parameters)
     there = np.concatenate([origin.values, *origin.nuisances])
     return replace(base, problem=problem, fitted=linearised_fit(problem, there, 0))
-
-
-@dataclass(frozen=True)
-class Begun:
-    """A set of effects to be added, and where its refit begins."""
-
-    chosen: RankedSet
-    starts: tuple[RefitStart, ...]
 
 
 def _begun(centre: Hypothesis, ranked: list[RankedSet], horizons: tuple[Problem, ...]) -> list[Begun]:

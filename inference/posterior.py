@@ -22,7 +22,7 @@ from affine_model.effect import Parameter
 from affine_model.effects import catalogue
 from inference.declared_arm import DECLARED
 from inference.experiment import MEMORY_PRIOR
-from inference.latent_force import LatentForce
+from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
 from inference.trajectory import Fit, Problem, fit, linearised_fit, minimised, split
 
@@ -133,14 +133,14 @@ def fit_hypothesis(rough: RoughFit) -> Hypothesis:
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects)
     fitted = linearised_fit(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
-    tried = set[float]()
+    at_shares, tried = filters_of(forces), set[int]()
     while True:
-        evidences = log_evidences(problem, fitted, forces)
-        share = float(FORCE_SHARES[int(np.argmax(evidences))])
-        if share in tried:
+        evidences = log_evidences(problem, fitted, at_shares)
+        best = int(np.argmax(evidences))
+        if best in tried:
             return Hypothesis(rough.effects, problem, fitted, forces, evidences)
-        tried.add(share)
-        problem = replace(problem, filters=tuple(force.filter(share) for force in forces))
+        tried.add(best)
+        problem = replace(problem, filters=at_shares[best])
         unknowns, lowest = minimised(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
         fitted = replace(linearised_fit(problem, unknowns, 0), result=lowest.result)
@@ -199,7 +199,15 @@ def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...
     return replace(problem, parameters=parameters), nuisances
 
 
-def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:
+Filters = tuple[tuple[Filter, ...], ...]
+
+
+def filters_of(forces: tuple[LatentForce, ...]) -> Filters:
+    """The filters of every recording at each of FORCE_SHARES."""
+    return tuple(tuple(force.filter(share) for force in forces) for share in FORCE_SHARES)
+
+
+def log_evidences(problem: Problem, fitted: Fit, at_shares: Filters) -> Array:
     """Log evidence (A,) [nats] at each of FORCE_SHARES. At each, one Gauss-Newton step moves the unknowns."""
     both = [
         np.concatenate([rows[:, :, None], slopes], axis=2)
@@ -209,8 +217,7 @@ def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]
     scale, precision = problem.scales(), prior_precision(problem, fitted)
     constant = 0.5 * len(scale) * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
     found = []
-    for share in FORCE_SHARES:
-        filters = [force.filter(share) for force in forces]
+    for filters in at_shares:
         white = np.concatenate([*(f.whiten(b) for f, b in zip(filters, both, strict=True)), prior])
         residual, columns = white[:, 0], white[:, 1:] * scale
         information = columns.T @ columns

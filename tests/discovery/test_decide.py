@@ -49,9 +49,18 @@ def test_explanations_that_do_as_well_are_a_group_and_what_they_share_is_certain
     assert found.verdict == "group"
     assert set(found.effects) == {"servo_lag", "time_offset"}
     assert sum(mass for _, mass in found.sets) == pytest.approx(found.confidence)
-    pairs = [made((), 0.1, 0.0), *(made(("tip_mass", other), 0.003, 50.0) for other in ("drag", "wall"))]
-    shared = decide_by_mass(pairs)
-    assert (shared.verdict, shared.certain) == ("effect", ("tip_mass",))
+    pairs = [made((), 0.1, 0.0), *(made(("tip_mass", other), 0.003, 50.0) for other in ("linear_drag", "wall"))]
+    shared = decide_by_mass([*pairs, made(("tip_mass",), 0.003, 30.0)])
+    assert (shared.verdict, shared.effects, shared.certain) == ("effect", ("tip_mass",), ("tip_mass",))
+
+
+def test_what_likely_sets_share_is_no_answer_where_it_gains_little_alone(made):
+    """A lag or an offset gains nearly all, and a payload little: the answer is the three, and a payload is certain."""
+    others = ("servo_lag", "time_offset")
+    sets = [made((), 0.1, 0.0), *(made(("tip_mass", other), 0.003, 50.0) for other in others)]
+    found = decide_by_mass([*sets, made(("tip_mass",), 0.003, 15.0)])
+    assert (found.verdict, found.certain) == ("group", ("tip_mass",))
+    assert set(found.effects) == {"tip_mass", *others}
 
 
 def test_a_fit_that_did_not_converge_is_not_named(made):

@@ -165,7 +165,7 @@ def test_few_trials_move_the_map_little_and_it_only_rises():
 
 
 def test_a_few_imagined_trials_stand_where_no_trial_was():
-    """Four imagined trials, right as often as they state, spread over 0, .9 and 1; and ten at .9, five of them right."""
+    """Four imagined trials, right as often as they state, over 0, .9 and 1; and ten at .9, five of them right."""
     trials = [
         made(k, uncalibrated=0.9, named=("wall",) if k % 2 else ("current",), hidden=("wall",)) for k in range(10)
     ]
