@@ -2,10 +2,7 @@
 
 The kernel simulates sixteen individuals in the time of one. Therefore each round tries a ladder of dampings in one
 batch and takes the best. A fit then takes about half the rounds of a trust region that tries one step at a time.
-
-After a good step the derivatives are not computed but updated by what that step showed: J += (dr - J dx) dx' / dx'dx.
-The search ends only on computed ones.
-Source: Marquardt 1963; Broyden 1965; active bounds as in Bertsekas 1982 (projected Newton).
+Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
 """
 
 from __future__ import annotations
@@ -21,7 +18,6 @@ from inference.solver_result import RESULTS
 LADDER = 10.0 ** np.arange(-3.0, 5.0)  # dampings tried, times the current one
 SMALLEST, LARGEST = 1e-9, 1e9
 HELD_ROUNDS = 4  # of holding unknowns at their bounds in one step
-GOOD = 0.5  # of the gain that the derivatives promised: after such a step they are updated once, not computed
 FLAT = 1e-14  # reciprocal condition number below which rounding decides the step: about 50 units of double precision
 
 
@@ -54,8 +50,8 @@ def minimise(
     x, damping = np.clip(start, low, high), 1e-3
     value = residuals(x[:, None])[:, 0]
     cost = 0.5 * float(value @ value)
-    slope, computed = jacobian(x, value), True
     for round_number in range(most):
+        slope = jacobian(x, value)
         gradient, curvature = slope.T @ value, slope.T @ slope
         # A variable on its bound that wants to leave the box stays where it is in this round.
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
@@ -73,17 +69,11 @@ def minimise(
             if costs[best] < cost:
                 break
         else:
-            if computed:
-                return Minimum(x, round_number, _ending(curvature, free), cost)
-            slope, computed = jacobian(x, value), True
-            continue
-        gained, step, change = cost - costs[best], trials[:, best] - x, values[:, best] - value
+            return Minimum(x, round_number, _ending(curvature, free), cost)
+        gained = cost - costs[best]
         x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
-        if gained <= tolerance * cost and computed:
+        if gained <= tolerance * cost:
             return Minimum(x, round_number + 1, _ending(curvature, free), cost)
-        expected = -float(gradient @ step) - 0.5 * float(step @ curvature @ step)
-        computed = not (computed and gained > max(GOOD * expected, tolerance * cost))
-        slope = jacobian(x, value) if computed else slope + np.outer(change - slope @ step, step) / (step @ step)
     return Minimum(x, most, RESULTS.MAX_STEPS, cost)
 
 
