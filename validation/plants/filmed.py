@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from tentacle.errors import InputError
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Array, LoadCellSignal, Midline, MotorSignal
 from tentacle.specimen import Cone, Fluid, Gravity, Specimen
@@ -124,7 +125,10 @@ def _sized(trial: Trial, plant: Plant) -> tuple[Hidden, ...]:
 
 
 def film(trial: Trial, plant: Plant, hidden: tuple[Hidden, ...]) -> tuple[Array, Array, Array, Array]:
-    """Midline (T, P, 2) [m], load cell [N], logged command [rad] and frames' times [s] with these effects in it."""
+    """Midline (T, P, 2) [m], load cell [N], logged command [rad] and frames' times [s] with these effects in it.
+
+    InputError where the plant's motion grows without bound.
+    """
     numbers, laws = _numbers(trial, hidden), {one.effect: one.law for one in hidden}
     outside = {name: value for one in hidden if one.effect in (*SEEN, *MOVED) for name, value in one.numbers.items()}
     every = int(np.ceil(1.0 / (trial.fps * plant.step) - 1e-9))
@@ -132,7 +136,11 @@ def film(trial: Trial, plant: Plant, hidden: tuple[Hidden, ...]) -> tuple[Array,
     duration = SETTLED + trial.seconds + LONGER
     half_steps: Array = 0.5 * step * np.arange(2 * round(duration / step) + 1, dtype=np.float64)
     theta = turned(trial.theta(half_steps), 0.5 * step, outside, laws)
-    places, pulls = plant.move(record(**numbers), theta, step, every)
+    try:
+        places, pulls = plant.move(record(**numbers), theta, step, every)
+    except np.linalg.LinAlgError:
+        effects = ", ".join(laws) or "no effect"
+        raise InputError("its motion grows without bound", field=f"plant with {effects}") from None
     run_t = step * every * np.arange(len(places))
     frames: Array = SETTLED + np.arange(round(trial.seconds * trial.fps) + 1, dtype=np.float64) / trial.fps
     points = CubicSpline(np.linspace(0.0, 1.0, places.shape[1]), places, axis=1)(PLACES)
