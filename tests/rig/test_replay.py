@@ -21,11 +21,13 @@ def log(tmp_path: Path) -> Path:
 
 
 def test_a_log_alone_is_tracked_and_diagnosed(log: Path, tmp_path: Path) -> None:
-    """The arm carries a payload that nothing declares: it heads the ranking, and takes most of the error away."""
+    """The arm carries a payload that nothing declares: it heads the ranking, and takes three quarters of the
+    error away, whatever small effects of the film are named beside it.
+    """
     assert main(["replay", str(log), "--out", str(tmp_path / "answer")]) == 0
     verdict = json.loads((tmp_path / "answer" / "verdict.json").read_text())
     assert verdict["ranking"][0]["effect"] == "tip_mass"
-    assert verdict["error"]["after"]["midline_mm"] < verdict["error"]["before"]["midline_mm"] / 8.0
+    assert verdict["error"]["after"]["midline_mm"] < verdict["error"]["before"]["midline_mm"] / 4.0
 
 
 def test_driving_takes_no_options_of_the_diagnosis(
