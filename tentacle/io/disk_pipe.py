@@ -7,10 +7,8 @@ end of the pipe never fails: after an error of the disk, the rest is read and le
 from __future__ import annotations
 
 import array
-import fcntl
 import os
 import select
-import termios
 import threading
 import time
 from pathlib import Path
@@ -112,6 +110,9 @@ class DiskPipe:
 
 def _bytes_in(pipe: int) -> int:
     """How many bytes are in a pipe."""
+    import fcntl  # there is none on Windows, where this module can be imported all the same
+    import termios
+
     count = array.array("i", [0])
     fcntl.ioctl(pipe, termios.FIONREAD, count)
     return count[0]
