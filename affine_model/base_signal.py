@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import lfilter
+from scipy.signal import cont2discrete, lfilter, lfiltic, ss2tf
 
+from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from tentacle.waveform import Waveform
 
@@ -36,19 +37,55 @@ def step_middles(t0: float, step: float, steps: int) -> Array:
     return t0 + step * (np.arange(steps, dtype=np.float64) + 0.5)
 
 
-def _lagged(table: Array, step: float, tau: float) -> Array:
-    """First-order lag of each row (exact for piecewise linear input), started in the steady state."""
-    if tau <= 0.0:
+@dataclass(frozen=True)
+class Servo:
+    """What lies between the recorded angle and the clamp, for B individuals, (B,) each: a gear's play [rad], then the
+    low-pass of its coupling, then that of the servo, each of a delay and a natural period [s].
+    """
+
+    play: Array
+    coupling: tuple[Array, Array]
+    lag: tuple[Array, Array]
+
+    @staticmethod
+    def of(parameters: Array) -> Servo:
+        """That of parameters (R, B)."""
+
+        def rows(*names: tuple[str, str]) -> tuple[Array, ...]:
+            return tuple(parameters[parameter_index(*name)] for name in names)
+
+        play, delay, period = rows(("backlash", "play"), ("backlash", "delay"), ("backlash", "period"))
+        tau, own = rows(("servo_lag", "tau"), ("servo_lag", "period"))
+        return Servo(play, (delay, np.where(play > 0.0, period, 0.0)), (tau, np.where(tau > 0.0, own, 0.0)))
+
+    @property
+    def individuals(self) -> list[tuple[float, ...]]:
+        """Play, delay and period of the coupling, of the lag: of each individual."""
+        delays = np.where(self.play > 0.0, self.coupling[0], 0.0)
+        return list(zip(*(one.tolist() for one in (self.play, delays, self.coupling[1], *self.lag)), strict=True))
+
+
+def low_pass(table: Array, step: float, delay: float, period: float) -> Array:
+    """Each row of a table (3, S) behind (period / 2 pi)^2 y'' + delay y' + y = u, started in its steady state.
+
+    Exact for an input that is linear between samples.
+    """
+    if delay <= 0.0 and period <= 0.0:
         return table
-    decay = np.exp(-step / tau)
-    ahead = tau / step * (1.0 - decay)
-    b, a = np.array([1.0 - ahead, ahead - decay]), np.array([1.0, -decay])
+    inertia = (period / (2.0 * np.pi)) ** 2
+    if inertia > 0.0:
+        system = np.array([[0.0, 1.0], [-1.0 / inertia, -delay / inertia]]), np.array([[0.0], [1.0 / inertia]])
+        seen = np.array([[1.0, 0.0]])
+    else:
+        system, seen = (np.array([[-1.0 / delay]]), np.array([[1.0 / delay]])), np.array([[1.0]])
+    discrete = cont2discrete((*system, seen, np.zeros((1, 1))), step, method="foh")
+    b, a = ss2tf(*discrete[:4])
+    b = np.asarray(b[0])
     rows = []
     for row, rate in zip(table, (*table[1:], np.gradient(table[2], step)), strict=True):
-        before = row[0] - step * rate[0]
-        lagged_before = before - tau * rate[0]
-        filtered, _ = lfilter(b, a, row, zi=[b[1] * before - a[1] * lagged_before])
-        rows.append(filtered)
+        before = row[0] - step * rate[0] * np.arange(1, a.size)
+        zi = lfiltic(b, a, before - delay * rate[0], before)
+        rows.append(lfilter(b, a, row, zi=zi)[0])
     return np.array(rows)
 
 
@@ -72,19 +109,21 @@ def _with_play(table: Array, step: float, play: float) -> Array:
     return table + np.array([lost, rate, np.gradient(rate, step)])
 
 
-def base_table(waveform: Waveform, steps: Steps, lag: Array, play: Array, *, known_from: float | None = None) -> Array:
+def base_table(waveform: Waveform, steps: Steps, servo: Servo, *, known_from: float | None = None) -> Array:
     """theta, rate, acceleration at the step middles for B individuals: (3, S, B), or (3, S, 1) where all share one.
 
-    lag (B,) [s] is that of servo_lag, play (B,) [rad] that of backlash (the gear comes before the lag). known_from [s]:
-    since when the waveform is known (default: t0); what the lag and the gear hold at t0 comes from there.
+    known_from [s]: since when the waveform is known (default: t0); what the lag and the gear hold at t0 comes from
+    there.
     """
-    if not (np.any(lag > 0.0) or np.any(play > 0.0)):
+    individuals = servo.individuals
+    if not any(any(values) for values in individuals):
         return waveform(steps.middles)[:, :, None]
     t0, step = steps.t0, steps.step
     before = 0 if known_from is None else round(min(max(t0 - known_from, 0.0), FORGOTTEN) / step)
     table = waveform(step_middles(t0 - before * step, step, before + steps.count))
     bent = {}
-    for pair in zip(lag.tolist(), play.tolist(), strict=True):
-        if pair not in bent:
-            bent[pair] = _lagged(_with_play(table, step, pair[1]), step, pair[0])[:, before:]
-    return np.stack([bent[pair] for pair in zip(lag.tolist(), play.tolist(), strict=True)], axis=-1)
+    for values in set(individuals):
+        play, delay, period, tau, own_period = values
+        turned = low_pass(_with_play(table, step, play), step, delay, period)
+        bent[values] = low_pass(turned, step, tau, own_period)[:, before:]
+    return np.stack([bent[values] for values in individuals], axis=-1)

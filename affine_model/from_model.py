@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from affine_model.advance import PRESCRIBED, Drive
-from affine_model.arm import arm_of, parameter_index, parameter_vector, refuse_soft_sections
-from affine_model.base_signal import Steps, base_table
+from affine_model.arm import arm_of, parameter_vector, refuse_soft_sections
+from affine_model.base_signal import Servo, Steps, base_table
 from affine_model.simulate import STRAIGHT, Batch, Start, Timing, simulate
 from tentacle.model import Model
 from tentacle.waveform import Waveform
@@ -30,8 +30,9 @@ def simulate_model(
     """
     arm, parameters = arm_of(model), parameter_vector(model)
     refuse_soft_sections(arm, parameters)
-    lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
-    base = base_table(waveform, Steps(start.t0, timing.step, round(duration / timing.step)), lag, play)
+    base = base_table(
+        waveform, Steps(start.t0, timing.step, round(duration / timing.step)), Servo.of(parameters[:, None])
+    )
     q, rate, memory = (
         None if value is None else np.asarray(value, dtype=float)[:, None]
         for value in (start.q, start.q_rate, start.memory)

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from affine_model.arm import Arm, parameter_index, parameter_rows
-from affine_model.base_signal import Steps, base_table
+from affine_model.base_signal import Servo, Steps, base_table
 from affine_model.curvature import Array
 from affine_model.effects import catalogue
+from affine_model.effects.camera_roll import shift_by_roll
 from affine_model.effects.time_offset import shown_times
 from affine_model.simulate import Batch, Start, Timing, simulate
 from inference.observation import MarkerObservation, ShapeObservation
@@ -154,7 +155,8 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Prediction:
-    """A batch at the observation's instants: q (T, n, B), theta (T, B), shift (2, B), and the simulated batch."""
+    """A batch at the observation's instants: q (T, n, B), theta (T, B), shift (2, B) of the clamp in the
+    picture, and the simulated batch."""
 
     q: Array
     theta: Array
@@ -199,7 +201,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     steps += steps % 2
     start = experiment.t0 if experiment.release is None else experiment.release
     base = base_table(
-        experiment.base, Steps(start, step, steps), value["tau"], value["play"], known_from=experiment.base_known_from
+        experiment.base, Steps(start, step, steps), Servo.of(parameters), known_from=experiment.base_known_from
     )
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
@@ -213,10 +215,11 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     q = _hermite(batch, batch.q, batch.q_rate, times)
     theta = _hermite(batch, batch.theta, batch.theta_rate, times)
     shift = experiment.parts(n, nuisances)[3] if experiment.sees_shift else np.zeros((2, nuisances.shape[1]))
-    return Prediction(q, theta, shift, batch)
+    rolled = arm.specimen.length * np.array(shift_by_roll(value["roll"], value["centre"]))
+    return Prediction(q, theta, shift + rolled, batch)
 
 
-_OUTSIDE = (("servo_lag", "tau"), ("backlash", "play"), ("time_offset", "offset"), ("time_offset", "drift"))
+_OUTSIDE = (("time_offset", "offset"), ("time_offset", "drift"), ("camera_roll", "roll"), ("camera_roll", "centre"))
 
 
 def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:

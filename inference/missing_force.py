@@ -23,6 +23,7 @@ from scipy.linalg import cho_factor, cho_solve
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
+from affine_model.effects.camera_roll import shift_by_roll
 from affine_model.effects.time_offset import shown_times
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce, discretised
@@ -241,7 +242,9 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     rows = observation.root[shown][:, :, POSE : POSE + n] / gain
     spline = CubicSpline(motion.t, motion.u[:, : n + 1])(t[shown])
     q, theta = spline[:, :n], spline[:, n]
+    camera = (parameters[parameter_index("camera_roll", name)] for name in ("roll", "centre"))
     shift = experiment.parts(n, fitted.nuisances[place])[3]
+    shift = shift + problem.arm.specimen.length * np.array(shift_by_roll(*camera))
     error = observation.coefficients[shown].copy()
     error[:, 0] -= theta - observation.theta[shown] + parameters[parameter_index("camera_roll", "roll")]
     error[:, 1:3] -= shift

@@ -7,6 +7,8 @@ sign.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from mujoco_ref.chain import Chain
@@ -17,14 +19,14 @@ from tentacle.signals import Array
 
 # Columns of a hinge's memory: the bristle's stretch, the Maxwell branch's dashpot [rad].
 BRISTLE, DASHPOT = range(2)
-SOFT_SPOT_WIDTH = 0.08  # standard deviation along s of the dip (catalogue)
 PRESLIDING = 0.25  # of c_f, where no slip is given: the bristle must be stiff against the arm, yet resolved
 
 
 def soft_spot(parameters: Parameters, s: Array) -> Array:
     """Factor on k(s): 1 less a Gaussian dip around s0."""
     depth, place = value(parameters, "soft_spot", "depth"), value(parameters, "soft_spot", "s0", 0.3)
-    return 1.0 - depth * np.exp(-0.5 * ((s - place) / SOFT_SPOT_WIDTH) ** 2)
+    extent = value(parameters, "soft_spot", "extent", 0.08)
+    return 1.0 - depth * np.exp(-0.5 * ((s - place) / extent) ** 2)
 
 
 def hinge_records(chain: Chain, parameters: Parameters) -> Record:
@@ -34,7 +36,8 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     """
     made = np.zeros(chain.links, HINGE)
     made["stiffness"], made["damping"] = chain.stiffness, chain.damping
-    made["rest"] = value(parameters, "intrinsic_curvature", "c0") / chain.links
+    uneven = 1.0 + value(parameters, "intrinsic_curvature", "slope") * (chain.hinge_s - 0.5)
+    made["rest"] = value(parameters, "intrinsic_curvature", "c0") * uneven / chain.links
     made["stiff_tip"] = value(parameters, "unnamed", "stiff_tip") * chain.hinge_s
     made["set_tip"] = value(parameters, "unnamed", "set_tip") * chain.hinge_s / chain.links
     made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.links**2
@@ -51,6 +54,20 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made["loss"] = value(parameters, "unnamed", "slow_tip") * chain.hinge_s
     made["one_sided"] = value(parameters, "unnamed", "one_sided") * chain.links
     return made
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Relative change of the stiffness, rate [1/s] at first; it settles at a rate [1/s] (0: never)."""
+
+    rate: float = 0.0
+    settling: float = 0.0
+
+    def factor(self, t: float) -> float:
+        """Stiffness at t [s] over that at t = 0."""
+        if self.settling == 0.0:
+            return 1.0 + self.rate * t
+        return 1.0 - self.rate * float(np.expm1(-self.settling * t)) / self.settling
 
 
 @njit(cache=True)

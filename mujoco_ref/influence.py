@@ -33,6 +33,8 @@ WATER_RECORD = np.dtype(
         ("U_cos", _F),  # swaying water along x [m/s] at slosh_f [Hz]
         ("U_sin", _F),
         ("slosh_f", _F),
+        ("second_cos", _F),  # the second standing wave over the first, of sqrt(3) times its frequency
+        ("second_sin", _F),
         ("wall_B", _F),  # what the wall does, over what is published of a smooth cylinder
         ("wall_x", _F),  # where the wall stands [m]
         ("wall_carried", _F),  # share of the published added mass that it has
@@ -134,16 +136,16 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "skin_drag": ("C_t",),
     "linear_drag": ("c_n",),
     "current": ("U_x", "U_y"),
-    "sloshing": ("U_cos", "U_sin", "f"),
+    "sloshing": ("U_cos", "U_sin", "f", "second_cos", "second_sin"),
     "wall": ("B", "distance", "carried"),
     "cross_flow": ("share",),
     "reynolds_drag": ("share",),
     "vortex_lift": ("C_cos", "C_sin", "U"),
     "buoyancy": ("density_error",),
     "gravity_tilt": ("tilt",),
-    "tip_mass": ("mass", "reach"),
+    "tip_mass": ("mass", "reach", "drop"),
     "cubic_stiffness": ("beta",),
-    "intrinsic_curvature": ("c0",),
+    "intrinsic_curvature": ("c0", "slope"),
     "viscoelasticity": ("g", "tau"),
     "amplitude_damping": ("b",),
     "unnamed": (
@@ -158,12 +160,12 @@ KNOWN: dict[str, tuple[str, ...]] = {
         "slow_tip",
     ),
     "dry_friction": ("c_f", "slip", "sliding", "rate"),
-    "soft_spot": ("depth", "s0"),
-    "stiffness_drift": ("rate",),
-    "servo_lag": ("tau",),
-    "backlash": ("play",),
+    "soft_spot": ("depth", "s0", "extent"),
+    "stiffness_drift": ("rate", "settling"),
+    "servo_lag": ("tau", "period"),
+    "backlash": ("play", "delay", "period"),
     "time_offset": ("offset", "drift"),
-    "camera_roll": ("roll",),
+    "camera_roll": ("roll", "centre"),
     "camera_scale": ("excess",),
     # Not in the catalogue, so that "unknown" can be tested:
     "thread": ("stiffness", "slack", "anchor_x", "anchor_y"),
@@ -214,6 +216,8 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         U_cos=take("sloshing", "U_cos"),
         U_sin=take("sloshing", "U_sin"),
         slosh_f=take("sloshing", "f", 1.2),
+        second_cos=take("sloshing", "second_cos"),
+        second_sin=take("sloshing", "second_sin"),
         wall_B=take("wall", "B"),
         wall_x=length * take("wall", "distance", 0.6),
         wall_carried=take("wall", "carried", 1.0),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from mujoco_ref.chain import Mount
 from mujoco_ref.hinges import bristle
 from mujoco_ref.influence import BASE_RECORD, Fields, Parameters, Record, make_record, value
+from mujoco_ref.motor import sprung
 from mujoco_ref.step_arguments import Equation, Midpoint
 from tentacle.compiled import njit
 from tentacle.errors import InputError
@@ -62,7 +63,8 @@ def base_record(
     if rail is not None:
         fields |= {"free_y": 1.0, "rail_friction": rail.dry, "rail_damping": rail.viscous}
         mass = rail.mass
-    play, slip = value(parameters, "backlash", "play"), value(parameters, "clamp_slip", "moment")
+    play = 0.0 if sprung(parameters) else value(parameters, "backlash", "play")
+    slip = value(parameters, "clamp_slip", "moment")
     if (play > 0.0 or slip > 0.0) and servo is None:
         # A horn that is stiff against the arm (1 mrad per 20 mN m); the seal's friction holds the hub inside the play.
         fields |= {"free_theta": 1.0, "coupling": 20.0, "coupling_damping": 0.02, "play": play, "slip_moment": slip}

@@ -14,9 +14,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from mujoco_ref.chain import Flexure, Hung, build_chain, flexural, hinge_positions
-from mujoco_ref.hinges import hinge_records, soft_spot
+from mujoco_ref.hinges import Drift, hinge_records, soft_spot
 from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
 from mujoco_ref.midline import chain_midline_points
+from mujoco_ref.motor import motor_signal
 from mujoco_ref.mount import MountRail, MountServo, base_record
 from mujoco_ref.statics import chain_equilibrium
 from mujoco_ref.step import ChainState, Stepper
@@ -155,13 +156,14 @@ def make_stepper(
     d0, d1 = value(parameters, "damping", "d0"), value(parameters, "damping", "d1")
     damping = flexural(specimen, s, value(parameters, "damping", "eta"), d0, d1)
     reach = specimen.length * value(parameters, "tip_mass", "reach")
-    hung = Hung(value(parameters, "tip_mass", "mass"), reach, density=specimen.tip_mass_density)
+    drop = specimen.length * value(parameters, "tip_mass", "drop")
+    hung = Hung(value(parameters, "tip_mass", "mass"), reach, drop, density=specimen.tip_mass_density)
     base, mount = base_record(parameters, servo, rail, specimen.mass + specimen.tip_mass + hung.mass)
     chain = build_chain(specimen, Flexure(stiffness, damping), model.fluid, gravity, hung, mount)
     pull = (gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle))
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)
-    drift = value(parameters, "stiffness_drift", "rate")
+    drift = Drift(value(parameters, "stiffness_drift", "rate"), value(parameters, "stiffness_drift", "settling"))
     rest = rest_record(parameters, specimen.length, declared.density)
     acting = acting_laws(parameters)
     written = WrittenLaws(acting, chain, water, gravity.magnitude) if acting else None
@@ -178,42 +180,6 @@ def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array
         change = np.polynomial.polynomial.polyval(stepper.chain.hinge_s, np.asarray(q_rate, dtype=float))
         state.v[3:] = change / stepper.chain.links
     return state
-
-
-def motor_signal(waveform: Waveform, times: Array, lag: float, lead_in: float) -> Array:
-    """Angle, rate and acceleration (3, N) at times (N,), evenly spaced, after a first-order lag [s] where there is one.
-
-    Through lead_in [s], before t = 0, the motion swells from nothing, with two continuous derivatives.
-    """
-    wave = np.asarray(waveform(times), dtype=float)
-    if lead_in > 0.0:
-        u = np.clip(times / lead_in + 1.0, 0.0, 1.0)
-        swell = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
-        first = 30.0 * u**2 * (1.0 - u) ** 2 / lead_in
-        second = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / lead_in**2
-        wave = np.stack(
-            [
-                swell * wave[0],
-                swell * wave[1] + first * wave[0],
-                swell * wave[2] + 2.0 * first * wave[1] + second * wave[0],
-            ]
-        )
-    if lag <= 0.0:
-        return wave
-    # tau theta' + theta = u, exact where u is a cubic between samples (half steps apart), from its values and rates
-    # there.
-    step = times[1] - times[0]
-    u, u_rate = wave[0], step * wave[1]
-    quadratic = 3.0 * (u[1:] - u[:-1]) - 2.0 * u_rate[:-1] - u_rate[1:]
-    cubic = 2.0 * (u[:-1] - u[1:]) + u_rate[:-1] + u_rate[1:]
-    ratio, decay = lag / step, np.exp(-step / lag)
-    follows = u[:-1] - ratio * u_rate[:-1] + ratio**2 * 2.0 * quadratic - ratio**3 * 6.0 * cubic
-    arrives = u[1:] - ratio * u_rate[1:] + ratio**2 * (2.0 * quadratic + 6.0 * cubic) - ratio**3 * 6.0 * cubic
-    angle = u.copy()
-    for i in range(angle.size - 1):
-        angle[i + 1] = arrives[i] + (angle[i] - follows[i]) * decay
-    rate = (wave[0] - angle) / lag
-    return np.stack([angle, rate, (wave[1] - rate) / lag])
 
 
 def simulate(
@@ -235,10 +201,10 @@ def simulate(
             raise InputError(f"{number!r} is not usable", field=name, expected="a positive number")
     stepper = make_stepper(model, hidden, links=setup.links, servo=setup.servo, rail=setup.rail)
     sampled = np.linspace(0.0, 1.0, 41) if setup.s is None else np.asarray(setup.s, dtype=float)
-    lag = value(merged(plain_parameters(model), hidden or {}), "servo_lag", "tau")
+    servo = merged(plain_parameters(model), hidden or {})
     for halvings in range(MOST_HALVINGS + 1):
         clock = Clock.of(duration, fps, setup.lead_in, setup.longest_step / 2**halvings)
-        motor = motor_signal(waveform, clock.half_steps, lag, setup.lead_in).T  # (2 steps + 1, 3)
+        motor = motor_signal(waveform, clock.half_steps, servo, setup.lead_in).T  # (2 steps + 1, 3)
         if setup.initial.q is None:
             state = chain_equilibrium(stepper, motor[0, 0])
             tare = rest_reading(stepper, chain_equilibrium(stepper, float(waveform(0.0)[0])))
@@ -257,7 +223,7 @@ def simulate(
         )
     angles = np.cumsum(q[:, 2:], axis=1)
     points = chain_midline_points(angles, q[:, :2], stepper.chain.specimen.length, sampled)
-    command = motor_signal(waveform, clock.half_steps, 0.0, setup.lead_in)[0]
+    command = motor_signal(waveform, clock.half_steps, {}, setup.lead_in)[0]
     return Simulation(
         t=clock.frames,
         command=command[2 * clock.first :: 2 * clock.substeps][: clock.frames.size].copy(),

@@ -15,7 +15,7 @@ import numpy as np
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.engine import mujoco
-from mujoco_ref.hinges import hinge_moments, remember
+from mujoco_ref.hinges import Drift, hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember
 from mujoco_ref.step_arguments import Body, Equation, Laws, Midpoint, Moving, Now, Workspace
@@ -208,10 +208,8 @@ class Stepper:
     about z [N m], all at the middle of the step.
     """
 
-    def __init__(self, chain: Chain, laws: Laws, drift: float, written: WrittenLaws | None = None) -> None:
-        """drift [1/s]: relative change of the stiffness of all that is elastic, per second; written: laws of effect
-        files that act too.
-        """
+    def __init__(self, chain: Chain, laws: Laws, drift: Drift, written: WrittenLaws | None = None) -> None:
+        """drift: of the stiffness of all that is elastic; written: laws of effect files that act too."""
         self.chain, self.laws, self.drift, self.written = chain, laws, drift, written
         self.data = mujoco.MjData(chain.model)
         base = laws.base[0]
@@ -238,7 +236,7 @@ class Stepper:
         model, data, work = self.chain.model, self.data, self._work
         moving, workspace = tuple(state.moving), tuple(work)
         t = state.t + 0.5 * step
-        now = (t, step, 1.0 + self.drift * t)
+        now = (t, step, self.drift.factor(t))
         pull = np.zeros(2)
         for _ in range(corrections):
             _predict(moving, self.held, motor, step, work.middle, work.rate)
@@ -268,7 +266,7 @@ class Stepper:
         link_motion(work.middle, work.rate, self.data.qacc, self.body.links, work.motion)
         force, pull = laws.forces(work.motion, t)
         rest = self.laws.hinges["rest"]
-        at = Bending(work.middle[3:], work.rate[3:], rest, state.law_memory, t, 1.0 + self.drift * t)
+        at = Bending(work.middle[3:], work.rate[3:], rest, state.law_memory, t, self.drift.factor(t))
         moment, slope = laws.moments(at, step)
         work.inverse[:] -= force
         work.inverse[3:] += moment
@@ -303,7 +301,7 @@ class Stepper:
         link_motion(state.q, state.v, np.zeros(size), self.body.links, work.motion)
         equation = Equation(force, matrix, np.zeros(4))
         water_forces(work.motion, self.body, self.laws, state.t, 0.0, equation)
-        now = Now(state.t, 1e-9, 1.0 + self.drift * state.t)
+        now = Now(state.t, 1e-9, self.drift.factor(state.t))
         implicit = Equation(force, np.zeros((size, size)), equation.sums)  # of a step that takes no time
         hinge_moments(Midpoint(state.q, state.q, state.v), self.laws.hinges, state.hinge_memory, now, implicit)
         return matrix, force

@@ -16,6 +16,7 @@ from tentacle.compiled import njit
 from tentacle.signals import Array
 
 WATERS_VISCOSITY = 1e-6  # m^2/s, at 20 degrees C
+SECOND_WAVE = 1.7320508075688772  # of a deep tank's odd standing waves: frequency over the first's, sqrt(3)
 SPHERE = 0.5  # water that a compact body carries, over that which it displaces
 # Columns of the link table.
 LENGTH, VOLUME, VOLUME_CENTRE, CARRIED, CARRIED_CENTRE, CARRIED_TURNING, MASS = range(7)
@@ -73,6 +74,13 @@ def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, fl
     cos, sin = np.cos(omega * t), np.sin(omega * t)
     ux = water.U_x + water.U_cos * cos + water.U_sin * sin
     ax = omega * (water.U_sin * cos - water.U_cos * sin)
+    if water.second_cos != 0.0 or water.second_sin != 0.0:
+        faster = SECOND_WAVE * omega
+        cos, sin = np.cos(faster * t), np.sin(faster * t)
+        along = water.U_cos * water.second_cos - water.U_sin * water.second_sin
+        across = water.U_cos * water.second_sin + water.U_sin * water.second_cos
+        ux += along * cos + across * sin
+        ax += faster * (across * cos - along * sin)
     if water.suction_U != 0.0:
         beat = 2.0 * np.pi * water.suction_f
         near = water.suction_U * np.exp(-(x * x + y * y) / water.suction_reach**2)

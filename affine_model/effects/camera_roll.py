@@ -1,12 +1,25 @@
-"""Camera roll: the image is turned against the declared direction of the arm."""
+"""Camera roll: the image is turned against the declared direction of the arm, about a point of the straight arm's line.
 
+A point at x appears at R x + (I - R) (0, centre L), R the rotation by the roll.
+"""
+
+from affine_model.curvature import Array
 from affine_model.effect import Effect, Parameter
+from affine_model.laws import cos, sin
 
 CAMERA_ROLL = Effect(
     name="camera_roll",
     title="Roll of the camera",
-    parameters=(Parameter("roll", "rad", 0.02, (-1.0, 1.0), "angle by which the arm appears turned about the clamp"),),
+    parameters=(
+        Parameter("roll", "rad", 0.02, (-1.0, 1.0), "angle by which the arm appears turned"),
+        Parameter("centre", "arm lengths", 0.5, (-1.0, 2.0), "where the point that stays lies", scan=(0.0,)),
+    ),
     source="rotation of the image plane",
     family="measurement",
     measurement="roll",
 )
+
+
+def shift_by_roll(roll: Array | float, centre: Array | float) -> tuple[Array | float, Array | float]:
+    """How far a roll about a centre [arm lengths] moves the clamp in the picture, along x and y [arm lengths]."""
+    return centre * sin(roll), centre * (1.0 - cos(roll))

@@ -1,7 +1,26 @@
-"""Sloshing: the water of the tank sways to and fro along n with one frequency (lowest standing wave)."""
+"""Sloshing: the water of the tank sways to and fro along n, in its lowest standing wave and the next that sways there:
+
+    u(t) = Re[(U_cos - i U_sin) (e^{i w t} + (second_cos - i second_sin) e^{i sqrt(3) w t})],  w = 2 pi f
+
+In a deep tank of length l the standing waves have w_n^2 = g n pi / l. At its middle only those of odd n move the water
+sideways, so that the second has sqrt(3) times the frequency of the first.
+"""
+
+from typing import Any
 
 from affine_model.effect import Effect, Parameter
 from affine_model.laws import cos, sin
+
+SECOND_WAVE = 1.7320508075688772  # its frequency over that of the first
+
+
+def _sway(x: Any, p: Any) -> tuple[Any, Any]:
+    first = 6.283185307179586 * p.f * x.t
+    second = SECOND_WAVE * first
+    cosine = p.U_cos * p.second_cos - p.U_sin * p.second_sin
+    sine = p.U_cos * p.second_sin + p.U_sin * p.second_cos
+    return p.U_cos * cos(first) + p.U_sin * sin(first) + cosine * cos(second) + sine * sin(second), 0.0
+
 
 SLOSHING = Effect(
     name="sloshing",
@@ -17,11 +36,10 @@ SLOSHING = Effect(
             "frequency",
             scan=(1.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.3, 1.4, 1.5, 1.6, 1.8, 2.0, 2.2, 2.5),
         ),
+        Parameter("second_cos", "1", 0.4, (-2.0, 2.0), "second wave over the first, in phase", scan=(0.0,)),
+        Parameter("second_sin", "1", 0.4, (-2.0, 2.0), "the same, a quarter of a turn later", scan=(0.0,)),
     ),
-    source="Faltinsen and Timokha 2009, linear standing wave, uniform over the arm",
+    source="Faltinsen and Timokha 2009, linear standing waves of a deep tank, uniform over the arm",
     family="fluid",
-    water_velocity=lambda x, p: (
-        p.U_cos * cos(6.283185307179586 * p.f * x.t) + p.U_sin * sin(6.283185307179586 * p.f * x.t),
-        0.0,
-    ),
+    water_velocity=_sway,
 )

@@ -22,6 +22,7 @@ import mujoco as _mujoco
 import numpy as np
 
 mujoco: Any = _mujoco
+SECOND_WAVE = 1.7320508075688772  # of a deep tank: frequency of its second odd standing wave over the first, sqrt(3)
 NAME_PREFIX = "tentacle_"
 
 
@@ -42,6 +43,7 @@ class Forces:
         self._n = {**read, **node}
         water = read["water"]
         fields = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f")
+        fields = (*fields, "second_cos", "second_sin")
         self._water = dict(zip(fields, water.tolist(), strict=True))
         joints = [model.joint("theta"), *(model.joint(f"hinge_{k}") for k in range(1, self.links))]
         self._q = np.array([joint.qposadr[0] for joint in joints])
@@ -177,6 +179,11 @@ class Forces:
         omega = 2.0 * np.pi * w["slosh_f"]
         sway = w["U_cos"] * np.cos(omega * t) + w["U_sin"] * np.sin(omega * t)
         surge = omega * (w["U_sin"] * np.cos(omega * t) - w["U_cos"] * np.sin(omega * t))
+        faster = SECOND_WAVE * omega
+        along = w["U_cos"] * w["second_cos"] - w["U_sin"] * w["second_sin"]
+        across = w["U_cos"] * w["second_sin"] + w["U_sin"] * w["second_cos"]
+        sway += along * np.cos(faster * t) + across * np.sin(faster * t)
+        surge += faster * (across * np.cos(faster * t) - along * np.sin(faster * t))
         return np.array([w["U_x"] + sway, w["U_y"]]), np.array([surge, 0.0])
 
     def _material(self, data: Any) -> np.ndarray:
@@ -185,7 +192,9 @@ class Forces:
         angle, rate = data.qpos[self._q[1:]], data.qvel[self._v[1:]]
         self._remember(data.time, angle)
         stiffness, bend = n["hinge_stiffness"], angle - n["hinge_rest"]
-        drifted = n["drift"] * data.time  # MuJoCo's own springs and dampers do not drift: that much is added here
+        rate_0, settling = n["drift"]
+        elapsed = data.time if settling == 0.0 else -np.expm1(-settling * data.time) / settling
+        drifted = rate_0 * elapsed  # MuJoCo's own springs and dampers do not drift: that much is added here
         elastic = (1.0 + n["hinge_stiff_tip"]) * bend + n["hinge_one_sided"] * bend**2 + n["hinge_cubic"] * bend**3
         moment = drifted * stiffness * elastic
         remembered = n["hinge_maxwell"] * (angle - self._dashpot)

@@ -44,7 +44,21 @@ EXPORT_STEP = (
 THINNESS = 0.02  # of a plate's half thickness over its half width
 # A flywheel at the clamp and a spring and damper to the command: the arm's torque turns it by less than a microradian.
 FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
-WATER_FIELDS = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f")
+WATER_FIELDS = (
+    "density",
+    "C_perp",
+    "C_t",
+    "C_a",
+    "tangential",
+    "c_n",
+    "U_x",
+    "U_y",
+    "U_cos",
+    "U_sin",
+    "slosh_f",
+    "second_cos",
+    "second_sin",
+)
 
 HINGE_FIELDS = ("stiffness", "damping", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle",
                 "sliding_moment", "sliding_rate",
@@ -227,7 +241,7 @@ def _add_numbers(spec: Any, stepper: Stepper) -> None:
         "node_perimeter": nodes[:, :, PERIMETER].ravel(),
         "node_area": nodes[:, :, AREA].ravel(),
         "water": np.array([float(water[name]) for name in WATER_FIELDS]),
-        "drift": np.array([stepper.drift]),
+        "drift": np.array([stepper.drift.rate, stepper.drift.settling]),
         "from_base": stepper.chain.start,
         "rest": np.array([float(stepper.laws.rest[0][name]) for name in REST_FIELDS]),
         **_tip_bodies(stepper),

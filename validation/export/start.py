@@ -14,8 +14,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from affine_model.arm import arm_of, parameter_index, parameter_vector
-from affine_model.base_signal import Steps, base_table, step_middles
+from affine_model.base_signal import Servo, Steps, base_table, step_middles
 from affine_model.curvature import points_beside
+from affine_model.effects.camera_roll import shift_by_roll
 from affine_model.effects.time_offset import shown_times
 from affine_model.simulate import Start, Timing, simulate
 from tentacle.base_motion import BaseMotion, fit_base_motion
@@ -55,12 +56,13 @@ class Started:
 def as_camera_has_it(model: Model, xy: Array, shift: Array) -> Array:
     """Points (..., 2) [m] of the arm as the camera shows them: scaled, rolled, shifted."""
     values = {name: model.parameters.get(effect, {}).get(name) for effect, name in _CAMERA}
-    roll, excess = (0.0 if estimate is None else estimate.value for estimate in values.values())
+    roll, centre, excess = (0.0 if estimate is None else estimate.value for estimate in values.values())
+    moved = model.specimen.length * np.array(shift_by_roll(roll, centre))
     turn = np.array([[np.cos(roll), -np.sin(roll)], [np.sin(roll), np.cos(roll)]])
-    return (1.0 + excess) * xy @ turn.T + shift
+    return (1.0 + excess) * xy @ turn.T + shift + moved
 
 
-_CAMERA = (("camera_roll", "roll"), ("camera_scale", "excess"))
+_CAMERA = (("camera_roll", "roll"), ("camera_roll", "centre"), ("camera_scale", "excess"))
 
 
 def distance_mm(shown: Array, points: Array) -> float:
@@ -108,15 +110,15 @@ def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
 def _clamp(recording: Recording, model: Model, start: float, stop: float) -> Waveform:
     """theta(t) at the clamp: the measured angle, behind the servo's lag and play where the model has them."""
     parameters = parameter_vector(model)
-    lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
+    servo = Servo.of(parameters[:, None])
     if recording.motor is None:
         still = np.zeros(8)
         return _Table(np.linspace(start - 1.0, stop + 1.0, 8, dtype=np.float64), np.stack([still, still, still]))
     motion: BaseMotion = fit_base_motion(recording.motor)
-    if lag[0] <= 0.0 and play[0] <= 0.0:
+    if not any(servo.individuals[0]):
         return motion
     steps = int(np.ceil((stop + LAST_FRAME_MARGIN - start) / REDUCED_STEP)) + 2
-    table = base_table(motion, Steps(start - REDUCED_STEP, REDUCED_STEP, steps), lag, play)[:, :, 0]
+    table = base_table(motion, Steps(start - REDUCED_STEP, REDUCED_STEP, steps), servo)[:, :, 0]
     return _Table(step_middles(start - REDUCED_STEP, REDUCED_STEP, steps), table)
 
 
