@@ -56,13 +56,12 @@ class Servo:
 
         play, delay, period = rows(("backlash", "play"), ("backlash", "delay"), ("backlash", "period"))
         tau, own = rows(("servo_lag", "tau"), ("servo_lag", "period"))
-        return Servo(play, (delay, np.where(play > 0.0, period, 0.0)), (tau, np.where(tau > 0.0, own, 0.0)))
+        return Servo(play, (play * delay, play * period), (tau, np.where(tau > 0.0, own, 0.0)))
 
     @property
     def individuals(self) -> list[tuple[float, ...]]:
         """Play, delay and period of the coupling, of the lag: of each individual."""
-        delays = np.where(self.play > 0.0, self.coupling[0], 0.0)
-        return list(zip(*(one.tolist() for one in (self.play, delays, self.coupling[1], *self.lag)), strict=True))
+        return list(zip(*(one.tolist() for one in (self.play, *self.coupling, *self.lag)), strict=True))
 
 
 def low_pass(table: Array, step: float, delay: float, period: float) -> Array:

@@ -34,8 +34,8 @@ def motor_signal(waveform: Waveform, times: Array, parameters: Parameters, lead_
                 swell * wave[2] + 2.0 * first * wave[1] + second * wave[0],
             ]
         )
-    delay, period = (value(parameters, "backlash", name) for name in ("delay", "period"))
     play = value(parameters, "backlash", "play")
+    delay, period = (play * value(parameters, "backlash", name) for name in ("delay", "period"))
     step = float(times[1] - times[0])
     if play > 0.0 and sprung(parameters):
         wave = low_pass(_beyond_play(wave, play), step, delay, period)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
-from affine_model.base_signal import Steps, base_table
+from affine_model.base_signal import Servo, Steps, base_table
 from affine_model.curvature import midline
 from affine_model.simulate import Timing, simulate
 from inference.base_fit import Setting, fit_base
@@ -34,8 +34,7 @@ def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, wave=WAVE) 
     for (effect, parameter), value in {**TRUTH, **(hidden or {})}.items():
         parameters[parameter_index(effect, parameter)] = value
     steps = round(seconds / STEP)
-    lag, play = (parameters[[parameter_index(*name)]] for name in (("servo_lag", "tau"), ("backlash", "play")))
-    base = base_table(wave, Steps(0.0, STEP, steps), lag, play)
+    base = base_table(wave, Steps(0.0, STEP, steps), Servo.of(parameters[:, None]))
     batch = simulate(arm, parameters[:, None], base, Timing(STEP, round(1.0 / STEP / FPS)))
     theta = wave(batch.t)[0]  # as commanded
     points = midline(batch.q[:, :, 0], batch.theta[:, 0], SPECIMEN.length, S)

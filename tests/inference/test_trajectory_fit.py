@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index
-from affine_model.base_signal import Steps, base_table, play_operator, step_middles
+from affine_model.base_signal import Servo, Steps, base_table, play_operator, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.simulate import Start, Timing, simulate
 from inference.experiment import Experiment
@@ -146,10 +146,27 @@ def test_a_tracks_covariance_is_passed_on_whole():
     assert np.allclose(back @ np.linalg.inv(root.T @ root) @ back.T, covariance[0], rtol=1e-9)
 
 
+def servo(*, tau=0.0, period=0.0, play=0.0, delay=0.0, sprung=0.0):
+    return Servo(np.array([play]), (np.array([delay]), np.array([sprung])), (np.array([tau]), np.array([period])))
+
+
+def test_a_servo_of_second_order_has_its_gain_and_phase():
+    step, tau, period, omega = 1 / 400, 0.06, 0.25, 2 * np.pi * 1.3
+    wave = lambda t: np.stack([np.sin(omega * t), omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t)])  # noqa: E731
+    table = base_table(wave, Steps(0.0, step, 1200), servo(tau=tau, period=period))[:, :, 0]
+    t = step_middles(0.0, step, 1200)
+    late = t > 1.0  # the transient of decay tau (2 pi / period)^2 / 2 = 19/s has died
+    response = 1.0 / (1.0 + 1j * omega * tau - (omega * period / (2 * np.pi)) ** 2)
+    for row, truth in zip(table, (1.0, 1j * omega, -(omega**2)), strict=True):
+        exact = np.imag(truth * response * np.exp(1j * omega * t[late]))
+        # Piecewise linear input: error (omega step)^2 / 12 = 3.5e-5.
+        assert np.allclose(row[late], exact, atol=1e-4 * abs(truth))
+
+
 def test_lag_is_the_exact_first_order_lag():
     step, tau, omega = 1 / 400, 0.05, 2 * np.pi * 1.3
     wave = lambda t: np.stack([np.sin(omega * t), omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t)])  # noqa: E731
-    table = base_table(wave, Steps(0.0, step, 1200), np.array([tau]), np.array([0.0]))[:, :, 0]
+    table = base_table(wave, Steps(0.0, step, 1200), servo(tau=tau))[:, :, 0]
     t = step_middles(0.0, step, 1200)
     late = t > 10 * tau  # the transient has died to e^-10
     gain, phase = 1 / np.hypot(1, omega * tau), np.arctan(omega * tau)
@@ -162,12 +179,12 @@ def test_lag_is_the_exact_first_order_lag():
 def test_a_lag_and_a_gear_begin_with_what_they_went_through(tau, play):
     step, omega = 1 / 400, 2 * np.pi * 0.7
     wave = lambda t: np.stack([np.sin(omega * t), omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t)])  # noqa: E731
-    both = np.array([tau]), np.array([play])
-    whole = base_table(wave, Steps(0.0, step, 1200), *both)[:, :, 0]
-    late = base_table(wave, Steps(2.0, step, 400), *both, known_from=0.0)[:, :, 0]
+    both = servo(tau=tau, play=play)
+    whole = base_table(wave, Steps(0.0, step, 1200), both)[:, :, 0]
+    late = base_table(wave, Steps(2.0, step, 400), both, known_from=0.0)[:, :, 0]
     assert np.allclose(late, whole[:, 800:], atol=1e-12)
     # Without its past a run begins elsewhere: a gear in its middle, a lag along the tangent.
-    assert abs(base_table(wave, Steps(2.0, step, 400), *both)[0, 0, 0] - late[0, 0]) > 1e-4
+    assert abs(base_table(wave, Steps(2.0, step, 400), both)[0, 0, 0] - late[0, 0]) > 1e-4
 
 
 def test_a_step_at_which_the_motion_runs_away_is_not_taken_for_one_that_suffices():
