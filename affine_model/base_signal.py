@@ -14,6 +14,7 @@ from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from tentacle.waveform import Waveform
 
+BRIEF = 0.1  # steps: an oscillation of a shorter time moves nothing in a step
 FORGOTTEN = 5.0  # s: what a lag or a gear saw longer ago than this is of no account
 PLAY_SMOOTHING = 0.006  # s: the play operator's corners are rounded over this time, so that theta has two derivatives
 
@@ -69,10 +70,10 @@ def low_pass(table: Array, step: float, delay: float, period: float) -> Array:
 
     Exact for an input that is linear between samples.
     """
-    if delay <= 0.0 and period <= 0.0:
+    if delay <= 0.0 and period <= 2.0 * np.pi * BRIEF * step:
         return table
     inertia = (period / (2.0 * np.pi)) ** 2
-    if inertia > 0.0:
+    if inertia > (BRIEF * step) ** 2:
         system = np.array([[0.0, 1.0], [-1.0 / inertia, -delay / inertia]]), np.array([[0.0], [1.0 / inertia]])
         seen = np.array([[1.0, 0.0]])
     else:

@@ -20,7 +20,7 @@ from affine_model.effects import catalogue
 from discovery.answer import MOST_EFFECTS
 from discovery.decide import log_masses, log_prior_of_set, missing_of
 from discovery.rank import RankedSet, ranked_sets
-from discovery.starts import RefitStart, refit_starts
+from discovery.starts import Names, RefitStart, refit_starts
 from inference.decay import DECAY_SHARE, has_decay, horizons_of
 from inference.linearise import latent_forces
 from inference.posterior import Hypothesis, RoughFit, fit_hypothesis, rough_fit, with_rest
@@ -49,9 +49,10 @@ class PosteriorSearch:
 
 @dataclass(frozen=True)
 class Begun:
-    """A set of effects to be added, and where its refit begins."""
+    """A set of effects to be added, without some of their shapes, and where its refit begins."""
 
     chosen: RankedSet
+    without: Names
     starts: tuple[RefitStart, ...]
 
 
@@ -76,10 +77,9 @@ def search_posterior(
         ]
         tasks: list[Callable[[], RoughFit]] = [
             *(partial(added, centre, begun) for begun in wanted),
-            *(partial(added, centre, begun, plain=True) for begun in wanted if _has_plain(begun.chosen)),
             *(partial(removed, centre, name) for name in centre.effects if len(centre.effects) > 1),
         ]
-        found = _side_by_side([partial(fit_hypothesis, one) for one in _promising(_side_by_side(tasks))])
+        found = _side_by_side([partial(fit_hypothesis, one, base.forces) for one in _promising(_side_by_side(tasks))])
         temperature = missing_of([*tried.values(), *found]).temperature
         for h in found:
             known = tried.get(frozenset(h.effects))
@@ -125,11 +125,13 @@ def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
     """Those that may still be the best when they are fitted closely, and the best of each number of effects: more
     effects leave less, whatever acts.
     """
-    costs = np.array([one.cost for one in roughs])
-    least, most = (costs.min(), costs.max()) if costs.size else (0.0, 0.0)
+    sets: dict[tuple[str, ...], float] = {}
     best: dict[int, float] = {}
     for one in roughs:
+        sets[one.effects] = min(one.cost, sets.get(one.effects, np.inf))
         best[len(one.effects)] = min(one.cost, best.get(len(one.effects), np.inf))
+    costs = np.array(list(sets.values()))
+    least, most = (costs.min(), costs.max()) if costs.size else (0.0, 0.0)
     reach = least + max(FAR, ROOM * (most - least))
     return [one for one in roughs if one.cost <= max(reach, best[len(one.effects)])]
 
@@ -160,7 +162,7 @@ def _begun_about(centre: Hypothesis, candidates: list[Candidate], start: Hypothe
     alone = [RankedSet((one,), one.gain, (one.strengths,)) for one in candidates]
     unmoved = replace(start.problem, parameters=start.fitted.parameters)
     horizons = horizons_of(unmoved, start.fitted.nuisances)
-    singles = _begun(start, alone, horizons)[: SECOND if centre.effects else SINGLES]
+    singles = _begun(start, alone, horizons, SECOND if centre.effects else SINGLES)
     if has_decay(centre.problem) and not centre.effects:
         return singles
     ranked = ranked_sets(centre.fitted, candidates, MOST_EFFECTS - len(centre.effects))
@@ -168,7 +170,7 @@ def _begun_about(centre: Hypothesis, candidates: list[Candidate], start: Hypothe
     several = [one for one in ranked if len(one.names) > 1 and one.evidence > linear]
     prior = [log_prior_of_set(len(centre.effects) + len(one.names)) for one in several]
     order = np.argsort([-(one.evidence + p) for one, p in zip(several, prior, strict=True)], kind="stable")
-    return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], horizons)]
+    return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], horizons, SETS)]
 
 
 def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
@@ -180,37 +182,49 @@ def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
     return replace(base, problem=problem, fitted=linearised_fit(problem, there, 0))
 
 
-def _begun(centre: Hypothesis, ranked: list[RankedSet], horizons: tuple[Problem, ...]) -> list[Begun]:
-    """The sets with their starts, the most promising start first: beyond the linear regime the first order misleads.
+def _begun(centre: Hypothesis, ranked: list[RankedSet], horizons: tuple[Problem, ...], most: int) -> list[Begun]:
+    """The `most` most promising sets, by where their refits begin, for beyond the linear regime the first order
+    misleads; each with all of its shapes, and without some.
 
-    horizons: of decays, about the centre; none where nothing decays.
+    horizons: of decays, about the centre; none where nothing decays. A decay's fit follows each choice of shapes by
+    itself, for it may end in another valley.
     """
-    begun = _side_by_side([lambda one=one: Begun(one, tuple(refit_starts(centre, one, horizons))) for one in ranked])
-    return sorted(begun, key=lambda one: one.starts[0].cost)
+    begun = _side_by_side(
+        [lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, horizons))) for one in ranked]
+    )
+    best = sorted(begun, key=lambda one: one.starts[0].cost)[:most]
+    fewer = [(one, names) for one in best for names in _left_out(one.chosen)]
+    if not horizons:
+        return [*best, *(replace(one, without=names) for one, names in fewer)]
+    followed = [
+        lambda one=one, names=names: Begun(one.chosen, names, tuple(refit_starts(centre, one.chosen, horizons, names)))
+        for one, names in fewer
+    ]
+    return [*best, *_side_by_side(followed)]
 
 
-def _has_plain(chosen: RankedSet) -> bool:
-    """Whether one of the effects has a shape that may be none at all, such as a payload at the tip itself."""
-    return any(shape.neutral == 0.0 for candidate in chosen.candidates for shape in candidate.effect.shapes)
+def _left_out(chosen: RankedSet) -> list[Names]:
+    """Shapes that may be none at all, such as a payload's place beside the tip: those that a further fit leaves out.
+
+    All of them; and of an effect that has several, all but the first of each effect.
+    """
+    of = [[(c.effect.name, one.name) for one in c.effect.shapes if one.neutral == 0.0] for c in chosen.candidates]
+    nested = [tuple(name for names in of for name in names[first:]) for first in range(max(map(len, of), default=0))]
+    return [names for names in nested if names]
 
 
-def added(centre: Hypothesis, of: Begun, *, plain: bool = False) -> RoughFit:
-    """A set of effects more, fitted roughly from the best starts. plain: shapes that may be none are none."""
-    chosen = of.chosen
-    new = [name for candidate in chosen.candidates for name in candidate.free]
-    none = []
-    if plain:
-        shapes = [(c.effect.name, shape) for c in chosen.candidates for shape in c.effect.shapes]
-        none = [(effect, shape.name) for effect, shape in shapes if shape.neutral == 0.0]
-    free = (*centre.problem.free, *(name for name in new if name not in none))
+def added(centre: Hypothesis, of: Begun) -> RoughFit:
+    """A set of effects more, fitted roughly from the best starts."""
+    new = [name for candidate in of.chosen.candidates for name in candidate.free]
+    free = (*centre.problem.free, *(name for name in new if name not in of.without))
     begun = []
     for start in of.starts:
         parameters = start.parameters.copy()
-        for name in none:
+        for name in of.without:
             parameters[parameter_index(*name)] = 0.0
         problem = replace(centre.problem, free=free, parameters=parameters, filters=())
         begun.append((problem, start.nuisances))
-    return _refitted((*centre.effects, *chosen.names), begun, centre)
+    return _refitted((*centre.effects, *of.chosen.names), begun, centre)
 
 
 def removed(centre: Hypothesis, effect: str) -> RoughFit:
@@ -230,7 +244,9 @@ def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, 
     if not has_decay(centre.problem):
         return rough_fit(effects, begun, centre.forces, centre.share)
     problem, nuisances = begun[0]
-    return rough_fit(effects, begun, latent_forces(problem, problem.parameters, nuisances, effects), DECAY_SHARE)
+    return rough_fit(
+        effects, begun, latent_forces(problem, problem.parameters, nuisances, effects, centre.forces), DECAY_SHARE
+    )
 
 
 def _remembering(

@@ -22,6 +22,7 @@ from inference.trajectory import Problem, split
 
 START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
 SHAPES = 6  # points of the grid of one effect's shapes, at most
+Names = tuple[tuple[str, str], ...]
 LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
 
 
@@ -34,12 +35,18 @@ class RefitStart:
     cost: float
 
 
-def refit_starts(centre: Hypothesis, chosen: RankedSet, horizons: tuple[Problem, ...] = ()) -> list[RefitStart]:
-    """The LEFT best places to begin from, best first; horizons: of decays (inference.decay; none: nothing decays)."""
+def refit_starts(
+    centre: Hypothesis, chosen: RankedSet, horizons: tuple[Problem, ...] = (), without: Names = ()
+) -> list[RefitStart]:
+    """The LEFT best places to begin from, best first; horizons: of decays (inference.decay; none: nothing decays).
+
+    without: shapes of the effects that are none.
+    """
     plan = np.stack(_plan(centre, chosen), axis=1)
+    plan[[parameter_index(*name) for name in without]] = 0.0
     problem = replace(centre.problem, parameters=centre.fitted.parameters)
     if horizons:
-        free = (*problem.free, *(name for one in chosen.candidates for name in one.free))
+        free = (*problem.free, *(name for one in chosen.candidates for name in one.free if name not in without))
         problem = replace(problem, free=free)
         points = followed_from_release(
             tuple(replace(early, free=free) for early in horizons), centre.fitted.nuisances, plan

@@ -18,7 +18,9 @@ import numpy as np
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment
-from inference.linearise import latent_forces, motion_times
+from inference.latent_force import ELL
+from inference.linearise import latent_forces
+from inference.motion_time import motion_time
 from inference.trajectory import ONE_SIDED, Problem, minimised, split
 
 HORIZONS, STEPS = (1.0, 2.5, 6.0), 3  # periods of the motion that are followed one after the other; steps on each
@@ -81,8 +83,7 @@ def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem
 def horizon_of(problem: Problem, nuisances: tuple[Array, ...], periods: float) -> Problem:
     """The problem with the first periods of its decays alone, whitened as about the run with these nuisances."""
     experiments = tuple(
-        _until(experiment, 2.0 * np.pi * periods * time)
-        for experiment, time in zip(problem.experiments, motion_times(problem, nuisances), strict=True)
+        _until(experiment, 2.0 * np.pi * periods * ELL * motion_time(experiment)) for experiment in problem.experiments
     )
     early = replace(problem, experiments=experiments, filters=())
     own = latent_forces(early, early.parameters, nuisances)

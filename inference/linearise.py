@@ -24,6 +24,7 @@ from inference.latent_force import (
     cells_of,
     with_scaled_mass,
 )
+from inference.motion_time import motion_time
 from inference.observation import TRACKER_ERROR, MarkerObservation
 from inference.trajectory import Problem
 
@@ -38,29 +39,30 @@ LAW_KNOWN, LAW_FOUND = 0.03, 0.3  # relative variation along the arm of a declar
 
 
 def latent_forces(
-    problem: Problem, parameters: Array, nuisances: tuple[Array, ...], added: tuple[str, ...] = ()
+    problem: Problem,
+    parameters: Array,
+    nuisances: tuple[Array, ...],
+    added: tuple[str, ...] = (),
+    declared: tuple[LatentForce, ...] = (),
 ) -> tuple[LatentForce, ...]:
-    """The latent force of every recording about the run with these unknowns. added: effects with less certain laws."""
+    """The latent force of every recording about the run with these unknowns. added: effects with less certain laws.
+
+    declared: the latent force about the declared model, whose size and envelope are kept (none: this run is that one).
+    Otherwise a share of unknown forces would be another force in each hypothesis.
+    """
     found = []
     problem, parameters = problem.known(parameters)
     for place, experiment in enumerate(problem.experiments):
         run = predict(problem.arm, experiment, parameters[:, None], nuisances[place][:, None], problem.step)
-        time = ELL * _own_time(problem.arm, run)
+        time = ELL * motion_time(experiment)
         cells = cells_of(experiment.observation.t, experiment.used, time)
         seen = cells.averaged(_seen(problem.arm, experiment, parameters, run))
         linearised = _linearised(problem.arm, parameters, run, (cells, time), added)
+        if declared:
+            same = declared[place].linearised
+            linearised = replace(linearised, force_root=same.force_root, envelope=same.envelope)
         found.append(LatentForce(linearised, cells, seen, _error(problem.arm, experiment, run, seen)))
     return tuple(found)
-
-
-def motion_times(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[float, ...]:
-    """ELL times the motion's own time [s] of every recording's run with these unknowns."""
-    known, parameters = problem.known(problem.parameters)
-    runs = (
-        predict(known.arm, experiment, parameters[:, None], values[:, None], known.step)
-        for experiment, values in zip(known.experiments, nuisances, strict=True)
-    )
-    return tuple(ELL * _own_time(known.arm, run) for run in runs)
 
 
 def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) -> Array:
@@ -99,18 +101,6 @@ def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> Se
     information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
     noise = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
     return SeenError(rows, np.append(shape.std(axis=0), 0.0), TRACKER_ERROR * observation.tracked * noise)
-
-
-def _own_time(arm: Arm, run: Prediction) -> float:
-    """The motion's own time [s]: rms of mean curvature and base angle about their means, over that of their rates.
-
-    Higher coordinates are left out: what a guess of the initial shape lets ring is not the motion.
-    """
-    batch = run.batch
-    mean = arm.from_monomial[:1]
-    moved = np.concatenate([batch.q[:, :, 0] @ mean.T, batch.theta], axis=1)
-    rates = np.concatenate([batch.q_rate[:, :, 0] @ mean.T, batch.theta_rate], axis=1)
-    return float(np.sqrt(moved.var(axis=0).sum() / max(rates.var(axis=0).sum(), 1e-300)))
 
 
 def _linearised(

@@ -125,13 +125,14 @@ def declared_model(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis
     return fit_hypothesis(RoughFit((), problem, nuisances, 0.0))
 
 
-def fit_hypothesis(rough: RoughFit) -> Hypothesis:
+def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> Hypothesis:
     """Fit the problem at the share of unknown forces that has the largest evidence.
 
     With a smaller share a fit may follow the data far better. Therefore the best share is found again after each fit.
+    declared: the latent forces about the declared model's run (none: this is that model).
     """
     problem, nuisances = rough.problem, rough.nuisances
-    forces = latent_forces(problem, problem.parameters, nuisances, rough.effects)
+    forces = latent_forces(problem, problem.parameters, nuisances, rough.effects, declared)
     fitted = linearised_fit(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
     at_shares, tried = filters_of(forces), set[int]()
     while True:

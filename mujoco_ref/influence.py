@@ -160,7 +160,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
         "slow_tip",
     ),
     "dry_friction": ("c_f", "slip", "sliding", "rate"),
-    "soft_spot": ("depth", "s0", "extent"),
+    "soft_spot": ("depth", "s0"),
     "stiffness_drift": ("rate", "settling"),
     "servo_lag": ("tau", "period"),
     "backlash": ("play", "delay", "period"),
