@@ -25,6 +25,8 @@ from tentacle.diagnosis import CredibleSet, Diagnosis, Explained, Limit, RankedE
 from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Estimate, Model
 
+DRAWS = 400  # of the bootstrap
+
 
 @dataclass(frozen=True)
 class PosteriorContext:
@@ -106,7 +108,7 @@ def assemble_posterior(
         runs=tuple(run for run, _, _ in runs),
         words=tuple(words),
         seed=seed,
-        explained=explained(found.base, chosen) if effects and chosen.effects else None,
+        explained=explained(found.base, chosen, seed) if effects and chosen.effects else None,
         certain=() if withdrawn else decision.certain,
         sets=tuple(CredibleSet(names, mass) for names, mass in decision.sets),
         detection_limits=around.limits,
@@ -151,20 +153,19 @@ def hypothesis_of_paper(paper: tuple[Problem, Fit]) -> dict[str, dict[str, Estim
     return estimates(*paper)
 
 
-def explained(base: Hypothesis, chosen: Hypothesis) -> Explained:
-    """The share of the unknown forces' power that the chosen model explains, with its interval.
+def explained(base: Hypothesis, chosen: Hypothesis, seed: int) -> Explained | None:
+    """The share of the power of what the declared model leaves that the chosen model explains, each running alone.
 
-    It is at most the share of the squared error that the model explains when it runs alone.
+    The response is linear in a small force, so that this is the share of the missing force's power, weighted as the arm
+    responds to it. The interval (95 %) is a bootstrap over pieces of the recordings. None where one of them is unknown.
     """
-    most = 1.0
-    if base.rest > 0.0 and np.isfinite(chosen.rest):
-        most = float(np.clip(1.0 - max(chosen.rest, 0.0) / base.rest, 0.0, 1.0))
-
-    def share(after: float, before: float) -> float:
-        return float(np.clip(1.0 - (after / before) ** 2, 0.0, most))
-
-    (first, last), (low, high) = base.share_interval(), chosen.share_interval()
-    return Explained(share(chosen.share, base.share), share(high, first), share(low, last))
+    before, after = base.rest_in_time, chosen.rest_in_time
+    if before.size == 0 or before.size != after.size or before.mean() <= 0.0:
+        return None
+    drawn = np.random.default_rng(seed).integers(0, before.size, size=(DRAWS, before.size))
+    shares = 1.0 - after[drawn].mean(axis=1) / np.maximum(before[drawn].mean(axis=1), 1e-300)
+    low, high = np.clip(np.quantile(shares, [0.025, 0.975]), 0.0, 1.0)
+    return Explained(float(np.clip(1.0 - after.mean() / before.mean(), 0.0, 1.0)), float(low), float(high))
 
 
 def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]:

@@ -11,7 +11,7 @@ between their bounds. The base parameters' and initial states' priors are those 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -27,6 +27,7 @@ from inference.linearise import latent_forces
 from inference.trajectory import Fit, Problem, fit, linearised_fit, minimised, split
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
+PIECE_FRAMES = 60  # of a recording: a second of most, longer than what an error is correlated over
 NOISE_REACH = 2.0  # standard deviations of a mean square over pure noise
 ROUGHLY, CLOSELY = 1e-3, 5e-5  # tolerances of a fit, shares of its sum of squares: some nats, a tenth of a nat
 
@@ -36,7 +37,8 @@ class Hypothesis:
     """The declared model with some absent effects added, fitted at the share of unknown forces that fits it best.
 
     log_evidence (A,) [nats] at each of FORCE_SHARES. alone: the model fitted without unknown forces (None: not fitted
-    yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows.
+    yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows;
+    rest_in_time (C,): the same in pieces of about PIECE_FRAMES frames.
     baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none).
     baseline_gain [nats]: what the best set of absent effects would gain there, to first order, although none acts.
     motion [nats]: of the motion seen, beside the smallest share of unknown forces (inference.motion; 0: not known).
@@ -50,6 +52,7 @@ class Hypothesis:
     alone: Fit | None = None
     rest: float = float("nan")
     rows: int = 0
+    rest_in_time: Array = field(default_factory=lambda: np.zeros(0))
     baseline_share: float = 0.0
     baseline_gain: float = 0.0
     motion: float = 0.0
@@ -184,7 +187,15 @@ def _followed(
     louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
     alone = fit(replace(plain, experiments=louder), nuisances, tolerance=tolerance, most=40)
     rows = _seen_rows(plain, [rows[:, :, None] for rows in alone.residuals])
-    return replace(h, alone=alone, rest=float(size**2 * np.mean(rows**2)) - 1.0, rows=rows.size)
+    pieces = [
+        size**2 * float(np.mean(piece[piece != 0.0] ** 2)) - 1.0
+        for e, residuals in zip(plain.experiments, alone.residuals, strict=True)
+        if not e.complete
+        for piece in np.array_split(residuals[e.used], max(1, round(int(e.used.sum()) / PIECE_FRAMES)))
+        if np.any(piece != 0.0)
+    ]
+    rest = float(size**2 * np.mean(rows**2)) - 1.0
+    return replace(h, alone=alone, rest=rest, rows=rows.size, rest_in_time=np.array(pieces))
 
 
 def _seen_rows(problem: Problem, residuals: Sequence[Array]) -> Array:
