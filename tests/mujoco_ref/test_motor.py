@@ -1,0 +1,43 @@
+"""The reference's motor against the response of its equation, and against the reduced model's base motion."""
+
+import numpy as np
+import pytest
+
+from affine_model.base_signal import Servo, Steps, base_table
+from mujoco_ref.motor import motor_signal
+from tentacle.waveform import Multisine, Sine
+
+STEP = 2e-3
+WAVE = Multisine((0.3, 0.2), (0.6, 1.7), (0.0, 1.0))
+
+
+def reduced(play=0.0, delay=0.0, sprung=0.0, tau=0.0, period=0.0):
+    one = [np.array([value]) for value in (play, play * delay, play * sprung, tau, period)]
+    return Servo(one[0], (one[1], one[2]), (one[3], one[4]))
+
+
+@pytest.mark.parametrize(("tau", "period"), [(0.05, 0.0), (0.05, 0.3), (0.02, 0.1)])
+def test_a_lag_has_the_gain_and_phase_of_its_equation(tau, period):
+    omega, t = 2.0 * np.pi * 1.2, np.arange(0.0, 12.0, STEP)
+    angle, rate, acceleration = motor_signal(
+        Sine(0.4, 1.2), t, {"servo_lag": {"tau": tau, "period": period}}, lead_in=0.0
+    )
+    response = 0.4 / (1.0 + 1j * omega * tau - (omega * period / (2.0 * np.pi)) ** 2)
+    late = t > 6.0  # the transient, exp(-t tau omega0^2 / 2), is gone: below e^-13 for the slowest of the three
+    for row, factor in ((angle, 1.0), (rate, 1j * omega), (acceleration, -(omega**2))):
+        exact = np.imag(factor * response * np.exp(1j * omega * t[late]))
+        # Cubics between samples: (omega step)^4 / 384, far below; 1e-6 of the size is what a double filter keeps.
+        assert np.allclose(row[late], exact, atol=1e-6 * abs(factor) + 1e-9)
+
+
+@pytest.mark.parametrize("servo", [{"tau": 0.04, "period": 0.2}, {"play": 0.05, "delay": 0.3, "sprung": 2.0}])
+def test_both_models_turn_the_clamp_alike(servo):
+    t = np.arange(0.0, 8.0, STEP)
+    table = base_table(WAVE, Steps(-0.5 * STEP, STEP, t.size), reduced(**servo))[0, :, 0]
+    given = {"backlash": {"play": servo.get("play", 0.0), "delay": servo.get("delay", 0.0)}}
+    given["backlash"]["period"] = servo.get("sprung", 0.0)
+    given["servo_lag"] = {"tau": servo.get("tau", 0.0), "period": servo.get("period", 0.0)}
+    angle = motor_signal(WAVE, t, given, lead_in=0.0)[0]
+    # One of them rounds the gear's corners, of up to 3 rad/s, over 6 ms: 3 * .006 / sqrt(2 pi) = 7 mrad where they lie,
+    # of which the coupling's low-pass of .1 s leaves a fifth. A play left out would be 25 mrad off.
+    assert np.abs(angle - table)[t > 2.0].max() < 1.5e-3
