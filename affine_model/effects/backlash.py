@@ -15,10 +15,10 @@ BACKLASH = Effect(
     parameters=(
         Parameter("play", "rad", 0.03, (0.0, 0.5), "total play of the gear"),
         Parameter(
-            "delay", "s/rad", 0.3, (0.0, 1.0), "damping of the coupling over its stiffness, per play", scan=(0.0,)
+            "delay", "s/rad", 0.3, (0.0, 2.0), "damping of the coupling over its stiffness, per play", scan=(0.0,)
         ),
         Parameter(
-            "period", "s/rad", 3.0, (0.0, 6.0), "natural period of the clamp on its coupling, per play", scan=(0.0,)
+            "period", "s/rad", 3.0, (0.0, 15.0), "natural period of the clamp on its coupling, per play", scan=(0.0,)
         ),
     ),
     source="play operator: Krasnosel'skii and Pokrovskii 1989; elastic coupling: Nordin and Gutman 2002",
