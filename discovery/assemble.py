@@ -185,9 +185,12 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
             words.append(f"The best model adds {names}. Its remaining error is too large to name these effects.")
     elif decision.verdict == "group":
         apart = [name for name in decision.effects if name not in decision.certain]
-        words.append("These data cannot separate " + ", ".join(apart) + ".")
         if decision.certain:
-            words.append(f"Every likely answer has {' + '.join(decision.certain)} in it too.")
+            words.append(
+                f"{' + '.join(decision.certain)} is certain. Beside it some of {', '.join(apart)} act, which these data cannot separate."
+            )
+        else:
+            words.append("These data cannot separate " + ", ".join(apart) + ".")
     elif decision.certain and len(decision.sets) > 1:
         open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
         words.append(f"{' + '.join(decision.certain)} is certain; {', '.join(open_names)} may act too.")

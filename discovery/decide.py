@@ -20,8 +20,9 @@ declared laws may err by a share DECLARED_ALIKE of the motion that looks like an
 (inference.motion) such an effect gains DECLARED_ALIKE^2 M. In 19 development recordings of two plants without an
 effect, the best set gained at most .00095^2 M; the constant is 1.5 times that.
 
-The verdict is the outcome with the largest mass. A group is the smallest family of sets with CREDIBLE of the known
-mass.
+The verdict is the outcome with the largest mass. The credible sets are the smallest family of sets with CREDIBLE of the
+known mass. What they share is the answer if one of them holds nothing else; otherwise all of them are a group, for
+another effect acts beside what they share, and its name is open.
 """
 
 from __future__ import annotations
@@ -47,15 +48,14 @@ DECLARED_ALIKE = 0.0015  # share of the motion in which two programs of the same
 FORM = 0.22  # share of what an added law explains that its true form may differ by: 10 to 36 % are known cases
 FORM_ALIKE = 0.15  # share of it that resembles another effect
 CREDIBLE = 0.95
-MOST = 0.5  # of what the leading set gains: effects that gain less alone are not the answer
 
 
 @dataclass(frozen=True)
 class PosteriorDecision:
     """The verdict, its effects and its posterior mass.
 
-    certain: effects that are in every credible set; an answer of their own if they gain most alone. sets: the credible
-    sets with their mass. masses: effect -> posterior mass of all sets that contain it. leading, rivals: hypotheses of
+    certain: effects that are in every credible set; the answer if one of these sets holds nothing else. sets: the
+    credible sets with their mass. masses: effect -> posterior mass of all sets that contain it. leading, rivals: hypotheses of
     the credible sets.
     """
 
@@ -172,20 +172,10 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
         return PosteriorDecision(
             "nothing_missing", (), float(mass[empty, 0]), (), sets, masses, hypotheses[empty], rivals
         )
-    if certain and _explains_most(certain, hypotheses, leading):
+    # What all credible sets share is the whole answer if one of them holds nothing else.
+    if any(set(effects) == set(certain) for effects, _ in sets if effects):
         holding = sum(float(m[0]) for h, m in zip(hypotheses, mass, strict=True) if set(certain) <= set(h.effects))
         return PosteriorDecision("effect", certain, holding, certain, sets, masses, leading, rivals)
     union = sorted({name for effects, _ in sets for name in effects}, key=lambda name: -masses[name])
     named = float(total - mass[empty, 0] * (empty in credible))
     return PosteriorDecision("group", tuple(union), named, certain, sets, masses, leading, rivals)
-
-
-def _explains_most(certain: tuple[str, ...], hypotheses: Sequence[Hypothesis], leading: Hypothesis) -> bool:
-    """Whether effects alone gain MOST of what the leading set gains: else its uncertain effects matter more."""
-
-    def gain(h: Hypothesis) -> float:
-        return float(h.log_evidence.max())
-
-    nothing = next(gain(h) for h in hypotheses if not h.effects)
-    alone = max(gain(h) for h in hypotheses if set(h.effects) <= set(certain))
-    return alone - nothing >= MOST * (gain(leading) - nothing)
