@@ -186,9 +186,8 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
     elif decision.verdict == "group":
         apart = [name for name in decision.effects if name not in decision.certain]
         if decision.certain:
-            words.append(
-                f"{' + '.join(decision.certain)} is certain. Beside it some of {', '.join(apart)} act, which these data cannot separate."
-            )
+            beside = f"Beside it some of {', '.join(apart)} act, which these data cannot separate."
+            words.append(f"{' + '.join(decision.certain)} is certain. {beside}")
         else:
             words.append("These data cannot separate " + ", ".join(apart) + ".")
     elif decision.certain and len(decision.sets) > 1:

@@ -55,8 +55,8 @@ class PosteriorDecision:
     """The verdict, its effects and its posterior mass.
 
     certain: effects that are in every credible set; the answer if one of these sets holds nothing else. sets: the
-    credible sets with their mass. masses: effect -> posterior mass of all sets that contain it. leading, rivals: hypotheses of
-    the credible sets.
+    credible sets with their mass. masses: effect -> posterior mass of all sets that contain it. leading, rivals:
+    hypotheses of the credible sets.
     """
 
     verdict: Verdict

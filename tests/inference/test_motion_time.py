@@ -27,7 +27,7 @@ def shapes(t, z, theta, noise):
 def test_a_swing_has_the_inverse_of_its_angular_frequency(noise):
     t = np.arange(0.0, 20.0, 1 / 60)
     seen = shapes(t, 0.2 * np.sin(OMEGA * t + 0.4), 0.3 * np.sin(OMEGA * t), noise)
-    # Over two frames a derivative keeps 1 - (omega dt)^2 / 6 = .997 of itself; the noise's part is known to 1 / sqrt(T).
+    # Over two frames a derivative keeps 1 - (omega dt)^2 / 6 = .997 of itself; the noise is known to 1 / sqrt(T).
     assert motion_time(experiment(seen)) == pytest.approx(1.0 / OMEGA, rel=0.01)
 
 
