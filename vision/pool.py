@@ -18,6 +18,7 @@ from vision.kinematics import SHARED
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
+TURNS_FREELY = 3.0  # rad, spread of a base angle of which nothing is known
 COORDINATE_PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
 
 
@@ -44,12 +45,26 @@ class Pooled:
 
 
 @dataclass(frozen=True)
+class KnownBefore:
+    """What is known beside the frames: information (G, G) and gradient (G,) on g at the g that they used, and whether
+    the base angle offset is one of a rigid mounting: where no log tells the base's own turning, it is not."""
+
+    information: Array
+    gradient: Array
+    rigid: bool = True
+
+
+NOTHING_KNOWN = KnownBefore(np.zeros((SHARED, SHARED)), np.zeros(SHARED))
+
+
+@dataclass(frozen=True)
 class _Stack:
     x: Array
     covariance: Array
     lean: Array
     information: Array
     gradient: Array
+    rigid: bool
 
 
 @dataclass(frozen=True)
@@ -61,7 +76,13 @@ class _Solution:
     objective: float
 
 
-def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array = PRIOR) -> Pooled:
+def pool(
+    seen: list[TrackedFrame],
+    start: Array,
+    order: int | None,
+    prior: Array = PRIOR,
+    known: KnownBefore = NOTHING_KNOWN,
+) -> Pooled:
     """Join the frames; order None lets the data choose from 2 up to what was fitted. start (G,): the g they used;
     prior (G,): follow.prior_of."""
     accepted = np.array([frame.accepted for frame in seen])
@@ -79,6 +100,7 @@ def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array
         lean=np.array([frame.lean for frame in good]),
         information=sum((frame.shared_information for frame in good), np.zeros((SHARED, SHARED))) / inflation,
         gradient=sum((frame.shared_gradient for frame in good), np.zeros(SHARED)) / inflation,
+        rigid=known.rigid,
     )
     evidence: dict[int, float] = {}
     solutions = {n: _solve(stack, n, start, prior) for n in range(min(2, fitted), fitted + 1)}
@@ -86,9 +108,14 @@ def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array
     for n, solution in solutions.items():
         evidence[n] = (solution.objective - full) / len(good)
     chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
-    if chosen not in solutions:
-        solutions[chosen] = _solve(stack, chosen, start, prior)
-    solution = solutions[chosen]
+    # what no coordinate follows leans on g in all frames alike, at worst with its whole chi-square in each
+    believed = 1.0 / (1.0 + len(good) * _missed(evidence, fitted))
+    stack = replace(
+        stack,
+        information=believed * stack.information + known.information,
+        gradient=believed * stack.gradient + known.gradient,
+    )
+    solution = _solve(stack, chosen, start, prior)
     solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
     # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
@@ -110,6 +137,13 @@ def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array
         inflation=inflation,
         staying=staying,
     )
+
+
+def _missed(evidence: dict[int, float], fitted: int) -> float:
+    """Chi-square per frame that the fitted coordinates leave in those above them, by how the last ones fell: e_(n-1)^2 /
+    e_(n-2), each less what noise alone leaves. A wave down the arm is never all in a polynomial."""
+    last, before = (max(evidence.get(fitted - k, 0.0) - k, 0.0) for k in (1, 2))
+    return last * min(last / before, 1.0) if before > 0.0 else 0.0
 
 
 def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
@@ -175,6 +209,8 @@ def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
 
 def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:
     """The offset's spread [rad]: the most likely on a grid, given the residuals (T, R)."""
+    if not stack.rigid:
+        return TURNS_FREELY
     grid = np.concatenate([[0.0], np.geomspace(1e-5, 3.0, 56)])
     cost = []
     for tau in grid:
