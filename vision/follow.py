@@ -198,9 +198,10 @@ class Follower:
         self._light.learn(frame.t, frame.image, self.geometry.lens, sides, (told[:, 0], told[:, 1]), noise)
 
     def _reach(self, image: NDArray[np.uint8], t: float, fit: FrameFit) -> float:
+        """Share of the arm's length up to which a picture shows it."""
         assert self.sight is not None
         course = self.geometry.midline(self.theta(t), fit.x, self.shared)
-        return seen_reach(image, self.geometry, course, self.shared, self.sight)
+        return seen_reach(image, self.geometry, course, self.shared, self.sight)[0]
 
     def _settle(self, fits: list[FrameFit], reaches: list[float]) -> None:
         """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement).
@@ -272,7 +273,8 @@ class Follower:
             self._lost += 1
             return self._rejected(frame, reason)
         self._lost = 0
-        self._history = [*self._history[-2:], (frame.t, fit.x + self._turn(frame.t))]
+        before = [entry for entry in self._history if entry[0] != frame.t]
+        self._history = [*before[-2:], (frame.t, fit.x + self._turn(frame.t))]
         seen_contrast = float(np.median((self.sight.polarity * fit.edges.contrast)[fit.weight > 0.1]))
         self.sight = replace(self.sight, contrast=(1.0 - SLOWLY) * self.sight.contrast + SLOWLY * seen_contrast)
         self._sharpen([fit], SLOWLY)

@@ -108,8 +108,10 @@ def pool(
     for n, solution in solutions.items():
         evidence[n] = (solution.objective - full) / len(good)
     chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
+    if chosen not in solutions:
+        solutions[chosen] = _solve(stack, chosen, start, prior)
     # what no coordinate follows leans on g in all frames alike, at worst with its whole chi-square in each
-    believed = 1.0 / (1.0 + len(good) * _missed(evidence, fitted))
+    believed = 1.0 / (1.0 + len(good) * _missed(evidence, fitted)) / _contradiction(solutions[chosen], known)
     stack = replace(
         stack,
         information=believed * stack.information + known.information,
@@ -144,6 +146,16 @@ def _missed(evidence: dict[int, float], fitted: int) -> float:
     e_(n-2), each less what noise alone leaves. A wave down the arm is never all in a polynomial."""
     last, before = (max(evidence.get(fitted - k, 0.0) - k, 0.0) for k in (1, 2))
     return last * min(last / before, 1.0) if before > 0.0 else 0.0
+
+
+def _contradiction(solution: _Solution, known: KnownBefore) -> float:
+    """Birge's ratio squared of the frames' length and the one known beside them: by so much the frames' own error is
+    larger than stated; at least 1."""
+    information = known.information[2, 2]
+    if not information > 0.0:
+        return 1.0
+    apart = solution.shared[2] - known.gradient[2] / information
+    return max(apart**2 / (solution.covariance[2, 2] + 1.0 / information), 1.0)
 
 
 def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:

@@ -17,16 +17,18 @@ from vision.fit import EdgeLook
 from vision.kinematics import Geometry
 
 FROM, TO, STEPS = 0.82, 1.22, 40  # shares of the arm between which it is looked for, and in how many steps
-HEADINGS = np.linspace(-0.3, 0.3, 3)  # rad by which an arc may leave the fitted course
-BENDS = np.linspace(-6.0, 6.0, 11)  # rad per arm's length: the arcs' curvature
+HEADINGS = np.linspace(-0.3, 0.3, 5)  # rad by which an arc may leave the fitted course
+BENDS = np.linspace(-6.0, 6.0, 17)  # rad per arm's length: the arcs' curvature
 HALF = 0.45  # of the usual contrast: less of it is ground
 MARGIN = 4.0  # px beyond the sides, where the ground is looked at
 
 
 def seen_reach(
     image: NDArray[np.uint8], geometry: Geometry, course: tuple[Array, Array], shared: Array, sight: EdgeLook
-) -> float:
-    """Share of its length up to which an arm is seen, FROM to TO; NaN where the picture's border is too near to tell.
+) -> tuple[float, float]:
+    """Share of its length up to which an arm is seen, FROM to TO, and how far [px] the fitted course is off there.
+
+    Both NaN where the picture's border is too near to tell.
 
     course: the fitted centre points (S + 1, 2) [px] and headings (S + 1,) [rad].
     """
@@ -51,6 +53,10 @@ def seen_reach(
     most = np.nan_to_num(gathered, nan=-1.0).max(axis=1)
     best = int(np.argmax(most))
     if most[best] <= 0.0:
-        return FROM
+        return FROM, 0.0
     end = int(np.nanargmax(gathered[best]))
-    return float(s[end] + 0.5 * step / length) if end + 1 < STEPS and np.isfinite(gathered[best, end + 1]) else np.nan
+    if end + 1 == STEPS or not np.isfinite(gathered[best, end + 1]):
+        return np.nan, np.nan
+    inside = min(end, int(np.searchsorted(s, 1.0)) - 1)
+    off = float(np.linalg.norm(centre[begin:] - middle[best, inside], axis=1).min())
+    return float(s[end] + 0.5 * step / length), off
