@@ -18,6 +18,7 @@ from vision.kinematics import SHARED
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
+CONTRADICTION = 9.0  # chi-square: a length that far off the one that is seen is none
 TURNS_FREELY = 3.0  # rad, spread of a base angle of which nothing is known
 COORDINATE_PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
 
@@ -110,6 +111,9 @@ def pool(
     chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
     if chosen not in solutions:
         solutions[chosen] = _solve(stack, chosen, start, prior)
+    # coordinates held at zero that only another length bears are none to hold
+    while order is None and chosen < fitted and _contradiction(solutions[chosen], known) > CONTRADICTION:
+        chosen += 1
     # what no coordinate follows leans on g in all frames alike, at worst with its whole chi-square in each
     believed = 1.0 / (1.0 + len(good) * _missed(evidence, fitted)) / _contradiction(solutions[chosen], known)
     stack = replace(
