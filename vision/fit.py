@@ -152,7 +152,8 @@ def refine(
         edges = fit_edges(*place) if first is None else measure_edges(*place, Before(first, sound, picture.light))
         usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, arm.shared, expected, swept)
         floor = max(0.5 * ordinary_misfit(edges, usable), PLAIN * sight.contrast)
-        usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
+        contrast = edges.contrast * (sight.contrast / sight.contrast_at(expected.s))
+        usable &= ~disturbed(expected.kind, contrast, edges.misfit, usable, floor)
         usable &= True if first is None else sound
         if np.count_nonzero(usable) < 4 * order:
             return None

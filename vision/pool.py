@@ -18,6 +18,7 @@ from vision.kinematics import SHARED
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
+MOVES = 0.5  # share of the frames' information below which the g at which they were judged stays
 CONTRADICTION = 9.0  # chi-square: a length that far off the one that is seen is none
 TURNS_FREELY = 3.0  # rad, spread of a base angle of which nothing is known
 COORDINATE_PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
@@ -122,6 +123,8 @@ def pool(
         gradient=believed * stack.gradient + known.gradient,
     )
     solution = _solve(stack, chosen, start, prior)
+    if believed < MOVES:
+        solution = replace(solution, shared=np.zeros(SHARED))
     solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
     # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
