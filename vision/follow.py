@@ -45,6 +45,7 @@ LOOK_AGAIN = 5  # frames between searches for a lost arm
 END_SHARE = 0.03  # of a short arm, as far as its ends are looked for: the reach tells its length that well
 SIDES_SHARE = 5e-4  # of what the sides tell of g is believed at the start, while their shape is told but roughly
 REACH_ERROR = 0.02  # of the length, that the first frames' common reach may be off
+CONTRADICTION = 9.0  # chi-square of one length: the reach's and the sides' are two
 NEAREST_FRAMES = 3  # frames: a neighbour further off says nothing of a speed
 
 
@@ -147,7 +148,8 @@ class Follower:
                         shapes[k], fits[k] = fit.x, fit
             if not fits:
                 raise InputError("the arm's edges cannot be followed in the first frames", expected="the arm in view")
-            self._settle(list(fits.values()), [self._reach(frames[k].image, frames[k].t, fits[k]) for k in fits])
+            reaches_seen = [self._reach(frames[k].image, frames[k].t, fits[k]) for k in fits]
+            self._settle(list(fits.values()), reaches_seen, SIDES_SHARE if sweep < 2 else 1.0)
             if sweep < 2:
                 motion = self._among(frames, shapes, index)
                 self._look_at_edges(frames[index], shapes.get(index, begin), motion, list(fits.values()))
@@ -203,24 +205,31 @@ class Follower:
         course = self.geometry.midline(self.theta(t), fit.x, self.shared)
         return seen_reach(image, self.geometry, course, self.shared, self.sight)[0]
 
-    def _settle(self, fits: list[FrameFit], reaches: list[float]) -> None:
+    def _settle(self, fits: list[FrameFit], reaches: list[float], share: float) -> None:
         """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement).
 
-        The length is what the frames' usual reach (reach.seen_reach) tells: the sides tell it only by what the curve's
-        coordinates cannot follow, which is no length.
+        share: of what the sides tell. The frames' usual reach (reach.seen_reach) tells the length too. Sides tell it
+        also by what the curve's coordinates cannot follow, which is no length: where the two contradict each other,
+        the sides count as much less (Birge's ratio).
         """
         prior = prior_of(self.geometry)
-        information, gradient = np.diag(prior**-2), -self.shared / prior**2
-        for fit in fits:
-            _, _, part, slope = _eliminate(fit, self.size)
-            information = information + SIDES_SHARE * part
-            gradient = gradient + SIDES_SHARE * slope
         told = np.zeros((SHARED, SHARED)), np.zeros(SHARED)
+        off = 0.0
         if np.isfinite(reaches).any():
-            told[0][2, 2] = REACH_ERROR**-2
-            told[1][2] = (float(np.nanmedian(reaches)) - 1.0) * (1.0 + self.shared[2]) / REACH_ERROR**2
-        information, gradient = information + told[0], gradient + told[1]
-        step = np.linalg.solve(information, gradient)
+            off = (float(np.nanmedian(reaches)) - 1.0) * (1.0 + self.shared[2])
+            told[0][2, 2], told[1][2] = REACH_ERROR**-2, off / REACH_ERROR**2
+        parts = [_eliminate(fit, self.size)[2:] for fit in fits]
+        sides = sum((part for part, _ in parts), np.zeros((SHARED, SHARED)))
+        slope = sum((slope for _, slope in parts), np.zeros(SHARED))
+        while True:
+            information = np.diag(prior**-2) + share * sides
+            alone = np.linalg.inv(information)
+            apart = (alone @ (share * slope - self.shared / prior**2))[2] - off
+            ratio = apart**2 / (alone[2, 2] + REACH_ERROR**2)
+            if not told[0].any() or ratio < CONTRADICTION:
+                break
+            share /= ratio
+        step = np.linalg.solve(information + told[0], share * slope - self.shared / prior**2 + told[1])
         self.shared, self.told = self.shared + step, (told[0], told[1] - told[0] @ step)
 
     def _look_at_edges(self, frame: Frame, x: Array, motion: ShapeMotion, fits: list[FrameFit]) -> None:

@@ -18,7 +18,6 @@ from vision.kinematics import SHARED
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
-MOVES = 0.5  # share of the frames' information below which the g at which they were judged stays
 CONTRADICTION = 9.0  # chi-square: a length that far off the one that is seen is none
 TURNS_FREELY = 3.0  # rad, spread of a base angle of which nothing is known
 COORDINATE_PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
@@ -115,16 +114,14 @@ def pool(
     # coordinates held at zero that only another length bears are none to hold
     while order is None and chosen < fitted and _contradiction(solutions[chosen], known) > CONTRADICTION:
         chosen += 1
-    # what no coordinate follows leans on g in all frames alike, at worst with its whole chi-square in each
-    believed = 1.0 / (1.0 + len(good) * _missed(evidence, fitted)) / _contradiction(solutions[chosen], known)
+    # the sides' word on g is worth as much less as its length lies off the one that is seen (Birge's ratio)
+    believed = 1.0 / _contradiction(solutions[chosen], known)
     stack = replace(
         stack,
         information=believed * stack.information + known.information,
         gradient=believed * stack.gradient + known.gradient,
     )
     solution = _solve(stack, chosen, start, prior)
-    if believed < MOVES:
-        solution = replace(solution, shared=np.zeros(SHARED))
     solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
     # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
@@ -148,21 +145,15 @@ def pool(
     )
 
 
-def _missed(evidence: dict[int, float], fitted: int) -> float:
-    """Chi-square per frame that the fitted coordinates leave in those above them, by how the last ones fell: e_(n-1)^2 /
-    e_(n-2), each less what noise alone leaves. A wave down the arm is never all in a polynomial."""
-    last, before = (max(evidence.get(fitted - k, 0.0) - k, 0.0) for k in (1, 2))
-    return last * min(last / before, 1.0) if before > 0.0 else 0.0
-
-
 def _contradiction(solution: _Solution, known: KnownBefore) -> float:
     """Birge's ratio squared of the frames' length and the one known beside them: by so much the frames' own error is
-    larger than stated; at least 1."""
+    larger than stated; 1 where they agree."""
     information = known.information[2, 2]
     if not information > 0.0:
         return 1.0
     apart = solution.shared[2] - known.gradient[2] / information
-    return max(apart**2 / (solution.covariance[2, 2] + 1.0 / information), 1.0)
+    ratio = float(apart**2 / (solution.covariance[2, 2] + 1.0 / information))
+    return ratio if ratio > CONTRADICTION else 1.0
 
 
 def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
