@@ -14,6 +14,7 @@ from vision.kinematics import CORNER_PIXELS, SHARED, Geometry, Outline, outline
 from vision.light import Light
 from vision.motion import ShapeMotion, Sweep, sweep
 from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
+from vision.width import another_width
 
 BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
 LEAST_EDGE_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
@@ -42,12 +43,14 @@ class EdgeLook:
     """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey].
 
     along (KNOTS,): the contrast's course from base to tip, as shares of contrast; a thin tip lets light through.
+    wider (width.KNOTS,) [px]: by how much the arm usually looks wider than the fitted radius says (width.usual_widths).
     """
 
     blur: float
     polarity: float
     contrast: float
     along: tuple[float, ...] = (1.0,) * KNOTS
+    wider: tuple[float, ...] | None = None
 
     def contrast_at(self, s: Array) -> Array:
         """The usual contrast (E,) [grey] of edges at s (E,)."""
@@ -154,6 +157,7 @@ def refine(
         floor = max(0.5 * ordinary_misfit(edges, usable), PLAIN * sight.contrast)
         contrast = edges.contrast * (sight.contrast / sight.contrast_at(expected.s))
         usable &= ~disturbed(expected.kind, contrast, edges.misfit, usable, floor)
+        usable &= ~another_width(expected, edges, usable, sight.wider)
         usable &= True if first is None else sound
         if np.count_nonzero(usable) < 4 * order:
             return None
@@ -295,9 +299,7 @@ def _end(
     return index, np.asarray(np.where(agree, shift + sharp.offset, 0.0))
 
 
-def _agrees_with_sides(
-    expected: Outline, end: NDArray[np.intp], offset: Array, carries: NDArray[np.bool_]
-) -> bool:
+def _agrees_with_sides(expected: Outline, end: NDArray[np.intp], offset: Array, carries: NDArray[np.bool_]) -> bool:
     """Whether an end that lies short of its expected place leaves no sides beyond it: an arm has none where it is not.
 
     Where the arm bends away from its expected course, the line on which its end is looked for leaves it by its flank.

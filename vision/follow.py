@@ -31,6 +31,7 @@ from vision.locate import locate
 from vision.motion import ShapeMotion
 from vision.reach import seen_reach
 from vision.remedy import remedies
+from vision.width import usual_widths
 
 FIRST_LOOK_FRAMES = 16  # frames from which the recording's parameters are first estimated
 LEAST_COARSE_SCORE = 0.45  # of a coarse find
@@ -155,6 +156,9 @@ class Follower:
                 self._look_at_edges(frames[index], shapes.get(index, begin), motion, list(fits.values()))
             else:
                 self._sharpen(list(fits.values()))
+            if sweep == 3:
+                widths = usual_widths([(fit.expected, fit.edges, fit.weight) for fit in fits.values()])
+                self.sight = replace(self.sight, wider=widths)
             if sweep == 2:
                 for k in sorted(fits):
                     self._learn(frames[k], fits[k])
@@ -210,7 +214,7 @@ class Follower:
 
         share: of what the sides tell. The frames' usual reach (reach.seen_reach) tells the length too. Sides tell it
         also by what the curve's coordinates cannot follow, which is no length: where the two contradict each other,
-        the sides count as much less (Birge's ratio).
+        the sides count as much less as makes them agree (pool).
         """
         prior = prior_of(self.geometry)
         told = np.zeros((SHARED, SHARED)), np.zeros(SHARED)
@@ -224,11 +228,10 @@ class Follower:
         while True:
             information = np.diag(prior**-2) + share * sides
             alone = np.linalg.inv(information)
-            apart = (alone @ (share * slope - self.shared / prior**2))[2] - off
-            ratio = apart**2 / (alone[2, 2] + REACH_ERROR**2)
-            if not told[0].any() or ratio < CONTRADICTION:
+            apart = float((alone @ (share * slope - self.shared / prior**2))[2] - off) ** 2
+            if not told[0].any() or apart < CONTRADICTION * (alone[2, 2] + REACH_ERROR**2):
                 break
-            share /= ratio
+            share *= 0.5 * alone[2, 2] / (apart - REACH_ERROR**2)
         step = np.linalg.solve(information + told[0], share * slope - self.shared / prior**2 + told[1])
         self.shared, self.told = self.shared + step, (told[0], told[1] - told[0] @ step)
 

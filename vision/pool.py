@@ -112,10 +112,9 @@ def pool(
     if chosen not in solutions:
         solutions[chosen] = _solve(stack, chosen, start, prior)
     # coordinates held at zero that only another length bears are none to hold
-    while order is None and chosen < fitted and _contradiction(solutions[chosen], known) > CONTRADICTION:
+    while order is None and chosen < fitted and _believed(solutions[chosen], known) < 1.0:
         chosen += 1
-    # the sides' word on g is worth as much less as its length lies off the one that is seen (Birge's ratio)
-    believed = 1.0 / _contradiction(solutions[chosen], known)
+    believed = _believed(solutions[chosen], known)
     stack = replace(
         stack,
         information=believed * stack.information + known.information,
@@ -145,15 +144,18 @@ def pool(
     )
 
 
-def _contradiction(solution: _Solution, known: KnownBefore) -> float:
-    """Birge's ratio squared of the frames' length and the one known beside them: by so much the frames' own error is
-    larger than stated; 1 where they agree."""
+def _believed(solution: _Solution, known: KnownBefore) -> float:
+    """Share of the frames' information that is believed: 1 where their length agrees with the one known beside them.
+
+    Else the error that they do not state is what makes both agree: v / (d^2 - r^2), with d the lengths' difference, v
+    and r^2 their variances.
+    """
     information = known.information[2, 2]
     if not information > 0.0:
         return 1.0
-    apart = solution.shared[2] - known.gradient[2] / information
-    ratio = float(apart**2 / (solution.covariance[2, 2] + 1.0 / information))
-    return ratio if ratio > CONTRADICTION else 1.0
+    stated = solution.covariance[2, 2]
+    apart = float(solution.shared[2] - known.gradient[2] / information) ** 2
+    return stated / (apart - 1.0 / information) if apart > CONTRADICTION * (stated + 1.0 / information) else 1.0
 
 
 def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:

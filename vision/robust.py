@@ -24,8 +24,8 @@ def robust_step(
 ) -> tuple[Array, Array]:
     """Step (K,) and weights (E,) of offset ~ jacobian step, iteratively reweighted; base (E,) >= 0 are prior weights.
 
-    floor [px]: the scale of the residuals is taken no smaller. held: what is known of the step before, information (K, K)
-    and its product with the step that is expected (K,).
+    floor [px]: the scale of the residuals is taken no smaller. held: what is known of the step before: information
+    (K, K), and its product with the step that is expected (K,).
     """
     size = jacobian.shape[1]
     information, expected = held
