@@ -14,6 +14,7 @@ from vision.kinematics import CORNER_PIXELS, SHARED, Geometry, Outline, outline
 from vision.light import Light
 from vision.motion import ShapeMotion, Sweep, sweep
 from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
+from vision.usual_bend import usual_bend
 from vision.width import another_width
 
 BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
@@ -25,7 +26,6 @@ TRUST_STRETCH = 10  # stations to either side whose mean information a cap is pu
 CONTRADICTED = 2.0  # px that an end may lie from the expected place without a look at what lies between
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
 SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
-BEND, BEND_CHANGE = 20.0, 60.0  # rad: rms of an arm's curvature along it, and of that one's slope, at most so usual
 SIDE_ERROR = 0.3  # px: an edge's error, about which what is usual is weighed
 COARSE_STEP = np.array([1.0, 3.0, 8.0, 20.0, 20.0, 20.0])  # rad: how far a first step goes where few edges tell
 MOST_TURN = 3.0 * np.pi  # rad from base to tip
@@ -178,21 +178,6 @@ def refine(
         if _wild(geometry, x):
             return None
     return None
-
-
-def usual_bend(x: Array, error: float) -> tuple[Array, Array]:
-    """What is known of a shape x (K,) before it is seen, for edges that err by error [px].
-
-    error^2 R (K, K) and -error^2 R x (K,), x' R x = integral of (curvature / BEND)^2 + (its slope / BEND_CHANGE)^2 ds.
-    It is lost beside what edges say; where there are none, an arm bends no more than it must.
-    """
-    power = np.arange(len(x)) - 1.0  # curvature is sum_j q_j s^(j - 1)
-    both = power[1:, None] + power[1:]
-    square = 1.0 / ((both + 1.0) * BEND**2)
-    square += power[1:, None] * power[1:] / (np.maximum(both - 1.0, 1.0) * BEND_CHANGE**2)
-    information = np.zeros((len(x), len(x)))
-    information[1:, 1:] = error**2 * square
-    return information, -information @ x
 
 
 def _wild(geometry: Geometry, x: Array) -> bool:

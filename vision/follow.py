@@ -158,6 +158,7 @@ class Follower:
                 self._sharpen(list(fits.values()))
             if sweep == 3:
                 widths = usual_widths([(fit.expected, fit.edges, fit.weight) for fit in fits.values()])
+                assert self.sight is not None
                 self.sight = replace(self.sight, wider=widths)
             if sweep == 2:
                 for k in sorted(fits):
