@@ -14,6 +14,8 @@ from vision.kinematics import CORNER_PIXELS, SHARED, Geometry, Outline, outline
 from vision.light import Light
 from vision.motion import ShapeMotion, Sweep, sweep
 from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
+from vision.usual_bend import usual_bend
+from vision.width import another_width
 
 BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
 LEAST_EDGE_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
@@ -21,8 +23,10 @@ NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
 END_PIXELS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
 TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
+CONTRADICTED = 2.0  # px that an end may lie from the expected place without a look at what lies between
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
 SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
+SIDE_ERROR = 0.3  # px: an edge's error, about which what is usual is weighed
 COARSE_STEP = np.array([1.0, 3.0, 8.0, 20.0, 20.0, 20.0])  # rad: how far a first step goes where few edges tell
 MOST_TURN = 3.0 * np.pi  # rad from base to tip
 MOST_BEND = 2.5  # curvature times the half thickness
@@ -39,12 +43,14 @@ class EdgeLook:
     """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey].
 
     along (KNOTS,): the contrast's course from base to tip, as shares of contrast; a thin tip lets light through.
+    wider (width.KNOTS,) [px]: by how much the arm usually looks wider than the fitted radius says (width.usual_widths).
     """
 
     blur: float
     polarity: float
     contrast: float
     along: tuple[float, ...] = (1.0,) * KNOTS
+    wider: tuple[float, ...] | None = None
 
     def contrast_at(self, s: Array) -> Array:
         """The usual contrast (E,) [grey] of edges at s (E,)."""
@@ -132,7 +138,9 @@ def refine(
         if np.count_nonzero(base) < 4 * order:
             return None
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
-        x = x + robust_step(jacobian, edges.offset, base, 6, 0.4, 1.0 / COARSE_STEP[:order] ** 2)[0]
+        information, expects = usual_bend(x, 1.0)
+        held = (information + np.diag(1.0 / COARSE_STEP[:order] ** 2), expects)
+        x = x + robust_step(jacobian, edges.offset, base, 6, 0.4, held)[0]
         if _wild(geometry, x):
             return None
     sound, first = np.zeros(0, dtype=np.bool_), None
@@ -147,16 +155,20 @@ def refine(
         edges = fit_edges(*place) if first is None else measure_edges(*place, Before(first, sound, picture.light))
         usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, arm.shared, expected, swept)
         floor = max(0.5 * ordinary_misfit(edges, usable), PLAIN * sight.contrast)
-        usable &= ~disturbed(expected.kind, edges.contrast, edges.misfit, usable, floor)
+        contrast = edges.contrast * (sight.contrast / sight.contrast_at(expected.s))
+        usable &= ~disturbed(expected.kind, contrast, edges.misfit, usable, floor)
+        usable &= ~another_width(expected, edges, usable, sight.wider)
         usable &= True if first is None else sound
         if np.count_nonzero(usable) < 4 * order:
             return None
         base = _trust(edges, expected.kind, usable)
-        step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02, np.zeros(order))
+        step, weight = robust_step(jacobian, edges.offset, base, 4, 0.02, usual_bend(x, SIDE_ERROR))
         if first is not None:
             most, find = base.max(), EndSearch(optics, sight, ends, ordinary_misfit(edges, weight > 0))
             for kind in (2, 3):
                 end, offset = _end(image, expected, kind, find, swept)
+                if not _agrees_with_sides(expected, end, offset, weight > 0):
+                    offset = np.zeros(len(end))
                 # A real end is no perfect cut: all of its edges together weigh no more than their common error allows.
                 weight[end] = most * (offset != 0.0) / (1.0 + np.count_nonzero(offset) * END_ERROR)
                 edges.offset[end] = offset
@@ -216,11 +228,15 @@ def _summary(x: Array, expected: Outline, edges: Edges, weight: Array, step: Arr
     sway = _sway(np.sqrt(weight) * residual, weight, expected.kind)
     used = np.count_nonzero(sway)
     variance = BIWEIGHT * float(sway @ sway) / max(used - order - SHARED, 1)
+    sigma = max(float(np.sqrt(variance)), 1e-3)
+    known, expects = usual_bend(x, sigma)
+    information[:order, :order] += known
+    gradient[:order] += expects
     return FrameFit(
         x=x,
         information=information,
         gradient=gradient,
-        sigma=max(float(np.sqrt(variance)), 1e-3),
+        sigma=sigma,
         waves=_waves(sway),
         edges=edges,
         expected=expected,
@@ -266,6 +282,20 @@ def _end(
     if np.count_nonzero(agree) < max(0.7 * len(index), 1):
         return index, nothing
     return index, np.asarray(np.where(agree, shift + sharp.offset, 0.0))
+
+
+def _agrees_with_sides(expected: Outline, end: NDArray[np.intp], offset: Array, carries: NDArray[np.bool_]) -> bool:
+    """Whether an end that lies short of its expected place leaves no sides beyond it: an arm has none where it is not.
+
+    Where the arm bends away from its expected course, the line on which its end is looked for leaves it by its flank.
+    """
+    seen = offset[offset != 0.0]
+    short = -float(np.median(seen)) if len(seen) else 0.0
+    if short < CONTRADICTED:
+        return True
+    apart = np.linalg.norm(expected.points - expected.points[end].mean(axis=0), axis=1)
+    beyond = (expected.kind < 2) & (apart < short)
+    return float(carries[beyond].mean()) < 0.5 if beyond.any() else True
 
 
 def _sway(whitened: Array, weight: Array, kind: Array) -> Array:

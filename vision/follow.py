@@ -29,7 +29,9 @@ from vision.kinematics import SHARED, Geometry
 from vision.light import Light
 from vision.locate import locate
 from vision.motion import ShapeMotion
+from vision.reach import seen_reach
 from vision.remedy import remedies
+from vision.width import usual_widths
 
 FIRST_LOOK_FRAMES = 16  # frames from which the recording's parameters are first estimated
 LEAST_COARSE_SCORE = 0.45  # of a coarse find
@@ -41,6 +43,10 @@ SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
 STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
 REPEAT, USUAL = 0.1, 31  # a repeat's share of the usual change, which is the median over so many pictures
 LOOK_AGAIN = 5  # frames between searches for a lost arm
+END_SHARE = 0.03  # of a short arm, as far as its ends are looked for: the reach tells its length that well
+SIDES_SHARE = 5e-4  # of what the sides tell of g is believed at the start, while their shape is told but roughly
+REACH_ERROR = 0.02  # of the length, that the first frames' common reach may be off
+CONTRADICTION = 9.0  # chi-square of one length: the reach's and the sides' are two
 NEAREST_FRAMES = 3  # frames: a neighbour further off says nothing of a speed
 
 
@@ -85,8 +91,10 @@ class Follower:
         self.verdicts = verdicts or {}  # frame number -> whether a person accepted or rejected it
         self._count, self.shown_again = 0, 0
         self.geometry, self.exposure, self.size = geometry, exposure, order + 1
+        self._ends = min(END_PIXELS, END_SHARE * geometry.length)
         self._theta = theta
         self.shared = np.zeros(SHARED)
+        self.told = (np.zeros((SHARED, SHARED)), np.zeros(SHARED))  # information and gradient of the reach, on shared
         self.sight: EdgeLook | None = None
         self._history: list[tuple[float, Array]] = []
         self._previous: NDArray[np.uint8] | None = None
@@ -134,19 +142,24 @@ class Follower:
                     near = shapes.get(k, shapes.get(k - way.step))
                     if near is None:
                         continue
-                    ends = 1.5 * PRIOR[2] * self.geometry.length if sweep < 2 else END_PIXELS
+                    ends = 0.0 if sweep < 2 else self._ends  # the length is told by the reach first
                     motion = self._among(frames, shapes, k) if sweep > 0 else ShapeMotion()
                     fit = self._fit(frames[k], near, motion, reaches if sweep == 0 else STARTING, ends)
                     if fit is not None and fit.sigma < 3.0:
                         shapes[k], fits[k] = fit.x, fit
             if not fits:
                 raise InputError("the arm's edges cannot be followed in the first frames", expected="the arm in view")
-            self._settle(list(fits.values()))
+            reaches_seen = [self._reach(frames[k].image, frames[k].t, fits[k]) for k in fits]
+            self._settle(list(fits.values()), reaches_seen, SIDES_SHARE if sweep < 2 else 1.0)
             if sweep < 2:
                 motion = self._among(frames, shapes, index)
                 self._look_at_edges(frames[index], shapes.get(index, begin), motion, list(fits.values()))
             else:
                 self._sharpen(list(fits.values()))
+            if sweep == 3:
+                widths = usual_widths([(fit.expected, fit.edges, fit.weight) for fit in fits.values()])
+                assert self.sight is not None
+                self.sight = replace(self.sight, wider=widths)
             if sweep == 2:
                 for k in sorted(fits):
                     self._learn(frames[k], fits[k])
@@ -172,12 +185,12 @@ class Follower:
         return None if self._theta is None else self._theta(t)
 
     def _fit(
-        self, frame: Frame, x: Array, motion: ShapeMotion, reaches: tuple[float, ...], ends: float = END_PIXELS
+        self, frame: Frame, x: Array, motion: ShapeMotion, reaches: tuple[float, ...], ends: float | None = None
     ) -> FrameFit | None:
         assert self.sight is not None
         picture = Exposure(frame.image, frame.t, self.exposure, motion, self._light)
         arm = TrackedArm(self.geometry, self.theta(frame.t), self.shared)
-        return refine(picture, arm, x, self.sight, reaches, ends)
+        return refine(picture, arm, x, self.sight, reaches, self._ends if ends is None else ends)
 
     def _learn(self, frame: Frame, fit: FrameFit) -> None:
         """What a fitted frame tells of the light."""
@@ -191,15 +204,37 @@ class Follower:
         noise = ordinary_misfit(fit.edges, fit.weight > 0)
         self._light.learn(frame.t, frame.image, self.geometry.lens, sides, (told[:, 0], told[:, 1]), noise)
 
-    def _settle(self, fits: list[FrameFit]) -> None:
-        """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement)."""
+    def _reach(self, image: NDArray[np.uint8], t: float, fit: FrameFit) -> float:
+        """Share of the arm's length up to which a picture shows it."""
+        assert self.sight is not None
+        course = self.geometry.midline(self.theta(t), fit.x, self.shared)
+        return seen_reach(image, self.geometry, course, self.shared, self.sight)[0]
+
+    def _settle(self, fits: list[FrameFit], reaches: list[float], share: float) -> None:
+        """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement).
+
+        share: of what the sides tell. The frames' usual reach (reach.seen_reach) tells the length too. Sides tell it
+        also by what the curve's coordinates cannot follow, which is no length: where the two contradict each other,
+        the sides count as much less as makes them agree (pool).
+        """
         prior = prior_of(self.geometry)
-        information, gradient = np.diag(prior**-2), -self.shared / prior**2
-        for fit in fits:
-            _, _, part, slope = _eliminate(fit, self.size)
-            information = information + part
-            gradient = gradient + slope
-        self.shared = self.shared + np.linalg.solve(information, gradient)
+        told = np.zeros((SHARED, SHARED)), np.zeros(SHARED)
+        off = 0.0
+        if np.isfinite(reaches).any():
+            off = (float(np.nanmedian(reaches)) - 1.0) * (1.0 + self.shared[2])
+            told[0][2, 2], told[1][2] = REACH_ERROR**-2, off / REACH_ERROR**2
+        parts = [_eliminate(fit, self.size)[2:] for fit in fits]
+        sides = sum((part for part, _ in parts), np.zeros((SHARED, SHARED)))
+        slope = sum((slope for _, slope in parts), np.zeros(SHARED))
+        while True:
+            information = np.diag(prior**-2) + share * sides
+            alone = np.linalg.inv(information)
+            apart = float((alone @ (share * slope - self.shared / prior**2))[2] - off) ** 2
+            if not told[0].any() or apart < CONTRADICTION * (alone[2, 2] + REACH_ERROR**2):
+                break
+            share *= 0.5 * alone[2, 2] / (apart - REACH_ERROR**2)
+        step = np.linalg.solve(information + told[0], share * slope - self.shared / prior**2 + told[1])
+        self.shared, self.told = self.shared + step, (told[0], told[1] - told[0] @ step)
 
     def _look_at_edges(self, frame: Frame, x: Array, motion: ShapeMotion, fits: list[FrameFit]) -> None:
         """Choose contrast and blur as the edges show them."""
@@ -251,7 +286,8 @@ class Follower:
             self._lost += 1
             return self._rejected(frame, reason)
         self._lost = 0
-        self._history = [*self._history[-2:], (frame.t, fit.x + self._turn(frame.t))]
+        before = [entry for entry in self._history if entry[0] != frame.t]
+        self._history = [*before[-2:], (frame.t, fit.x + self._turn(frame.t))]
         seen_contrast = float(np.median((self.sight.polarity * fit.edges.contrast)[fit.weight > 0.1]))
         self.sight = replace(self.sight, contrast=(1.0 - SLOWLY) * self.sight.contrast + SLOWLY * seen_contrast)
         self._sharpen([fit], SLOWLY)

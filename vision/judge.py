@@ -10,6 +10,7 @@ from tentacle.signals import Array
 from vision.edges import grey_at
 from vision.fit import EdgeLook, FrameFit
 from vision.kinematics import Geometry
+from vision.reach import seen_reach
 
 LEAST_FOUND = 0.5  # share of the side edges that must carry weight
 LARGEST_HIDDEN_SHARE = 0.3  # share of the arm that may be hidden on both sides at once
@@ -17,6 +18,8 @@ MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
 MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
 LAST, LEAST_TIP = 0.08, 0.35  # of the arm: there the tip's contrast is looked at, and what share of the usual it has
 INSIDE_PROBES = np.array([-0.6, 0.0, 0.6])  # of the radius: probes inside
+TIP_OFF, LEAST_TIP_OFF = 0.025, 2.0  # of the arm, px: further beside the fit no tip is seen
+GOES_ON, LEAST_ON = 0.03, 4.0  # of the arm, px: further beyond the fit's end no arm is seen
 MARGINS = np.array([4.0, 7.0])  # px beyond the edge: probes outside
 
 
@@ -38,16 +41,22 @@ def why_rejected(
     sides = expected.kind < 2
     if carries[sides].mean() < LEAST_FOUND:
         return "edges lost"
+    reach, off = seen_reach(image, geometry, (centre, phi), shared, sight)
+    beyond = (reach - 1.0) * geometry.length
     bins = np.linspace(0.0, 1.0, 21)
     both = np.histogram(expected.s[sides], bins)[0]
     there = np.histogram(expected.s[sides & carries], bins)[0] > 0.25 * both
     gap = max((len(run) for run in "".join("1" if ok else "0" for ok in there).split("1")), default=0) / len(there)
-    if gap > LARGEST_HIDDEN_SHARE or not there[-3:].any():
+    if gap > LARGEST_HIDDEN_SHARE or not (there[-3:].any() or abs(beyond) < LEAST_ON):
         return "part of the arm is hidden"
     if fit.sigma > MOST_SCATTER:
         return "edges scatter"
     if _tip_contrast(image, geometry, centre, phi, radius, sight) < LEAST_TIP:
         return "the tip is not where the fit ends"
+    if off > max(TIP_OFF * geometry.length, LEAST_TIP_OFF):
+        return "the tip is not where the fit ends"
+    if beyond > max(GOES_ON * geometry.length, LEAST_ON):
+        return "the arm goes on beyond the fit's end"
     if _disagreement(image, geometry, centre, phi, radius, sight) > MOST_DISAGREEMENT:
         return "silhouette disagrees"
     return ""

@@ -18,6 +18,8 @@ from vision.kinematics import SHARED
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
+CONTRADICTION = 9.0  # chi-square: a length that far off the one that is seen is none
+TURNS_FREELY = 3.0  # rad, spread of a base angle of which nothing is known
 COORDINATE_PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
 
 
@@ -44,12 +46,26 @@ class Pooled:
 
 
 @dataclass(frozen=True)
+class KnownBefore:
+    """What is known beside the frames: information (G, G) and gradient (G,) on g at the g that they used, and whether
+    the base angle offset is one of a rigid mounting: where no log tells the base's own turning, it is not."""
+
+    information: Array
+    gradient: Array
+    rigid: bool = True
+
+
+NOTHING_KNOWN = KnownBefore(np.zeros((SHARED, SHARED)), np.zeros(SHARED))
+
+
+@dataclass(frozen=True)
 class _Stack:
     x: Array
     covariance: Array
     lean: Array
     information: Array
     gradient: Array
+    rigid: bool
 
 
 @dataclass(frozen=True)
@@ -61,7 +77,13 @@ class _Solution:
     objective: float
 
 
-def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array = PRIOR) -> Pooled:
+def pool(
+    seen: list[TrackedFrame],
+    start: Array,
+    order: int | None,
+    prior: Array = PRIOR,
+    known: KnownBefore = NOTHING_KNOWN,
+) -> Pooled:
     """Join the frames; order None lets the data choose from 2 up to what was fitted. start (G,): the g they used;
     prior (G,): follow.prior_of."""
     accepted = np.array([frame.accepted for frame in seen])
@@ -79,6 +101,7 @@ def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array
         lean=np.array([frame.lean for frame in good]),
         information=sum((frame.shared_information for frame in good), np.zeros((SHARED, SHARED))) / inflation,
         gradient=sum((frame.shared_gradient for frame in good), np.zeros(SHARED)) / inflation,
+        rigid=known.rigid,
     )
     evidence: dict[int, float] = {}
     solutions = {n: _solve(stack, n, start, prior) for n in range(min(2, fitted), fitted + 1)}
@@ -88,7 +111,16 @@ def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array
     chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
     if chosen not in solutions:
         solutions[chosen] = _solve(stack, chosen, start, prior)
-    solution = solutions[chosen]
+    # coordinates held at zero that only another length bears are none to hold
+    while order is None and chosen < fitted and _believed(solutions[chosen], known) < 1.0:
+        chosen += 1
+    believed = _believed(solutions[chosen], known)
+    stack = replace(
+        stack,
+        information=believed * stack.information + known.information,
+        gradient=believed * stack.gradient + known.gradient,
+    )
+    solution = _solve(stack, chosen, start, prior)
     solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
     # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
@@ -110,6 +142,20 @@ def pool(seen: list[TrackedFrame], start: Array, order: int | None, prior: Array
         inflation=inflation,
         staying=staying,
     )
+
+
+def _believed(solution: _Solution, known: KnownBefore) -> float:
+    """Share of the frames' information that is believed: 1 where their length agrees with the one known beside them.
+
+    Else the error that they do not state is what makes both agree: v / (d^2 - r^2), with d the lengths' difference, v
+    and r^2 their variances.
+    """
+    information = known.information[2, 2]
+    if not information > 0.0:
+        return 1.0
+    stated = solution.covariance[2, 2]
+    apart = float(solution.shared[2] - known.gradient[2] / information) ** 2
+    return stated / (apart - 1.0 / information) if apart > CONTRADICTION * (stated + 1.0 / information) else 1.0
 
 
 def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
@@ -175,6 +221,8 @@ def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
 
 def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:
     """The offset's spread [rad]: the most likely on a grid, given the residuals (T, R)."""
+    if not stack.rigid:
+        return TURNS_FREELY
     grid = np.concatenate([[0.0], np.geomspace(1e-5, 3.0, 56)])
     cost = []
     for tau in grid:

@@ -20,19 +20,21 @@ STRIDE = 15  # stations between two looks at the usual
 
 @njit(cache=True, nogil=True)
 def robust_step(
-    jacobian: Array, offset: Array, base: Array, sweeps: int, floor: float, held: Array
+    jacobian: Array, offset: Array, base: Array, sweeps: int, floor: float, held: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """Step (K,) and weights (E,) of offset ~ jacobian step, iteratively reweighted; base (E,) >= 0 are prior weights.
 
-    floor [px]: the scale of the residuals is taken no smaller. held (K,): prior information that the step is 0.
+    floor [px]: the scale of the residuals is taken no smaller. held: what is known of the step before: information
+    (K, K), and its product with the step that is expected (K,).
     """
     size = jacobian.shape[1]
+    information, expected = held
     used = np.flatnonzero(base > 0)
     weight = base.copy()
     step = np.zeros(size)
     residual = np.empty(len(used))
     for _ in range(sweeps):
-        normal, right = np.zeros((size, size)), np.zeros(size)
+        normal, right = information.copy(), expected.copy()
         for e in used:
             for i in range(size):
                 leaned = weight[e] * jacobian[e, i]
@@ -40,7 +42,7 @@ def robust_step(
                 for j in range(i + 1):
                     normal[i, j] += leaned * jacobian[e, j]
         for i in range(size):
-            normal[i, i] = normal[i, i] * (1.0 + 1e-9) + 1e-12 + held[i]
+            normal[i, i] = normal[i, i] * (1.0 + 1e-9) + 1e-12
             for j in range(i):
                 normal[j, i] = normal[i, j]
         step = np.linalg.solve(normal, right)

@@ -17,7 +17,7 @@ from vision.follow import Follower, TrackedFrame, follow_frames, prior_of
 from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
-from vision.pool import COORDINATE_PENALTY, Pooled, pool
+from vision.pool import COORDINATE_PENALTY, KnownBefore, Pooled, pool
 from vision.remedy import Watch
 from vision.servo_sign import check_sign
 
@@ -106,8 +106,8 @@ def track_fully(
     )
     seen: list[TrackedFrame] = []
     watch = Watch()
+    angle = _angle(motor)
     try:
-        angle = _angle(motor)
         if angle is not None and not following.patience and not Path(video).is_char_device():
             assert declaration.camera is not None
             check_sign(read_frames(Path(video), declaration.camera.fps), follower.geometry, angle)
@@ -121,7 +121,8 @@ def track_fully(
     except InputError as error:
         problem = error.problem if error.file else "; ".join([error.problem, *follower.remedies()])
         raise InputError(problem, file=error.file or video, field=error.field, expected=error.expected) from error
-    pooled = pool(seen, follower.shared, following.order, prior_of(follower.geometry))
+    known = KnownBefore(*follower.told, rigid=angle is not None)
+    pooled = pool(seen, follower.shared, following.order, prior_of(follower.geometry), known)
     shape = _shape(seen, pooled, follower.geometry, declaration)
     remarks = (*_remarks(seen, pooled), *_scale_finding(shape, declaration), *_slowed(follower.shown_again, shape))
     return Tracking(shape, tuple(seen), pooled, remarks)
