@@ -80,9 +80,19 @@ def log_prior_of_imitation(count: int) -> float:
 
 
 def stands_at_bound(h: Hypothesis) -> bool:
-    """Whether a strength of its effects stands at a bound of what is physically possible: the set explains nothing."""
-    strengths = {(name, strength.name) for name in h.effects for strength in catalogue()[name].strengths}
-    return any(name in strengths for name in h.fitted.at_bound)
+    """Whether a strength or a relaxation time of its effects stands at a bound of what is physically possible: the set
+    explains nothing. A memory that relaxes at once is a damping, and one that never does is a change of shape.
+    """
+    limited = {
+        (name, parameter.name)
+        for name in h.effects
+        for parameter in (
+            catalogue()[name].parameters
+            if catalogue()[name].relaxation_time is not None
+            else catalogue()[name].strengths
+        )
+    }
+    return any(name in limited for name in h.fitted.at_bound)
 
 
 def usable(h: Hypothesis) -> bool:
