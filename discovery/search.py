@@ -28,7 +28,7 @@ from inference.score import Candidate, score
 from inference.trajectory import Fit, Problem, linearised_fit
 
 T = TypeVar("T")
-SINGLES, SECOND, SETS = 7, 3, 2  # effects tried beside none, and beside others; sets of several tried at once
+SINGLES, SECOND, SETS = 7, 5, 2  # effects tried beside none, and beside others; sets of several tried at once
 ROUNDS = 6
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
 FOR_A_SHAPE = 3.0  # nats: what a fitted shape must gain over its neutral value; chosen on the silicone beam
