@@ -28,7 +28,7 @@ def diagnose(
     """Find what the declared model lacks, and the error before and after it is added.
 
     baseline: recordings with a complete declaration. No absent effect acts in them, and they share the arm's parameters
-    with the others. held_out: recordings that only judge. Without any, the last third of each recording judges.
+    with the others. held_out: recordings that only judge. Without any, a third of each recording judges.
     Raises InputError on unusable input.
     """
     if not recordings:

@@ -3,7 +3,7 @@
 #
 # A sinker of 1.5 g hangs at the tip, and the declaration says nothing of it. The loop fits the declared model, finds
 # that it leaves more than noise, scores every effect of the catalogue against the residual, refits the best, and judges
-# on the last third of the recording, on which nothing was fitted.
+# on a third of the recording, on which nothing was fitted.
 
 # %%
 from pathlib import Path

@@ -120,11 +120,11 @@ def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) 
 def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
     """Frames on which errors are stated: those that were not fitted (or, without any, all that were)."""
     times = experiment.observation.t
-    within = times <= times[experiment.used].max() if experiment.used.any() else np.zeros_like(experiment.used)
+    first = times[experiment.used].min() if experiment.used.any() else times[0]
     end = (
         experiment.t0 + experiment.duration if experiment.release is None else experiment.release + experiment.duration
     )
-    return (times <= end) & ~within if held_out else experiment.used
+    return (times >= first) & (times <= end) & ~experiment.used if held_out else experiment.used
 
 
 def run_comparison(

@@ -18,6 +18,7 @@ from scipy.interpolate import CubicSpline
 from affine_model.arm import parameter_index
 from affine_model.curvature import Array, midline
 from affine_model.effects import catalogue
+from inference.compare import judged_frames
 from inference.declared_arm import DECLARED
 from inference.experiment import Experiment, predict
 from inference.observation import ShapeObservation, Tracker, fit_shapes
@@ -181,8 +182,7 @@ def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midlin
     typical = observation.root[live[live.size // 2]]
     as_here = Tracker(1e-4, observation.tracked, bool(np.ptp(observation.coefficients[live, 0]) < RIGID))
     shapes = fit_shapes(replace(seen, t=t), theta, observation.length, observation.order, as_here)
-    fitted_until = observation.t[experiment.used].max()
+    judged = observation.t[judged_frames(experiment, True) & observation.seen]
     shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
-    return replace(
-        experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=t <= fitted_until
-    )
+    used = (t < judged.min()) | (t > judged.max()) if judged.size else np.ones(t.size, dtype=bool)
+    return replace(experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=used)

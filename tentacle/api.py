@@ -62,7 +62,7 @@ def diagnose(
     """The effect that the declared model lacks, and the error with and without it.
 
     baseline: recordings whose declaration is complete; the base parameters come from there and stay. held_out:
-    recordings that judge and are not fitted; without any, the last third of each recording judges.
+    recordings that judge and are not fitted; without any, a third of each recording judges.
     """
     from discovery.diagnose import diagnose as trace
 

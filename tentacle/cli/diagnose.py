@@ -21,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--held-out", nargs="+", default=[], type=Path, metavar="RECORDING",
-        help="held-out recordings: they judge and are not fitted (default: the last third of each RECORDING)",
+        help="held-out recordings: they judge and are not fitted (default: a third of each RECORDING)",
     )  # fmt: skip
     parser.add_argument(
         "--calibration", type=Path, metavar="FILE.toml",
