@@ -1,8 +1,8 @@
 """Closing the loop by posterior mass, from recordings to a diagnosis (docs/loop.md).
 
-Recordings are fitted and judged on two thirds. Their marginal likelihood is a product of predictions of
-each frame from the frames before it, so it needs no second stretch. The other third, or the held-out recordings, are not
-used for that: the errors before and after are stated there.
+Recordings are fitted and judged on two thirds. Their marginal likelihood is a product of predictions of each frame from
+the frames before it, so it needs no second stretch. The other third, or the held-out recordings, are not used for that:
+the errors before and after are stated there.
 """
 
 from __future__ import annotations
