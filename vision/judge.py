@@ -9,11 +9,11 @@ from scipy.special import erf
 from tentacle.signals import Array
 from vision.edges import grey_at
 from vision.fit import EdgeLook, FrameFit
-from vision.kinematics import Geometry
+from vision.kinematics import Geometry, Outline
 from vision.reach import seen_reach
 
 LEAST_FOUND = 0.5  # share of the side edges that must carry weight
-LARGEST_HIDDEN_SHARE = 0.3  # share of the arm that may be hidden on both sides at once
+STRETCHES, TIP_SEEN = 20, 0.85  # of the arm; the share up to which its sides are seen where its tip is
 MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
 MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
 LAST, LEAST_TIP = 0.08, 0.35  # of the arm: there the tip's contrast is looked at, and what share of the usual it has
@@ -21,6 +21,7 @@ INSIDE_PROBES = np.array([-0.6, 0.0, 0.6])  # of the radius: probes inside
 TIP_OFF, LEAST_TIP_OFF = 0.025, 2.0  # of the arm, px: further beside the fit no tip is seen
 GOES_ON, LEAST_ON = 0.03, 4.0  # of the arm, px: further beyond the fit's end no arm is seen
 MARGINS = np.array([4.0, 7.0])  # px beyond the edge: probes outside
+_MIDDLES = (np.arange(STRETCHES) + 0.5) / STRETCHES
 
 
 def why_rejected(
@@ -29,37 +30,49 @@ def why_rejected(
     """One short phrase why the frame cannot be trusted, "" where it can."""
     height, width = image.shape
     centre, phi = geometry.midline(theta, fit.x, shared)
-    seen = geometry.lens.bend(centre)
-    inside = (seen > 1.0).all(axis=1) & (seen[:, 0] < width - 2) & (seen[:, 1] < height - 2)
-    if inside.mean() < 0.95:
-        return "the arm leaves the picture"
     radius = geometry.radius_at(shared)
-    if np.ptp(phi) > 1.7 * np.pi or _touches_itself(centre, radius):
-        return "coiled"
     expected = fit.expected
     carries = fit.weight > 0.05
     sides = expected.kind < 2
-    if carries[sides].mean() < LEAST_FOUND:
-        return "edges lost"
+    there = _seen_stretches(expected, sides, sides & carries)
+    until = float(np.flatnonzero(there)[-1] + 1) / len(there) if there.any() else 0.0  # beyond it all is extrapolated
     reach, off = seen_reach(image, geometry, (centre, phi), shared, sight)
     beyond = (reach - 1.0) * geometry.length
-    bins = np.linspace(0.0, 1.0, 21)
-    both = np.histogram(expected.s[sides], bins)[0]
-    there = np.histogram(expected.s[sides & carries], bins)[0] > 0.25 * both
-    gap = max((len(run) for run in "".join("1" if ok else "0" for ok in there).split("1")), default=0) / len(there)
-    if gap > LARGEST_HIDDEN_SHARE or not (there[-3:].any() or abs(beyond) < LEAST_ON):
-        return "part of the arm is hidden"
+    seen = geometry.lens.bend(centre)
+    inside = (seen > 1.0).all(axis=1) & (seen[:, 0] < width - 2) & (seen[:, 1] < height - 2)
+    hidden_tip = (until <= TIP_SEEN and not abs(beyond) < LEAST_ON) or not inside[-1]
+    followed = slice(0, max(round(until * (len(centre) - 1)), 2) if hidden_tip else None)
+    centre, phi, radius = centre[followed], phi[followed], radius[followed]
+    if inside[followed].mean() < 0.95:
+        return "the arm leaves the picture"
+    if np.ptp(phi) > 1.7 * np.pi or _touches_itself(centre, radius):
+        return "coiled"
+    if carries[sides].mean() < LEAST_FOUND:
+        return "edges lost"
     if fit.sigma > MOST_SCATTER:
         return "edges scatter"
-    if _tip_contrast(image, geometry, centre, phi, radius, sight) < LEAST_TIP:
-        return "the tip is not where the fit ends"
-    if off > max(TIP_OFF * geometry.length, LEAST_TIP_OFF):
-        return "the tip is not where the fit ends"
-    if beyond > max(GOES_ON * geometry.length, LEAST_ON):
-        return "the arm goes on beyond the fit's end"
-    if _disagreement(image, geometry, centre, phi, radius, sight) > MOST_DISAGREEMENT:
+    if hidden_tip:
+        course = geometry.midline(theta, fit.x, shared)
+        on, off = seen_reach(image, geometry, course, shared, sight, until)
+        if off > LEAST_TIP_OFF and (on - until) * geometry.length > LEAST_ON:
+            return "the arm goes on beside the fit"
+    else:
+        if _tip_contrast(image, geometry, centre, phi, radius, sight) < LEAST_TIP:
+            return "the tip is not where the fit ends"
+        if off > max(TIP_OFF * geometry.length, LEAST_TIP_OFF):
+            return "the tip is not where the fit ends"
+        if beyond > max(GOES_ON * geometry.length, LEAST_ON):
+            return "the arm goes on beyond the fit's end"
+    stations = np.interp(np.arange(len(centre)) / (len(geometry.radius) - 1), _MIDDLES, there) > 0.5
+    if _disagreement(image, geometry, (centre, phi, radius), sight, stations) > MOST_DISAGREEMENT:
         return "silhouette disagrees"
     return ""
+
+
+def _seen_stretches(expected: Outline, sides: NDArray[np.bool_], carry: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether each stretch (STRETCHES,) of the arm has a quarter of its side edges."""
+    bins = np.linspace(0.0, 1.0, STRETCHES + 1)
+    return np.histogram(expected.s[carry], bins)[0] > 0.25 * np.histogram(expected.s[sides], bins)[0]
 
 
 def _tip_contrast(
@@ -88,10 +101,19 @@ def _touches_itself(centre: Array, radius: Array) -> bool:
 
 
 def _disagreement(
-    image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: EdgeLook
+    image: NDArray[np.uint8],
+    geometry: Geometry,
+    course: tuple[Array, Array, Array],
+    sight: EdgeLook,
+    stations: NDArray[np.bool_],
 ) -> float:
-    """Share of probes whose grey lies on the wrong side of the local threshold half way between inside and outside."""
+    """Share of probes whose grey lies on the wrong side of the local threshold half way between inside and outside.
+
+    course: centre, phi, radius of each station; those with edges (S + 1,) are looked at.
+    """
+    centre, phi, radius = course
     pick = np.linspace(0, len(centre) - 1, 62).astype(int)[1:-1]
+    pick = pick[stations[pick]]
     cosine, sine = np.cos(phi[pick])[:, None], np.sin(phi[pick])[:, None]
     normals = cosine * geometry.normal + sine * geometry.arm
     within = radius[pick, None] * INSIDE_PROBES

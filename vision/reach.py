@@ -16,33 +16,39 @@ from vision.edges import grey_at
 from vision.fit import EdgeLook
 from vision.kinematics import Geometry
 
-FROM, TO, STEPS = 0.82, 1.22, 40  # shares of the arm between which it is looked for, and in how many steps
+FROM, AHEAD, STEPS = 0.82, 0.4, 40  # share of the arm from which it is looked for, how far on, in how many steps
 HEADINGS = np.linspace(-0.3, 0.3, 5)  # rad by which an arc may leave the fitted course
 BENDS = np.linspace(-6.0, 6.0, 17)  # rad per arm's length: the arcs' curvature
+BORDER = 4  # steps beyond the end, that must be in the picture
 HALF = 0.45  # of the usual contrast: less of it is ground
 MARGIN = 4.0  # px beyond the sides, where the ground is looked at
 
 
 def seen_reach(
-    image: NDArray[np.uint8], geometry: Geometry, course: tuple[Array, Array], shared: Array, sight: EdgeLook
+    image: NDArray[np.uint8],
+    geometry: Geometry,
+    course: tuple[Array, Array],
+    shared: Array,
+    sight: EdgeLook,
+    begin_at: float = FROM,
 ) -> tuple[float, float]:
-    """Share of its length up to which an arm is seen, FROM to TO, and how far [px] the fitted course is off there.
+    """Share of its length up to which an arm is seen, and how far [px] the fitted course is off there.
 
-    Both NaN where the picture's border is too near to tell.
+    It is looked for from the share begin_at on. Both NaN where the picture's border is too near to tell.
 
     course: the fitted centre points (S + 1, 2) [px] and headings (S + 1,) [rad].
     """
     centre, phi = course
     length = geometry.length * (1.0 + shared[2])
-    begin = round(FROM * (len(centre) - 1))
-    ahead = (np.arange(STEPS) + 0.5) * (TO - FROM) / STEPS
-    s = FROM + ahead
+    begin = round(begin_at * (len(centre) - 1))
+    ahead = (np.arange(STEPS) + 0.5) * AHEAD / STEPS
+    s = begin_at + ahead
     radius = np.interp(np.minimum(s, 1.0), np.linspace(0.0, 1.0, len(centre)), geometry.radius_at(shared))
     turn, bend = (grid.ravel()[:, None] for grid in np.meshgrid(HEADINGS, BENDS))
     heading = phi[begin] + turn + bend * ahead  # (arcs, STEPS)
     along = np.cos(heading)[..., None] * geometry.arm - np.sin(heading)[..., None] * geometry.normal
     across = np.cos(heading)[..., None] * geometry.normal + np.sin(heading)[..., None] * geometry.arm
-    step = length * (TO - FROM) / STEPS
+    step = length * AHEAD / STEPS
     middle = centre[begin] + step * (np.cumsum(along, axis=1) - 0.5 * along)
     beside = (radius + MARGIN)[:, None] * across
     probes = np.stack([middle, middle + beside, middle - beside])
@@ -53,9 +59,9 @@ def seen_reach(
     most = np.nan_to_num(gathered, nan=-1.0).max(axis=1)
     best = int(np.argmax(most))
     if most[best] <= 0.0:
-        return FROM, 0.0
+        return begin_at, 0.0
     end = int(np.nanargmax(gathered[best]))
-    if end + 1 == STEPS or not np.isfinite(gathered[best, end + 1]):
+    if end + BORDER >= STEPS or not np.isfinite(gathered[best, end + BORDER]):
         return np.nan, np.nan
     inside = min(end, int(np.searchsorted(s, 1.0)) - 1)
     off = float(np.linalg.norm(centre[begin:] - middle[best, inside], axis=1).min())

@@ -26,15 +26,13 @@ def test_limit_has_its_closed_form():
 
 
 @pytest.mark.parametrize("disturb", ["hand", "second_arm"])
-def test_what_is_in_the_way_is_flagged_and_never_believed(disturb):
+def test_what_is_in_the_way_is_never_believed(disturb):
     tracked, wrong = judge_disturbed(disturb, seed=3, frames=24, size=(640, 360))
     assert wrong == 0
-    if disturb == "hand":
-        assert not tracked.shape.accepted.all()
-    assert tracked.shape.accepted.mean() > 0.4
+    assert tracked.shape.accepted.mean() > 0.9
 
 
-def test_an_arm_that_leaves_the_picture_is_flagged(tmp_path):
+def test_what_leaves_the_picture_widens_the_covariance_and_no_more(tmp_path):
     scene = swaying(seed=5, frames=90, size=(640, 360), swing=Swing(amplitude=1.2))
     tips = scene.camera.to_pixels(scene.midline.xy[:, -1])[:, 0]
     right = int(np.quantile(tips, 0.7))  # the tip is beyond this column in 3 of 10 frames
@@ -46,8 +44,11 @@ def test_an_arm_that_leaves_the_picture_is_flagged(tmp_path):
     shape = track(tmp_path / "video.mp4", Declaration(scene.specimen, camera=scene.camera), motor)
     outside = tips > right + 15.0
     assert outside.any()
-    assert not shape.accepted[outside].any()
-    assert shape.accepted[tips < right - 10.0].mean() > 0.9
+    inside = tips < right - 10.0
+    assert shape.accepted[inside].mean() > 0.9
+    assert shape.accepted[outside].mean() > 0.5
+    spread = np.sqrt(shape.covariance[:, 2, 2])
+    assert np.nanmedian(spread[outside]) > 1.5 * np.nanmedian(spread[inside])
     assert false_accepts(scene, shape) == 0
 
 
