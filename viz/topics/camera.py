@@ -16,6 +16,9 @@ from viz.tube import thin
 from viz.video import SmallVideo, small_video
 
 
+OVERLAY = -1.25  # ui points (negative, as Rerun has it): 2.5 px on the screen however large the video is shown
+
+
 def log_overlay(
     session: rr.RecordingStream, path: str, role: Role, t: Array, xy: Array, to_pixels: Callable[[Array], Array]
 ) -> None:
@@ -24,7 +27,7 @@ def log_overlay(
     present = np.asarray(np.isfinite(pixels).all(axis=-1))
     strips = [row[kept].astype(np.float32) for row, kept in zip(pixels, present, strict=True)]
     enough = present.sum(axis=1) > 1
-    session.log(path, rr.LineStrips2D.from_fields(colors=[role.colour], radii=[1.2]), static=True)
+    session.log(path, rr.LineStrips2D.from_fields(colors=[role.colour], radii=[OVERLAY]), static=True)
     columns = rr.LineStrips2D.columns(strips=[s for s, kept in zip(strips, enough, strict=True) if kept])
     session.send_columns(path, [seconds(t)], columns.partition(enough.astype(int)))
 
@@ -46,6 +49,15 @@ def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, vide
     session.send_columns(path, [seconds(shape.t)], columns.partition(rejected.astype(int)))
 
 
+def log_names(session: rr.RecordingStream, path: str, scene: ViewedRun, video: SmallVideo) -> None:
+    """Who is drawn in which colour, above the video, where it covers nothing."""
+    count = len(scene.parties)
+    places = [[(index + 0.5) / count * video.width, -0.09 * video.height] for index in range(count)]
+    names = [party.role.name for party in scene.parties]
+    colours = [party.role.colour for party in scene.parties]
+    session.log(path, rr.Points2D(places, labels=names, colors=colours, radii=-5.0, show_labels=True), static=True)
+
+
 def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recording: Recording) -> bool:
     """The video with every party's line over it; False where the recording has none."""
     camera = recording.declaration.camera
@@ -62,6 +74,7 @@ def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recordi
 
     for party in scene.parties:
         log_overlay(session, f"{path}/camera/{party.key}", party.role, scene.t, party.xy, shown)
+    log_names(session, f"{path}/camera/names", scene, video)
     if recording.shape is not None:
         log_rejected(session, f"{path}/camera/rejected", recording.shape, video)
     return True
