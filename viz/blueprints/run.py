@@ -36,15 +36,10 @@ def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
 def run_page(shown: LoggedTopics) -> rrb.Container:
     """The views of one run."""
     path = run_path(shown.name)
-    below: list[rrb.View] = []
+    seen: list[rrb.View] = [camera_view(path)] if shown.camera else []
     if shown.arms:
         name = f"arms (3D); {shown.forces}" if shown.forces else "arms (3D)"
-        below.append(space_view(path, shown.declaration, name))
-    if shown.tip_mm > 0.0:
-        below.append(tip_view(path, shown.tip_mm))
-    seen: list[rrb.View | rrb.Container] = [camera_view(path)] if shown.camera else []
-    if below:
-        seen.append(rrb.Horizontal(*below))
+        seen.append(space_view(path, shown.declaration, name))
     signals = [lines_view(f"{path}/theta", "servo angle [rad]")]
     if shown.coordinates:
         signals = [lines_view(f"{path}/q{index}", f"q{index} [rad]") for index in (1, 2)]
@@ -57,7 +52,8 @@ def run_page(shown: LoggedTopics) -> rrb.Container:
         last.insert(0, events_view(path))
     right: list[rrb.View | rrb.Container] = []
     if shown.arms:
-        right.append(rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip"))
+        spectra = rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip")
+        right.append(rrb.Tabs(tip_view(path, shown.tip_mm), spectra) if shown.tip_mm > 0.0 else spectra)
     if last:
         right.append(rrb.Tabs(*last))
     if shown.models:

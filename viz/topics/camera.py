@@ -9,27 +9,31 @@ import rerun as rr
 
 from tentacle.recording import Recording
 from tentacle.signals import Array, ShapeTrack
-from viz.palette import WARNING, Role
-from viz.scene import ViewedRun
+from viz.palette import WARNING
+from viz.scene import Party, ViewedRun
 from viz.topics.paths import seconds
 from viz.tube import thin
 from viz.video import SmallVideo, small_video
 
 
-OVERLAY = -1.25  # ui points (negative, as Rerun has it): 2.5 px on the screen however large the video is shown
+WIDE, NARROW = -2.0, -1.0  # radii [ui points] (negative, as Rerun has it): the same on the screen at every zoom
 
 
 def log_overlay(
-    session: rr.RecordingStream, path: str, role: Role, t: Array, xy: Array, to_pixels: Callable[[Array], Array]
+    session: rr.RecordingStream, path: str, scene: ViewedRun, party: Party, to_pixels: Callable[[Array], Array]
 ) -> None:
-    """A line xy (T, P, 2) [m, base frame] over the video; instants with missing points show what is present."""
-    pixels = to_pixels(xy[:, thin(xy.shape[1], 32)])
+    """A party's line over the video; instants with missing points show what is present.
+
+    The subject's line is wider: both are seen where a model agrees with it.
+    """
+    pixels = to_pixels(party.xy[:, thin(party.xy.shape[1], 32)])
     present = np.asarray(np.isfinite(pixels).all(axis=-1))
     strips = [row[kept].astype(np.float32) for row, kept in zip(pixels, present, strict=True)]
     enough = present.sum(axis=1) > 1
-    session.log(path, rr.LineStrips2D.from_fields(colors=[role.colour], radii=[OVERLAY]), static=True)
+    width = WIDE if party is scene.subject else NARROW
+    session.log(path, rr.LineStrips2D.from_fields(colors=[party.role.colour], radii=[width]), static=True)
     columns = rr.LineStrips2D.columns(strips=[s for s, kept in zip(strips, enough, strict=True) if kept])
-    session.send_columns(path, [seconds(t)], columns.partition(enough.astype(int)))
+    session.send_columns(path, [seconds(scene.t)], columns.partition(enough.astype(int)))
 
 
 def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, video: SmallVideo) -> None:
@@ -73,7 +77,7 @@ def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recordi
         return video.scale * camera.to_pixels(points)
 
     for party in scene.parties:
-        log_overlay(session, f"{path}/camera/{party.key}", party.role, scene.t, party.xy, shown)
+        log_overlay(session, f"{path}/camera/{party.key}", scene, party, shown)
     log_names(session, f"{path}/camera/names", scene, video)
     if recording.shape is not None:
         log_rejected(session, f"{path}/camera/rejected", recording.shape, video)

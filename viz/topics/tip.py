@@ -1,6 +1,6 @@
 """The tip, enlarged: each party's last part of the arm in a frame that moves with the subject's tip, in millimetres.
 
-In the tank a model that is 1 mm off covers the measured arm. Here 1 mm is a fifth of the picture or so.
+In the tank a model that is 1 mm off covers the measured arm. Here the view is little wider than the distance of the tips.
 """
 
 from __future__ import annotations
@@ -44,15 +44,16 @@ def log_tip(session: rr.RecordingStream, path: str, scene: ViewedRun) -> float:
         kept = np.isfinite(shifted[:, -1]).all(axis=1)
         strips = [cut_to(line, 3.0 * reach).astype(np.float32) for line in shifted]
         enough = kept & np.array([len(strip) > 1 for strip in strips])
-        session.log(where, rr.LineStrips2D.from_fields(colors=[party.role.colour], radii=[-1.5]), static=True)
+        width = -3.0 if party is scene.subject else -1.25  # both are seen where they agree
+        session.log(where, rr.LineStrips2D.from_fields(colors=[party.role.colour], radii=[width]), static=True)
         columns = rr.LineStrips2D.columns(strips=[s for s, good in zip(strips, enough, strict=True) if good])
         session.send_columns(where, [seconds(scene.t)], columns.partition(enough.astype(int)))
         ends = rr.Points2D.columns(positions=shifted[kept, -1].astype(np.float32))
         session.log(f"{where}/end", rr.Points2D.from_fields(colors=[party.role.colour], radii=[-4.0]), static=True)
         session.send_columns(f"{where}/end", [seconds(scene.t)], ends.partition(kept.astype(int)))
-    left, low = -0.9 * reach, 0.9 * reach
-    bar = rr.LineStrips2D([[[left, low], [left + 1.0, low]]], colors=[NEUTRAL.colour], radii=[-1.5])
+    length, low = 10.0 ** np.floor(np.log10(reach)), 0.85 * reach
+    bar = rr.LineStrips2D([[[-length / 2, low], [length / 2, low]]], colors=[NEUTRAL.colour], radii=[-1.5])
     session.log(f"{path}/tip/scale", bar, static=True)
-    words = rr.Points2D([[left + 0.5, low]], labels=["1 mm"], colors=[NEUTRAL.colour], radii=0.0, show_labels=True)
+    words = rr.Points2D([[0.0, low]], labels=[f"{length:g} mm"], colors=[NEUTRAL.colour], radii=0.0, show_labels=True)
     session.log(f"{path}/tip/scale/words", words, static=True)
     return reach
