@@ -15,7 +15,6 @@ from viz.topics.paths import seconds
 from viz.tube import thin
 from viz.video import SmallVideo, small_video
 
-
 WIDE, NARROW = -2.0, -1.0  # radii [ui points] (negative, as Rerun has it): the same on the screen at every zoom
 
 

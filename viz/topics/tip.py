@@ -1,6 +1,6 @@
 """The tip, enlarged: each party's last part of the arm in a frame that moves with the subject's tip, in millimetres.
 
-In the tank a model that is 1 mm off covers the measured arm. Here the view is little wider than the distance of the tips.
+In the tank a model that is 1 mm off covers the measured arm. This view is little wider than the tips are apart.
 """
 
 from __future__ import annotations
