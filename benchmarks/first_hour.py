@@ -31,9 +31,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from vision.render import RenderSettings
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))  # before benchmarks/, whose vision.py would hide the room of that name
 
-ROOT = Path(__file__).parents[1]
+from vision.render import RenderSettings  # noqa: E402
+
 PAPER_SECONDS = 39.0
 PARTS = ("setup", "app", "path")
 
@@ -223,7 +225,6 @@ def main() -> None:
     parser.add_argument("--before", metavar="COMMIT", help="measure this commit's set-up, too")
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, help="what to measure (default: all)")
     arguments = parser.parse_args()
-    sys.path.insert(0, str(ROOT))
     folder = Path(tempfile.mkdtemp(prefix="first-hour-"))
     try:
         figures = {}

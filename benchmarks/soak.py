@@ -19,8 +19,6 @@ from pathlib import Path
 
 import numpy as np
 
-from rig.record import Attendance
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # before benchmarks/, which holds a rig.py too
 
 from benchmarks._rig_scene import setup_for
@@ -30,7 +28,7 @@ from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator, EmulatorSettings
 from rig.fault import Fault
 from rig.motion import described, rig_motion
-from rig.record import RunResult, record_run
+from rig.record import Attendance, RunResult, record_run
 from rig.run_file import Run, iterate_frames, read_run
 from rig.settle import SettleRule
 from tentacle.errors import InputError

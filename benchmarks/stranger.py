@@ -13,13 +13,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from validation.plants.draw import Filming
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from discovery.diagnose import diagnose
 from tentacle.diagnosis import Diagnosis
 from validation.plants import PLANTS, make
+from validation.plants.draw import Filming
 from validation.plants.laws import LAWS, OUTSIDE
 
 SHORT = ("nothing", "current", "servo_lag")

@@ -13,8 +13,6 @@ import tempfile
 import time
 from pathlib import Path
 
-from vision.render import RenderSettings
-
 sys.path[0] = str(Path(__file__).resolve().parents[1])  # this file's own name would hide the room that it measures
 
 sys.path.append(str(Path(__file__).resolve().parent))
@@ -29,7 +27,7 @@ from vision.body import track_body  # noqa: E402
 from vision.encode import write_video  # noqa: E402
 from vision.frames import read_frames  # noqa: E402
 from vision.looks import CLEAN, LOOKS  # noqa: E402
-from vision.render import render  # noqa: E402
+from vision.render import RenderSettings, render  # noqa: E402
 from vision.scene import swaying  # noqa: E402
 from vision.track import stream_tracking  # noqa: E402
 from vision.validate import judge_disturbed, judge_look, look_table, results_json  # noqa: E402

@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"
 EXAMPLES = PICTURES / "examples"
 WIDTH = 1280
+MENU = 25  # rows of the viewer's menu, with its notes on this machine
 QUALITY = 88  # of WebP: text stays sharp, at a fifth of a PNG's size
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
             "--disable-background-networking", "--disable-sync"]  # fmt: skip
@@ -53,13 +54,14 @@ def photograph(page: Path, height: int) -> Path:
     return picture
 
 
-def keep(picture: Path, name: str) -> None:
-    """Into the documentation under that name, as WebP no wider than WIDTH."""
+def keep(picture: Path, name: str, above: int = 0) -> None:
+    """Into the documentation under that name, as WebP no wider than WIDTH, without so many rows at the top."""
     import cv2
 
     image = cv2.imread(str(picture))
     if image is None:
         raise SystemExit(f"{picture} was not drawn")
+    image = image[above:]
     scale = min(1.0, WIDTH / image.shape[1])
     small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     target = PICTURES / f"{name}.webp"
@@ -109,7 +111,7 @@ def views(folder: Path) -> None:
         ("optimise", "gait/session.rrd", 8.0),
     ):
         tentacle(f"tentacle view {file} --screenshot view.png --at {at}", folder)
-        keep(folder / "view.png", name)
+        keep(folder / "view.png", name, above=MENU)
     live(folder)
 
 
@@ -148,9 +150,9 @@ def live(folder: Path) -> None:
     finally:
         emulated.send_signal(signal.SIGINT)
         emulated.wait()
-    keep(folder / "view.png", "rig")
+    keep(folder / "view.png", "rig", above=MENU)
     tentacle("tentacle view run.rrd --screenshot view.png --at 4", folder)
-    keep(folder / "view.png", "rig_run")
+    keep(folder / "view.png", "rig_run", above=MENU)
 
 
 def reports(folder: Path) -> None:

@@ -27,6 +27,7 @@ from viz.topics.forces import log_forces, log_missing_force
 from viz.topics.paths import run_path
 from viz.topics.residual import log_residual, log_spectra
 from viz.topics.thrust import log_thrust
+from viz.topics.tip import log_tip
 from viz.topics.verdict import log_verdict
 
 
@@ -68,6 +69,7 @@ def log_scene(
         thrust=log_thrust(session, path, scene, recording.load_cell),
         events=log_events(session, path, [*events, *recording_events(recording), *judged_events(scene)]),
         forces=forces,
+        tip_mm=log_tip(session, path, scene),
     )
 
 

@@ -63,7 +63,7 @@ def test_values_and_times_come_back_as_they_went_in(case, written):
 def test_every_topic_of_every_run_is_there(written):
     found = read(written)
     topics = ["arms/measured", "arms/base", "arms/augmented", "arms/drag/base", "arms/thrust/augmented",
-              "arms/water", "q1/base", "q2/measured/low",
+              "arms/water", "tip/measured", "q1/base", "q2/measured/low",
               "theta", "residual/base/map", "residual/augmented/now", "error/augmented", "spectrum", "thrust/measured",
               "thrust/base", "events"]  # fmt: skip
     for run in ("chirp\\ 1", "gait\\:\\ trial\\/2"):
@@ -71,6 +71,15 @@ def test_every_topic_of_every_run_is_there(written):
     assert "/verdict" in found
     assert "/runs/chirp\\ 1/camera/rejected" in found
     assert "/runs/gait\\:\\ trial\\/2/camera" not in found  # no video, no view of one
+
+
+def test_the_enlarged_tip_stands_as_far_from_the_measured_one_as_in_the_run(case, written):
+    run = case.diagnosis.runs[0]
+    batches = read(written)["/runs/chirp\\ 1/tip/base/end"]
+    drawn = [row[0] for b in batches if "time" in b.schema.names for row in b["Points2D:positions"].to_pylist() if row]
+    away = 1e3 * (run.base - run.measured)[:, -1]  # [mm]
+    known = away[np.isfinite(away).all(axis=1)]
+    np.testing.assert_allclose(np.sort(drawn, axis=0), np.sort(known, axis=0), rtol=1e-5)  # single precision
 
 
 def test_a_missing_instant_has_no_arm_and_the_others_have_24_pieces(case, written):

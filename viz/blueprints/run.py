@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import rerun.blueprint as rrb
 
 from tentacle.recording import Declaration
-from viz.blueprints.views import camera_view, events_view, lines_view, space_view
+from viz.blueprints.views import camera_view, events_view, lines_view, space_view, tip_view
 from viz.topics.paths import run_path
 
 
@@ -24,11 +24,12 @@ class LoggedTopics:
     thrust: bool
     events: bool
     forces: str = ""  # what the force arrows' lengths mean
+    tip_mm: float = 0.0  # how far the enlarged view of the tip reaches; 0: there is none
 
 
 def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
     """One model's residual map."""
-    bounds = rrb.VisualBounds2D(x_range=(-80.0, 640.0), y_range=(-40.0, 370.0))
+    bounds = rrb.VisualBounds2D(x_range=(-80.0, 640.0), y_range=(-60.0, 370.0))
     return rrb.Spatial2DView(origin=f"{path}/residual/{key}", name=title, visual_bounds=bounds)
 
 
@@ -39,26 +40,25 @@ def run_page(shown: LoggedTopics) -> rrb.Container:
     if shown.arms:
         name = f"arms (3D); {shown.forces}" if shown.forces else "arms (3D)"
         seen.append(space_view(path, shown.declaration, name))
-    # colours mean the same in every view: where the models' error has a legend, it speaks for all and covers no other
-    legend = not shown.models
-    signals = [lines_view(f"{path}/theta", "servo angle [rad]", legend)]
+    signals = [lines_view(f"{path}/theta", "servo angle [rad]")]
     if shown.coordinates:
-        signals = [lines_view(f"{path}/q{index}", f"q{index} [rad]", legend) for index in (1, 2)]
+        signals = [lines_view(f"{path}/q{index}", f"q{index} [rad]") for index in (1, 2)]
     if shown.models:
         signals.append(lines_view(f"{path}/error", "distance, rms along the arm [mm]"))
     if shown.thrust:
-        signals.append(lines_view(f"{path}/thrust", "thrust [N]", legend))
-    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]", legend)] if shown.coordinates else []
+        signals.append(lines_view(f"{path}/thrust", "thrust [N]"))
+    last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")] if shown.coordinates else []
     if shown.events:
         last.insert(0, events_view(path))
     right: list[rrb.View | rrb.Container] = []
     if shown.arms:
-        right.append(rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip"))
+        spectra = rrb.Spatial2DView(origin=f"{path}/spectrum", name="spectra of the tip")
+        right.append(rrb.Tabs(tip_view(path, shown.tip_mm), spectra) if shown.tip_mm > 0.0 else spectra)
     if last:
         right.append(rrb.Tabs(*last))
     if shown.models:
         right.insert(0, rrb.Tabs(*(residual_view(path, key, f"residual, {name}") for key, name in shown.models)))
-    columns = [(rrb.Vertical(*views), share) for views, share in ((seen, 5), (signals, 5), (right, 4)) if views]
+    columns = [(rrb.Vertical(*views), share) for views, share in ((seen, 6), (signals, 4), (right, 4)) if views]
     return rrb.Horizontal(
         *(column for column, _ in columns), column_shares=[share for _, share in columns], name=shown.name
     )

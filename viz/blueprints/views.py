@@ -28,16 +28,20 @@ def space_view(path: str, declaration: Declaration, name: str) -> rrb.Spatial3DV
     return rrb.Spatial3DView(origin=f"{path}/arms", name=name, eye_controls=controls, line_grid=False)
 
 
-def lines_view(path: str, name: str, legend: bool = True) -> rrb.TimeSeriesView:
+def lines_view(path: str, name: str) -> rrb.TimeSeriesView:
     """Lines over time; the name says quantity and unit."""
-    return rrb.TimeSeriesView(
-        origin=path, name=name, plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=legend)
-    )
+    return rrb.TimeSeriesView(origin=path, name=name, plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop))
 
 
 def camera_view(path: str) -> rrb.Spatial2DView:
     """The video with what is drawn over it."""
     return rrb.Spatial2DView(origin=f"{path}/camera", name="camera")
+
+
+def tip_view(path: str, reach: float) -> rrb.Spatial2DView:
+    """The tips, enlarged, reach [mm] to each side of the measured one."""
+    bounds = rrb.VisualBounds2D(x_range=(-reach, reach), y_range=(-reach, reach))
+    return rrb.Spatial2DView(origin=f"{path}/tip", name="tip, enlarged", visual_bounds=bounds)
 
 
 def events_view(path: str) -> rrb.TextLogView:

@@ -9,24 +9,30 @@ import rerun as rr
 
 from tentacle.recording import Recording
 from tentacle.signals import Array, ShapeTrack
-from viz.palette import WARNING, Role
-from viz.scene import ViewedRun
+from viz.palette import WARNING
+from viz.scene import Party, ViewedRun
 from viz.topics.paths import seconds
 from viz.tube import thin
 from viz.video import SmallVideo, small_video
 
+WIDE, NARROW = -2.0, -1.0  # radii [ui points] (negative, as Rerun has it): the same on the screen at every zoom
+
 
 def log_overlay(
-    session: rr.RecordingStream, path: str, role: Role, t: Array, xy: Array, to_pixels: Callable[[Array], Array]
+    session: rr.RecordingStream, path: str, scene: ViewedRun, party: Party, to_pixels: Callable[[Array], Array]
 ) -> None:
-    """A line xy (T, P, 2) [m, base frame] over the video; instants with missing points show what is present."""
-    pixels = to_pixels(xy[:, thin(xy.shape[1], 32)])
+    """A party's line over the video; instants with missing points show what is present.
+
+    The subject's line is wider: both are seen where a model agrees with it.
+    """
+    pixels = to_pixels(party.xy[:, thin(party.xy.shape[1], 32)])
     present = np.asarray(np.isfinite(pixels).all(axis=-1))
     strips = [row[kept].astype(np.float32) for row, kept in zip(pixels, present, strict=True)]
     enough = present.sum(axis=1) > 1
-    session.log(path, rr.LineStrips2D.from_fields(colors=[role.colour], radii=[1.2]), static=True)
+    width = WIDE if party is scene.subject else NARROW
+    session.log(path, rr.LineStrips2D.from_fields(colors=[party.role.colour], radii=[width]), static=True)
     columns = rr.LineStrips2D.columns(strips=[s for s, kept in zip(strips, enough, strict=True) if kept])
-    session.send_columns(path, [seconds(t)], columns.partition(enough.astype(int)))
+    session.send_columns(path, [seconds(scene.t)], columns.partition(enough.astype(int)))
 
 
 def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, video: SmallVideo) -> None:
@@ -46,6 +52,15 @@ def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, vide
     session.send_columns(path, [seconds(shape.t)], columns.partition(rejected.astype(int)))
 
 
+def log_names(session: rr.RecordingStream, path: str, scene: ViewedRun, video: SmallVideo) -> None:
+    """Who is drawn in which colour, above the video, where it covers nothing."""
+    count = len(scene.parties)
+    places = [[(index + 0.5) / count * video.width, -0.09 * video.height] for index in range(count)]
+    names = [party.role.name for party in scene.parties]
+    colours = [party.role.colour for party in scene.parties]
+    session.log(path, rr.Points2D(places, labels=names, colors=colours, radii=-5.0, show_labels=True), static=True)
+
+
 def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recording: Recording) -> bool:
     """The video with every party's line over it; False where the recording has none."""
     camera = recording.declaration.camera
@@ -61,7 +76,8 @@ def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recordi
         return video.scale * camera.to_pixels(points)
 
     for party in scene.parties:
-        log_overlay(session, f"{path}/camera/{party.key}", party.role, scene.t, party.xy, shown)
+        log_overlay(session, f"{path}/camera/{party.key}", scene, party, shown)
+    log_names(session, f"{path}/camera/names", scene, video)
     if recording.shape is not None:
         log_rejected(session, f"{path}/camera/rejected", recording.shape, video)
     return True

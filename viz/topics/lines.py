@@ -29,6 +29,6 @@ def log_line(session: rr.RecordingStream, path: str, role: Role, t: Array, value
 def log_band(session: rr.RecordingStream, path: str, role: Role, t: Array, middle: Array, half_width: Array) -> None:
     """A band middle +- half_width (T,) as two faint lines."""
     for side, sign in (("low", -1.0), ("high", 1.0)):
-        style = rr.SeriesLines(colors=[role.faint()], names=[f"95 % {side}"], widths=[0.75])
+        style = rr.SeriesLines(colors=[role.faint()], names=["95 %"], widths=[0.75])
         session.log(f"{path}/{side}", style, static=True)
         log_samples(session, f"{path}/{side}", t, middle + sign * np.asarray(half_width))
