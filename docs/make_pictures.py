@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"
 EXAMPLES = PICTURES / "examples"
 WIDTH = 1280
-MENU = 25  # rows of the viewer's menu, with its notes on this machine
+MENU = 37  # rows of the viewer's menu, with its notes on this machine
 QUALITY = 88  # of WebP: text stays sharp, at a fifth of a PNG's size
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--hide-scrollbars",
             "--disable-background-networking", "--disable-sync"]  # fmt: skip
