@@ -21,9 +21,14 @@ class DiskPipe:
     """Copies the pipe to `file` in a thread of its own. OSError where the file cannot be opened."""
 
     def __init__(self, file: Path) -> None:
-        self._file = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        self._read_end, self._write_end = os.pipe()  # before the file: what fails here leaves it as it was
+        try:
+            self._file = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        except OSError:
+            os.close(self._read_end)
+            os.close(self._write_end)
+            raise
         self._name = str(file)
-        self._read_end, self._write_end = os.pipe()
         self._error: OSError | None = None
         self._abandoned = False
         self._copying = threading.Lock()  # held from a read to the end of its write
@@ -71,9 +76,11 @@ class DiskPipe:
         threading.Thread(target=self._let_go, args=(os.dup(self._read_end),), daemon=True).start()
 
     def _copy(self) -> None:
+        ready = select.poll()  # select.select takes no descriptor above 1023
+        ready.register(self._read_end, select.POLLIN)
         try:
             while True:
-                select.select([self._read_end], [], [])
+                ready.poll()
                 with self._copying:
                     content = os.read(self._read_end, AT_ONCE)
                     if not content:

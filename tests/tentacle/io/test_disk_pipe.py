@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import resource
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,32 @@ def test_a_full_disk_is_told_and_holds_up_nobody() -> None:
     os.close(entrance)
     with pytest.raises(OSError, match="No space left"):
         pipe.finish()
+
+
+def test_a_program_with_many_files_open_loses_nothing(tmp_path: Path) -> None:
+    """Above descriptor 1023 select.select fails."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard != resource.RLIM_INFINITY and hard < 1200:
+        pytest.skip("this system allows no program that many open files")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, 1200), hard))
+    null = os.open(os.devnull, os.O_RDONLY)
+    others = [os.dup(null) for _ in range(1024)]
+    try:
+        pipe = DiskPipe(tmp_path / "file")
+        os.close(write(pipe, CONTENT))
+        pipe.finish()
+    finally:
+        for other in (null, *others):
+            os.close(other)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    assert (tmp_path / "file").read_bytes() == CONTENT
+
+
+def test_a_file_that_cannot_be_opened_leaves_no_descriptor(tmp_path: Path) -> None:
+    before = len(list(Path("/dev/fd").iterdir()))
+    with pytest.raises(FileNotFoundError):
+        DiskPipe(tmp_path / "no folder" / "file")
+    assert len(list(Path("/dev/fd").iterdir())) == before
 
 
 def test_a_disk_that_stands_still_is_told_and_can_be_left_behind(tmp_path: Path) -> None:
