@@ -31,15 +31,9 @@ FIVE = (
 )
 # Why a row misses its limit: (benchmark, figure) -> sentences.
 WHY = {
-    ("blind", "false_alarm"): """\
-One of four recordings without a hidden effect was called sloshing, with a confidence of .83. Four trials cannot show
-the limit: their interval reaches from .01 to .81.""",
     ("blind", "calibration_gap"): """\
 This is the gap of the worst of ten bins, which holds one or two trials: confident answers that were wrong. Chance
 alone would give the smaller gap of the next row. The confidence is posterior mass and is not calibrated.""",
-    ("blind", "diagnose_s"): """\
-This was measured on two cores that were busy with other programs. Most of the time goes into the refits of the best
-sets and into linearising the arm about each of them.""",
     ("first_hour", "setup_mb"): """\
 Most of it is the viewer (Rerun), OpenCV, the compiler of the kernels (LLVM), Arrow and the video codecs. All of them
 are needed from film to report. The viewer is the largest.""",

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from inference.compare import judged_frames
 from inference.noise_floor import noise_deviation
 from inference.prepare import CannotTellError, prepare, recalibrated
 from tentacle.errors import InputError
@@ -24,11 +25,15 @@ def test_noise_is_found_under_motion_and_jumps():
     assert np.isnan(noise_deviation(series[:14])).all()  # ten differences are too few
 
 
-def test_the_last_third_is_held_out(recorded):
+def test_a_third_from_the_middle_on_is_held_out_and_its_end_is_fitted(recorded):
     recording = recorded(seconds=6.0)
     experiment = prepare(recording, hold_out=True).experiment
     t = experiment.observation.t
-    assert t[experiment.used].max() == pytest.approx(4.0, abs=1.5 / 60)
+    held = t[~experiment.used]
+    assert (held.min(), held.max()) == pytest.approx((3.0, 5.0), abs=1.5 / 60)
+    assert np.all(np.diff(held) < 1.5 / 60)
+    assert experiment.used[-1]
+    np.testing.assert_array_equal(judged_frames(experiment, True), ~experiment.used)
     assert prepare(recording, hold_out=False).experiment.used.all()
 
 
