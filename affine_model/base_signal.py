@@ -5,6 +5,7 @@ act.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -78,9 +79,9 @@ def low_pass(table: Array, step: float, delay: float, period: float) -> Array:
         seen = np.array([[1.0, 0.0]])
     else:
         system, seen = (np.array([[-1.0 / delay]]), np.array([[1.0 / delay]])), np.array([[1.0]])
-    discrete = cont2discrete((*system, seen, np.zeros((1, 1))), step, method="foh")
-    b, a = ss2tf(*discrete[:4])
-    b = np.asarray(b[0])
+    discrete: Any = cont2discrete((*system, seen, np.zeros((1, 1))), step, method="foh")
+    numerator, denominator = cast("Any", ss2tf)(*discrete[:4])
+    b, a = np.asarray(numerator[0]), np.asarray(denominator)
     rows = []
     for row, rate in zip(table, (*table[1:], np.gradient(table[2], step)), strict=True):
         before = row[0] - step * rate[0] * np.arange(1, a.size)

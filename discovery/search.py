@@ -64,7 +64,7 @@ def search_posterior(
     """
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     first: list[Candidate] = []
-    centre = base
+    centre, decays = base, has_decay(base.problem)
     for number in range(ROUNDS):
         candidates = score(centre.problem, centre.fitted)
         first = first or candidates
@@ -73,15 +73,18 @@ def search_posterior(
             begun
             for begun in _begun_about(centre, candidates, centre if number else _at(base, origin))
             if frozenset((*centre.effects, *begun.chosen.names)) not in tried
-            and (has_decay(base.problem) or _may_be_named(begun, centre, temperature))
+            and (decays or _may_be_named(begun, centre, temperature))
         ]
         tasks: list[Callable[[], RoughFit]] = [
             *(partial(added, centre, begun) for begun in wanted),
-            *(partial(removed, centre, name) for name in centre.effects if len(centre.effects) > 1),
+            *(partial(removed, centre, name) for name in centre.effects if len(centre.effects) > 1 or decays),
         ]
         found = _side_by_side([partial(fit_hypothesis, one, base.forces) for one in _promising(_side_by_side(tasks))])
         temperature = missing_of([*tried.values(), *found]).temperature
         for h in found:
+            if not h.effects:  # a decay's base, fitted from where an effect had left it
+                known_of = {name: getattr(base, name) for name in ("baseline_share", "baseline_gain", "motion")}
+                h = replace(h, **known_of)
             known = tried.get(frozenset(h.effects))
             tried[frozenset(h.effects)] = h if known is None else _preferred(h, known, temperature)
         progress((number + 1.0) / ROUNDS)
