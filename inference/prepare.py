@@ -34,6 +34,7 @@ RELEASE = "release.t_s"
 # The stretch that is not fitted, of a driven recording and of a decay: at its end a chirp has its highest frequencies,
 # which the fit must see; a decay is followed from its release on.
 JUDGED, LAST = (0.5, 5.0 / 6.0), (2.0 / 3.0, 1.0)
+SHORT = 10.0  # s: the first half of a shorter recording shows too few swings to begin a fit with
 LEAST_MOTION = 2.0  # noise sigmas
 LEAST_RATE = 0.01  # rad/s
 # Radians that the seen root turns for a radian of the servo. Below, its frame turns along, or one sign is wrong.
@@ -146,7 +147,7 @@ def _observation(
 
 
 def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
-    """The experiment of a recording; with hold_out the stretch JUDGED (of a decay LAST) is kept for judging.
+    """The experiment of a recording; with hold_out the stretch JUDGED (LAST of a decay, or if SHORT) is kept for judging.
 
     Raises InputError where no shape was measured at all, CannotTellError where too little was.
     """
@@ -189,7 +190,8 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     used = within.copy()
     if hold_out:
         begin = first if release is None else release
-        first_judged, last_judged = (begin + share * (last - begin) for share in (JUDGED if release is None else LAST))
+        stretch = JUDGED if release is None and last - begin >= SHORT else LAST
+        first_judged, last_judged = (begin + share * (last - begin) for share in stretch)
         used &= (times <= first_judged) | (times > last_judged)
     interval = float(np.median(np.diff(times)))
     experiment = Experiment(

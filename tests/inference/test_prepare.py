@@ -26,14 +26,16 @@ def test_noise_is_found_under_motion_and_jumps():
 
 
 def test_a_third_from_the_middle_on_is_held_out_and_its_end_is_fitted(recorded):
-    recording = recorded(seconds=6.0)
+    recording = recorded(seconds=12.0)
     experiment = prepare(recording, hold_out=True).experiment
     t = experiment.observation.t
     held = t[~experiment.used]
-    assert (held.min(), held.max()) == pytest.approx((3.0, 5.0), abs=1.5 / 60)
+    assert (held.min(), held.max()) == pytest.approx((6.0, 10.0), abs=1.5 / 60)
     assert np.all(np.diff(held) < 1.5 / 60)
     assert experiment.used[-1]
     np.testing.assert_array_equal(judged_frames(experiment, True), ~experiment.used)
+    short = prepare(recorded(seconds=6.0), hold_out=True).experiment
+    assert short.observation.t[short.used].max() == pytest.approx(4.0, abs=1.5 / 60)
     assert prepare(recording, hold_out=False).experiment.used.all()
 
 
