@@ -147,7 +147,7 @@ def _observation(
 
 
 def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
-    """The experiment of a recording; with hold_out the stretch JUDGED (LAST of a decay, or if SHORT) is kept for judging.
+    """The experiment of a recording; with hold_out the stretch JUDGED (LAST of a decay, or if SHORT) judges only.
 
     Raises InputError where no shape was measured at all, CannotTellError where too little was.
     """
