@@ -83,8 +83,8 @@ def search_posterior(
         temperature = missing_of([*tried.values(), *found]).temperature
         for h in found:
             if not h.effects:  # a decay's base, fitted from where an effect had left it
-                known_of = {name: getattr(base, name) for name in ("baseline_share", "baseline_gain", "motion")}
-                h = replace(h, **known_of)
+                share, gain = base.baseline_share, base.baseline_gain
+                h = replace(h, baseline_share=share, baseline_gain=gain, motion=base.motion)
             known = tried.get(frozenset(h.effects))
             tried[frozenset(h.effects)] = h if known is None else _preferred(h, known, temperature)
         progress((number + 1.0) / ROUNDS)
