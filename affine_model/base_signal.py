@@ -41,8 +41,8 @@ def step_middles(t0: float, step: float, steps: int) -> Array:
 
 @dataclass(frozen=True)
 class Servo:
-    """What lies between the recorded angle and the clamp, for B individuals, (B,) each: a gear's play [rad], then the
-    low-pass of its coupling, then that of the servo, each of a delay and a natural period [s].
+    """What lies between the recorded angle and the clamp, for B individuals, (B,) each: the servo's low-pass, then a
+    gear's play [rad], then the low-pass of its coupling; a low-pass has a delay and a natural period [s].
     """
 
     play: Array
@@ -125,6 +125,6 @@ def base_table(waveform: Waveform, steps: Steps, servo: Servo, *, known_from: fl
     bent = {}
     for values in set(individuals):
         play, delay, period, tau, own_period = values
-        turned = low_pass(_with_play(table, step, play), step, delay, period)
-        bent[values] = low_pass(turned, step, tau, own_period)[:, before:]
+        turned = low_pass(table, step, tau, own_period)
+        bent[values] = low_pass(_with_play(turned, step, play), step, delay, period)[:, before:]
     return np.stack([bent[values] for values in individuals], axis=-1)

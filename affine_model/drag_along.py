@@ -36,7 +36,7 @@ def drag_along(arm: Arm, parameters: Array, t: Array, s: Array, xy: Array) -> Ar
     x.speed = np.hypot(x.u_n, x.u_t)
     force = np.zeros(xy.shape)
     for effect, p in own:
-        if effect.force is not None:
+        if effect.force is not None and effect.couple is None:  # with a couple it is a part of added mass
             along_normal, along_tangent = (np.asarray(part)[..., None] for part in effect.force(x, p))
             force = force + along_normal * motion.normal + along_tangent * motion.tangent
     return force

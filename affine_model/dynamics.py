@@ -16,6 +16,7 @@ from typing import Any
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import angle_basis
 from affine_model.effect import Effect
+from affine_model.laws import relaxed
 
 BODY_ADDED_MASS = 0.5  # of a compact body, over the water that it displaces: a sphere's (Lamb 1932, art. 92)
 
@@ -38,10 +39,12 @@ class Balance:
 @dataclass(frozen=True)
 class Instant:
     """Time t [s], one or (..., 1), and the memories (..., S, N) then: a slot for each of remembering(effects), all 0 if
-    None."""
+    None. travel (..., 6): x, y [m] of a base that travels, their rates and accelerations (None: it stands).
+    """
 
     t: Any = 0.0
     memory: Any = None
+    travel: Any = None
 
 
 FRESH = Instant()
@@ -71,6 +74,18 @@ def parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
     return SimpleNamespace(**{row.parameter.name: parameters[row.index][..., None] for row in rows})
 
 
+def _travelled(travel: Any) -> tuple[Any, Any, Any]:
+    """Place, rate and acceleration (..., 1, 2) of the base, each the same for all sections."""
+    if travel is None:
+        return 0.0, 0.0, 0.0
+    return travel[..., None, 0:2], travel[..., None, 2:4], travel[..., None, 4:6]
+
+
+def _last(of_sections: Any) -> Any:
+    """What holds for the last section (..., 2)."""
+    return of_sections if isinstance(of_sections, float) else of_sections[..., -1, :]
+
+
 def balance(
     arm: Arm, effects: tuple[Effect, ...], parameters: Any, u: Any, u_rate: Any, instant: Instant = FRESH
 ) -> Balance:
@@ -94,17 +109,19 @@ def balance(
 
     position = integrate(tangent)
     rail = xp.stack([xp.zeros_like(phi), u_rate[..., n + 1 : n + 2] + xp.zeros_like(phi)], -1)
-    velocity = integrate(-normal * phi_rate[..., None]) + rail
-    acceleration = integrate(-tangent * (phi_rate**2)[..., None])  # the part without u''
+    path, going, pushed = _travelled(instant.travel)
+    velocity = integrate(-normal * phi_rate[..., None]) + rail + going
+    acceleration = integrate(-tangent * (phi_rate**2)[..., None]) + pushed  # the part without u''
     angle_columns = xp.concatenate([A + 0 * phi[..., None], xp.ones_like(phi)[..., None], 0 * phi[..., None]], -1)
     turning = xp.einsum("ik,...kx,...kj->...ixj", W, -normal, angle_columns[..., : n + 1])
     rail_column = xp.stack([xp.zeros_like(phi), xp.ones_like(phi)], -1)[..., None]
     jacobian = xp.concatenate([turning, rail_column], -1)  # (..., N, 2, D), eq. 5
     curvature_columns = xp.concatenate([C + 0 * phi[..., None], xp.zeros_like(angle_columns[..., n:])], -1)
 
+    place = position + path
     x = SimpleNamespace(
         **node, **arm.arm_quantities, t=instant.t, phi=phi, phi_rate=phi_rate,
-        c_rate=z_rate @ C.T, x=position[..., 0], y=position[..., 1], stiffness=0.0, drag_coefficient=0.0,
+        c_rate=z_rate @ C.T, x=place[..., 0], y=place[..., 1], stiffness=0.0, drag_coefficient=0.0,
     )  # fmt: skip
     own = [(effect, parameters_of(effect, parameters)) for effect in effects]
 
@@ -179,16 +196,21 @@ def balance(
     end_tangent = xp.stack([-xp.sin(end_phi), xp.cos(end_phi)], -1)
     tip_turning = xp.einsum("k,...kx,...kj->...xj", w, -normal, angle_columns[..., : n + 1])
     tip_centripetal = xp.einsum("k,...kx->...x", w, -tangent * (phi_rate**2)[..., None])
+    along, aside = ((part + 0 * phi)[..., -1, None] for part in total_pair("payload_shift"))
     for effect, p in own:
         if effect.hung_mass is None:
             continue
         mass, reach, drop, density = ((part + 0 * phi)[..., -1, None] for part in effect.hung_mass(x, p))
+        if effect.family == "base":  # the declared payload
+            reach, drop = reach + along, drop + aside
         displaced = x.fluid_density * mass / density
         carries = BODY_ADDED_MASS * displaced
         lever = drop * end_tangent - reach * end_normal  # d (reach t + drop n) / d phi
         turning = tip_turning + xp.einsum("...x,...j->...xj", lever, end_columns)
         columns = xp.concatenate([turning, rail_column[..., -1, :, :]], -1)
-        acceleration = tip_centripetal - (reach * end_tangent + drop * end_normal) * (end_rate**2)[..., None]
+        acceleration = (
+            tip_centripetal + _last(pushed) - (reach * end_tangent + drop * end_normal) * (end_rate**2)[..., None]
+        )
         M = M + (mass + carries)[..., None] * xp.einsum("...xj,...xl->...jl", columns, columns)
         flow = (displaced + carries) * water[..., -1, :] - carries * acceleration
         pull = (mass - displaced) * gravity[..., -1, :] - mass * acceleration + flow
@@ -196,12 +218,12 @@ def balance(
         fluid_force = fluid_force + flow
         fluid_mass = fluid_mass + carries[..., None] * columns
     if any(effect.tip_force is not None for effect in effects):
-        place = xp.einsum("k,...kx->...x", w, tangent)
-        going = xp.einsum("k,...kx->...x", w, -normal * phi_rate[..., None]) + rail[..., -1, :]
+        tip_place = xp.einsum("k,...kx->...x", w, tangent) + _last(path)
+        going = xp.einsum("k,...kx->...x", w, -normal * phi_rate[..., None]) + rail[..., -1, :] + _last(going)
         going = going - xp.stack([water_x + 0 * phi, water_y + 0 * phi], -1)[..., -1, :]
         end_n, end_t = xp.sum(going * end_normal, -1), xp.sum(going * end_tangent, -1)
         here = SimpleNamespace(
-            **arm.arm_quantities, t=instant.t, x=place[..., 0], y=place[..., 1], phi=end_phi, phi_rate=end_rate,
+            **arm.arm_quantities, t=instant.t, x=tip_place[..., 0], y=tip_place[..., 1], phi=end_phi, phi_rate=end_rate,
             u_n=end_n, u_t=end_t, speed=xp.sqrt(end_n**2 + end_t**2 + 1e-16),
         )  # fmt: skip
         columns = xp.einsum("...x,...j->...xj", 0.0 * end_normal, end_columns) + tip_turning
@@ -227,8 +249,7 @@ def advanced_memory(
     """Memory (..., S, N), a slot for each of remembering(effects), after `duration` [s] at the rates of curvature
     c_rate (..., N).
 
-    Of a Maxwell branch exactly memory' = c' - memory / tau; of a friction element memory' = c', held at the yield
-    curvature.
+    Of a Maxwell branch as laws.relaxed; of a friction element memory' = c', held at the yield curvature.
     """
     xp = sys.modules[type(c_rate).__module__.split(".")[0]]
     x = SimpleNamespace(**arm.arm_quantities)
@@ -237,8 +258,7 @@ def advanced_memory(
         p, kept = parameters_of(effect, parameters), memory[..., slot, :]
         if effect.relaxation_time is not None:
             tau = effect.relaxation_time(x, p) + 0.0 * c_rate
-            decay = xp.exp(-duration / tau)
-            slots.append(kept * decay + tau * (1.0 - decay) * c_rate)
+            slots.append(relaxed(kept, c_rate, duration, tau))
         else:
             assert effect.yield_curvature is not None
             limit = effect.yield_curvature(x, p) + 0.0 * c_rate

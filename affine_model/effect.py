@@ -97,7 +97,8 @@ class Effect:
     water_velocity (x, y) [m/s] in the base frame.
     At the tip: hung_mass, a compact body (mass [kg], reach [m] beyond s = 1 along the tangent, drop [m] along the
     normal, density [kg/m^3]: it displaces water, and carries half of that as a sphere does), and tip_force (normal,
-    tangential) [N], whose x holds the tip's own place, angle and velocity and the arm's quantities. For
+    tangential) [N], whose x holds the tip's own place, angle and velocity and the arm's quantities; payload_shift
+    (along the tangent, along the normal) [m]: how far the declared payload's centre lies from where it is declared. For
     all: gravity_tilt [rad]. relaxation_time [s] or yield_curvature [rad], one of them: gives the law x.memory, the
     curvature of a spring in series with a dashpot, or with a slip at that size. Outside the equations of motion: base
     ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature
@@ -125,6 +126,7 @@ class Effect:
     weight: Law | None = None
     water_velocity: PairLaw | None = None
     hung_mass: BodyLaw | None = None
+    payload_shift: PairLaw | None = None
     tip_force: PairLaw | None = None
     gravity_tilt: Law | None = None
     relaxation_time: Law | None = None

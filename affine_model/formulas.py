@@ -23,6 +23,7 @@ LAW_NAMES = {
     "weight": "weight, as mass [kg/m]",
     "water_velocity": "velocity of the water (x, y) [m/s]",
     "hung_mass": "body at the tip: mass [kg], reach [m], drop [m], density [kg/m^3]",
+    "payload_shift": "shift of the payload (along the tangent, along the normal) [m]",
     "tip_force": "force at the tip (normal, tangential) [N]",
     "gravity_tilt": "tilt of gravity [rad]",
     "relaxation_time": "relaxation time [s]",

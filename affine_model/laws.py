@@ -48,3 +48,9 @@ def cos(x: Any) -> Any:
 def magnitude(x: Any) -> Any:
     """Absolute value."""
     return _apply("abs", x)
+
+
+def relaxed(memory: Any, rate: Any, duration: Any, tau: Any) -> Any:
+    """A Maxwell branch's memory after `duration` [s] at a steady rate: memory' = rate - memory / tau, exactly."""
+    kept = exp(-duration / tau)
+    return memory * kept + tau * (1.0 - kept) * rate

@@ -83,13 +83,14 @@ def simulate(
     """Integrate B individuals over the S steps of base.
 
     parameters (R, B), columns as in arm.parameter_vector. base (3, S, B) or (3, S, 1): theta and its two derivatives
-    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command.
+    at the middles of the steps, t0 + (k + 1/2) step; with a servo, the command. Of a base that travels 9 rows: then
+    x, y [m], their rates and accelerations. Shapes are counted from the base.
     """
     parameters = np.ascontiguousarray(parameters, dtype=float)
     base = np.ascontiguousarray(base, dtype=float)
     n, count = arm.order, parameters.shape[1]
-    if base.shape[0] != 3 or base.shape[2] not in (1, count):
-        raise ValueError(f"base has shape {base.shape}; expected (3, steps, 1 or {count})")
+    if base.shape[0] not in (3, 9) or base.shape[2] not in (1, count):
+        raise ValueError(f"base has shape {base.shape}; expected (3 or 9, steps, 1 or {count})")
     state = _start(arm, base, timing.step, start, count)
     course = advance(arm, drive, parameters, base, (np.full(count, float(start.t0)), state), timing.pace)
     u, u_rate, force, summary = course.u, course.u_rate, course.force, course.summary

@@ -1,12 +1,12 @@
-"""The reference's drag along a midline that moves as drawn: what its water does to the sections, for the eye."""
+"""The reference's drag along a prescribed midline, to be shown beside the arm."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from mujoco_ref.influence import Fields, water_record
+from mujoco_ref.section_water import beside_wall, felt_speed, shed_lift, viscous_resistance, water_motion
 from mujoco_ref.simulate import plain_parameters
-from mujoco_ref.water import beside_wall, felt_speed, shed_lift, water_motion
 from tentacle.compiled import njit
 from tentacle.midline_motion import midline_motion
 from tentacle.model import Model
@@ -16,7 +16,7 @@ from tentacle.signals import Array
 def chain_drag_along(model: Model, t: Array, s: Array, xy: Array) -> Array:
     """Drag per length (T, P, 2) [N/m] in the base frame, of a midline xy (T, P, 2) [m] at t (T,) [s] and s (P,).
 
-    Relative to the water of the model's effects; added mass and buoyancy are not among it. NaN where the motion is.
+    Relative to the water of the model's effects; added mass and buoyancy are left out. NaN where the motion is.
     """
     motion = midline_motion(t, s, xy)
     section = model.specimen.section
@@ -43,7 +43,8 @@ def _drag(t: Array, xy: Array, velocity: Array, normal: Array, section: tuple[Ar
                 more, _, wall_n, wall_t = beside_wall(x, 0.5 * width[i], (c, s), (u_n, u_t), water)
                 C_perp += more
             felt = felt_speed(speed, u_n, width[i], C_perp, water)
-            f_n = wall_n - (0.5 * water.density * C_perp * width[i] * felt + water.c_n) * u_n
+            slow = water.c_n + viscous_resistance(width[i], water)
+            f_n = wall_n - (0.5 * water.density * C_perp * width[i] * felt + slow) * u_n
             if water.lift_cos != 0.0 or water.lift_sin != 0.0:
                 f_n += shed_lift(width[i], t[k], water)
             f_t = wall_t - (0.5 * water.density * water.C_t * perimeter[i] * speed + 0.5 * water.c_n) * u_t

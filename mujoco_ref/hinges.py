@@ -8,6 +8,7 @@ sign.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -71,6 +72,13 @@ class Drift:
 
 
 @njit(cache=True)
+def relaxed(stretch: Any, rate: Any, duration: float, tau: float) -> Any:
+    """A Maxwell branch's spring after `duration` [s] at a steady rate: exactly stretch' = rate - stretch / tau."""
+    lost = -np.expm1(-duration / tau)
+    return (1.0 - lost) * stretch + tau * lost * rate
+
+
+@njit(cache=True)
 def bristle(stretch: float, limit: float) -> tuple[float, float]:
     """A spring's stretch cut at its limit, and 1 where it sticks, 0 where it slides."""
     if stretch > limit:
@@ -99,10 +107,10 @@ def hinge_moments(course: Midpoint, hinges: Fields, memory: Array, now: Now, equ
         slope = stiffness * (1.0 + hinge.stiff_tip + 3.0 * hinge.cubic * angle**2 + 2.0 * hinge.one_sided * angle)
         damping = hinge.damping + stiffness * (hinge.loss + hinge.bent_loss * angle**2)
         if hinge.maxwell != 0.0:
-            share = half / hinge.relaxation
-            dashpot = (memory[j, DASHPOT] + share * middle[i]) / (1.0 + share)
-            moment += softening * hinge.maxwell * (middle[i] - dashpot)
-            slope += softening * hinge.maxwell / (1.0 + share)
+            turned = (middle[i] - start[i]) / half
+            stretch = relaxed(start[i] - memory[j, DASHPOT], turned, half, hinge.relaxation)
+            moment += softening * hinge.maxwell * stretch
+            slope += softening * hinge.maxwell * relaxed(0.0, 1.0 / half, half, hinge.relaxation)
         if hinge.yield_moment != 0.0:
             stretch, sticks = bristle(memory[j, BRISTLE] + middle[i] - start[i], hinge.yield_angle)
             moment += softening * hinge.yield_moment * stretch / hinge.yield_angle
@@ -119,13 +127,12 @@ def hinge_moments(course: Midpoint, hinges: Fields, memory: Array, now: Now, equ
 @njit(cache=True)
 def remember(start: Array, end: Array, hinges: Fields, memory: Array, step: float) -> None:
     """Carry the hinges' memory (n, 2) over a step from start to end (n + 3,)."""
-    half = 0.5 * step
     for j in range(hinges.shape[0]):
         hinge = hinges[j]
         if hinge.maxwell != 0.0:
-            share = half / hinge.relaxation
-            middle = (memory[j, DASHPOT] + share * 0.5 * (start[j + 3] + end[j + 3])) / (1.0 + share)
-            memory[j, DASHPOT] = 2.0 * middle - memory[j, DASHPOT]
+            turned = (end[j + 3] - start[j + 3]) / step
+            stretch = relaxed(start[j + 3] - memory[j, DASHPOT], turned, step, hinge.relaxation)
+            memory[j, DASHPOT] = end[j + 3] - stretch
         if hinge.yield_moment != 0.0:
             stretch, _ = bristle(memory[j, BRISTLE] + end[j + 3] - start[j + 3], hinge.yield_angle)
             memory[j, BRISTLE] = stretch

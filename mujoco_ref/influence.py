@@ -1,4 +1,4 @@
-"""What acts on the chain, as numbers: records that the compiled kernels read. A field at zero acts not at all.
+"""What acts on the chain, as numbers: records that the compiled kernels read. A field that is zero has no effect.
 
 The parameters of the catalogue's effects keep their names and units (docs/catalogue.md); each is turned here into the
 quantities of this room's own physics. Influences outside the catalogue have fields of their own.
@@ -27,6 +27,7 @@ WATER_RECORD = np.dtype(
         ("C_t", _F),  # skin friction coefficient on the wetted perimeter
         ("C_a", _F),  # added mass over the water in a circle of the width
         ("tangential", _F),  # that along the tangent, over that along the normal
+        ("convective", _F),  # share of Kirchhoff's convective terms; 0: Morison's normal acceleration alone
         ("c_n", _F),  # linear drag along the normal [Pa s]; half of it along the tangent
         ("U_x", _F),  # steady current [m/s]
         ("U_y", _F),
@@ -43,6 +44,9 @@ WATER_RECORD = np.dtype(
         ("suction_reach", _F),
         ("cross_flow", _F),  # 1: the drag follows |u_n| u_n, 0: |u| u_n
         ("reynolds", _F),  # share of 10 Re^(-2/3) by which C_perp grows
+        ("oscillating", _F),  # share of an oscillating cylinder's viscous drag, at a frequency [Hz]
+        ("oscillating_f", _F),
+        ("shed", _F),  # extent of the tip's edge, from which the carried water leaves the arm [m]
         ("lift_cos", _F),  # lift of vortices shed by a stream across the plane [m/s]
         ("lift_sin", _F),
         ("stream", _F),
@@ -132,7 +136,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "inertia": (),
     "weight": (),
     "third_curvature": (),
-    "added_mass": ("C_a", "tangential"),
+    "added_mass": ("C_a", "tangential", "convective"),
     "skin_drag": ("C_t",),
     "linear_drag": ("c_n",),
     "current": ("U_x", "U_y"),
@@ -140,10 +144,13 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "wall": ("B", "distance", "carried"),
     "cross_flow": ("share",),
     "reynolds_drag": ("share",),
+    "oscillating_drag": ("share", "f"),
+    "shed_tip": ("span",),
     "vortex_lift": ("C_cos", "C_sin", "U"),
     "buoyancy": ("density_error",),
     "gravity_tilt": ("tilt",),
     "tip_mass": ("mass", "reach", "drop"),
+    "payload_place": ("along", "aside"),
     "cubic_stiffness": ("beta",),
     "intrinsic_curvature": ("c0", "slope"),
     "viscoelasticity": ("g", "tau"),
@@ -210,6 +217,7 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         C_t=take("skin_drag", "C_t"),
         C_a=take("added_mass", "C_a"),
         tangential=take("added_mass", "tangential"),
+        convective=take("added_mass", "convective", 1.0),
         c_n=take("linear_drag", "c_n"),
         U_x=take("current", "U_x"),
         U_y=take("current", "U_y"),
@@ -226,6 +234,9 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         suction_reach=take("suction", "reach", 0.3 * length),
         cross_flow=take("cross_flow", "share"),
         reynolds=take("reynolds_drag", "share"),
+        oscillating=take("oscillating_drag", "share"),
+        oscillating_f=take("oscillating_drag", "f", 1.0),
+        shed=take("shed_tip", "span"),
         lift_cos=take("vortex_lift", "C_cos"),
         lift_sin=take("vortex_lift", "C_sin"),
         stream=take("vortex_lift", "U", 0.1),

@@ -36,11 +36,12 @@ def motor_signal(waveform: Waveform, times: Array, parameters: Parameters, lead_
         )
     play = value(parameters, "backlash", "play")
     delay, period = (play * value(parameters, "backlash", name) for name in ("delay", "period"))
-    step = float(times[1] - times[0])
+    step, lag = float(times[1] - times[0]), value(parameters, "servo_lag", "tau")
+    if lag > 0.0:
+        wave = low_pass(wave, step, lag, value(parameters, "servo_lag", "period"))
     if play > 0.0 and sprung(parameters):
         wave = low_pass(_beyond_play(wave, play), step, delay, period)
-    lag = value(parameters, "servo_lag", "tau")
-    return low_pass(wave, step, lag, value(parameters, "servo_lag", "period")) if lag > 0.0 else wave
+    return wave
 
 
 def sprung(parameters: Parameters) -> bool:

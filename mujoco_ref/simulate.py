@@ -8,7 +8,7 @@ On average over a period of steady motion the two agree.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -95,8 +95,9 @@ class Initial:
 @dataclass(frozen=True)
 class Setup:
     """What a run stands on. links: hinges of the chain. The base is prescribed or turned by a servo; it is fixed or on
-    a rail along y. s (P,): where the midline is sampled (None: 41 points). lead_in [s]: the arm moves for that long
-    before the first frame, the motion swelling from nothing. longest_step [s].
+    a rail along y, or travels: x, y [m], rates and accelerations (6, ...) over time [s]. s (P,): where the midline is
+    sampled (None: 41 points). lead_in [s]: the arm moves for that long before the first frame, the motion swelling from
+    nothing. longest_step [s].
     """
 
     links: int = DEFAULT_LINKS
@@ -106,6 +107,7 @@ class Setup:
     lead_in: float = 0.0
     longest_step: float = LONGEST_STEP
     initial: Initial = field(default_factory=Initial)
+    travel: Callable[[Array], Array] | None = None
 
 
 USUAL_SETUP = Setup()
@@ -147,7 +149,12 @@ def make_stepper(
     _refuse_wrong_units(parameters)
     declared = model.specimen
     density = declared.density + value(parameters, "buoyancy", "density_error")
-    specimen = replace(declared, density=density)
+    specimen = replace(
+        declared,
+        density=density,
+        tip_mass_reach=declared.tip_mass_reach + value(parameters, "payload_place", "along"),
+        tip_mass_drop=declared.tip_mass_drop + value(parameters, "payload_place", "aside"),
+    )
     angle = model.gravity.angle + value(parameters, "gravity_tilt", "tilt")
     gravity = Gravity(angle, model.gravity.magnitude)
     s = hinge_positions(links)
@@ -205,6 +212,8 @@ def simulate(
     for halvings in range(MOST_HALVINGS + 1):
         clock = Clock.of(duration, fps, setup.lead_in, setup.longest_step / 2**halvings)
         motor = motor_signal(waveform, clock.half_steps, servo, setup.lead_in).T  # (2 steps + 1, 3)
+        if setup.travel is not None:
+            motor = np.ascontiguousarray(np.concatenate([motor, setup.travel(clock.half_steps).T], axis=1))
         if setup.initial.q is None:
             state = chain_equilibrium(stepper, motor[0, 0])
             tare = rest_reading(stepper, chain_equilibrium(stepper, float(waveform(0.0)[0])))
@@ -212,6 +221,8 @@ def simulate(
             state = state_of_shape(stepper, setup.initial.q, motor[0, 0], setup.initial.q_rate)
             tare = rest_reading(stepper, state)
         state.t = float(clock.half_steps[0])
+        if setup.travel is not None:
+            state.q[:2], state.v[:2] = motor[0, 3:5], motor[0, 5:7]
         if stepper.held[2]:
             state.v[2] = motor[0, 1]
         q, readings = _march(stepper, state, motor, clock, setup.initial.release_t)

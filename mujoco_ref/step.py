@@ -70,7 +70,9 @@ def _predict(state: Plain, held: Array, motor: Array, step: float, middle: Array
         middle[i] = q[i] + half * v[i] + half * half * a[i]
         rate[i] = v[i] + half * a[i]
     for i in range(2):
-        if held[i]:
+        if held[i] and motor.shape[1] > 3:
+            middle[i], rate[i], a[i] = motor[1, 3 + i], motor[1, 5 + i], motor[1, 7 + i]
+        elif held[i]:
             middle[i], rate[i], a[i] = q[i], 0.0, 0.0
     if held[2]:
         middle[2], rate[2], a[2] = motor[1, 0], motor[1, 1], motor[1, 2]
@@ -193,7 +195,9 @@ def _finish(moving: Plain, held: Array, motor: Array, laws: tuple[Record, Record
         q[i] += step * v[i] + 0.5 * step * step * a[i]
         v[i] += step * a[i]
     for i in range(2):
-        if held[i]:
+        if held[i] and motor.shape[1] > 3:
+            q[i], v[i] = motor[2, 3 + i], motor[2, 5 + i]
+        elif held[i]:
             q[i], v[i] = start[i], 0.0
     if held[2]:
         q[2], v[2] = motor[2, 0], motor[2, 1]
@@ -232,7 +236,8 @@ class Stepper:
         self._remember = laws.hinges, laws.base
 
     def step(self, state: ChainState, motor: Array, step: float, corrections: int = 1) -> None:
-        """Move state on by `step` [s]. motor (3, 3): angle, rate, acceleration at the start, middle and end of it."""
+        """Move state on by `step` [s]. motor (3, 3): angle, rate, acceleration at the start, middle and end of it;
+        (3, 9) of a base that travels: then its x, y [m], their rates and accelerations."""
         model, data, work = self.chain.model, self.data, self._work
         moving, workspace = tuple(state.moving), tuple(work)
         t = state.t + 0.5 * step

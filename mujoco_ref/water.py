@@ -2,7 +2,8 @@
 
 Section forces stand at Gauss points of the links, so they converge with the number of links; MuJoCo's own fluid models
 do not, and know no added mass. Added mass is Kirchhoff's for a body that carries fluid along its normal only: momentum
-P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body).
+P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body); or, as far as `convective` is less than 1,
+Morison's, the normal acceleration alone.
 """
 
 from __future__ import annotations
@@ -10,13 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from mujoco_ref.chain import Chain
-from mujoco_ref.influence import Fields
+from mujoco_ref.section_water import beside_wall, felt_speed, shed_lift, viscous_resistance, water_motion
 from mujoco_ref.step_arguments import Body, Equation, Laws
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
-WATERS_VISCOSITY = 1e-6  # m^2/s, at 20 degrees C
-SECOND_WAVE = 1.7320508075688772  # of a deep tank's odd standing waves: frequency over the first's, sqrt(3)
 SPHERE = 0.5  # water that a compact body carries, over that which it displaces
 # Columns of the link table.
 LENGTH, VOLUME, VOLUME_CENTRE, CARRIED, CARRIED_CENTRE, CARRIED_TURNING, MASS = range(7)
@@ -64,76 +63,6 @@ def link_motion(q: Array, v: Array, a: Array, links: Array, out: Array) -> None:
         ax, ay = ax + length * (rate**2 * s - acceleration * c), ay - length * (rate**2 * c + acceleration * s)
     out[count, 0], out[count, 1], out[count, 2], out[count, 3], out[count, 4], out[count, 5] = x, y, vx, vy, ax, ay
     out[count, 6], out[count, 7], out[count, 8] = phi, rate, acceleration
-
-
-@njit(cache=True)
-def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, float, float, float]:
-    """Velocity and acceleration of the undisturbed water at (x, y): current, swaying, and the draw of a suction
-    port."""
-    omega = 2.0 * np.pi * water.slosh_f
-    cos, sin = np.cos(omega * t), np.sin(omega * t)
-    ux = water.U_x + water.U_cos * cos + water.U_sin * sin
-    ax = omega * (water.U_sin * cos - water.U_cos * sin)
-    if water.second_cos != 0.0 or water.second_sin != 0.0:
-        faster = SECOND_WAVE * omega
-        cos, sin = np.cos(faster * t), np.sin(faster * t)
-        along = water.U_cos * water.second_cos - water.U_sin * water.second_sin
-        across = water.U_cos * water.second_sin + water.U_sin * water.second_cos
-        ux += along * cos + across * sin
-        ax += faster * (across * cos - along * sin)
-    if water.suction_U != 0.0:
-        beat = 2.0 * np.pi * water.suction_f
-        near = water.suction_U * np.exp(-(x * x + y * y) / water.suction_reach**2)
-        ux += near * max(0.0, np.sin(beat * t)) ** 2
-        ax += near * 2.0 * max(0.0, np.sin(beat * t)) * beat * np.cos(beat * t)
-    return ux, water.U_y, ax, 0.0
-
-
-@njit(cache=True)
-def beside_wall(
-    x: float, half_width: float, direction: tuple[float, float], speed: tuple[float, float], water: Fields
-) -> tuple[float, float, float, float]:
-    """What a wall at wall_x adds: drag coefficient, inertia along the normal [kg/m], force along n and t [N/m].
-
-    direction: cosine and sine of the section's angle; speed: along its normal and tangent [m/s]. The
-    forces are those by which a body whose added mass grows towards the wall is drawn to it, and slowed.
-    """
-    cosine, sine = direction
-    u_n, u_t = speed
-    squared = half_width * half_width
-    distance = water.wall_x - x
-    diameters = (np.sqrt(distance * distance + squared) - half_width) / (2.0 * half_width)
-    coefficient = water.wall_B * water.C_perp / (2.0 + 10.0 * diameters)
-    near = distance * distance + 0.25 * squared
-    inertia = water.wall_carried * water.wall_B * 0.5 * np.pi * water.density * squared * squared / near
-    growth = 2.0 * distance * inertia / near
-    approach = u_n * cosine - u_t * sine
-    push_n = growth * u_n * (0.5 * u_n * cosine - approach)
-    return coefficient, inertia, push_n, -0.5 * growth * u_n * u_n * sine
-
-
-@njit(cache=True)
-def felt_speed(speed: float, u_n: float, width: float, coefficient: float, water: Fields) -> float:
-    """The speed that the normal drag follows, beside u_n: eq. 15's, |u_n| (cross-flow), or more at small Reynolds
-    numbers, as a smooth cylinder's; what a wall adds to the coefficient follows eq. 15."""
-    if coefficient == 0.0 or (water.cross_flow == 0.0 and water.reynolds == 0.0):
-        return speed
-    own = water.C_perp / coefficient
-    slow = 10.0 / (speed * width / WATERS_VISCOSITY + 1e-3) ** (2.0 / 3.0)
-    return speed + own * (water.reynolds * slow * speed - water.cross_flow * (speed - abs(u_n)))
-
-
-@njit(cache=True)
-def shed_lift(width: float, t: float, water: Fields) -> float:
-    """Lift per length [N/m] of vortices that a stream across the plane sheds, Strouhal number 0.2."""
-    phase = 2.0 * np.pi * 0.2 * water.stream / width * t
-    return (
-        0.5
-        * water.density
-        * width
-        * water.stream**2
-        * (water.lift_cos * np.cos(phase) + water.lift_sin * np.sin(phase))
-    )
 
 
 @njit(cache=True)
@@ -191,7 +120,18 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
         pull = tip.magnet_strength / (dx * dx + dy * dy + 2.5e-5) ** 1.5
         sums[2] += pull * dx
         sums[3] += pull * dy
-    fx, fy = sums[2], sums[3]
+    if water.shed != 0.0 and water.density > 0.0:
+        # What leaves a tip with an edge takes its momentum along: Lighthill 1971.
+        wx, wy, _, _ = water_motion(end[0], end[1], t, water)
+        ux, uy, c, s = end[2] - wx, end[3] - wy, np.cos(end[6]), np.sin(end[6])
+        u_n, u_t = ux * c + uy * s, -ux * s + uy * c
+        carried = 0.25 * np.pi * water.density * water.shed**2
+        leaves = min(u_t, 0.0)  # a tip that leads meets water at rest
+        f_n, f_t = carried * u_n * leaves, -0.5 * carried * u_n * u_n
+        sums[0] += f_n * c - f_t * s
+        sums[1] += f_n * s + f_t * c
+        _add_tensor(composite, (end[0], end[1]), (-half_step * carried * leaves, 0.0, 0.0), (c, s))
+    fx, fy = sums[0] + sums[2], sums[1] + sums[3]
     moment = end[0] * fy - end[1] * fx
     if water.density > 0.0:
         c, s, rate, acceleration = np.cos(end[6]), np.sin(end[6]), end[7], end[8]
@@ -246,7 +186,8 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
                 felt = felt_speed(speed, u_n, width, C_perp, water)
                 across = 0.5 * water.density * C_perp * width
                 skin = 0.5 * water.density * water.C_t * nodes[k, g, PERIMETER]
-                f_n = wall_n - (across * felt + water.c_n) * u_n
+                slow = water.c_n + viscous_resistance(width, water)
+                f_n = wall_n - (across * felt + slow) * u_n
                 if water.lift_cos != 0.0 or water.lift_sin != 0.0:
                     f_n += shed_lift(width, t, water)
                 f_t = wall_t - (skin * speed + 0.5 * water.c_n) * u_t
@@ -268,7 +209,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
                     fx, fy = fx + gx, fy + gy
                     moment += px * gy - py * gx + weight * squeezed * u_n * u_t
                     _add_tensor(composite, (px, py), (weight * squeezed, 0.0, 0.0), (c, s))
-                slope = weight * (2.0 * across * speed + water.c_n)
+                slope = weight * (2.0 * across * speed + slow)
                 resist_n += slope
                 resist_t += weight * (2.0 * skin * speed + 0.5 * water.c_n)
                 resist_x += slope * reach
@@ -289,13 +230,14 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
                 ay = ay0 - reach * (rate**2 * c + acceleration * s) - way
                 u_n, u_t, a_n, a_t = ux * c + uy * s, -ux * s + uy * c, ax * c + ay * s, -ax * s + ay * c
                 # Carried every way, it is mass: -m a. Carried along the normal alone,
-                # -d/dt(m u_n n) = -m [(a_n + rate u_t) n + rate u_n t]; couple -u x P = m u_n u_t.
+                # -d/dt(m u_n n) = -m [(a_n + rate u_t) n + rate u_n t]; couple -u x P = m u_n u_t. Morison's is
+                # -m a_n n alone: `turned` is the mass whose other terms act.
                 round_it = water.tangential * carried
-                across = carried - round_it
-                f_n, f_t = -carried * a_n - across * rate * u_t, -across * rate * u_n - round_it * a_t
+                turned = water.convective * (carried - round_it)
+                f_n, f_t = -carried * a_n - turned * rate * u_t, -turned * rate * u_n - round_it * a_t
                 gx, gy = f_n * c - f_t * s, f_n * s + f_t * c
                 fx, fy = fx + gx, fy + gy
-                moment += px * gy - py * gx + across * u_n * u_t - turning * acceleration
+                moment += px * gy - py * gx + turned * u_n * u_t - turning * acceleration
                 _add_tensor(composite, (px, py), (carried, round_it, turning), (c, s))
         if rest.acts != 0.0:
             for g in range(nodes.shape[1]):

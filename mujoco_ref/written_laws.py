@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mujoco_ref.chain import Chain
+from mujoco_ref.hinges import relaxed
 from mujoco_ref.influence import Parameters, Record
-from mujoco_ref.water import ALONG, WEIGHT, node_table, water_motion
+from mujoco_ref.section_water import water_motion
+from mujoco_ref.water import ALONG, WEIGHT, node_table
 from tentacle.compiled import njit
 from tentacle.law.in_use import laws_in_use
 from tentacle.law.written_law import NUMPY, WrittenLaw
@@ -163,6 +165,5 @@ class WrittenLaws:
         for k, one in enumerate(self.acting):
             if one.law.relaxation is not None:
                 tau = float(one.law.relaxation_time(one.values, NUMPY))
-                decay = np.exp(-duration / tau)
-                after[k] = memory[k] * decay + tau * (1.0 - decay) * self.chain.links * rate
+                after[k] = relaxed(memory[k], self.chain.links * rate, duration, tau)
         return after

@@ -25,3 +25,8 @@ TIME_OFFSET = Effect(
 def shown_times(t: Array, offset: Array | float, drift: Array | float) -> Array:
     """The motor's times [s] at which frames stamped t [s] show the arm."""
     return t + offset + drift * t
+
+
+def seen_times(t: Array, offset: Array | float, drift: Array | float) -> Array:
+    """The stamps [s] of frames that show the arm at the motor's times t [s]."""
+    return (t - offset) / (1.0 + drift)

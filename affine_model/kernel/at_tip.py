@@ -28,10 +28,11 @@ for j in unrolled(n + 1):
     tip_y[j, b] = length * total(wA[j, k] * normal_y[k, b] for k in unrolled(NODES))
 tip_x[n + 1, b] = 0.0
 tip_y[n + 1, b] = 1.0
-end_x = tip_y[n, b]
-end_y = -tip_x[n, b]
-end_going_x = total(tip_x[j, b] * mid_rate[j, b] for j in unrolled(n + 1)) - water_x[b]
-end_going_y = mid_rate[n + 1, b] + total(tip_y[j, b] * mid_rate[j, b] for j in unrolled(n + 1)) - water_y[b]
+end_x = travel[0, b] + tip_y[n, b]
+end_y = travel[1, b] - tip_x[n, b]
+end_going_x = travel[2, b] + total(tip_x[j, b] * mid_rate[j, b] for j in unrolled(n + 1)) - water_x[b]
+end_going_y = travel[3, b] + mid_rate[n + 1, b] - water_y[b]
+end_going_y = end_going_y + total(tip_y[j, b] * mid_rate[j, b] for j in unrolled(n + 1))
 end_u_n = end_going_x * end_cosine + end_going_y * end_sine
 end_u_t = end_going_y * end_cosine - end_going_x * end_sine
 end_speed = math.sqrt(end_u_n * end_u_n + end_u_t * end_u_t + 1e-16)

@@ -21,6 +21,7 @@ from affine_model.kernel.at_tip import tip_forces
 from affine_model.kernel.template import ARRAYS, SUMMARY, TABLE, TEMPLATE, TRAJECTORY
 from affine_model.kernel.trace import lines, slope_along, traced
 from affine_model.kernel.unroll import unrolled_source
+from affine_model.laws import relaxed
 
 BLOCK = 16  # individuals a block: two AVX-512 or four AVX2 registers of doubles
 
@@ -110,6 +111,12 @@ def _bodies() -> str:
         values = {"mass": mass, "reach": reach, "drop": drop, "displaced": water * mass / density}
         assignments = [(f"body_{name}[{place}, b]", "=", value) for name, value in values.items()]
         text += _guarded(effect, number, lines(assignments, ""))
+    payload = next(place for place, (_, effect) in enumerate(_hung()) if effect.family == "base")
+    for number, effect in enumerate(catalogue().values()):
+        if effect.payload_shift is not None:
+            shift = zip(("reach", "drop"), traced(effect, "payload_shift"), strict=True)
+            moved = [(f"body_{name}[{payload}, b]", "+=", value) for name, value in shift]
+            text += _guarded(effect, number, lines(moved, ""))
     return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 4)
 
 
@@ -189,7 +196,7 @@ def _slots() -> dict[str, int]:
     return {effect.name: slot for slot, effect in enumerate(remembering(tuple(catalogue().values())))}
 
 
-def _advance(effect: Effect, duration: str, target: str) -> tuple[list[str], sympy.Expr]:
+def _advance(effect: Effect, duration: sympy.Expr, target: str) -> tuple[list[str], sympy.Expr]:
     """Code that carries the effect's memory over `duration` into target, and d memory / d c_rate of what it gives.
 
     As affine_model.dynamics.advanced_memory.
@@ -197,12 +204,13 @@ def _advance(effect: Effect, duration: str, target: str) -> tuple[list[str], sym
     kept = f"store[{_slots()[effect.name]}, i, b]"
     if effect.relaxation_time is not None:
         (time,) = traced(effect, "relaxation_time")
+        rate = sympy.Symbol("c_rate", real=True)
+        after = relaxed(sympy.Symbol(kept), rate, duration, sympy.Symbol("relaxation"))
         body = [
             *lines([("relaxation", "=", time)], ""),
-            f"decay = math.exp(-{duration} / relaxation)",
-            f"{target} = {kept} * decay + relaxation * (1.0 - decay) * c_rate[i, b]",
+            *lines([(target, "=", after)], ""),
         ]
-        return body, sympy.Symbol("relaxation") * (1 - sympy.Symbol("decay"))
+        return body, sympy.diff(after, rate)
     (limit,) = traced(effect, "yield_curvature")
     body = [
         *lines([("limit", "=", limit)], ""),
@@ -224,7 +232,7 @@ def _moments() -> str:
         body: list[str] = []
         over_rate = sympy.diff(moment, names["c_rate"])
         if effect.remembers:
-            body, gain = _advance(effect, "0.5 * h", "memory[i, b]")
+            body, gain = _advance(effect, sympy.Symbol("h") / 2, "memory[i, b]")
             over_rate += sympy.diff(moment, names["memory"]) * gain
         assignments = [
             ("moment[i, b]", "+=", moment),
@@ -240,7 +248,7 @@ def _remembered() -> str:
     text: list[str] = []
     for number, effect in enumerate(catalogue().values()):
         if effect.remembers:
-            body, _ = _advance(effect, "h", f"store[{_slots()[effect.name]}, i, b]")
+            body, _ = _advance(effect, sympy.Symbol("h"), f"store[{_slots()[effect.name]}, i, b]")
             text += _guarded(effect, number, body)
     return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 16)
 
@@ -316,7 +324,14 @@ def bodies() -> int:
 
 def array_sizes(nodes: int, order: int) -> dict[str, tuple[int, ...]]:
     """The block's arrays, without the lane."""
-    extents = {"parameters": len(parameter_rows()), "coordinates": order + 2, "nodes": nodes, "three": 3, "four": 4}
+    extents = {
+        "parameters": len(parameter_rows()),
+        "coordinates": order + 2,
+        "nodes": nodes,
+        "three": 3,
+        "four": 4,
+        "six": 6,
+    }
     extents |= {"stores": len(_slots()), "bodies": len(_hung())}
     shapes = {**ARRAYS, **{name: ARRAYS[source] for name, source in _fixed_arrays().items()}}
     return {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}

@@ -138,6 +138,7 @@ def warp_source(variant: Variant, swim: bool) -> str:
     constants = {
         "n": variant.order, "NODES": variant.nodes, "BLOCK": 1, "BODIES": bodies(), "b": 0, "own_base": False,
         "free_theta": variant.free_theta, "free_rail": variant.free_rail,
+        "base.shape[0]": 3,
         "parameters.shape[0]": len(parameter_rows()), "start_store.shape[0]": sizes["store"][0],
         **{f"active[{k}]": acts for k, acts in enumerate(variant.active)}, **_rule(variant),
     }  # fmt: skip

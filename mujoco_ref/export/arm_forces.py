@@ -8,14 +8,17 @@
 The numbers stand in arm.xml (<custom>), so this file is the same for every arm; it needs numpy and mujoco alone. Per
 length, with u the velocity relative to the water, n the normal and t the tangent of a link:
 
-    drag        f_n = -(1/2 rho C_perp w |u| + c_n) u_n,   f_t = -(1/2 rho C_t P |u| + c_n/2) u_t
-    added mass  m_a = C_a rho pi w^2/4 along n (a share of it along t), added to data.M before MuJoCo solves with it
+    drag        f_n = -(1/2 rho C_perp w |u| + c_n) u_n,   f_t = -(1/2 rho C_t P |u| + c_n/2) u_t, and its options
+    wall        1/2 rho w C_perp B / (2 + 10 e/D) |u| u_n more drag, and added mass that changes with the place
+    added mass  m_a = C_a rho pi w^2/4 along n (a share of it along t), added to data.M before MuJoCo solves with it;
+                the share `convective` of Kirchhoff's terms -m_a phi' (u_t n + u_n t), couple m_a u_n u_t
 
 Limits: the arm's clamp turns about z and does not travel; links move in the plane; C callbacks do not exist in MJX.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco as _mujoco
@@ -23,7 +26,28 @@ import numpy as np
 
 mujoco: Any = _mujoco
 SECOND_WAVE = 1.7320508075688772  # of a deep tank: frequency of its second odd standing wave over the first, sqrt(3)
+VISCOSITY = 1e-6  # m^2/s, of water at 20 degrees C
+WATER = (
+    "density", "C_perp", "C_t", "C_a", "tangential", "convective", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f",
+    "second_cos", "second_sin", "wall_B", "wall_x", "wall_carried", "cross_flow", "reynolds", "oscillating",
+    "oscillating_f", "shed", "lift_cos", "lift_sin", "stream",
+)  # fmt: skip
 NAME_PREFIX = "tentacle_"
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Of every link: where it starts (n + 1, 2) [m], velocity there through the water, acceleration there beyond the
+    water's, without qacc; rate (n + 1,) [rad/s], normal and tangent (n + 1, 2). surge (2,): the water's acceleration.
+    """
+
+    start: np.ndarray
+    slip: np.ndarray
+    bias: np.ndarray
+    rate: np.ndarray
+    normal: np.ndarray
+    tangent: np.ndarray
+    surge: np.ndarray
 
 
 class Forces:
@@ -42,9 +66,7 @@ class Forces:
         node = {name: values.reshape(self.links, -1) for name, values in read.items() if name.startswith("node_")}
         self._n = {**read, **node}
         water = read["water"]
-        fields = ("density", "C_perp", "C_t", "C_a", "tangential", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f")
-        fields = (*fields, "second_cos", "second_sin")
-        self._water = dict(zip(fields, water.tolist(), strict=True))
+        self._water = dict(zip(WATER, water.tolist(), strict=True))
         joints = [model.joint("theta"), *(model.joint(f"hinge_{k}") for k in range(1, self.links))]
         self._q = np.array([joint.qposadr[0] for joint in joints])
         self._v = np.array([joint.dofadr[0] for joint in joints])
@@ -96,7 +118,7 @@ class Forces:
             self._base = np.array(base.pos[:2])
         data.qfrc_passive[self._v] += self._water_force(data)
         data.qfrc_passive[self._v[1:]] += self._material(data)
-        if self._water["C_a"] > 0.0:
+        if np.any(self._carried):
             own = (self._rows >= 0) & (self._columns >= 0)
             data.M[own] += self._carried[self._rows[own], self._columns[own]]
             mujoco.mj_factorM(model, data)
@@ -104,65 +126,119 @@ class Forces:
     def _water_force(self, data: Any) -> np.ndarray:
         """Generalised force (n + 1,) of the water; prepares the added mass (n + 1, n + 1)."""
         w, n = self._water, self._n
+        motion = self._motion(data)
+        start, normal, tangent, rate = motion.start, motion.normal, motion.tangent, motion.rate
+        reach = n["node_along"][..., None]
+        place = start[:, None] + reach * tangent[:, None]
+        relative = motion.slip[:, None] - reach * (rate[:, None] * normal)[:, None]
+        u_n = np.sum(relative * normal[:, None], axis=2)
+        u_t = np.sum(relative * tangent[:, None], axis=2)
+        weight = n["node_weight"]
+        f_n, f_t = self._resistance(u_n, u_t, data.time)
+        squeezed, wall_n, wall_t = self._wall(place[..., 0], motion, (u_n, u_t))
+        force = weight[..., None] * ((f_n + wall_n)[..., None] * normal[:, None])
+        force += weight[..., None] * ((f_t + wall_t)[..., None] * tangent[:, None])
+        force += (weight * w["density"] * n["node_area"])[..., None] * motion.surge
+        force += (weight * self._unnamed(place[..., 0], u_n))[..., None] * normal[:, None]
+        total, moment = force.sum(axis=1), _cross(place, force).sum(axis=1)
+        self._carried = np.zeros((self.links, self.links))
+        tip = start[-1] + n["length"][-1] * tangent[-1]
+        shed = self._shed(motion)
+        total[-1] += shed
+        moment[-1] += _cross(tip, shed)
+        self.drag = total.sum(axis=0)
+        for reach_beyond, drop, moved in zip(n["body_reach"], n["body_drop"], n["body_moved"], strict=True):
+            at = tip + reach_beyond * tangent[-1] + drop * normal[-1]
+            total[-1] += moved * motion.surge
+            moment[-1] += moved * _cross(at, motion.surge)
+        if w["C_a"] > 0.0:
+            carried, share = n["carried"], w["tangential"]
+            rest = w["convective"] * (1.0 - share) * carried  # whose momentum turns with the link (Kirchhoff)
+            self._carry(motion, n["carried_centre"], (carried, share * carried, rest), (total, moment))
+            self._carried += self._lower.T @ (n["carried_turning"][:, None] * self._lower)
+        if w["wall_B"] > 0.0:
+            for g in range(weight.shape[1]):
+                mass = weight[:, g] * squeezed[:, g]
+                self._carry(motion, n["node_along"][:, g], (mass, np.zeros_like(mass), mass), (total, moment))
+        beyond = np.cumsum(total[::-1], axis=0)[::-1]
+        return np.cumsum(moment[::-1])[::-1] - _cross(start, beyond)
+
+    def _motion(self, data: Any) -> _Motion:
         phi, rate = np.cumsum(data.qpos[self._q]), np.cumsum(data.qvel[self._v])
         normal = np.stack([np.cos(phi), np.sin(phi)], axis=1)
         tangent = np.stack([-np.sin(phi), np.cos(phi)], axis=1)
-        span = n["length"][:, None]
+        span = self._n["length"][:, None]
 
         def along(step: np.ndarray) -> np.ndarray:
             """What every link starts from, where each adds `step`."""
             return np.concatenate([np.zeros((1, 2)), np.cumsum(step, axis=0)[:-1]])
 
-        start = self._base + along(span * tangent)
-        velocity = along(-span * rate[:, None] * normal)
-        centripetal = along(-span * rate[:, None] ** 2 * tangent)
         stream, surge = self._stream(data.time)
-        reach = n["node_along"][..., None]
-        place = start[:, None] + reach * tangent[:, None]
-        relative = velocity[:, None] - reach * (rate[:, None] * normal)[:, None] - stream
-        u_n = np.sum(relative * normal[:, None], axis=2)
-        u_t = np.sum(relative * tangent[:, None], axis=2)
-        speed = np.hypot(u_n, u_t)
-        width, perimeter, weight = n["node_width"], n["node_perimeter"], n["node_weight"]
-        f_n = -(0.5 * w["density"] * w["C_perp"] * width * speed + w["c_n"]) * u_n
-        f_t = -(0.5 * w["density"] * w["C_t"] * perimeter * speed + 0.5 * w["c_n"]) * u_t
-        force = weight[..., None] * (f_n[..., None] * normal[:, None] + f_t[..., None] * tangent[:, None])
-        force += (weight * w["density"] * n["node_area"])[..., None] * surge
-        force += (weight * self._unnamed(place[..., 0], u_n))[..., None] * normal[:, None]
-        total, moment = force.sum(axis=1), _cross(place, force).sum(axis=1)
-        self.drag = total.sum(axis=0)
-        tip = start[-1] + n["length"][-1] * tangent[-1]
-        for reach_beyond, drop, moved in zip(n["body_reach"], n["body_drop"], n["body_moved"], strict=True):
-            at = tip + reach_beyond * tangent[-1] + drop * normal[-1]
-            total[-1] += moved * surge
-            moment[-1] += moved * _cross(at, surge)
-        if w["C_a"] > 0.0:
-            carried, share = n["carried"], w["tangential"]
-            centre = n["carried_centre"][:, None]
-            middle = start + centre * tangent
-            moving = velocity - centre * rate[:, None] * normal - stream
-            bias = centripetal - centre * rate[:, None] ** 2 * tangent - surge
-            v_n, v_t = np.sum(moving * normal, axis=1), np.sum(moving * tangent, axis=1)
-            a_n, a_t = np.sum(bias * normal, axis=1), np.sum(bias * tangent, axis=1)
-            rest = (1.0 - share) * carried
-            g_n = -carried * a_n - rest * rate * v_t
-            g_t = -rest * rate * v_n - share * carried * a_t
-            reaction = g_n[:, None] * normal + g_t[:, None] * tangent
-            total = total + reaction
-            moment = moment + _cross(middle, reaction) + rest * v_n * v_t
-            self._carried = self._added_mass(start, middle, normal, tangent)
-        beyond = np.cumsum(total[::-1], axis=0)[::-1]
-        return np.cumsum(moment[::-1])[::-1] - _cross(start, beyond)
+        start = self._base + along(span * tangent)
+        slip = along(-span * rate[:, None] * normal) - stream
+        return _Motion(start, slip, along(-span * rate[:, None] ** 2 * tangent) - surge, rate, normal, tangent, surge)
 
-    def _added_mass(self, start: np.ndarray, middle: np.ndarray, normal: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """Added mass on the joints (n + 1, n + 1): J_n' m J_n + share J_t' m J_t + J_phi' i J_phi."""
-        lever = middle[:, None] - start[None, :]  # (link, joint)
-        turned = np.stack([-lever[..., 1], lever[..., 0]], axis=2) * self._lower[..., None]
-        j_n = np.einsum("kjx,kx->kj", turned, normal)
-        j_t = np.einsum("kjx,kx->kj", turned, tangent)
-        carried, turning = self._n["carried"][:, None], self._n["carried_turning"][:, None]
-        share = self._water["tangential"]
-        return j_n.T @ (carried * j_n) + share * j_t.T @ (carried * j_t) + self._lower.T @ (turning * self._lower)
+    def _carry(self, motion: _Motion, reach: np.ndarray, masses: Any, sums: tuple[np.ndarray, np.ndarray]) -> None:
+        """Water carried along n and along t, and that whose momentum turns with the link, masses (3, n + 1) [kg] at a
+        reach along each link: its forces without qacc into sums, the links' forces and moments; the rest into M."""
+        across, round_it, turned = masses
+        normal, tangent, rate = motion.normal, motion.tangent, motion.rate
+        place = motion.start + reach[:, None] * tangent
+        slip = motion.slip - reach[:, None] * rate[:, None] * normal
+        bias = motion.bias - reach[:, None] * rate[:, None] ** 2 * tangent
+        v_n, v_t = np.sum(slip * normal, axis=1), np.sum(slip * tangent, axis=1)
+        a_n, a_t = np.sum(bias * normal, axis=1), np.sum(bias * tangent, axis=1)
+        g_n, g_t = -across * a_n - turned * rate * v_t, -turned * rate * v_n - round_it * a_t
+        reaction = g_n[:, None] * normal + g_t[:, None] * tangent
+        sums[0][:] += reaction
+        sums[1][:] += _cross(place, reaction) + turned * v_n * v_t
+        for mass, axis in ((across, normal), (round_it, tangent)):
+            own = self._swept(motion, place, axis, self._lower)
+            self._carried += own.T @ (mass[:, None] * own)
+
+    @staticmethod
+    def _swept(motion: _Motion, place: np.ndarray, axis: np.ndarray, below: np.ndarray) -> np.ndarray:
+        """How points (P, 2) move along their axes (P, 2) with the joints below them: (P, n + 1)."""
+        lever = place[:, None] - motion.start[None, :]
+        return (lever[..., 0] * axis[:, 1:] - lever[..., 1] * axis[:, :1]) * below
+
+    def _resistance(self, u_n: np.ndarray, u_t: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """Drag along n and t [N/m] at the nodes: eq. 15 or as the cross-flow principle has it, more at small Reynolds
+        numbers, an oscillating cylinder's viscous part, skin friction; and the lift of vortices."""
+        w, width = self._water, self._n["node_width"]
+        speed, half = np.hypot(u_n, u_t), 0.5 * w["density"]
+        slow = 10.0 / (speed * width / VISCOSITY + 1e-3) ** (2.0 / 3.0)
+        felt = speed * (1.0 + w["reynolds"] * slow) - w["cross_flow"] * (speed - np.abs(u_n))
+        depths = np.maximum(width * np.sqrt(np.pi * w["oscillating_f"] / VISCOSITY), 1.0)
+        viscous = 2.0 * np.pi * w["density"] * VISCOSITY * (depths + 1.0 - 0.25 / depths)
+        f_n = -(half * w["C_perp"] * width * felt + w["c_n"] + w["oscillating"] * viscous) * u_n
+        beat = 2.0 * np.pi * 0.2 * w["stream"] / width * t
+        f_n += half * width * w["stream"] ** 2 * (w["lift_cos"] * np.cos(beat) + w["lift_sin"] * np.sin(beat))
+        return f_n, -(half * w["C_t"] * self._n["node_perimeter"] * speed + 0.5 * w["c_n"]) * u_t
+
+    def _wall(self, x: np.ndarray, motion: _Motion, speed: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, ...]:
+        """What a wall at wall_x adds at the nodes: mass along n [kg/m], forces along n and t [N/m]."""
+        (u_n, u_t), w, width = speed, self._water, self._n["node_width"]
+        squared, away = 0.25 * width**2, w["wall_x"] - x
+        gap = (np.sqrt(away**2 + squared) - 0.5 * width) / width
+        drag = 0.5 * w["density"] * width * w["C_perp"] * w["wall_B"] / (2.0 + 10.0 * gap) * np.hypot(u_n, u_t) * u_n
+        near = away**2 + 0.25 * squared
+        mass = w["wall_carried"] * w["wall_B"] * 0.5 * np.pi * w["density"] * squared**2 / near
+        growth, cos, sin = 2.0 * away * mass / near, motion.normal[:, :1], motion.normal[:, 1:]
+        pull = 0.5 * growth * u_n**2
+        return mass, pull * cos - growth * u_n * (u_n * cos - u_t * sin) - drag, -pull * sin
+
+    def _shed(self, motion: _Motion) -> np.ndarray:
+        """Force [N] of the water that leaves a tip with an edge (Lighthill 1971)."""
+        normal, tangent = motion.normal[-1], motion.tangent[-1]
+        slip = motion.slip[-1] - self._n["length"][-1] * motion.rate[-1] * normal
+        u_n, leaves = float(slip @ normal), min(float(slip @ tangent), 0.0)  # a tip that leads meets water at rest
+        carried = 0.25 * np.pi * self._water["density"] * self._water["shed"] ** 2
+        # Implicit in what it slows, for the tip's link is light.
+        tip = motion.start[-1:] + self._n["length"][-1] * tangent
+        slowed = self._swept(motion, tip, normal[None], self._lower[-1:])
+        self._carried -= self.model.opt.timestep * carried * leaves * slowed.T @ slowed
+        return carried * u_n * (leaves * normal - 0.5 * u_n * tangent)
 
     def _unnamed(self, x: np.ndarray, u_n: np.ndarray) -> np.ndarray:
         """Forces along the normal [N/m] that the model has no name for; u_n relative to the water."""
@@ -222,7 +298,11 @@ class Forces:
         elif t > self._last[0]:
             before, elapsed = self._last[1], t - self._last[0]
             share = -np.expm1(-elapsed / self._n["hinge_relaxation"])
-            self._dashpot = self._dashpot + share * (0.5 * (before + angle) - self._dashpot)
+            stretch = (1.0 - share) * (
+                before - self._dashpot
+            )  # exactly stretch' = rate - stretch / tau, at a steady rate
+            stretch += share * self._n["hinge_relaxation"] * (angle - before) / elapsed
+            self._dashpot = angle - stretch
             limit = self._n["hinge_yield_angle"]
             self._bristle = np.clip(self._bristle + angle - before, -limit, limit)
         self._last = (t, angle.copy())

@@ -1,4 +1,4 @@
-"""What of a model an export carries: MuJoCo alone, arm_forces.py beside it, or neither. Nothing is left out unsaid."""
+"""Where an export carries each effect of a model: in MuJoCo alone, in arm_forces.py, or in neither."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ NATIVE = {
     "buoyancy": "gravcomp, link masses",
     "gravity_tilt": "direction of gravity",
     "tip_mass": "a body at the tip",
+    "payload_place": "where the payload's body hangs",
     "cubic_stiffness": "cubic joint stiffness",
     "intrinsic_curvature": "springref",
     "soft_spot": "joint stiffness",
@@ -30,10 +31,10 @@ SUBSTITUTED = {
 }
 # Effect -> what it is in arm_forces.py, where arm.xml has nothing of it.
 CALLBACK_ONLY = ("linear_drag", "sloshing", "viscoelasticity", "dry_friction", "stiffness_drift",
-                 "amplitude_damping", "unnamed")  # fmt: skip
+                 "amplitude_damping", "unnamed", "wall", "cross_flow", "reynolds_drag", "oscillating_drag", "shed_tip",
+                 "vortex_lift")  # fmt: skip
 # Effect -> where it belongs instead.
 NOT_IN_THE_ARM = {
-    "wall": "the water that it makes an arm carry changes with the distance",
     "servo_lag": "the command: delay theta before it goes to ctrl",
     "backlash": "the command: put the play before ctrl",
     "time_offset": "the measurement: shift and stretch the recording's clock",

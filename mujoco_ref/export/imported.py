@@ -156,7 +156,8 @@ def _arm_of(source: Any, chain: _HingeChain, fluid_density: float | None) -> Imp
         water = own["water"]
         effects["drag"] = {"C_perp": Estimate.exact(float(water[1]))}
         if water[3] > 0.0:
-            effects["added_mass"] = {"C_a": Estimate.exact(float(water[3]))}
+            carried = zip(("C_a", "tangential", "convective"), water[3:6].tolist(), strict=True)
+            effects["added_mass"] = {name: Estimate.exact(number) for name, number in carried}
     elif fluid.density > 0.0:
         words.append("drag of the file's fluid model is not carried over: identify C_perp, or write it into the model")
     cubic = source.jnt_stiffnesspoly[chain.joints]

@@ -20,7 +20,7 @@ import numpy as np
 
 from mujoco_ref.chain import SMALLEST_INERTIA, SMALLEST_MASS, Chain
 from mujoco_ref.engine import mujoco
-from mujoco_ref.export.arm_forces import NAME_PREFIX
+from mujoco_ref.export.arm_forces import NAME_PREFIX, WATER
 from mujoco_ref.export.carried import Carried, carried_by
 from mujoco_ref.simulate import make_stepper
 from mujoco_ref.step import Stepper
@@ -44,22 +44,6 @@ EXPORT_STEP = (
 THINNESS = 0.02  # of a plate's half thickness over its half width
 # A flywheel at the clamp and a spring and damper to the command: the arm's torque turns it by less than a microradian.
 FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
-WATER_FIELDS = (
-    "density",
-    "C_perp",
-    "C_t",
-    "C_a",
-    "tangential",
-    "c_n",
-    "U_x",
-    "U_y",
-    "U_cos",
-    "U_sin",
-    "slosh_f",
-    "second_cos",
-    "second_sin",
-)
-
 HINGE_FIELDS = ("stiffness", "damping", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle",
                 "sliding_moment", "sliding_rate",
                 "stiff_tip", "set_tip", "one_sided", "loss", "bent_loss")  # fmt: skip
@@ -69,7 +53,7 @@ BODIES = ("payload", "hung")  # of the reference's chain, at the tip
 
 @dataclass(frozen=True)
 class Mjcf:
-    """arm.xml's text, and what of the model it and arm_forces.py carry."""
+    """The text of arm.xml, and which effects it and arm_forces.py carry."""
 
     xml: str
     carried: Carried
@@ -240,7 +224,7 @@ def _add_numbers(spec: Any, stepper: Stepper) -> None:
         "node_width": nodes[:, :, WIDTH].ravel(),
         "node_perimeter": nodes[:, :, PERIMETER].ravel(),
         "node_area": nodes[:, :, AREA].ravel(),
-        "water": np.array([float(water[name]) for name in WATER_FIELDS]),
+        "water": np.array([float(water[name]) for name in WATER]),
         "drift": np.array([stepper.drift.rate, stepper.drift.settling]),
         "from_base": stepper.chain.start,
         "rest": np.array([float(stepper.laws.rest[0][name]) for name in REST_FIELDS]),

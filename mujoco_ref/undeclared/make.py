@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from mujoco_ref.undeclared.strength import SCALED_TOGETHER, STRENGTH_SIZES, is_c
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
-from tentacle.signals import Array, LoadCellSignal, Midline, MotorSignal
+from tentacle.signals import Array, BaseTravel, LoadCellSignal, Midline, MotorSignal
 from tentacle.waveform import Waveform
 
 Strength = str | float | Mapping[str, float]
@@ -53,7 +53,8 @@ class Shifted:
 class Scenario:
     """What all runs of one recording share: the model and its base motion, duration [s], frames a second, where the
     midline is sampled, s (P,) (None: 41 points), hinges of the chain; and of a free decay the shape of eq. 1, q (K,),
-    that the arm is held in until release_t [s].
+    that the arm is held in until release_t [s]. travel: x, y [m] of the base, rates, accelerations
+    (6, ...) over time [s].
     """
 
     model: Model
@@ -64,6 +65,7 @@ class Scenario:
     links: int = DEFAULT_LINKS
     initial_q: Array | None = None
     release_t: float | None = None
+    travel: Callable[[Array], Array] | None = None
 
 
 def _run(
@@ -89,6 +91,7 @@ def _run(
             initial=Initial(
                 scene.initial_q, release_t=None if scene.release_t is None else max(0.0, scene.release_t - offset)
             ),
+            travel=scene.travel,
         ),
     )
 
@@ -96,7 +99,11 @@ def _run(
 def seen_midline(scene: Scenario, hidden: Mapping[str, Mapping[str, float]], duration: float = 0.0) -> Array:
     """Midline points (F, P, 2) [m] as the camera has them: late, rolled and scaled where it is."""
     offset, drift = (value(hidden, "time_offset", name) for name in ("offset", "drift"))
-    points = _run(scene, hidden, offset, duration, drift).midline.xy
+    return as_the_camera_has(_run(scene, hidden, offset, duration, drift).midline.xy, hidden)
+
+
+def as_the_camera_has(points: Array, hidden: Mapping[str, Mapping[str, float]]) -> Array:
+    """Points (..., 2) [m] rolled and scaled where the camera is."""
     roll = value(hidden, "camera_roll", "roll")
     turn = np.array([[np.cos(roll), -np.sin(roll)], [np.sin(roll), np.cos(roll)]])
     return (1.0 + value(hidden, "camera_scale", "excess")) * points @ turn.T
@@ -205,6 +212,7 @@ def make_recording(
             scene.model.specimen, scene.model.fluid, scene.model.gravity, release_t=scene.release_t
         ),
         motor=motor,
+        travel=None if scene.travel is None else BaseTravel(run.t, as_the_camera_has(run.mount, hidden)),
         load_cell=LoadCellSignal(run.t, load),
         midline=Midline(run.t, run.midline.s, observed, np.full(points.shape[:2], spread if spread > 0.0 else np.nan)),
     )

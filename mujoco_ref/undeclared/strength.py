@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
 
 import numpy as np
 
@@ -12,12 +11,10 @@ from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.specimen import Cone
 
-StrengthSize = Literal["visible", "faint"]
 # Midline change by the effect, rms over points and frames, in standard deviations of the midline's noise.
 STRENGTH_SIZES: dict[str, tuple[float, float]] = {"visible": (6.0, 15.0), "faint": (0.7, 2.0)}
 
 Generator = np.random.Generator
-StrengthDraw = Callable[[Model, Generator], dict[str, float]]
 
 
 def _sign(random: Generator) -> float:

@@ -27,7 +27,7 @@ CONTRACT = {  # These names are known outside
 LAWS = (
     "stiffness", "stiffness_share", "natural_curvature", "bending_moment", "force", "couple", "drag_coefficient",
     "line_inertia", "carried_water", "normal_inertia", "rotary_inertia", "weight",
-    "water_velocity", "hung_mass", "tip_force", "gravity_tilt", "relaxation_time", "yield_curvature",
+    "water_velocity", "hung_mass", "payload_shift", "tip_force", "gravity_tilt", "relaxation_time", "yield_curvature",
 )  # fmt: skip
 EFFECTS = list(catalogue().values())
 BASE_EFFECTS = tuple(effect for effect in catalogue().values() if effect.family == "base")

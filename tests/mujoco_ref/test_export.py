@@ -20,7 +20,7 @@ WAVE = Ramped(Sine(0.5, 1.3), 0.5)
 S = np.linspace(0.0, 1.0, 11)
 LINKS = 12
 EVERYTHING = {
-    "added_mass": {"C_a": 1.0, "tangential": 0.3},
+    "added_mass": {"C_a": 1.0, "tangential": 0.3, "convective": 0.4},
     "skin_drag": {"C_t": 0.05},
     "linear_drag": {"c_n": 0.3},
     "current": {"U_x": 0.03, "U_y": 0.01},
@@ -44,6 +44,12 @@ EVERYTHING = {
     "viscoelasticity": {"g": 0.3, "tau": 0.2},
     "dry_friction": {"c_f": 0.1, "slip": 0.03, "sliding": 0.4, "rate": 2.0},
     "stiffness_drift": {"rate": 0.01},
+    "wall": {"B": 5.0, "distance": 0.5},
+    "cross_flow": {"share": 0.5},
+    "reynolds_drag": {"share": 0.5},
+    "oscillating_drag": {"share": 1.0, "f": 1.3},
+    "shed_tip": {"span": 0.01},
+    "vortex_lift": {"C_cos": 0.3, "C_sin": 0.3, "U": 0.1},
 }
 
 

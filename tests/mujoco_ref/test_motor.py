@@ -30,7 +30,10 @@ def test_a_lag_has_the_gain_and_phase_of_its_equation(tau, period):
         assert np.allclose(row[late], exact, atol=1e-6 * abs(factor) + 1e-9)
 
 
-@pytest.mark.parametrize("servo", [{"tau": 0.04, "period": 0.2}, {"play": 0.05, "delay": 0.3, "sprung": 2.0}])
+SPRUNG = {"play": 0.05, "delay": 0.3, "sprung": 2.0}
+
+
+@pytest.mark.parametrize("servo", [{"tau": 0.04, "period": 0.2}, SPRUNG, {"tau": 0.04, **SPRUNG}])
 def test_both_models_turn_the_clamp_alike(servo):
     t = np.arange(0.0, 8.0, STEP)
     table = base_table(WAVE, Steps(-0.5 * STEP, STEP, t.size), reduced(**servo))[0, :, 0]
@@ -41,3 +44,16 @@ def test_both_models_turn_the_clamp_alike(servo):
     # One of them rounds the gear's corners, of up to 3 rad/s, over 6 ms: 3 * .006 / sqrt(2 pi) = 7 mrad where they lie,
     # of which the coupling's low-pass of .1 s leaves a fifth. A play left out would be 25 mrad off.
     assert np.abs(angle - table)[t > 2.0].max() < 1.5e-3
+
+
+def test_a_gear_stands_behind_the_servo_s_lag():
+    """The lagging motor turns the gear's horn: the clamp stands still while the horn crosses the play, which takes
+    arccos(1 - play / A') / omega after each end of a swing A' of the motor's.
+    """
+    tau, play, omega = 0.05, 0.1, 2.0 * np.pi
+    steps = Steps(0.0, STEP, round(4.0 / STEP))
+    _, rate, _ = base_table(Sine(0.4, 1.0), steps, reduced(play=play, tau=tau))[:, :, 0]
+    swing = 0.4 / np.hypot(1.0, omega * tau)
+    share = np.mean(np.abs(rate[steps.middles > 2.0]) < 1e-2 * swing * omega)
+    # The corners are rounded over 6 ms of the 100 ms or so that it stands still, twice a second.
+    assert share == pytest.approx(2.0 * np.arccos(1.0 - play / swing) / omega, abs=0.04)

@@ -9,6 +9,10 @@ TABLE = """\
             for b in range(BLOCK):
                 for k in unrolled(3):
                     command[k, b] = base[k, step, base_lane[b]]
+        if base.shape[0] > 3:
+            for b in range(BLOCK):
+                for k in unrolled(6):
+                    travel[k, b] = base[3 + k, step, base_lane[b]]
 """
 
 MOTION = """\
@@ -66,13 +70,15 @@ MOTION = """\
                     for j in unrolled(n + 1):
                         jac_x[j, i, b] = length * total(WA[j, i, k] * normal_x[k, b] for k in unrolled(NODES))
                         jac_y[j, i, b] = length * total(WA[j, i, k] * normal_y[k, b] for k in unrolled(NODES))
-                    velocity_x[b] = total(jac_x[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1))
-                    velocity_y[b] = mid_rate[n + 1, b] + total(jac_y[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1))
-                    acceleration_x[b] = length * total(W[i, k] * swing_x[k, b] for k in unrolled(NODES))
-                    acceleration_y[b] = acc[n + 1, b] + length * total(W[i, k] * swing_y[k, b] for k in unrolled(NODES))
+                    velocity_x[b] = travel[2, b] + total(jac_x[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1))
+                    velocity_y[b] = (travel[3, b] + mid_rate[n + 1, b]
+                                     + total(jac_y[j, i, b] * mid_rate[j, b] for j in unrolled(n + 1)))
+                    acceleration_x[b] = travel[4, b] + length * total(W[i, k] * swing_x[k, b] for k in unrolled(NODES))
+                    acceleration_y[b] = (travel[5, b] + acc[n + 1, b]
+                                         + length * total(W[i, k] * swing_y[k, b] for k in unrolled(NODES)))
                     # The base angle's lever arm is the position itself: dr/d theta = (-y, x).
-                    x[i, b] = jac_y[n, i, b]
-                    y[i, b] = -jac_x[n, i, b]
+                    x[i, b] = travel[0, b] + jac_y[n, i, b]
+                    y[i, b] = travel[1, b] - jac_x[n, i, b]
                     water_x[b] = 0.0
                     water_y[b] = 0.0
                     surge_x[b] = 0.0

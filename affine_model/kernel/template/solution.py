@@ -26,9 +26,10 @@ SOLUTION = """\
                                            + A_end[j] * place_x)
                         tip_x[n + 1, b] = 0.0
                         tip_y[n + 1, b] = 1.0
-                        body_x = (length * total(w[k] * swing_x[k, b] for k in unrolled(NODES))
+                        body_x = (travel[4, b] + length * total(w[k] * swing_x[k, b] for k in unrolled(NODES))
                                   - place_y * tip_twist - place_x * tip_rate * tip_rate)
-                        body_y = (length * total(w[k] * swing_y[k, b] for k in unrolled(NODES)) + acc[n + 1, b]
+                        body_y = (travel[5, b] + acc[n + 1, b]
+                                  + length * total(w[k] * swing_y[k, b] for k in unrolled(NODES))
                                   + place_x * tip_twist - place_y * tip_rate * tip_rate)
                         flow_x = (displaced + carries) * surge_x[b] - carries * body_x
                         flow_y = (displaced + carries) * surge_y[b] - carries * body_y

@@ -22,6 +22,7 @@ ARRAYS = {
     **dict.fromkeys(("tip_x", "tip_y"), ("coordinates",)),
     **dict.fromkeys(("sums", "window"), ("four",)),
     "command": ("three",),  # the row of the base table
+    "travel": ("six",),  # of a base that travels: x, y, rates, accelerations
 }
 
 START = '''
