@@ -10,8 +10,8 @@ from scipy.stats import chi2 as chi_square
 from affine_model.curvature import Array
 from inference.experiment import Experiment
 from inference.observation import TRACKER_ERROR, ShapeObservation
-from inference.score import nuisance_tangent_basis
 from inference.trajectory import Fit, Problem
+from inference.whitened_fit import tangent_basis
 from tentacle.diagnosis import Gate
 
 SIGNIFICANCE = 1e-4  # of each gate under "nothing is missing": three gates a fit, false alarms well under 1 %
@@ -107,7 +107,7 @@ def _drift(problem: Problem, fitted: Fit, allowed: float) -> Gate:
     weight = np.concatenate(times)
     weight = np.concatenate([weight, np.zeros(fitted.used_residuals.size - weight.size)])
     columns = fitted.jacobian[:, : len(fitted.values)] * weight[:, None]
-    basis = nuisance_tangent_basis(fitted)
+    basis = tangent_basis(fitted.jacobian)
     columns = columns - basis @ (basis.T @ columns)
     left, singular, _ = np.linalg.svd(
         columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), full_matrices=False

@@ -19,6 +19,7 @@ from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, fit
 from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration
+from tentacle.specimen import Fluid, densest
 
 FIRST_STEP = 1.0 / 150.0  # s: a fit begins with this step; inference.sufficient_step finds the last one
 SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
@@ -49,6 +50,11 @@ class Setting:
         return any(isinstance(experiment.observation, ShapeObservation) for experiment in self.experiments)
 
     @property
+    def fluid(self) -> Fluid:
+        """The densest fluid of the recordings: what acts in it has parameters, in whichever recording it acts."""
+        return densest([self.declaration.fluid, *(e.arm(self.arm()).fluid for e in self.experiments)])
+
+    @property
     def declared(self) -> tuple[Uncertain, ...]:
         """The uncertain numbers that a fit moves; a release's instant is a nuisance of its recording."""
         return tuple(number for number in self.declaration.uncertain if number.field != RELEASE)
@@ -60,9 +66,9 @@ class Setting:
             free = [("elasticity", "E"), ("damping", "eta")]
         else:
             free = [("elasticity", "k0"), ("elasticity", "k1"), ("damping", "d0"), ("damping", "d1")]
-        if self.declaration.fluid.density > 0.0:
+        if self.fluid.density > 0.0:
             free.append(("drag", "C_perp"))
-            if self.declaration.fluid.added_mass == "fit":
+            if self.fluid.added_mass == "fit":
                 free.append(("added_mass", "C_a"))
         return (*free, *names_of(self.declared))
 
@@ -73,7 +79,7 @@ class Setting:
 
     def start(self) -> Array:
         """The parameter vector (R + D,) of the declared model, with the uncertain numbers at their means."""
-        neutral = declared_parameters(self.declaration.specimen, self.declaration.fluid)
+        neutral = declared_parameters(self.declaration.specimen, self.fluid)
         return np.concatenate([neutral, [number.value for number in self.declared]])
 
 
@@ -206,7 +212,7 @@ def _shape_of_markers(experiment: Experiment, markers: MarkerObservation, order:
 def _starts(setting: Setting) -> Array:
     """Starts of the base parameters over the range of silicones, (F, S): stiffness, damping, drag."""
     specimen = setting.declaration.specimen
-    wet = setting.declaration.fluid.density > 0.0
+    wet = setting.fluid.density > 0.0
     second_moment = float(specimen.section.second_moment(0.0)) / specimen.length
     tip_moment = float(specimen.section.second_moment(1.0)) / specimen.length
     columns = []

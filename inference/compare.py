@@ -15,7 +15,7 @@ from affine_model.curvature import (
     points_beside,
 )
 from inference.experiment import Experiment, predict
-from inference.observation import POSE, ShapeObservation
+from inference.observation import POSE, MarkerObservation, ShapeObservation
 from inference.prepare import Prepared
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import ErrorMeasure, RunComparison
@@ -86,12 +86,14 @@ def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | No
     """The run of a fitted model for recording number `place`."""
     problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
+    if isinstance(experiment.observation, MarkerObservation):  # where the fit finds them, not where they were declared
+        s, d = experiment.observation.s, experiment.observation.d
     nuisances = fitted.nuisances[place][:, None]
     prediction = predict(problem.arm, experiment, parameters[:, None], nuisances, problem.step)
     roll = parameters[parameter_index("camera_roll", "roll")]
     scale = 1.0 + parameters[parameter_index("camera_scale", "excess")]
     q, theta = prediction.q[:, :, 0], prediction.theta[:, 0] + roll
-    length = problem.arm.specimen.length
+    length = experiment.arm(problem.arm).specimen.length
     shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)
     points = scale * shape + prediction.shift[:, 0]
     z = q @ problem.arm.from_monomial.T

@@ -12,10 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from affine_model.arm import Arm
+from affine_model.curvature import Array
+from inference.arm_at import arm_at
 from inference.experiment import Experiment
 from inference.observation import MarkerObservation, ShapeObservation
-from tentacle.declared import Uncertain, with_values
-from tentacle.recording import Declaration
+from tentacle.declared import Uncertain
 
 SCALE = "camera.m_per_px"
 DECLARED = "declared"  # used instead of an effect's name for a declared number
@@ -23,16 +24,28 @@ DECLARED = "declared"  # used instead of an effect's name for a declared number
 
 def names_of(declared: tuple[Uncertain, ...]) -> tuple[tuple[str, str], ...]:
     """The declared numbers as names of free parameters."""
-    return tuple((DECLARED, number.field) for number in declared)
+    return tuple((DECLARED, number.name) for number in declared)
 
 
-def arm_at(arm: Arm, values: Mapping[str, float]) -> Arm:
-    """The arm with these declared values (field -> value)."""
-    found = with_values(Declaration(arm.specimen, arm.fluid, arm.gravity), values)
-    return replace(arm, specimen=found.specimen, fluid=found.fluid, gravity=found.gravity)
+def at_values(
+    arm: Arm, experiments: tuple[Experiment, ...], numbers: tuple[Uncertain, ...], values: Array
+) -> tuple[Arm, tuple[Experiment, ...]]:
+    """The first recording's arm, and the experiments, with the uncertain numbers at these values (D,)."""
+    stated = list(zip(numbers, values.tolist(), strict=True))
+    shared = {number.field: value for number, value in stated if not number.only_in}
+    of_first = {number.field: value for number, value in stated if number.only_in in ("", experiments[0].name)}
+    found = arm_at(arm, tuple(of_first.items()))
+    moved = []
+    for experiment in experiments:
+        alone = {number.field: value for number, value in stated if number.only_in == experiment.name}
+        means = {number.field: number.value for number in numbers if number.only_in in ("", experiment.name)}
+        own = {**dict(experiment.differs), **alone}
+        changed = replace(experiment, differs=tuple(own.items()))
+        moved.append(_experiment_at(changed, changed.arm(found), {**shared, **own}, means))
+    return found, tuple(moved)
 
 
-def experiment_at(
+def _experiment_at(
     experiment: Experiment, arm: Arm, values: Mapping[str, float], means: Mapping[str, float]
 ) -> Experiment:
     """The experiment with these declared values instead of their means."""

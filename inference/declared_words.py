@@ -30,10 +30,10 @@ def _sentence(number: Uncertain, value: float, sd: float) -> str:
     low, high = number.bounds
     margin = 1e-3 * (high - low)
     if not low + margin < value < high - margin:
-        return f"{number.field} is declared as {stated}; the fit ends at its limit, {value:.4g}: check the declaration."
+        return f"{number.name} is declared as {stated}; the fit ends at its limit, {value:.4g}: check the declaration."
     if sd > SILENT * number.spread:
-        return f"{number.field} is declared as {stated}; these data say nothing about it."
-    found = f"{number.field} is declared as {stated}; the data say {value:.5g} +- {sd:.2g}"
+        return f"{number.name} is declared as {stated}; these data say nothing about it."
+    found = f"{number.name} is declared as {stated}; the data say {value:.5g} +- {sd:.2g}"
     if number.sd is not None and abs(value - number.value) > FAR_FROM_DECLARED * number.sd:
         return f"{found}, {abs(value - number.value) / number.sd:.1f} declared deviations away: check the declaration."
     return f"{found}."

@@ -9,6 +9,7 @@ control variate, as in multi-fidelity estimation: Peherstorfer, Willcox and Gunz
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,9 +27,7 @@ from inference.trajectory import Fit, Problem, fit
 from mujoco_ref.simulate import Initial, Setup, simulate
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
-from tentacle.recording import Declaration
 from tentacle.signals import Midline
-from tentacle.waveform import Waveform
 
 LONGEST_CHAIN_RUN = 40.0  # s of each recording that the chain is run for
 MIDLINE_POINTS = np.linspace(0.0, 1.0, 41)
@@ -61,7 +60,7 @@ class ModelDiscrepancy:
 class _Later:
     """A base motion counted from another zero of time."""
 
-    motion: Waveform
+    motion: Callable[[Array], Array]
     t0: float
 
     def __call__(self, t: ArrayLike) -> Array:
@@ -69,9 +68,7 @@ class _Later:
         return self.motion(np.asarray(t) + self.t0)
 
 
-def model_discrepancy(
-    declaration: Declaration, problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
-) -> ModelDiscrepancy | None:
+def model_discrepancy(problem: Problem, fitted: Fit, added: tuple[str, ...] = ()) -> ModelDiscrepancy | None:
     """The error of the reduction at the fitted parameters.
 
     None if no recording shows shapes of a moving base, or if the chain cannot run with these parameters. added: absent
@@ -88,7 +85,6 @@ def model_discrepancy(
     tables: dict[str, dict[str, Estimate]] = {}
     for effect, parameter in (*free, *acting):
         tables.setdefault(effect, {})[parameter] = Estimate.exact(float(parameters[parameter_index(effect, parameter)]))
-    model = Model(problem.arm.specimen, declaration.fluid, declaration.gravity, problem.arm.order, tables)
     fitted = replace(fitted, parameters=parameters)
     problem = replace(problem, free=free)
     fitted_rows, judged_rows, distances = [], [], []
@@ -97,6 +93,8 @@ def model_discrepancy(
         if not isinstance(experiment.observation, ShapeObservation) or experiment.release is not None:
             continue
         try:
+            arm = experiment.arm(problem.arm)
+            model = Model(arm.specimen, arm.fluid, arm.gravity, arm.order, tables)
             virtual, rows, distance = _against_chain(model, problem, fitted, place)
         except InputError:
             return None
@@ -143,7 +141,7 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     """The chain's run from the fitted initial state as an experiment; whitened residuals (T, K) of the reduced model
     fitted to it; rms distance [m] of the two midlines.
     """
-    experiment, arm = problem.experiments[place], problem.arm
+    experiment, arm = problem.experiments[place], problem.experiments[place].arm(problem.arm)
     observation = experiment.observation
     assert isinstance(observation, ShapeObservation)
     interval = float(np.median(np.diff(observation.t)))
@@ -154,15 +152,20 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
         _Later(experiment.base, experiment.t0),
         duration,
         1.0 / interval,
-        setup=Setup(s=_points(observation), initial=Initial(arm.to_monomial @ shape, arm.to_monomial @ moving)),
+        setup=Setup(
+            s=_points(observation),
+            initial=Initial(arm.to_monomial @ shape, arm.to_monomial @ moving),
+            travel=None if experiment.travel is None else _Later(experiment.travel, experiment.t0),
+        ),
     )
-    virtual = _virtual(experiment, observation, chain.midline)
+    seen = replace(chain.midline, xy=chain.midline.xy - chain.mount[:, None])  # counted from the base
+    virtual = _virtual(experiment, observation, seen)
     alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
     again = fit(alone, (fitted.nuisances[place],), most=12)
     shown = predict(arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
-    points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, chain.midline.s)
+    points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, seen.s)
     points = points + shown.shift[:, 0]
-    distance = np.sqrt(np.mean(np.sum((points - chain.midline.xy) ** 2, axis=2)))
+    distance = np.sqrt(np.mean(np.sum((points - seen.xy) ** 2, axis=2)))
     return virtual, again.residuals[0], float(distance)
 
 

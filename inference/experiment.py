@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,10 +10,12 @@ import numpy as np
 from affine_model.arm import Arm, parameter_index, parameter_rows
 from affine_model.base_signal import Servo, Steps, base_table
 from affine_model.curvature import Array
+from affine_model.dynamics import Instant
 from affine_model.effects import catalogue
 from affine_model.effects.camera_roll import shift_by_roll
-from affine_model.effects.time_offset import shown_times
+from affine_model.effects.time_offset import seen_times, shown_times
 from affine_model.simulate import Batch, Start, Timing, simulate
+from inference.arm_at import arm_at
 from inference.observation import MarkerObservation, ShapeObservation
 from tentacle.waveform import Waveform
 
@@ -42,6 +45,8 @@ class Experiment:
     rates_seen (K,) [rad/s]: rms rates of the Legendre coordinates that the recording shows. base_known_from [s]: the
     base motion is recorded from then on (None: from t0). complete: the declaration is complete, so that no absent
     effect acts in this recording. varies: parameters (effect, name) that differ slightly between recordings.
+    travel: of a base that travels, x, y, rates, accelerations (6, ...) over the pictures' clock (None: it stands).
+    differs: fields of its declaration, with their values, in which it is not the first recording of the arm.
     """
 
     name: str
@@ -58,6 +63,12 @@ class Experiment:
     base_known_from: float | None = None
     complete: bool = False
     varies: tuple[tuple[str, str], ...] = ()
+    differs: tuple[tuple[str, float], ...] = ()
+    travel: Callable[[Array], Array] | None = None
+
+    def arm(self, first: Arm) -> Arm:
+        """The arm as it is in this recording; first: as the first recording declares it."""
+        return arm_at(first, self.differs)
 
     @property
     def begins_with_memory(self) -> bool:
@@ -68,6 +79,11 @@ class Experiment:
     def sees_shift(self) -> bool:
         """Whether the shift of the clamp is among the nuisances. The frame of a marker system needs no shift."""
         return isinstance(self.observation, ShapeObservation)
+
+    def instant(self, t: Array) -> Instant:
+        """Times (...) [s] with the base's travel then, as the equations of motion take them: (..., 1) and (..., 6)."""
+        travel = None if self.travel is None else np.moveaxis(self.travel(t), 0, -1)
+        return Instant(t[..., None], travel=travel)
 
     def nuisance_names(self, order: int) -> list[str]:
         """Unknowns of this run alone: initial shape and rates in Legendre coordinates (or, released, the instant),
@@ -194,7 +210,7 @@ def _pick(array: Array, index: np.ndarray, lanes: np.ndarray) -> Array:
 
 def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
     """The shapes of B simulated individuals, parameters (R, B) and nuisances (M, B), at the observed instants."""
-    n = arm.order
+    arm, n = experiment.arm(arm), arm.order
     parameters = experiment.own(parameters, nuisances)
     value = {name: parameters[parameter_index(effect, name)] for effect, name in _OUTSIDE}
     steps = int(np.ceil(experiment.duration / step)) + 1
@@ -203,6 +219,8 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     base = base_table(
         experiment.base, Steps(start, step, steps), Servo.of(parameters), known_from=experiment.base_known_from
     )
+    middles = Steps(start, step, steps).middles[:, None]
+    base = _with_travel(base, experiment, seen_times(middles, value["offset"], value["drift"]))
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
     memory = None if memory is None else arm.to_monomial @ memory
@@ -217,6 +235,16 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     shift = experiment.parts(n, nuisances)[3] if experiment.sees_shift else np.zeros((2, nuisances.shape[1]))
     rolled = arm.specimen.length * np.array(shift_by_roll(value["roll"], value["centre"]))
     return Prediction(q, theta, shift + rolled, batch)
+
+
+def _with_travel(base: Array, experiment: Experiment, times: Array) -> Array:
+    """A base table (3, S, B) with the rows (6, S, B) of the base's travel; times (S, B) on the pictures' clock."""
+    if experiment.travel is None:
+        return base
+    path = experiment.travel(times[:, :1] if np.all(times == times[:, :1]) else times)
+    lanes = max(base.shape[2], path.shape[2])
+    both = [np.broadcast_to(rows, (*rows.shape[:2], lanes)) for rows in (base, path)]
+    return np.concatenate(both)
 
 
 _OUTSIDE = (("time_offset", "offset"), ("time_offset", "drift"), ("camera_roll", "roll"), ("camera_roll", "centre"))

@@ -19,6 +19,7 @@ from inference.identifiability import Identifiability, identifiability
 from inference.judged_fit import JudgedFit, judged_fit, variance_inflation
 from inference.measured_motion import MeasuredCourse
 from inference.observation import POSE, ShapeObservation
+from inference.one_arm import one_arm, own_geometry_words, same_arm
 from inference.prepare import Prepared, prepare
 from inference.regression import regression
 from inference.trajectory import Fit, Problem, fit
@@ -83,9 +84,10 @@ def identify(
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
-    prepared = [prepare(recording, hold_out=False) for recording in recordings]
-    judges = [prepare(recording, hold_out=False) for recording in check]
-    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in prepared), order or 2)
+    same_arm([*recordings, *check])
+    declaration, together = one_arm([prepare(recording, hold_out=False) for recording in (*recordings, *check)])
+    prepared, judges = together[: len(recordings)], together[len(recordings) :]
+    setting = Setting(declaration, tuple(p.experiment for p in prepared), order or 2)
     if order is None:
         setting = replace(setting, order=needed_order(setting, complete=True))
     problem, fitted = fit_base(setting, setting.order)
@@ -115,7 +117,12 @@ def identify(
             for name, low, high in zip(drawn.free, drawn.low, drawn.high, strict=True)
         },
         runs=tuple(run for run, _, _ in runs),
-        words=(*_remarks(judged, correlation), *_told(problem, known), *declared_words(problem, fitted)),
+        words=(
+            *_remarks(judged, correlation),
+            *own_geometry_words(prepared),
+            *_told(problem, known),
+            *declared_words(problem, fitted),
+        ),
         adequate=judged.train.passed,
     )
 
@@ -131,7 +138,7 @@ def _paper_regression(arm: Arm, problem: Problem, fitted: Fit, prepared: list[Pr
     """The regression of eq. 18-19 with numerical derivatives, on the first recording that has q and a moving base."""
     for p in prepared:
         observation = p.experiment.observation
-        if not isinstance(observation, ShapeObservation) or p.experiment.release is not None:
+        if not isinstance(observation, ShapeObservation) or p.experiment.release is not None or p.experiment.travel:
             continue
         q, _ = reduced_shape(observation, observation.coefficients, np.ones(1))
         seen = np.isfinite(q).all(axis=1)

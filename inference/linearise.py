@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
-from affine_model.dynamics import Balance, balance
+from affine_model.dynamics import Balance, Instant, balance
 from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
 from inference.experiment import Experiment, Prediction, predict
@@ -33,7 +33,7 @@ WINDOW, LEAST = 6.0, 0.1  # times of the motion over which its size is taken; wh
 ANGLE_STEP, PLACE_STEP = 1e-5, 1e-6  # rad, m: differences of what is seen
 VARIED = (
     "stiffness", "stiffness_share", "natural_curvature", "bending_moment", "drag_coefficient", "line_inertia",
-    "carried_water", "normal_inertia", "rotary_inertia", "weight",
+    "carried_water", "normal_inertia", "rotary_inertia", "weight", "couple",
 )  # fmt: skip
 LAW_KNOWN, LAW_FOUND = 0.03, 0.3  # relative variation along the arm of a declared law, and of an effect that is sought
 
@@ -53,15 +53,16 @@ def latent_forces(
     found = []
     problem, parameters = problem.known(parameters)
     for place, experiment in enumerate(problem.experiments):
-        run = predict(problem.arm, experiment, parameters[:, None], nuisances[place][:, None], problem.step)
+        arm = experiment.arm(problem.arm)
+        run = predict(arm, experiment, parameters[:, None], nuisances[place][:, None], problem.step)
         time = ELL * motion_time(experiment)
         cells = cells_of(experiment.observation.t, experiment.used, time)
-        seen = cells.averaged(_seen(problem.arm, experiment, parameters, run))
-        linearised = _linearised(problem.arm, parameters, run, (cells, time), added)
+        seen = cells.averaged(_seen(arm, experiment, parameters, run))
+        linearised = _linearised(arm, parameters, run, (cells, time, experiment), added)
         if declared:
             same = declared[place].linearised
             linearised = replace(linearised, force_root=same.force_root, envelope=same.envelope)
-        found.append(LatentForce(linearised, cells, seen, _error(problem.arm, experiment, run, seen)))
+        found.append(LatentForce(linearised, cells, seen, _error(arm, experiment, run, seen)))
     return tuple(found)
 
 
@@ -107,18 +108,19 @@ def _linearised(
     arm: Arm,
     parameters: Array,
     run: Prediction,
-    sampled: tuple[Cells, float],
+    sampled: tuple[Cells, float, Experiment],
     added: tuple[str, ...],
 ) -> Linearised:
     """The equations averaged over states of the run, and the sizes of its forces and motion."""
-    n, batch, (cells, time) = arm.order, run.batch, sampled
+    n, batch, (cells, time, experiment) = arm.order, run.batch, sampled
     u = np.concatenate([arm.from_monomial @ batch.q[:, :, 0].T, batch.theta[None, :, 0], 0.0 * batch.theta[None, :, 0]])
     rate = np.concatenate([arm.from_monomial @ batch.q_rate[:, :, 0].T, batch.theta_rate[None, :, 0], 0.0 * u[:1]])
     acceleration = np.gradient(rate, batch.t, axis=1)
     chosen = np.linspace(0, u.shape[1] - 1, STATES).astype(int)
     effects = active_effects(parameters)
     states, rates = u.T[chosen], rate.T[chosen]
-    mass = balance(arm, effects, parameters, states, rates).mass_matrix[:, :n, : n + 1].mean(axis=0)
+    at = replace(experiment.instant(batch.t[chosen]), t=0.0)  # the equations' slopes hold at any time
+    mass = balance(arm, effects, parameters, states, rates, at).mass_matrix[:, :n, : n + 1].mean(axis=0)
 
     def slope(of_rate: bool) -> Array:
         columns = []
@@ -126,7 +128,7 @@ def _linearised(
             step = DIFFERENCE * np.eye(n + 2)[k]
             pair = [
                 balance(
-                    arm, effects, parameters, states + sign * step * (not of_rate), rates + sign * step * of_rate
+                    arm, effects, parameters, states + sign * step * (not of_rate), rates + sign * step * of_rate, at
                 ).force[:, :n]
                 for sign in (1.0, -1.0)
             ]
@@ -135,7 +137,10 @@ def _linearised(
 
     index = np.clip(np.searchsorted(batch.t, cells.t), 0, batch.t.size - 1)
     there, turning = u.T[index], rate.T[index]
-    moving = States(there, turning, acceleration.T[index], balance(arm, effects, parameters, there, turning))
+    then = replace(experiment.instant(batch.t[index]), t=0.0)
+    moving = States(
+        there, turning, acceleration.T[index], balance(arm, effects, parameters, there, turning, then), then
+    )
     laws = [
         (LAW_FOUND if effect.name in added else LAW_KNOWN)
         * varied_force(arm, effects, effect, parameters, moving, factor)
@@ -176,12 +181,13 @@ def _passive(columns: Array) -> Array:
 
 @dataclass(frozen=True)
 class States:
-    """States of a run: u, u', u'' (C, n + 2) in Legendre coordinates, and the equations' balance in them."""
+    """States of a run: u, u', u'' (C, n + 2) in Legendre coordinates, the equations' balance in them, and when."""
 
     u: Array
     rate: Array
     acceleration: Array
     balance: Balance
+    instant: Instant
 
 
 def varied_force(
@@ -199,9 +205,9 @@ def varied_force(
     if effect.force is not None:
         law = effect.force
         changes["force"] = lambda x, p: tuple(factor(x.s) * part for part in law(x, p))
-    nothing = dict.fromkeys(("hung_mass", "gravity_tilt", "water_velocity", "couple", "tip_force"))
+    nothing = dict.fromkeys(("hung_mass", "payload_shift", "gravity_tilt", "water_velocity", "tip_force"))
     more = replace(effect, **(nothing | changes))  # type: ignore[arg-type]
-    with_it, without = balance(arm, (*effects, more), parameters, states.u, states.rate), states.balance
+    with_it, without = balance(arm, (*effects, more), parameters, states.u, states.rate, states.instant), states.balance
     inertia = np.einsum("cij,cj->ci", with_it.mass_matrix - without.mass_matrix, states.acceleration)
     return np.asarray((with_it.force - without.force - inertia)[:, : arm.order])
 

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.linalg import cho_factor, cho_solve
 
 from affine_model.arm import Arm, active_effects, parameter_index
 from affine_model.curvature import Array
@@ -26,16 +25,14 @@ from affine_model.dynamics import Instant, balance
 from affine_model.effects.camera_roll import shift_by_roll
 from affine_model.effects.time_offset import shown_times
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
-from inference.latent_force import LatentForce, discretised
+from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
 from inference.observation import POSE, ShapeObservation
+from inference.smoother import Smoothed, likeliest
 from inference.trajectory import Fit, Problem
 
 MOTION_STEP = 1.0 / 150.0  # s, of the small motions
 STATE_DIFFERENCE = 1e-5  # rad, rad/s: slopes of the equations
-TIME_SCALE = 0.08  # s, of the latent force: short enough for a stop or a jet
-SMOOTHER_SHARES = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of the acting forces
-START_SHAPE, START_RATE, TINY = 0.3, 5.0, 1e-10  # rad, rad/s of the state before the first frame; against rounding
 END_MARGIN = 0.05  # s: frames nearer to the run's ends are left out
 
 
@@ -45,7 +42,7 @@ class SeenMotion:
 
     t (T,) [s]; u, rate and acceleration (T, n + 2); force (T, n) [N m]: the generalised force that the model misses;
     spread (T, n): its standard deviation; share: the most likely size of the latent force, as a share of the acting
-    forces.
+    forces; instant: the same times, with the base's travel where it travels.
     """
 
     t: Array
@@ -55,6 +52,7 @@ class SeenMotion:
     force: Array
     spread: Array
     share: float
+    instant: Instant
 
 
 def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]:
@@ -87,73 +85,10 @@ def _cells_of(problem: Problem, experiment: Experiment, force: LatentForce, resi
     return force.cells.averaged(residuals[:, :, None])[:, :, 0], seen
 
 
-@dataclass(frozen=True)
-class Smoothed:
-    """The state [d, d', f, f', shift of the clamp] in every cell given all of them: mean and standard deviation
-    (C, 4 n + 2); f in units of share times the acting forces; log_likelihood [nats].
-    """
-
-    mean: Array
-    deviation: Array
-    share: float
-    log_likelihood: float
-
-
-def likeliest(force: LatentForce, given: tuple[Array, Array]) -> Smoothed:
-    """The smoothed state at the share of unknown forces that makes the given cells the likeliest."""
-    return max((smoothed(force, given, float(share)) for share in SMOOTHER_SHARES), key=lambda one: one.log_likelihood)
-
-
-def smoothed(force: LatentForce, given: tuple[Array, Array], share: float) -> Smoothed:
-    """The smoothed state, driven by a latent force alone; servo and camera are assumed to be right.
-
-    given: the model's whitened residuals (C, K) in the cells, and how they see the state (C, K, n + 2). Source: Rauch,
-    Tung and Striebel 1965.
-    """
-    rows, columns = given
-    lin, n = force.linearised, force.linearised.mass.shape[0]
-    rate, inverse, one = np.sqrt(3.0) / TIME_SCALE, np.linalg.inv(lin.mass[:, :n]), np.eye(n)
-    size = 4 * n + 2
-    drift, diffusion, none = np.zeros((size, size)), np.zeros((size, size)), np.zeros((n, n))
-    drift[:n, : 4 * n] = np.hstack([none, one, none, none])
-    by_force = share * inverse @ lin.force_root
-    drift[n : 2 * n, : 4 * n] = np.hstack(
-        [-inverse @ lin.stiffness[:, :n], -inverse @ lin.damping[:, :n], by_force, none]
-    )
-    drift[2 * n : 3 * n, : 4 * n] = np.hstack([none, none, none, one])
-    drift[3 * n : 4 * n, : 4 * n] = np.hstack([none, none, -(rate**2) * one, -2.0 * rate * one])
-    diffusion[3 * n : 4 * n, 3 * n : 4 * n] = 4.0 * rate**3 * one
-    forward, added, _ = discretised(drift, diffusion, force.cells.interval)
-    mean = np.zeros(size)
-    covariance = np.diag(np.append(np.repeat(np.square([START_SHAPE, START_RATE, 1.0, rate]), n), [1.0, 1.0]))
-    ahead, filtered, likelihood = [], [], 0.0
-    for k in range(rows.shape[0]):
-        if k > 0:
-            mean, covariance = forward @ mean, forward @ covariance @ forward.T + added
-        ahead.append((mean, covariance))
-        seen = np.hstack([columns[k, :, :n], np.zeros((rows.shape[1], 3 * n)), columns[k, :, n:]])
-        error, cross = rows[k] - seen @ mean, covariance @ seen.T
-        factor = cho_factor(seen @ cross + np.eye(seen.shape[0]), lower=True)
-        likelihood -= 0.5 * float(error @ cho_solve(factor, error)) + float(np.log(np.diag(factor[0])).sum())
-        mean = mean + cross @ cho_solve(factor, error)
-        covariance = covariance - cross @ cho_solve(factor, cross.T)
-        covariance = 0.5 * (covariance + covariance.T)
-        filtered.append((mean, covariance))
-    means, deviations = np.zeros((2, len(filtered), size))
-    for k in range(len(filtered) - 1, -1, -1):
-        if k < len(filtered) - 1:
-            (own, spread), (predicted, uncertain) = filtered[k], ahead[k + 1]
-            back = np.linalg.solve(uncertain + TINY * np.diag(np.diag(uncertain)), forward @ spread).T
-            mean = own + back @ (mean - predicted)
-            covariance = spread + back @ (covariance - uncertain) @ back.T
-        means[k], deviations[k] = mean, np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    return Smoothed(means, deviations, share, likelihood)
-
-
 def _motion(
     problem: Problem, experiment: Experiment, fit: tuple[Array, Array], force: LatentForce, smooth: Smoothed
 ) -> SeenMotion:
-    arm, (parameters, nuisances) = problem.arm, fit
+    arm, (parameters, nuisances) = experiment.arm(problem.arm), fit
     n = arm.order
     own = experiment.own(parameters[:, None], nuisances[:, None])[:, 0]
     run = predict(arm, experiment, parameters[:, None], nuisances[:, None], problem.step).batch
@@ -170,17 +105,17 @@ def _motion(
         shape = model(t, slope) + change(t, slope)
         parts.append(np.column_stack([shape, base(t, slope), np.zeros(t.size)]))
     u, rate, acceleration = parts
-    missing = lacking(arm, own, (u, rate, acceleration), t)
+    missing = lacking(arm, own, (u, rate, acceleration), experiment.instant(t))
     root = smooth.share * force.linearised.force_root
     deviation = np.sqrt(smooth.deviation[:, 2 * n : 3 * n] ** 2 @ (root**2).T)
     spread = np.array([np.interp(t, force.cells.t, column) for column in deviation.T]).T
-    return SeenMotion(t, u, rate, acceleration, missing, spread, smooth.share)
+    return SeenMotion(t, u, rate, acceleration, missing, spread, smooth.share, experiment.instant(t))
 
 
-def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], t: Array) -> Array:
+def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], at: Instant) -> Array:
     """The generalised force (T, n) that the model's equations lack in that motion."""
     u, rate, acceleration = motion
-    made = balance(arm, active_effects(parameters), parameters, u, rate, Instant(t[:, None]))
+    made = balance(arm, active_effects(parameters), parameters, u, rate, at)
     inertia = np.einsum("tjk,tk->tj", made.mass_matrix, acceleration)
     return np.asarray((inertia - made.force)[:, : arm.order])
 
@@ -226,8 +161,8 @@ class SmallMotions:
 def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion) -> SmallMotions:
     """The small motions about the smoothed motion of one recording."""
     problem, parameters = problem.known(fitted.parameters)
-    arm, experiment = problem.arm, problem.experiments[place]
-    observation = experiment.observation
+    experiment = problem.experiments[place]
+    arm, observation = experiment.arm(problem.arm), experiment.observation
     assert isinstance(observation, ShapeObservation)
     n = arm.order
     own = experiment.own(parameters[:, None], fitted.nuisances[place][:, None])[:, 0]
@@ -244,7 +179,7 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     q, theta = spline[:, :n], spline[:, n]
     camera = (parameters[parameter_index("camera_roll", name)] for name in ("roll", "centre"))
     shift = experiment.parts(n, fitted.nuisances[place])[3]
-    shift = shift + problem.arm.specimen.length * np.array(shift_by_roll(*camera))
+    shift = shift + arm.specimen.length * np.array(shift_by_roll(*camera))
     error = observation.coefficients[shown].copy()
     error[:, 0] -= theta - observation.theta[shown] + parameters[parameter_index("camera_roll", "roll")]
     error[:, 1:3] -= shift
@@ -256,7 +191,7 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     still = np.zeros((motion.t.size, n, 1))
     starts = [bare.answer(np.repeat(still, 2 * n, axis=2), np.eye(2 * n))]
     moved = np.concatenate([(observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)], axis=1)
-    laws = bare.answer(_parameter_forces(problem, own, motion))
+    laws = bare.answer(_parameter_forces(problem, arm, own, motion))
     absorbed = np.concatenate([*starts, moved, laws], axis=1)
     size = np.maximum(np.linalg.norm(absorbed, axis=0), 1e-300)  # a tracker that knows the base sees no shift of it
     left_basis, singular, _ = np.linalg.svd(absorbed / size, full_matrices=False)
@@ -268,7 +203,7 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
 def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:
     """One step of the implicit midpoint rule for small motions: transition (T, 2n, 2n) and answer to a force."""
     n, effects = arm.order, active_effects(parameters)
-    at = Instant(motion.t[:, None])
+    at = motion.instant
 
     def lacks(du: Array, dv: Array) -> Array:
         made = balance(arm, effects, parameters, motion.u + du, motion.rate + dv, at)
@@ -293,9 +228,9 @@ def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, 
     return advance, np.concatenate([0.5 * h * by_force, by_force], axis=1)
 
 
-def _parameter_forces(problem: Problem, parameters: Array, motion: SeenMotion) -> Array:
+def _parameter_forces(problem: Problem, arm: Arm, parameters: Array, motion: SeenMotion) -> Array:
     """Derivatives (T, n, P) of the generalised forces by each free parameter of the model."""
-    arm, columns = problem.arm, []
+    columns = []
     own = (motion.u, motion.rate, motion.acceleration)
     for row, scale in zip(problem.rows(), problem.scales(), strict=False):
         if row >= parameters.size:
@@ -304,6 +239,6 @@ def _parameter_forces(problem: Problem, parameters: Array, motion: SeenMotion) -
         for sign in (1.0, -1.0):
             moved = parameters.copy()
             moved[row] += sign * 1e-3 * scale
-            pair.append(lacking(arm, moved, own, motion.t))
+            pair.append(lacking(arm, moved, own, motion.instant))
         columns.append((pair[1] - pair[0]) / 2e-3)
     return np.stack(columns, axis=2) if columns else np.zeros((motion.t.size, arm.order, 0))

@@ -16,15 +16,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from affine_model.arm import parameter_rows
 from affine_model.curvature import Array
-from affine_model.effect import Parameter
-from affine_model.effects import catalogue
-from inference.declared_arm import DECLARED
-from inference.experiment import MEMORY_PRIOR
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
+from inference.prior import log_prior, prior_precision
 from inference.trajectory import Fit, Problem, fit, linearised_fit, minimised, split
+from inference.whitened_fit import whitened_rows
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
 PIECE_FRAMES = 60  # of a recording: a second of most, longer than what an error is correlated over
@@ -74,13 +71,6 @@ class Hypothesis:
         """The log evidence at finely spaced shares."""
         fine = np.geomspace(FORCE_SHARES[0], FORCE_SHARES[-1], 241)
         return fine, np.asarray(PchipInterpolator(np.log(FORCE_SHARES), self.log_evidence)(np.log(fine)))
-
-    def share_interval(self) -> tuple[float, float]:
-        """95 % interval of that share, under a flat prior of its logarithm."""
-        fine, values = self.profile()
-        weight = np.cumsum(np.exp(values - values.max()))
-        low, high = np.searchsorted(weight, np.array([0.025, 0.975]) * weight[-1])
-        return float(fine[low]), float(fine[high])
 
 
 @dataclass(frozen=True)
@@ -132,7 +122,8 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     """Fit the problem at the share of unknown forces that has the largest evidence.
 
     With a smaller share a fit may follow the data far better. Therefore the best share is found again after each fit.
-    declared: the latent forces about the declared model's run (none: this is that model).
+    declared: the latent forces about the declared model's run (none: this is that model). LinAlgError where the run
+    leaves all bounds beside the fit, so that no evidence is known.
     """
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects, declared)
@@ -140,6 +131,8 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     at_shares, tried = filters_of(forces), set[int]()
     while True:
         evidences = log_evidences(problem, fitted, at_shares)
+        if not np.isfinite(evidences).all():
+            raise np.linalg.LinAlgError("the evidence is not finite")
         best = int(np.argmax(evidences))
         if best in tried:
             return Hypothesis(rough.effects, problem, fitted, forces, evidences)
@@ -221,16 +214,11 @@ def filters_of(forces: tuple[LatentForce, ...]) -> Filters:
 
 def log_evidences(problem: Problem, fitted: Fit, at_shares: Filters) -> Array:
     """Log evidence (A,) [nats] at each of FORCE_SHARES. At each, one Gauss-Newton step moves the unknowns."""
-    both = [
-        np.concatenate([rows[:, :, None], slopes], axis=2)
-        for rows, slopes in zip(fitted.residuals, fitted.slopes, strict=True)
-    ]
-    prior = _prior_rows(problem, fitted)
     scale, precision = problem.scales(), prior_precision(problem, fitted)
     constant = 0.5 * len(scale) * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
     found = []
     for filters in at_shares:
-        white = np.concatenate([*(f.whiten(b) for f, b in zip(filters, both, strict=True)), prior])
+        white = whitened_rows(problem, fitted, filters)
         residual, columns = white[:, 0], white[:, 1:] * scale
         information = columns.T @ columns
         slope = columns.T @ residual
@@ -244,57 +232,3 @@ def log_evidences(problem: Problem, fitted: Fit, at_shares: Filters) -> Array:
             - sum(f.log_determinant for f in filters)
         )
     return np.array(found)
-
-
-def _prior_rows(problem: Problem, fitted: Fit) -> Array:
-    """Rows [residual, Jacobian] of the priors alone."""
-    rows = [int(e.used.sum()) * e.noise_gain.size for e in problem.experiments]
-    if problem.filters:
-        rows = [one.observation.shape[0] * one.observation.shape[1] for one in problem.filters]
-    place, kept = 0, list[int]()
-    for experiment, nuisances, size in zip(problem.experiments, fitted.nuisances, rows, strict=True):
-        place += size
-        count = experiment.prior_residuals(problem.arm.order, problem.arm.specimen.length, nuisances[:, None]).shape[0]
-        kept += list(range(place, place + count))
-        place += count
-    kept += list(range(place, fitted.used_residuals.size))
-    return np.concatenate([fitted.used_residuals[kept, None], fitted.jacobian[kept]], axis=1)
-
-
-def _added(problem: Problem) -> list[tuple[int, Parameter]]:
-    """Places of the added effects' parameters among the free ones, with their catalogue entries."""
-    known = {(row.effect, row.parameter.name): row.parameter for row in parameter_rows()}
-    return [
-        (place, known[name])
-        for place, name in enumerate(problem.free)
-        if name[0] != DECLARED and catalogue()[name[0]].family != "base"
-    ]
-
-
-def prior_precision(problem: Problem, fitted: Fit) -> Array:
-    """Information (P,) of the prior of each unknown. It bounds unknowns that the data do not determine."""
-    precision = np.zeros(len(problem.free) + sum(problem.sizes()))
-    for place, parameter in _added(problem):
-        low, high = parameter.bounds
-        if parameter.scan:
-            width = high - low if low <= 0.0 else float(fitted.values[place]) * np.log(high / low)
-            precision[place] = 12.0 / width**2
-        else:
-            precision[place] = 1.0 / (100.0 * parameter.nominal) ** 2
-    return precision
-
-
-def log_prior(problem: Problem, fitted: Fit) -> float:
-    """Log density of the added effects' parameters, and of the memories that they bring."""
-    total = 0.0
-    for place, parameter in _added(problem):
-        value, (low, high) = float(fitted.values[place]), parameter.bounds
-        if not parameter.scan:
-            sides = 1.0 if low < 0.0 else 2.0
-            total += np.log(sides / (np.pi * parameter.nominal * (1.0 + (value / parameter.nominal) ** 2)))
-        elif low > 0.0:
-            total -= np.log(value * np.log(high / low))
-        else:
-            total -= np.log(high - low)
-    memories = sum(problem.arm.order for experiment in problem.experiments if experiment.begins_with_memory)
-    return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))

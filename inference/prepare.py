@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import maximum_filter, median_filter
+from numpy.typing import ArrayLike
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment
+from inference.jumps import without_jumps
+from inference.known_base import within_log
+from inference.linearise import LAW_KNOWN
 from inference.noise_floor import noise_deviation
 from inference.observation import (
     POSE,
@@ -20,7 +23,7 @@ from inference.observation import (
     from_markers,
     from_track,
 )
-from tentacle.base_motion import fit_base_motion
+from tentacle.base_motion import BaseMotion, fit_base_motion, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.slips import root_direction, root_turning
@@ -29,12 +32,12 @@ from tentacle.waveform import Rest, Waveform
 MOST_COORDINATES = 6  # measured per frame; higher ones were noise for every arm so far
 LONGEST_RECORDING = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
-NEIGHBOURS, JUMP, OF_WAY = 15, 10.0, 0.3
 RELEASE = "release.t_s"
 # The stretch that is not fitted, of a driven recording and of a decay: at its end a chirp has its highest frequencies,
 # which the fit must see; a decay is followed from its release on.
 JUDGED, LAST = (0.5, 5.0 / 6.0), (2.0 / 3.0, 1.0)
-SHORT = 10.0  # s: the first half of a shorter recording shows too few swings to begin a fit with
+# Of a motion that leaves the plane by a share r, the plane shows r^2 / 2 too little: as much as a law is known to, 3 %.
+MOST_OUT_OF_PLANE = math.sqrt(2.0 * LAW_KNOWN)
 LEAST_MOTION = 2.0  # noise sigmas
 LEAST_RATE = 0.01  # rad/s
 # Radians that the seen root turns for a radian of the servo. Below, its frame turns along, or one sign is wrong.
@@ -64,7 +67,7 @@ class Prepared:
 class HeldOutside:
     """A base motion that is known from first to last [s]. Before and after, the base stands still."""
 
-    motion: Waveform
+    motion: BaseMotion
     first: float
     last: float
 
@@ -147,10 +150,13 @@ def _observation(
 
 
 def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
-    """The experiment of a recording; with hold_out the stretch JUDGED (LAST of a decay, or if SHORT) judges only.
+    """The experiment of a recording; with hold_out the stretch JUDGED (LAST of a decay) judges only.
 
     Raises InputError where no shape was measured at all, CannotTellError where too little was.
     """
+    spatial = _spatial_words(recording)
+    travel = None if recording.travel is None else fit_travel(recording.travel)
+    recording = seen_from_base(recording, travel)
     base = _base(recording)
     following = _following(recording, base)
     opposite = following is not None and following < OPPOSITE
@@ -159,12 +165,16 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         base = _base(recording)
     turning = following is not None and OPPOSITE <= following < TURNING
     observation, points, sigma, words = _observation(recording, base, turning)
+    words += spatial
     if opposite:
         words.append(
             f"In {recording.name} the arm's root turns against the servo's log ({following:.2f} rad a radian): "
             "the log's sign is taken as reversed. Declare `mirrored` in [camera] or turn the log's sign."
         )
     times = observation.t
+    observation, beyond = within_log(observation, base.motion if isinstance(base, HeldOutside) else None)
+    if beyond:
+        words.append(f"{beyond} frames of {recording.name} show the base beyond the servo's log: left out.")
     if isinstance(observation, ShapeObservation):
         observation, jumps = without_jumps(observation)
         if jumps:
@@ -190,7 +200,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     used = within.copy()
     if hold_out:
         begin = first if release is None else release
-        stretch = JUDGED if release is None and last - begin >= SHORT else LAST
+        stretch = JUDGED if release is None else LAST
         first_judged, last_judged = (begin + share * (last - begin) for share in stretch)
         used &= (times <= first_judged) | (times > last_judged)
     interval = float(np.median(np.diff(times)))
@@ -206,8 +216,22 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         release_sigma=_release_sd(recording, 2.0 * interval),
         rates_seen=rates,
         base_known_from=None if recording.motor is None else float(recording.motor.t[0]),
+        travel=travel,
     )
     return Prepared(recording, experiment, points, sigma, tuple(words))
+
+
+def _spatial_words(recording: Recording) -> list[str]:
+    """What is said of a motion that leaves the plane; CannotTellError where a planar model does not serve it."""
+    share = recording.declaration.out_of_plane
+    if share is None:
+        return []
+    if share > MOST_OUT_OF_PLANE:
+        raise CannotTellError(
+            f"{100.0 * share:.0f} % of the motion of {recording.name} leaves its plane, more than the "
+            f"{100.0 * MOST_OUT_OF_PLANE:.0f} % for which a planar model serves."
+        )
+    return [f"{100.0 * share:.1f} % of the motion of {recording.name} leaves its plane."]
 
 
 def _release_sd(recording: Recording, usual: float) -> float:
@@ -234,37 +258,6 @@ def rates_seen(observation: ShapeObservation) -> Array:
     z, t = observation.coefficients[good, POSE:], observation.t[good]
     rates = (z[4:] - z[:-4]) / (t[4:] - t[:-4])[:, None]
     return np.asarray(np.sqrt(np.mean(rates**2, axis=0)) + LEAST_RATE) if len(rates) else np.zeros(0)
-
-
-def jumping_frames(observation: ShapeObservation) -> NDArray[np.bool_]:
-    """Frames (T,) that jump out of the motion: shown twice, stamped wrongly, or misread.
-
-    Each frame, with its base angle, is compared with the cubic through the two frames before and the two after it, in
-    units of its own noise. A frame jumps if its distance from that cubic is JUMP times as large as that of its
-    neighbours, at least OF_WAY of the motion from frame to frame, and the largest among five frames.
-    """
-    total = observation.coefficients.copy()
-    total[:, 0] += observation.theta
-    between = (4.0 * (total[1:-3] + total[3:-1]) - total[:-4] - total[4:]) / 6.0
-    stray = np.einsum("tkl,tl->tk", observation.root[2:-2], total[2:-2] - between)
-    way = np.einsum("tkl,tl->tk", observation.root[2:-2], 0.5 * (total[3:-1] - total[1:-3]))
-    squares, ways = np.zeros(total.shape[0]), np.zeros(total.shape[0])
-    ways[2:-2] = np.sum(way**2, axis=1)
-    seen = observation.seen
-    whole = seen[2:-2] & seen[:-4] & seen[1:-3] & seen[3:-1] & seen[4:]
-    squares[2:-2] = np.where(whole, np.sum(stray**2, axis=1), 0.0)
-    around = median_filter(squares, size=NEIGHBOURS, mode="nearest")
-    farthest = squares >= maximum_filter(squares, size=5, mode="nearest")
-    return farthest & (squares > OF_WAY**2 * ways) & (squares > JUMP**2 * np.maximum(around, 2.0 * total.shape[1]))
-
-
-def without_jumps(observation: ShapeObservation) -> tuple[ShapeObservation, int]:
-    """The observation without jumping frames (their weight is 0), and their number."""
-    if observation.t.size < NEIGHBOURS:
-        return observation, 0
-    jumping = jumping_frames(observation)
-    root = np.where(jumping[:, None, None], 0.0, observation.root)
-    return replace(observation, root=root), int(jumping.sum())
 
 
 def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:

@@ -4,11 +4,13 @@
 
 r is the whitened residual of the fitted model, S_raw the sensitivity to an effect's strengths, and B an orthonormal
 basis of the columns of the model's Jacobian: a refit of the model's own parameters can absorb them. P_S projects on S.
-Source: Rao 1948.
+The sensitivities are simulated once (responses) and whitened beside any share of unknown forces
+(inference.whitened_fit). Source: Rao 1948.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -20,11 +22,13 @@ from affine_model.curvature import Array
 from affine_model.effect import Effect
 from affine_model.effects import absent_effects
 from inference.trajectory import Fit, ParameterName, Problem
-from tentacle.specimen import declared_effects
+from inference.whitened_fit import WhitenedFit
+from tentacle.specimen import declared_effects, densest
 
 STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
 BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
 SCORE_BATCH = 96  # individuals at once: what memory holds for a long recording
+OTHERS, DISTINCT = 3, 0.7  # further variants of an effect that are kept; cosine under which two explain different parts
 VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
 
 
@@ -33,7 +37,7 @@ class Candidate:
     """An absent effect in the score test.
 
     gain [nats]; strengths: linear estimates; shapes: the values with the largest gain; sensitivity (N, S): without what
-    the base can absorb.
+    the base can absorb; others: strengths and shapes of the next best variants that look different in the data.
     """
 
     effect: Effect
@@ -41,6 +45,7 @@ class Candidate:
     strengths: Array
     shapes: tuple[float, ...]
     sensitivity: Array
+    others: tuple[tuple[Array, tuple[float, ...]], ...] = ()
 
     @property
     def free(self) -> tuple[ParameterName, ...]:
@@ -78,76 +83,92 @@ def _trial(problem: Problem, effect: Effect, shapes: tuple[float, ...], strength
     return parameters
 
 
-def sensitivities(
-    problem: Problem, fitted: Fit, effects: tuple[Effect, ...]
-) -> dict[str, list[tuple[tuple[float, ...], Array]]]:
-    """Per effect and shape variant, d residuals / d strengths (N, S), at the fitted state; differences in one batch
-    each.
+@dataclass(frozen=True)
+class Response:
+    """How one absent effect, with one choice of its shapes, moves each recording's residuals: slopes (T, K, S), before
+    whitening, by its strengths.
     """
-    problem = replace(problem, parameters=fitted.parameters)
+
+    effect: Effect
+    shapes: tuple[float, ...]
+    slopes: tuple[Array, ...]
+
+
+def responses(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Response]:
+    """The responses to all absent effects that can act here, at the fitted state; differences in one batch each."""
+    chosen = _that_can_act(problem, effects or absent_effects())
+    problem = replace(problem, parameters=fitted.parameters, filters=())
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
     peaks = spectral_peaks(problem, fitted)
-    plan = []
-    for effect in effects:
-        for shapes in _variants(effect, peaks):
-            for strength in range(len(effect.strengths)):
-                low = effect.strengths[strength].bounds[0]
-                for sign in (1.0, -1.0) if low < 0.0 else (1.0, 0.0):
-                    plan.append((effect, shapes, strength, sign))
-    columns = []
+    variants = [(effect, shapes) for effect in chosen for shapes in _variants(effect, peaks)]
+    plan, widths = [], []
+    for effect, shapes in variants:
+        for place, strength in enumerate(effect.strengths):
+            signs = (1.0, -1.0) if strength.bounds[0] < 0.0 else (1.0, 0.0)
+            plan += [_trial(problem, effect, shapes, place, sign) for sign in signs]
+            widths.append(STRENGTH_STEP * strength.nominal * (signs[0] - signs[1]))
+    slopes: list[list[Array]] = [[] for _ in problem.experiments]
     for begin in range(0, len(plan), SCORE_BATCH):
-        part = plan[begin : begin + SCORE_BATCH]
-        parameters = np.stack([_trial(problem, *entry) for entry in part], axis=1)
-        columns.append(problem.residuals_of(parameters, np.repeat(unknowns[:, None], len(part), axis=1)))
-    values = np.concatenate(columns, axis=1)
-    found: dict[str, list[tuple[tuple[float, ...], Array]]] = {}
-    place = 0
-    for effect in effects:
-        for shapes in _variants(effect, peaks):
-            parts = []
-            for parameter in effect.strengths:
-                spread = STRENGTH_STEP * parameter.nominal * (2.0 if parameter.bounds[0] < 0.0 else 1.0)
-                parts.append((values[:, place] - values[:, place + 1]) / spread)
-                place += 2
-            found.setdefault(effect.name, []).append((shapes, np.stack(parts, axis=1)))
-    return found
+        parameters = np.stack(plan[begin : begin + SCORE_BATCH], axis=1)
+        everything = problem.residuals_everywhere(parameters, np.repeat(unknowns[:, None], parameters.shape[1], axis=1))
+        width = np.array(widths[begin // 2 : (begin + SCORE_BATCH) // 2])
+        for kept, rows in zip(slopes, everything, strict=True):
+            kept.append((rows[:, :, 0::2] - rows[:, :, 1::2]) / width)
+    ends = np.cumsum([len(effect.strengths) for effect, _ in variants])[:-1]
+    parts = [np.split(np.concatenate(kept, axis=2), ends, axis=2) for kept in slopes] if plan else []
+    return [
+        Response(effect, shapes, tuple(own[place] for own in parts)) for place, (effect, shapes) in enumerate(variants)
+    ]
 
 
-def nuisance_tangent_basis(fitted: Fit) -> Array:
-    """Orthonormal basis (N, P) of what a refit of the model's own parameters and initial states can absorb."""
-    scaled = fitted.jacobian / np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
-    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
-    return left[:, singular > 1e-9 * singular[0]]
+def _that_can_act(problem: Problem, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    """The effects with a strength that the model has not yet, with a fluid and a payload where they need one."""
+    arms = [experiment.arm(problem.arm) for experiment in problem.experiments]
+    fluid = densest(arm.fluid for arm in arms)
+    names = {name for name, _ in problem.free} | set(declared_effects(problem.arm.specimen, fluid))
+    wet, loaded = fluid.density > 0.0, any(arm.specimen.tip_mass > 0.0 for arm in arms)
+    return tuple(
+        e
+        for e in effects
+        if e.strengths and e.name not in names and (wet or e.family != "fluid") and (loaded or e.payload_shift is None)
+    )
 
 
-def score(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Candidate]:
-    """All candidate effects, best first, without those that these data cannot show."""
-    chosen = tuple(e for e in (effects or absent_effects()) if e.strengths)
-    basis = nuisance_tangent_basis(fitted)
-    residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
-    names = {name for name, _ in problem.free} | set(declared_effects(problem.arm.specimen, problem.arm.fluid))
-    no_fluid = problem.arm.fluid.density == 0.0
-    chosen = tuple(e for e in chosen if e.name not in names and not (no_fluid and e.family == "fluid"))
-    table = sensitivities(problem, fitted, chosen)
-    candidates = []
-    for effect in chosen:
-        nominal = np.array([parameter.nominal for parameter in effect.strengths])
-        best: Candidate | None = None
-        for shapes, raw in table[effect.name]:
-            freed = raw - basis @ (basis.T @ raw)
-            visible = np.linalg.norm(freed * nominal, axis=0) > VISIBLE_STRENGTH * np.sqrt(residual.size)
-            if not visible.any():
-                continue
-            strengths = np.zeros(nominal.size)
-            solution, *_ = np.linalg.lstsq(freed[:, visible] * nominal[visible], -residual, rcond=1e-8)
-            strengths[visible] = solution * nominal[visible]
-            explained = freed @ strengths
-            gain = float(-residual @ explained - 0.5 * explained @ explained)
-            if best is None or gain > best.gain:
-                best = Candidate(effect, gain, strengths, shapes, freed)
-        if best is not None:
-            candidates.append(best)
-    return sorted(candidates, key=lambda candidate: -candidate.gain)
+def score(white: WhitenedFit, known: Sequence[Response]) -> list[Candidate]:
+    """The candidate effects, best first, each with its best shapes, without those that these data cannot show."""
+    columns = np.split(
+        white.columns([np.concatenate(own, axis=2) for own in zip(*(one.slopes for one in known), strict=True)]),
+        np.cumsum([len(one.effect.strengths) for one in known])[:-1],
+        axis=1,
+    ) if known else []  # fmt: skip
+    variants: dict[str, list[Candidate]] = {}
+    for one, freed in zip(known, columns, strict=True):
+        nominal = np.array([parameter.nominal for parameter in one.effect.strengths])
+        visible = np.linalg.norm(freed * nominal, axis=0) > VISIBLE_STRENGTH * np.sqrt(white.residual.size)
+        if not visible.any():
+            continue
+        strengths = np.zeros(nominal.size)
+        solution, *_ = np.linalg.lstsq(freed[:, visible] * nominal[visible], -white.residual, rcond=1e-8)
+        strengths[visible] = solution * nominal[visible]
+        explained = freed @ strengths
+        gain = float(-white.residual @ explained - 0.5 * explained @ explained)
+        variants.setdefault(one.effect.name, []).append(Candidate(one.effect, gain, strengths, one.shapes, freed))
+    return sorted((_with_others(of) for of in variants.values()), key=lambda candidate: -candidate.gain)
+
+
+def _with_others(variants: list[Candidate]) -> Candidate:
+    """The variant with the largest gain, with the next best that explain the data in another way than those before."""
+    best, *rest = sorted(variants, key=lambda one: -one.gain)
+    chosen, made = [best], [best.sensitivity @ best.strengths]
+    for one in rest:
+        if len(chosen) > OTHERS:
+            break
+        explains = one.sensitivity @ one.strengths
+        sizes = [np.linalg.norm(explains) * np.linalg.norm(before) for before in made]
+        if all(abs(explains @ before) < DISTINCT * size for before, size in zip(made, sizes, strict=True)):
+            chosen.append(one)
+            made.append(explains)
+    return replace(best, others=tuple((one.strengths, one.shapes) for one in chosen[1:]))
 
 
 def twin_cosines(candidates: list[Candidate]) -> Array:

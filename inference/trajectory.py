@@ -13,7 +13,7 @@ import numpy as np
 
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
-from inference.declared_arm import DECLARED, arm_at, experiment_at, names_of
+from inference.declared_arm import DECLARED, at_values, names_of
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
 from inference.levenberg_marquardt import Minimum, minimise
@@ -92,7 +92,7 @@ class Problem:
     def scales(self) -> Array:
         """Size of one unit of each unknown: of a parameter its value or nominal, whichever is larger."""
         nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
-        nominal |= {(DECLARED, number.field): number.spread for number in self.declared}
+        nominal |= {(DECLARED, number.name): number.spread for number in self.declared}
         own: list[float] = [
             max(abs(nominal[name]) * 0.1, float(abs(self.parameters[row])))
             for name, row in zip(self.free, self.rows(), strict=True)
@@ -103,7 +103,7 @@ class Problem:
     def bounds(self) -> tuple[Array, Array]:
         """Bounds of all unknowns."""
         limits = {(row.effect, row.parameter.name): row.parameter.bounds for row in parameter_rows()}
-        limits |= {(DECLARED, number.field): number.bounds for number in self.declared}
+        limits |= {(DECLARED, number.name): number.bounds for number in self.declared}
         low, high = np.array([limits[name] for name in self.free]).reshape(-1, 2).T.copy()
         if self.prior_mean is not None and self.prior_root is not None:
             places = [self.free.index(name) for name in self.prior_free]
@@ -122,6 +122,10 @@ class Problem:
         parameters = np.repeat(self.parameters[:, None], unknowns.shape[1], axis=1)
         parameters[self.rows()] = unknowns[: len(self.free)]
         return self._compare(parameters, unknowns)
+
+    def residuals_everywhere(self, parameters: Array, unknowns: Array) -> list[Array]:
+        """All frames' residuals (T, K, B) of each recording, not whitened, for whole parameter vectors (R, B)."""
+        return self._compare(parameters, unknowns)[1]
 
     def residuals_of(self, parameters: Array, unknowns: Array) -> Array:
         """Residuals (N, B) on the used frames for whole parameter vectors (R, B), nuisances out of unknowns (P, B)."""
@@ -169,11 +173,7 @@ class Problem:
 
     def at(self, values: Array) -> Problem:
         """The problem with its declared numbers known: arm and observations of these values (D,)."""
-        fields = [number.field for number in self.declared]
-        found = dict(zip(fields, values.tolist(), strict=True))
-        means = {number.field: number.value for number in self.declared}
-        arm = arm_at(self.arm, found)
-        experiments = tuple(experiment_at(experiment, arm, found, means) for experiment in self.experiments)
+        arm, experiments = at_values(self.arm, self.experiments, self.declared, values)
         return replace(self, arm=arm, experiments=experiments, declared=())
 
     def _of_one_arm(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:

@@ -10,7 +10,7 @@ smoothing splines of the same degree, their weight by restricted likelihood, wer
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,9 @@ from scipy.interpolate import BSpline, make_interp_spline
 from scipy.linalg import solveh_banded
 
 from tentacle.errors import InputError
-from tentacle.signals import Array, MotorSignal
+from tentacle.recording import Recording
+from tentacle.signals import Array, BaseTravel, MotorSignal
+from tentacle.waveform import Waveform
 
 SPLINE_DEGREE = 5
 REST_MARGIN = 1.0  # s beyond the first and last sample, in which the base comes to rest: room for a time offset
@@ -60,6 +62,47 @@ class BaseMotion:
                 np.where(beyond == 0.0, acceleration, -np.sign(beyond) * rate * fading / STOPPING),
             ]
         )
+
+
+@dataclass(frozen=True)
+class Travel:
+    """The path of a travelling base: called with t (...) [s] it gives x, y [m], their rates and accelerations (6, ...).
+
+    along_x, along_y: waveforms as a BaseMotion is one; first, last [s]: where the path is known. Outside, the base
+    stands still.
+    """
+
+    along_x: Waveform
+    along_y: Waveform
+    first: float
+    last: float
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """x, y, rates, accelerations at t."""
+        t = np.asarray(t, dtype=float)
+        inside = np.clip(t, self.first, self.last)
+        table = np.stack([self.along_x(inside), self.along_y(inside)], axis=1).reshape(6, *t.shape)
+        table[2:] *= (t >= self.first) & (t <= self.last)
+        return table
+
+
+def fit_travel(travel: BaseTravel) -> Travel:
+    """The motion behind a base's measured path; InputError with fewer samples than a quintic needs (6)."""
+    x, y = (fit_samples(travel.t, travel.xy[:, axis]) for axis in range(2))
+    return Travel(x, y, float(travel.t[0]), float(travel.t[-1]))
+
+
+def seen_from_base(recording: Recording, travel: Travel | None) -> Recording:
+    """The recording with its points counted from the base, where that travels and they are counted from the ground."""
+    if travel is None or recording.declaration.seen_from == "base":
+        return recording
+    midline, markers = recording.midline, recording.markers
+    if midline is not None:
+        midline = replace(midline, xy=midline.xy - travel(midline.t)[:2].T[:, None])
+    if markers is not None:
+        markers = replace(markers, xy=markers.xy - travel(markers.t)[:2].T[:, None])
+    declaration = replace(recording.declaration, seen_from="base")
+    return replace(recording, declaration=declaration, midline=midline, markers=markers)
 
 
 def fit_base_motion(motor: MotorSignal) -> BaseMotion:

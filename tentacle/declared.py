@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
-from tentacle.errors import InputError
 from tentacle.specimen import Cone, Rectangle, Specimen
 
 if TYPE_CHECKING:
@@ -39,7 +38,8 @@ class Uncertain:
     """One declared number that is not known exactly.
 
     field: its dotted name; value: the mean, or the middle of the range; sd: the standard deviation, None for a range;
-    low, high: the range, or what is physically possible of a normal number.
+    low, high: the range, or what is physically possible of a normal number. only_in: the one recording that states it
+    so (empty: all recordings of the arm share it).
     """
 
     field: str
@@ -47,6 +47,12 @@ class Uncertain:
     sd: float | None
     low: float = -math.inf
     high: float = math.inf
+    only_in: str = ""
+
+    @property
+    def name(self) -> str:
+        """Its field, and the recording where it belongs to one alone."""
+        return f"{self.field} of {self.only_in}" if self.only_in else self.field
 
     @property
     def spread(self) -> float:
@@ -92,19 +98,14 @@ def _specimen_with(specimen: Specimen, name: str, value: float) -> Specimen:
     return replace(specimen, **{attribute: value})
 
 
-def shared(declarations: list[tuple[Uncertain, ...]]) -> tuple[Uncertain, ...]:
-    """The uncertain numbers of several recordings of one arm: a field that several declare is one number.
-
-    Raises InputError where two recordings declare the same field with different uncertainty.
-    """
-    found: dict[str, Uncertain] = {}
-    for declared in declarations:
-        for number in declared:
-            other = found.setdefault(number.field, number)
-            if other != number:
-                raise InputError(
-                    f"is {number.table()} in one recording and {other.table()} in another",
-                    field=number.field,
-                    expected="one statement for one arm",
-                )
-    return tuple(found.values())
+def value_in(declaration: Declaration, field: str) -> float | None:
+    """The value of a field of specimen, fluid or gravity in a declaration; None where it has no such field."""
+    table, _, name = field.partition(".")
+    if table == "specimen":
+        attribute, specimen = SPECIMEN_FIELDS[name], declaration.specimen
+        section_has = attribute in {one.name for one in fields(specimen.section)}
+        found = getattr(specimen.section if section_has else specimen, attribute, None)
+        return None if found is None else float(found)
+    if table == "fluid":
+        return declaration.fluid.density
+    return declaration.gravity.angle if table == "gravity" else None

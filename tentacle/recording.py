@@ -9,7 +9,7 @@ import numpy as np
 
 from tentacle.declared import Uncertain
 from tentacle.notebook import html_paragraph, html_table
-from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
+from tentacle.signals import Array, BaseTravel, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
 from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
 
@@ -48,6 +48,8 @@ class Camera:
 class Declaration:
     """What is believed to be in a recording (recording.toml). release_t [s]: held still until then (a free decay).
 
+    seen_from: of a base that travels, whether positions are counted from the ground or from the base itself.
+    out_of_plane: rms share of a spatial arm's motion that leaves the plane of the recorded points (None: not known).
     uncertain: the numbers among these that are not known exactly; each stands in its place with its mean.
     """
 
@@ -57,6 +59,8 @@ class Declaration:
     camera: Camera | None = None
     motor_mode: Literal["prescribed", "servo"] = "prescribed"
     release_t: float | None = None
+    seen_from: Literal["ground", "base"] = "ground"
+    out_of_plane: float | None = None
     uncertain: tuple[Uncertain, ...] = ()
 
 
@@ -72,12 +76,13 @@ class Recording:
     markers: Markers | None = None
     video: Video | None = None
     shape: ShapeTrack | None = None
+    travel: BaseTravel | None = None
     notes: dict[str, str] = field(default_factory=dict)
 
     def _repr_html_(self) -> str:
         """What was measured, for notebooks: each signal with its samples and the time that it spans."""
         rows = []
-        for signal in ("motor", "load_cell", "midline", "markers", "shape"):
+        for signal in ("motor", "travel", "load_cell", "midline", "markers", "shape"):
             measured = getattr(self, signal)
             if measured is not None:
                 t = measured.t

@@ -2,6 +2,7 @@
 
 All positions are in the base frame: origin at the clamp, x along the normal n, y along the straight arm at
 theta = 0. It stands still in the laboratory: when the servo turns the base by theta, the arm turns in this frame.
+Where the base travels, the origin is where its path has x = y = 0.
 """
 
 from __future__ import annotations
@@ -32,6 +33,14 @@ class LoadCellSignal:
 
     t: Array
     thrust: Array
+
+
+@dataclass(frozen=True)
+class BaseTravel:
+    """Where a moving base is: times (N,) [s], xy (N, 2) [m] in the frame that stands still."""
+
+    t: Array
+    xy: Array
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import median_abs_deviation
 
+from tentacle.base_motion import fit_travel, seen_from_base
 from tentacle.errors import InputError
+from tentacle.io.video_file import count_frames, frame_rate
 from tentacle.recording import Recording
 from tentacle.signals import Array
 
@@ -27,6 +29,9 @@ MARKER_REACH = 1.15  # of s L: how far a marker may lie from the clamp, for roug
 CONCENTRATED = 0.7  # mean resultant length of the root's directions: a swing of +-60 degrees has as much
 STEADY = 0.1  # relative median deviation of a midline's length over the frames, beyond which it is no midline's
 FEWEST_PX = 20.0  # an arm shorter in the picture has no shape
+MOST_PX = 20_000.0  # no camera's picture is as wide
+MILLISECONDS = (300.0, 3000.0)  # a log that lasts as many times the pictures' span counts in other units
+NEAR_MARKER = 0.4  # of the arm: the chord to a marker within it turns with the servo, whatever the arm's waves
 
 
 @dataclass(frozen=True)
@@ -53,10 +58,16 @@ def refuse_slips(recording: Recording) -> None:
 
 def find_slips(recording: Recording) -> list[Slip]:
     """All slips of a recording; none where too little was measured to tell."""
-    found = [_slow_clock(recording), _small_picture(recording)]
-    root = root_direction(recording)
+    if recording.travel is not None:
+        recording = seen_from_base(recording, fit_travel(recording.travel))
+    found = [_slow_clock(recording), *_log_clocks(recording), _picture_slip(recording)]
+    root, chord = root_direction(recording), marker_direction(recording)
     if root is not None:
-        found += [_root_slip(*root), _servo_slip(recording, *root)]
+        found += [_root_slip("midline.csv", *root), _servo_slip(recording, *root)]
+    if chord is not None:
+        found.append(_root_slip("markers.csv", *chord[:2]))
+        if chord[2] <= NEAR_MARKER:
+            found.append(_servo_slip(recording, *chord[:2]))
     found += [_length_slip(recording), *_marker_slips(recording)]
     return [slip for slip in found if slip is not None]
 
@@ -72,12 +83,40 @@ def _slow_clock(recording: Recording) -> Slip | None:
     return Slip(name, "t_s", f"a picture every {interval:.4g} s", "seconds (are these milliseconds?)", True)
 
 
-def _small_picture(recording: Recording) -> Slip | None:
+def _log_clocks(recording: Recording) -> list[Slip]:
+    """Logs in milliseconds beside pictures in seconds."""
+    span, found = _seen_for(recording), list[Slip]()
+    if span is None:
+        return []
+    for name, log in (("motor", recording.motor), ("base", recording.travel), ("load_cell", recording.load_cell)):
+        if log is None or not MILLISECONDS[0] * span < np.ptp(log.t) < MILLISECONDS[1] * span:
+            continue
+        seen = f"lasts {np.ptp(log.t):.4g} s, and the arm is seen for {span:.4g} s"
+        found.append(Slip(f"{name}.csv", "t_s", seen, "seconds (are these milliseconds?)", True))
+    return found
+
+
+def _seen_for(recording: Recording) -> float | None:
+    """How long the arm is seen [s]: by midline or markers, else by the film's own header; None where neither says."""
+    pictures, video, camera = recording.midline or recording.markers, recording.video, recording.declaration.camera
+    if pictures is not None:
+        return float(np.ptp(pictures.t)) if len(pictures.t) >= 3 else None
+    if video is None:
+        return None
+    frames = count_frames(video)
+    if video.path.is_dir():
+        rate = 0.0 if camera is None else camera.fps
+    else:
+        rate = frame_rate(video.path)
+    return frames / rate if frames >= 3 and rate > 0.0 else None
+
+
+def _picture_slip(recording: Recording) -> Slip | None:
     camera = recording.declaration.camera
     if camera is None:
         return None
     pixels = recording.declaration.specimen.length / camera.metres_per_px
-    if pixels >= FEWEST_PX:
+    if FEWEST_PX <= pixels <= MOST_PX:
         return None
     seen = f"{camera.metres_per_px:g} m a pixel makes the arm {pixels:.3g} pixels long"
     return Slip("recording.toml", "camera.m_per_px", seen, "metres a pixel, some 0.0002 to 0.001", True)
@@ -98,6 +137,25 @@ def root_direction(recording: Recording) -> tuple[Array, Array] | None:
     return midline.t[whole], np.unwrap(np.arctan2(-vectors[:, 0], vectors[:, 1]))
 
 
+def marker_direction(recording: Recording) -> tuple[Array, Array, float] | None:
+    """Times (T,) and direction (T,) [rad] of the chord from the clamp to the nearest marker, less its angle where the
+    arm is straight, and the marker's s; None without markers.
+    """
+    markers, length = recording.markers, recording.declaration.specimen.length
+    if markers is None:
+        return None
+    beside = np.abs(markers.d) <= 0.5 * markers.s * length  # the chord to one beside the clamp is not the arm's
+    if not beside.any():
+        return None
+    nearest = int(np.argmin(np.where(beside, markers.s, np.inf)))
+    s, d, xy = float(markers.s[nearest]), float(markers.d[nearest]), markers.xy[:, nearest]
+    seen = np.isfinite(xy).all(axis=1)
+    if seen.sum() < 10:
+        return None
+    straight = np.arctan2(-d, s * length)
+    return markers.t[seen], np.unwrap(np.arctan2(-xy[seen, 0], xy[seen, 1])) - straight, s
+
+
 def root_turning(theta: Array, direction: Array) -> float | None:
     """How far the root turns for a radian of the servo, d direction / d theta: 1 as declared, 0 in a frame that turns
     with the servo, -1 where the two count in opposite senses. None where the servo hardly turns or few frames tell.
@@ -107,7 +165,7 @@ def root_turning(theta: Array, direction: Array) -> float | None:
     return float(np.polyfit(theta - theta.mean(), direction, 1)[0])
 
 
-def _root_slip(t: Array, direction: Array) -> Slip | None:
+def _root_slip(file: str, t: Array, direction: Array) -> Slip | None:
     """A root that points along x, or against y, on average over the recording."""
     resultant = complex(np.mean(np.exp(1j * direction)))
     if abs(resultant) < CONCENTRATED:
@@ -115,9 +173,9 @@ def _root_slip(t: Array, direction: Array) -> Slip | None:
     mean = float(np.angle(resultant))
     seen = f"the root points {np.degrees(mean):.0f} degrees away from y on average over {len(t)} frames"
     if abs(abs(mean) - 0.5 * np.pi) < 0.6:
-        return Slip("midline.csv", "x_m", seen, "y along the straight arm, x across it (exchanged?)", True)
+        return Slip(file, "x_m", seen, "y along the straight arm, x across it (exchanged?)", True)
     if abs(mean) > np.pi - 0.6:
-        return Slip("midline.csv", "y_m", seen, "y from the clamp towards the tip (its sign?)", True)
+        return Slip(file, "y_m", seen, "y from the clamp towards the tip (its sign?)", True)
     return None
 
 

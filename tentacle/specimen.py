@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -161,6 +162,11 @@ class Fluid:
             )
         if not (np.isfinite(self.density) and self.density >= 0):
             raise InputError(f"{self.density!r} is not usable", field="density_kg_m3", expected="a number >= 0")
+
+
+def densest(fluids: Iterable[Fluid]) -> Fluid:
+    """The one of several fluids with the largest density."""
+    return max(fluids, key=lambda fluid: fluid.density)
 
 
 WATER = Fluid(998.0)

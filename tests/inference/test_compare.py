@@ -56,8 +56,8 @@ def test_a_complete_model_s_error_is_its_floor(recorded, plain):
     assert runs[0][0].judged.sum() == pytest.approx(160, abs=3)
 
 
-def test_the_reduction_s_error_is_found_against_the_chain(recorded, plain):
-    lost = model_discrepancy(recorded().declaration, plain.problem, plain.fitted)
+def test_the_reduction_s_error_is_found_against_the_chain(plain):
+    lost = model_discrepancy(plain.problem, plain.fitted)
     # Two coordinates on a cone with r_tip/r0 = .4 lose about a tenth of a millimetre (closing the loop: .145 mm at
     # r_tip/r0 = .12 and 10 mm of motion), more than numerics and less than a millimetre.
     assert 0.01 < lost.millimetres < 1.0
@@ -80,7 +80,7 @@ def test_the_chain_s_error_taken_off_leaves_little_of_it(recorded):
     motor = MotorSignal(chain.t, WAVE(chain.t)[0], WAVE(chain.t)[0])
     setting = Setting(d, (prepare(replace(made, midline=seen, motor=motor), hold_out=True).experiment,), 3)
     problem, fitted = fit_base(setting, 3)
-    lost = model_discrepancy(d, problem, fitted)
+    lost = model_discrepancy(problem, fitted)
     assert lost.structure > 1.0
     less = without_discrepancy(problem, lost)
     relieved = fit(replace(less, parameters=fitted.parameters), fitted.nuisances)
@@ -122,7 +122,7 @@ def test_the_chain_is_seen_as_a_tracker_sees(recorded, rigid):
     recording = replace(made, midline=None, shape=track, motor=MotorSignal(chain.t, theta, theta))
     setting = Setting(d, (prepare(recording, hold_out=True).experiment,), 3)
     problem, fitted = fit_base(setting, 3)
-    lost = model_discrepancy(d, problem, fitted)
+    lost = model_discrepancy(problem, fitted)
     assert lost.structure > 1.0
     less = without_discrepancy(problem, lost)
     relieved = fit(replace(less, parameters=fitted.parameters), fitted.nuisances)
@@ -136,7 +136,7 @@ def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(rec
     made = recorded({("current", "U_x"): 0.03}, order=3)
     experiment = prepare(made, hold_out=True).experiment
     problem, fitted = fit_base(Setting(made.declaration, (experiment,), 3), 3)
-    bare = model_discrepancy(made.declaration, problem, fitted)
+    bare = model_discrepancy(problem, fitted)
 
     def lost_with(**added: dict[str, float]):
         parameters, free = fitted.parameters.copy(), problem.free
@@ -144,9 +144,7 @@ def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(rec
             for name, value in table.items():
                 parameters[parameter_index(effect, name)] = value
                 free = (*free, (effect, name))
-        return model_discrepancy(
-            made.declaration, replace(problem, free=free), replace(fitted, parameters=parameters), tuple(added)
-        )
+        return model_discrepancy(replace(problem, free=free), replace(fitted, parameters=parameters), tuple(added))
 
     np.testing.assert_array_equal(lost_with(camera_roll={"roll": 0.02}).beyond[0], bare.beyond[0])
     current = lost_with(current={"U_x": 0.03, "U_y": 0.0})

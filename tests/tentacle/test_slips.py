@@ -10,8 +10,10 @@ import pytest
 
 from tentacle.errors import InputError
 from tentacle.recording import Camera, Recording
+from tentacle.signals import MotorSignal, Video
 from tentacle.slips import find_slips, refuse_slips
 from tests.made_recordings import as_markers
+from tests.tentacle.io.test_recording_rrd import small_video
 
 
 def with_motor(recording: Recording, factor: float) -> Recording:
@@ -83,3 +85,48 @@ def test_markers_out_of_order_or_out_of_reach_are_named(sound) -> None:
     slips = find_slips(turned)
     assert any(slip.certain and slip.field == "markers.m2.s" for slip in slips)  # the tip's marker, declared at .3
     assert any("nearer to the clamp" in slip.seen for slip in slips)
+
+
+def with_markers(recording: Recording, change: Callable[[np.ndarray], np.ndarray]) -> Recording:
+    seen = as_markers(recording, (0.3, 0.6, 1.0))
+    assert seen.markers is not None
+    return replace(seen, markers=replace(seen.markers, xy=change(seen.markers.xy)))
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [(lambda xy: xy[..., ::-1], "x_m"), (lambda xy: xy * [1.0, -1.0], "y_m")],
+    ids=["x and y exchanged", "y reversed"],
+)
+def test_exchanged_and_reversed_axes_of_markers_are_refused(sound, change, field) -> None:
+    with pytest.raises(InputError) as refused:
+        refuse_slips(with_markers(sound, change))
+    assert refused.value.field == field
+    assert "degrees away from y" in str(refused.value)
+
+
+def test_a_servo_against_the_markers_is_advice(sound) -> None:
+    (slip,) = find_slips(with_motor(with_markers(sound, np.copy), -1.0))
+    assert slip.field == "angle_rad"
+    assert not slip.certain
+
+
+def test_a_servo_s_log_in_milliseconds_beside_a_midline_in_seconds_is_refused(sound) -> None:
+    motor = sound.motor
+    with pytest.raises(InputError, match="milliseconds"):
+        refuse_slips(replace(sound, motor=replace(motor, t=1e3 * motor.t)))
+
+
+def test_a_servo_s_log_in_milliseconds_beside_a_film_is_refused(sound, tmp_path) -> None:
+    """The film's header says how long the arm is seen: ten pictures at 30 a second are a third of a second."""
+    t = np.linspace(0.0, 1.0 / 3.0, 20)
+    filmed = replace(sound, midline=None, video=Video(small_video(tmp_path / "video.mp4")), load_cell=None)
+    refuse_slips(replace(filmed, motor=MotorSignal(t, 0.1 * t, 0.1 * t)))
+    with pytest.raises(InputError, match="milliseconds"):
+        refuse_slips(replace(filmed, motor=MotorSignal(1e3 * t, 0.1 * t, 0.1 * t)))
+
+
+def test_an_arm_larger_than_any_picture_is_refused(sound) -> None:
+    near = Camera(60.0, 1e-6, (320.0, 80.0), (0.0, 1.0))
+    with pytest.raises(InputError, match=r"1\.4e\+05"):
+        refuse_slips(replace(sound, declaration=replace(sound.declaration, camera=near)))

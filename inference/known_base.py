@@ -1,0 +1,71 @@
+"""Which frames show the base where the servo's log knows its angle.
+
+    root(t) - theta(t) = shift(t) theta'(t) + noise,        shift(t) = a + b t        (least squares)
+
+root: the seen direction of the arm's root; theta: the logged angle at the frame's stamp. Camera and servo may run by
+clocks that differ. A frame whose instant t + shift(t) lies beyond an end of the log at which the base moves shows an
+angle that nobody measured: one such frame can cost more than all others, and looks like an effect of the servo. Beyond
+an end at which the base rests it rests on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from affine_model.curvature import Array
+from inference.observation import MarkerObservation, ShapeObservation
+from tentacle.base_motion import BaseMotion
+
+SURE = 3.0  # standard errors by which an instant must lie beyond the log
+RESTS = 0.05  # of the rms rate: a base slower than that at the log's end rests there
+
+
+def within_log(
+    observation: ShapeObservation | MarkerObservation, motion: BaseMotion | None
+) -> tuple[ShapeObservation | MarkerObservation, int]:
+    """The observation without the frames beyond the log (motion; None: there is none), and their number."""
+    beyond = ~_known(observation, motion)
+    if not beyond.any():
+        return observation, 0
+    if isinstance(observation, MarkerObservation):
+        return replace(observation, xy=np.where(beyond[:, None, None], np.nan, observation.xy)), int(beyond.sum())
+    return replace(observation, root=np.where(beyond[:, None, None], 0.0, observation.root)), int(beyond.sum())
+
+
+def _known(observation: ShapeObservation | MarkerObservation, motion: BaseMotion | None) -> NDArray[np.bool_]:
+    t = observation.t
+    known: NDArray[np.bool_] = np.ones(t.size, dtype=bool)
+    if motion is None:
+        return known
+    usual = float(np.sqrt(np.mean(motion(np.linspace(motion.start, motion.stop, 4 * t.size))[1] ** 2)))
+    shift, error = _shift(observation, motion)
+    shown, surely = t + shift, SURE * error
+    if abs(float(motion(motion.start)[1])) > RESTS * usual:
+        known &= shown >= motion.start - surely
+    if abs(float(motion(motion.stop)[1])) > RESTS * usual:
+        known &= shown <= motion.stop + surely
+    return known
+
+
+def _shift(observation: ShapeObservation | MarkerObservation, motion: BaseMotion) -> tuple[Array, Array]:
+    """How much later (T,) [s] the base is seen than the frames are stamped, and its standard error (T,) [s].
+
+    Both are 0 where no root is seen.
+    """
+    t = observation.t
+    none = np.zeros(t.size)
+    if isinstance(observation, MarkerObservation):
+        return none, none
+    use = observation.seen & (t >= motion.start) & (t <= motion.stop)
+    rate = motion(t[use])[1]
+    columns, root = np.stack([rate, rate * t[use]], axis=1), observation.coefficients[use, 0]
+    if use.sum() <= columns.shape[1] or np.linalg.matrix_rank(columns) < columns.shape[1]:
+        return none, none
+    values, *_ = np.linalg.lstsq(columns, root, rcond=None)
+    variance = float(np.sum((root - columns @ values) ** 2)) / (root.size - columns.shape[1])
+    covariance = variance * np.linalg.inv(columns.T @ columns)
+    at = np.stack([np.ones(t.size), t], axis=1)
+    return at @ values, np.sqrt(np.einsum("tj,jk,tk->t", at, covariance, at))

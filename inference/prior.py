@@ -1,0 +1,57 @@
+"""The prior of the added effects' parameters.
+
+    strength ~ Cauchy(0, nominal),        shape ~ uniform between its bounds (in its logarithm where they are positive)
+
+The base parameters' and initial states' priors are those of every hypothesis, and are left out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from affine_model.arm import parameter_rows
+from affine_model.curvature import Array
+from affine_model.effect import Parameter
+from affine_model.effects import catalogue
+from inference.declared_arm import DECLARED
+from inference.experiment import MEMORY_PRIOR
+from inference.trajectory import Fit, Problem
+
+
+def _added(problem: Problem) -> list[tuple[int, Parameter]]:
+    """Places of the added effects' parameters among the free ones, with their catalogue entries."""
+    known = {(row.effect, row.parameter.name): row.parameter for row in parameter_rows()}
+    return [
+        (place, known[name])
+        for place, name in enumerate(problem.free)
+        if name[0] != DECLARED and catalogue()[name[0]].family != "base"
+    ]
+
+
+def prior_precision(problem: Problem, fitted: Fit) -> Array:
+    """Information (P,) of the prior of each unknown. It bounds unknowns that the data do not determine."""
+    precision = np.zeros(len(problem.free) + sum(problem.sizes()))
+    for place, parameter in _added(problem):
+        low, high = parameter.bounds
+        if parameter.scan:
+            width = high - low if low <= 0.0 else float(fitted.values[place]) * np.log(high / low)
+            precision[place] = 12.0 / width**2
+        else:
+            precision[place] = 1.0 / (100.0 * parameter.nominal) ** 2
+    return precision
+
+
+def log_prior(problem: Problem, fitted: Fit) -> float:
+    """Log density of the added effects' parameters, and of the memories that they bring."""
+    total = 0.0
+    for place, parameter in _added(problem):
+        value, (low, high) = float(fitted.values[place]), parameter.bounds
+        if not parameter.scan:
+            sides = 1.0 if low < 0.0 else 2.0
+            total += np.log(sides / (np.pi * parameter.nominal * (1.0 + (value / parameter.nominal) ** 2)))
+        elif low > 0.0:
+            total -= np.log(value * np.log(high / low))
+        else:
+            total -= np.log(high - low)
+    memories = sum(problem.arm.order for experiment in problem.experiments if experiment.begins_with_memory)
+    return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))

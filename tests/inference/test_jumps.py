@@ -1,0 +1,36 @@
+"""A frame that is shown twice is found, and the frames around it are kept."""
+
+import numpy as np
+
+from inference.jumps import jumping_frames, without_jumps
+from inference.observation import POSE, ShapeObservation
+
+
+def swinging(frames=120, rate=30.0):
+    t = np.arange(frames) / rate
+    random = np.random.default_rng(3)
+    coefficients = np.zeros((frames, POSE + 2))
+    sigma = np.array([1e-3, 1e-4, 1e-4, 1e-3, 5e-3, 1e-2])
+    coefficients[:, POSE] = 0.3 * np.sin(2 * np.pi * 1.2 * t)
+    coefficients[:, POSE + 1] = 0.2 * np.cos(2 * np.pi * 1.2 * t)
+    coefficients += sigma * random.standard_normal(coefficients.shape)
+    root = np.repeat(np.diag(1.0 / sigma)[None], frames, axis=0)
+    theta = 0.4 * np.sin(2 * np.pi * 1.2 * t + 0.5)
+    nothing = np.zeros(frames)
+    return ShapeObservation(t, theta, 0.14, coefficients, root, nothing, nothing)
+
+
+def test_a_motion_without_jumps_keeps_every_frame():
+    # At 10 times the scatter around it, no frame of 120 with Gaussian noise stands out.
+    assert not jumping_frames(swinging()).any()
+
+
+def test_a_frame_shown_twice_is_left_out_and_it_alone():
+    observation = swinging()
+    # The picture of frame 59 once more: its shape, and the base angle it had then, counted from the servo's angle now.
+    observation.coefficients[60] = observation.coefficients[59]
+    observation.coefficients[60, 0] += observation.theta[59] - observation.theta[60]
+    assert np.flatnonzero(jumping_frames(observation)).tolist() == [60]
+    cleaned, count = without_jumps(observation)
+    assert count == 1
+    assert np.flatnonzero(cleaned.root[:, -1, -1] == 0.0).tolist() == [60]
