@@ -14,9 +14,11 @@ from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, 
 from discovery.next_experiment import propose_experiment
 from discovery.search import PosteriorSearch
 from inference.compare import floor_errors, midline_error, run_comparison, run_errors
+from inference.declared_words import declared_words
 from inference.discrepancy import ModelDiscrepancy
 from inference.estimates import estimates
 from inference.observation import ShapeObservation
+from inference.one_arm import own_geometry_words
 from inference.posterior import Hypothesis
 from inference.prepare import Prepared
 from inference.score import twin_cosines
@@ -66,7 +68,7 @@ def assemble_posterior(
     sure = 1.0 - decision.confidence if withdrawn else decision.confidence
     if withdrawn:
         effects, verdict = (), "unknown"
-    words = [sentence for p in prepared for sentence in p.words]
+    words = [sentence for p in prepared for sentence in p.words] + own_geometry_words(prepared)
     if order > 2:
         shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in prepared)
         shown = "The measured shapes show" if shapes else "What the markers show so well needs"
@@ -80,6 +82,7 @@ def assemble_posterior(
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
     proposal = propose_experiment(*_to_be_split(found, decision), HOBBY_SERVO, seed)
+    words += declared_words(chosen.problem, chosen.fitted)
     words += _decision_words(found, decision)
     if withdrawn:
         words.append("With it the model predicts the judged frames worse than without it: it is not named.")

@@ -1,9 +1,10 @@
 """Detection limits: the smallest strength of each absent effect that these recordings would show.
 
-    limit = s (sqrt(2 (log prior odds + price of a free strength)) + 1.645)
+    limit = s (sqrt(2 (T log prior odds + price of a free strength)) + 1.645)
 
-s is the standard deviation of the strength beside the chosen model. An estimate p is named if p^2 / 2 s^2 exceeds the
-log prior odds and the price of a free strength. A true strength 1.645 s above that is named in 95 of 100 recordings.
+s is the standard deviation of the strength beside the chosen model. T is the factor by which the decision coarsens the
+likelihood (discovery.decide). An estimate p is named if (p^2 / 2 s^2 - price of a free strength) / T exceeds the log
+prior odds. A true strength 1.645 s above that is named in 95 of 100 recordings.
 """
 
 from __future__ import annotations
@@ -12,20 +13,22 @@ import numpy as np
 
 from discovery.decide import log_prior_of_set
 from inference.posterior import Hypothesis
-from inference.score import score
+from inference.score import responses, score
+from inference.whitened_fit import whitened_fit
 from tentacle.diagnosis import Limit
 
 ONE_SIDED_95 = 1.645
 
 
-def detection_limits(chosen: Hypothesis) -> dict[str, dict[str, Limit]]:
-    """Effect -> parameter -> smallest strength named, beside the chosen model."""
+def detection_limits(chosen: Hypothesis, temperature: float) -> dict[str, dict[str, Limit]]:
+    """Effect -> parameter -> smallest strength named, beside the chosen model; temperature: T."""
     count = len(chosen.effects)
     if count >= 3:
         return {}
-    odds = log_prior_of_set(count) - log_prior_of_set(count + 1)
+    odds = temperature * (log_prior_of_set(count) - log_prior_of_set(count + 1))
     limits: dict[str, dict[str, Limit]] = {}
-    for candidate in score(chosen.problem, chosen.fitted):
+    known = responses(chosen.problem, chosen.fitted)
+    for candidate in score(whitened_fit(chosen.problem, chosen.fitted), known):
         if candidate.effect.name in chosen.effects:
             continue
         for strength, column in zip(candidate.effect.strengths, candidate.sensitivity.T, strict=True):

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from discovery.answer import cannot_tell
-from discovery.given import Deciding, Given, same_arm
+from discovery.given import Deciding, Given
 from discovery.loop import close_loop
+from inference.one_arm import same_arm
 from inference.prepare import CannotTellError
 from tentacle.diagnosis import Diagnosis
 from tentacle.errors import InputError

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from discovery.calibration import Calibration
 from inference.prepare import Prepared
-from tentacle.errors import InputError
 from tentacle.recording import Recording
 
 
@@ -46,16 +45,3 @@ def held_out_run(prepared: Prepared) -> Prepared:
     begin = experiment.t0 if experiment.release is None else experiment.release
     head = times <= begin + (SETTLING if experiment.release is None else 0.05)
     return replace(prepared, experiment=replace(experiment, used=experiment.used & head))
-
-
-def same_arm(recordings: Sequence[Recording]) -> None:
-    """InputError where recordings declare another arm, fluid or gravity than the first."""
-    first = recordings[0].declaration
-    for other in recordings[1:]:
-        declared = other.declaration
-        if (declared.specimen, declared.fluid, declared.gravity) != (first.specimen, first.fluid, first.gravity):
-            raise InputError(
-                "declares another arm, fluid or gravity than the first recording",
-                file=f"{other.name}/recording.toml",
-                expected="recordings of one arm",
-            )

@@ -13,21 +13,21 @@ from dataclasses import replace
 from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.decide import decide_by_mass
+from discovery.decide import decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
 from discovery.laws.rivals import seeks_laws, with_laws
-from discovery.rank import ranked_sets
+from discovery.rank import ranking
 from discovery.search import search_posterior
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
 from inference.decay import fit_from_release, has_decay
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
 from inference.experiment import PARAMETER_SPREAD
 from inference.motion import motion_nats
+from inference.one_arm import one_arm
 from inference.posterior import FORCE_SHARES, Hypothesis, baseline_alone, declared_model, followed_closely, with_rest
 from inference.prepare import Prepared, prepare
-from inference.score import score
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
@@ -45,7 +45,9 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     prepared += [held_out_run(prepare(recording, hold_out=False)) for recording in held_out]
     complete = [prepare(recording, hold_out=False) for recording in baseline]
     complete = [replace(p, experiment=replace(p.experiment, complete=True)) for p in complete]
-    setting = Setting(recordings[0].declaration, tuple(p.experiment for p in [*prepared, *complete]), 2)
+    declaration, together = one_arm([*prepared, *complete])
+    prepared = together[: len(prepared)]
+    setting = Setting(declaration, tuple(p.experiment for p in together), 2)
     if len(setting.experiments) > 1:
         varies = tuple(name for name in setting.base_free() if name[0] in PARAMETER_SPREAD)
         setting = replace(setting, experiments=tuple(replace(e, varies=varies) for e in setting.experiments))
@@ -62,7 +64,7 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
         rough = replace(setting, experiments=problem.experiments)
         problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=fitted)
     progress("running the reference")
-    reduction = model_discrepancy(setting.declaration, problem, fitted)
+    reduction = model_discrepancy(problem, fitted)
     progress("searching the catalogue")
     fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
     base = _base(fine, fitted, reduction)
@@ -73,7 +75,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
         fitted,
         lambda done: progress("searching the catalogue", done),
     )
-    limits = detection_limits(decide_by_mass(list(found.hypotheses)).leading)
+    hypotheses = list(found.hypotheses)
+    limits = detection_limits(decide_by_mass(hypotheses).leading, missing_of(hypotheses).temperature)
     progress("comparing")
     found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
     decision = decide_by_mass(list(found.hypotheses))
@@ -111,8 +114,7 @@ def _with_baseline(base: Hypothesis, known: Hypothesis | None) -> Hypothesis:
     """
     if known is None:
         return base
-    ranked = ranked_sets(known.fitted, score(known.problem, known.fitted), MOST_EFFECTS)
-    gained = max((one.evidence for one in ranked), default=0.0)
+    gained = max((one.evidence for one in ranking(known, MOST_EFFECTS).sets), default=0.0)
     return replace(base, baseline_share=known.share, baseline_gain=max(gained, 0.0))
 
 

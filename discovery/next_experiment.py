@@ -10,8 +10,8 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, ShapeObservation
-from inference.score import nuisance_tangent_basis
 from inference.trajectory import Fit, Problem, unfitted
+from inference.whitened_fit import tangent_basis
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 
@@ -84,7 +84,7 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
     )
     return replace(
         experiment, name="proposal", observation=virtual, base=waveform, t0=0.0, duration=DURATION, release=None,
-        remembers=False, varies=(), used=np.ones(t.size, dtype=bool),
+        remembers=False, varies=(), travel=None, used=np.ones(t.size, dtype=bool),
     )  # fmt: skip
 
 
@@ -127,6 +127,6 @@ def _gap(chosen: FittedHypothesis, rival: FittedHypothesis, source: Experiment, 
     problem: Problem = replace(rival.problem, experiments=(measured,), prior_mean=None, prior_root=None, filters=())
     # The part of the difference that the rival cannot absorb, to first order.
     state = unfitted(replace(problem, parameters=rival.fitted.parameters), (start,))
-    basis = nuisance_tangent_basis(state)
+    basis = tangent_basis(state.jacobian)
     rest = state.used_residuals - basis @ (basis.T @ state.used_residuals)
     return 0.5 * float(rest @ rest)

@@ -1,22 +1,29 @@
 """All sets of up to three absent effects ranked at once, to first order about a fitted model, by linear algebra.
 
-With r the whitened residual and S the sensitivities to the effects' strengths, both freed of what refitting the model's
-own parameters can absorb, a set T of strengths p has the evidence (Laplace)
+    evidence(T) = max over a of  evidence(a) + gain(T, a)  -  max over a of  evidence(a)
+    gain(T, a) = max over p of  (|r|^2 - |r + S_T p|^2) / 2  +  log prior(p)  -  log det(S_T' S_T / 2 pi) / 2
 
-    max over p of  -|r + S_T p|^2 / 2  +  log prior(p)  -  log det(S_T' S_T / 2 pi) / 2
+a: share of unknown forces; evidence(a): of the fitted model. r: its whitened residual at a; S: the sensitivities to the
+effects' strengths, both freed of what refitting the model's own parameters can absorb. A model that lacks an effect
+needs a large share of unknown forces, beside which the effect gains little: beside a small one it gains what it is
+worth.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
-from inference.score import Candidate, nuisance_tangent_basis
-from inference.trajectory import Fit
+from inference.posterior import FORCE_SHARES, Hypothesis
+from inference.score import Candidate, responses, score
+from inference.whitened_fit import WhitenedFit, whitened_fit
+
+EVERY = 2  # of FORCE_SHARES: the evidence changes slowly from one to the next
 
 
 @dataclass(frozen=True)
@@ -39,10 +46,40 @@ def log_cauchy(values: Array, nominal: Array, one_sided: NDArray[np.bool_]) -> f
     return float(np.log(density).sum())
 
 
-def ranked_sets(fitted: Fit, candidates: list[Candidate], most: int) -> list[RankedSet]:
-    """Every set of up to `most` candidates whose estimated strengths lie within their bounds, best first."""
-    basis = nuisance_tangent_basis(fitted)
-    residual = fitted.used_residuals - basis @ (basis.T @ fitted.used_residuals)
+@dataclass(frozen=True)
+class Ranking:
+    """The candidate effects, best first, and every set of them, best first: about one fitted model."""
+
+    candidates: tuple[Candidate, ...]
+    sets: tuple[RankedSet, ...]
+
+
+def ranking(centre: Hypothesis, most: int) -> Ranking:
+    """All sets of up to `most` absent effects beside a model, at its best share of unknown forces and at smaller ones.
+
+    The candidates are those at the best share; the sets have the strengths at the share where each promises most.
+    """
+    known = responses(centre.problem, centre.fitted)
+    best = int(np.argmax(centre.log_evidence))
+    found: dict[tuple[str, ...], RankedSet] = {}
+    first: tuple[Candidate, ...] = ()
+    for place in range(best, -1, -EVERY):
+        filters = tuple(force.filter(FORCE_SHARES[place]) for force in centre.forces)
+        white = whitened_fit(centre.problem, centre.fitted, filters)
+        candidates = score(white, known)
+        first = first or tuple(candidates)
+        behind = float(centre.log_evidence[place] - centre.log_evidence[best])
+        for one in ranked_sets(white, candidates, most):
+            one = replace(one, evidence=one.evidence + behind)
+            name = tuple(sorted(one.names))
+            if name not in found or one.evidence > found[name].evidence:
+                found[name] = one
+    return Ranking(first, tuple(sorted(found.values(), key=lambda one: -one.evidence)))
+
+
+def ranked_sets(white: WhitenedFit, candidates: Sequence[Candidate], most: int) -> list[RankedSet]:
+    """Every set of up to `most` candidates whose estimated strengths lie within their bounds, best first: gain(T)."""
+    residual = white.residual
     columns = np.concatenate([c.sensitivity for c in candidates], axis=1) if candidates else np.zeros((0, 0))
     ends = np.cumsum([len(c.effect.strengths) for c in candidates])
     places = [np.arange(end - len(c.effect.strengths), end) for c, end in zip(candidates, ends, strict=True)]

@@ -14,21 +14,23 @@ from typing import TypeVar
 
 import numpy as np
 
-from affine_model.arm import parameter_index
+from affine_model.arm import neutral_parameters, parameter_index
 from affine_model.curvature import Array
+from affine_model.effect import Parameter
 from affine_model.effects import catalogue
 from discovery.answer import MOST_EFFECTS
-from discovery.decide import log_masses, log_prior_of_set, missing_of
-from discovery.rank import RankedSet, ranked_sets
+from discovery.decide import MOST_DECLARED_FORM, log_masses, log_prior_of_set, missing_of
+from discovery.rank import RankedSet, Ranking, ranking
 from discovery.starts import Names, RefitStart, refit_starts
 from inference.decay import DECAY_SHARE, has_decay, horizons_of
 from inference.linearise import latent_forces
 from inference.posterior import Hypothesis, RoughFit, fit_hypothesis, rough_fit, with_rest
-from inference.score import Candidate, score
+from inference.score import Candidate
 from inference.trajectory import Fit, Problem, linearised_fit
 
 T = TypeVar("T")
 SINGLES, SECOND, SETS = 7, 5, 2  # effects tried beside none, and beside others; sets of several tried at once
+EVERY_EFFECT = len(catalogue())  # tried beside a model that is far from the data
 ROUNDS = 6
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
 FOR_A_SHAPE = 3.0  # nats: what a fitted shape must gain over its neutral value; chosen on the silicone beam
@@ -63,15 +65,15 @@ def search_posterior(
     decay that fit may be far from where any of them has its valley.
     """
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
-    first: list[Candidate] = []
+    first: tuple[Candidate, ...] = ()
     centre, decays = base, has_decay(base.problem)
     for number in range(ROUNDS):
-        candidates = score(centre.problem, centre.fitted)
-        first = first or candidates
+        promised = ranking(centre, MOST_EFFECTS - len(centre.effects))
+        first = first or promised.candidates
         temperature = missing_of(list(tried.values())).temperature
         wanted = [
             begun
-            for begun in _begun_about(centre, candidates, centre if number else _at(base, origin))
+            for begun in _begun_about(centre, promised, centre if number else _at(base, origin))
             if frozenset((*centre.effects, *begun.chosen.names)) not in tried
             and (decays or _may_be_named(begun, centre, temperature))
         ]
@@ -94,7 +96,7 @@ def search_posterior(
         if best.effects == centre.effects:
             break
         centre = best
-    return PosteriorSearch(tried[frozenset()], tuple(tried.values()), tuple(first))
+    return PosteriorSearch(tried[frozenset()], tuple(tried.values()), first)
 
 
 def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothesis:
@@ -119,9 +121,18 @@ def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str],
 
 def _may_be_named(begun: Begun, centre: Hypothesis, temperature: float) -> bool:
     """Whether a set may gain what its prior asks for: to first order, or where its refit begins."""
+    if _is_far(centre):
+        return True
     sizes = len(centre.effects), len(centre.effects) + len(begun.chosen.names)
     asked = temperature * (log_prior_of_set(sizes[0]) - log_prior_of_set(sizes[1]))
     return max(begun.chosen.evidence, centre.fitted.misfit - begun.starts[0].cost) > SURELY_LESS * asked
+
+
+def _is_far(centre: Hypothesis) -> bool:
+    """Whether a model leaves more of the forces than any declared law may: beside such unknown forces neither the
+    first order nor the place where a refit begins says what an effect is worth, so that only its refit does.
+    """
+    return centre.share > MOST_DECLARED_FORM
 
 
 def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
@@ -155,22 +166,23 @@ def _done(task: Callable[[], T]) -> T | None:
         return None
 
 
-def _begun_about(centre: Hypothesis, candidates: list[Candidate], start: Hypothesis) -> list[Begun]:
+def _begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis) -> list[Begun]:
     """The most promising single effects, and sets of several that promise more than each of them, with their starts.
 
     start: where single effects begin (in a decay, where the base's own fit began: sets of several do not begin there).
     """
     if len(centre.effects) == MOST_EFFECTS:
         return []
-    alone = [RankedSet((one,), one.gain, (one.strengths,)) for one in candidates]
+    ranked = {one.names[0]: one for one in promised.sets if len(one.names) == 1}
+    alone = [ranked.get(one.effect.name, RankedSet((one,), -np.inf, (one.strengths,))) for one in promised.candidates]
     unmoved = replace(start.problem, parameters=start.fitted.parameters)
     horizons = horizons_of(unmoved, start.fitted.nuisances)
-    singles = _begun(start, alone, horizons, SECOND if centre.effects else SINGLES)
+    most = SECOND if centre.effects else EVERY_EFFECT if _is_far(centre) else SINGLES
+    singles = _begun(start, alone, horizons, most)
     if has_decay(centre.problem) and not centre.effects:
         return singles
-    ranked = ranked_sets(centre.fitted, candidates, MOST_EFFECTS - len(centre.effects))
-    linear = max((one.evidence for one in ranked if len(one.names) == 1), default=np.inf)
-    several = [one for one in ranked if len(one.names) > 1 and one.evidence > linear]
+    linear = max((one.evidence for one in ranked.values()), default=np.inf)
+    several = [one for one in promised.sets if len(one.names) > 1 and one.evidence > linear]
     prior = [log_prior_of_set(len(centre.effects) + len(one.names)) for one in several]
     order = np.argsort([-(one.evidence + p) for one, p in zip(several, prior, strict=True)], kind="stable")
     return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], horizons, SETS)]
@@ -189,8 +201,8 @@ def _begun(centre: Hypothesis, ranked: list[RankedSet], horizons: tuple[Problem,
     """The `most` most promising sets, by where their refits begin, for beyond the linear regime the first order
     misleads; each with all of its shapes, and without some.
 
-    horizons: of decays, about the centre; none where nothing decays. A decay's fit follows each choice of shapes by
-    itself, for it may end in another valley.
+    horizons: of decays, about the centre; none where nothing decays. Each choice of
+    shapes has its own fit of a decay: it may end in another valley.
     """
     begun = _side_by_side(
         [lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, horizons))) for one in ranked]
@@ -207,24 +219,29 @@ def _begun(centre: Hypothesis, ranked: list[RankedSet], horizons: tuple[Problem,
 
 
 def _left_out(chosen: RankedSet) -> list[Names]:
-    """Shapes that may be none at all, such as a payload's place beside the tip: those that a further fit leaves out.
+    """Shapes in which an effect's published laws differ: further fits leave them at their neutral values.
 
     All of them; and of an effect that has several, all but the first of each effect.
     """
-    of = [[(c.effect.name, one.name) for one in c.effect.shapes if one.neutral == 0.0] for c in chosen.candidates]
+    of = [[(c.effect.name, one.name) for one in c.effect.shapes if _is_a_variant(one)] for c in chosen.candidates]
     nested = [tuple(name for names in of for name in names[first:]) for first in range(max(map(len, of), default=0))]
     return [names for names in nested if names]
+
+
+def _is_a_variant(shape: Parameter) -> bool:
+    """Whether the law without this shape is a published one: its neutral value is none, or the end of its range."""
+    return shape.neutral in (0.0, *shape.bounds)
 
 
 def added(centre: Hypothesis, of: Begun) -> RoughFit:
     """A set of effects more, fitted roughly from the best starts."""
     new = [name for candidate in of.chosen.candidates for name in candidate.free]
     free = (*centre.problem.free, *(name for name in new if name not in of.without))
-    begun = []
+    begun, neutral = [], neutral_parameters()
     for start in of.starts:
         parameters = start.parameters.copy()
         for name in of.without:
-            parameters[parameter_index(*name)] = 0.0
+            parameters[parameter_index(*name)] = neutral[parameter_index(*name)]
         problem = replace(centre.problem, free=free, parameters=parameters, filters=())
         begun.append((problem, start.nuisances))
     return _refitted((*centre.effects, *of.chosen.names), begun, centre)

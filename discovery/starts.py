@@ -12,15 +12,17 @@ from itertools import product
 
 import numpy as np
 
-from affine_model.arm import parameter_index
+from affine_model.arm import neutral_parameters, parameter_index
 from affine_model.curvature import Array
 from discovery.rank import RankedSet
 from inference.decay import LEFT, Points, followed_from_release, residuals_at
 from inference.posterior import Hypothesis
-from inference.score import Candidate, nuisance_tangent_basis
+from inference.score import Candidate
 from inference.trajectory import Problem, split
+from inference.whitened_fit import tangent_basis
 
 START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
+LINEAR_SHARES = (1.0, 0.4)  # of the linear estimate: beyond the linear regime it is too large
 SHAPES = 6  # points of the grid of one effect's shapes, at most
 Names = tuple[tuple[str, str], ...]
 LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
@@ -40,10 +42,11 @@ def refit_starts(
 ) -> list[RefitStart]:
     """The LEFT best places to begin from, best first; horizons: of decays (inference.decay; none: nothing decays).
 
-    without: shapes of the effects that are none.
+    without: shapes of the effects that keep their neutral values.
     """
     plan = np.stack(_plan(centre, chosen), axis=1)
-    plan[[parameter_index(*name) for name in without]] = 0.0
+    left = [parameter_index(*name) for name in without]
+    plan[left] = neutral_parameters()[left, None]
     problem = replace(centre.problem, parameters=centre.fitted.parameters)
     if horizons:
         free = (*problem.free, *(name for one in chosen.candidates for name in one.free if name not in without))
@@ -66,7 +69,7 @@ def _absorbed(centre: Hypothesis, plan: Array) -> Points:
     problem = replace(centre.problem, parameters=centre.fitted.parameters)
     unknowns = np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
     residuals = residuals_at(problem, plan, np.repeat(unknowns[:, None], plan.shape[1], axis=1))
-    basis, scales = nuisance_tangent_basis(centre.fitted), centre.problem.scales()
+    basis, scales = tangent_basis(centre.fitted.jacobian), centre.problem.scales()
     absorbed = basis.T @ residuals
     cost = np.einsum("nb,nb->b", residuals, residuals) - np.einsum("nb,nb->b", absorbed, absorbed)
     step = -np.linalg.lstsq(centre.fitted.jacobian * scales, residuals, rcond=1e-8)[0]
@@ -77,14 +80,17 @@ def _absorbed(centre: Hypothesis, plan: Array) -> Points:
 
 
 def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
-    """Parameter vectors of the grid: the set's linear estimate and shares of it; of a single effect all shapes and
-    sizes too.
+    """Parameter vectors of the grid: the set's linear estimate and shares of it; of a single effect other shapes that
+    the score test likes, and a grid of shapes and sizes too.
     """
     linear = list(zip(chosen.candidates, chosen.strengths, strict=True))
-    plan = [_with(centre.fitted.parameters, linear, share) for share in (1.0, 0.4)]
+    plan = [_with(centre.fitted.parameters, linear, share) for share in LINEAR_SHARES]
     if len(linear) > 1:
         return plan
     (candidate, estimate), effect = linear[0], linear[0][0].effect
+    for strengths, others in candidate.others:
+        other = [(replace(candidate, shapes=others), strengths)]
+        plan += [_with(centre.fitted.parameters, other, share) for share in LINEAR_SHARES]
     shapes = list(product(*(shape.scan for shape in effect.shapes)))
     if candidate.shapes not in shapes:
         shapes.append(candidate.shapes)

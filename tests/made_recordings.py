@@ -1,7 +1,7 @@
 """Recordings made by the reduced model itself, with white noise: there the truth is in the model."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Markers, Midline, MotorSignal
 from tentacle.specimen import WATER, Cone, Specimen
-from tentacle.waveform import Multisine, Ramped
+from tentacle.waveform import Multisine, Ramped, Waveform
 
 SPECIMEN = Specimen(Cone(0.0125, 0.005), 0.14, 1070.0)
 WAVE = Ramped(Multisine((0.2, 0.15, 0.1), (0.4, 1.1, 1.9), (0.0, 1.0, 2.0)), 1.0)
@@ -27,20 +27,39 @@ S = np.linspace(0.0, 1.0, 21)
 STEP = 1.0 / 600.0
 
 
-def record(hidden=None, *, seconds=8.0, noise=1e-4, order=2, seed=0, wave=WAVE) -> Recording:
-    """A recording of the reduced model with these base parameters and hidden effects (effect, parameter) -> value."""
-    arm = arm_of(Model(SPECIMEN, WATER, order=order))
+@dataclass(frozen=True)
+class Run:
+    """How long [s], under which motion of the base, with how many coordinates; noise [m] of a point, and its seed."""
+
+    seconds: float = 8.0
+    noise: float = 1e-4
+    order: int = 2
+    seed: int = 0
+    wave: Waveform = WAVE
+
+
+def record(hidden=None, **run) -> Recording:
+    """A Recording of the reduced model with these base parameters and hidden effects (effect, parameter) -> value.
+
+    run: fields of Run.
+    """
+    return record_declared(Declaration(SPECIMEN, WATER), hidden or {}, Run(**run))
+
+
+def record_declared(declaration: Declaration, hidden: Mapping[tuple[str, str], float], run: Run) -> Recording:
+    """The same of an arm that is as declared."""
+    arm = arm_of(Model(declaration.specimen, declaration.fluid, declaration.gravity, order=run.order))
     parameters = neutral_parameters()
-    for (effect, parameter), value in {**TRUTH, **(hidden or {})}.items():
+    for (effect, parameter), value in {**TRUTH, **hidden}.items():
         parameters[parameter_index(effect, parameter)] = value
-    steps = round(seconds / STEP)
-    base = base_table(wave, Steps(0.0, STEP, steps), Servo.of(parameters[:, None]))
+    steps = round(run.seconds / STEP)
+    base = base_table(run.wave, Steps(0.0, STEP, steps), Servo.of(parameters[:, None]))
     batch = simulate(arm, parameters[:, None], base, Timing(STEP, round(1.0 / STEP / FPS)))
-    theta = wave(batch.t)[0]  # as commanded
-    points = midline(batch.q[:, :, 0], batch.theta[:, 0], SPECIMEN.length, S)
-    points = points + noise * np.random.default_rng(seed).standard_normal(points.shape)
-    seen = Midline(batch.t, S, points, np.full(points.shape[:2], noise))
-    return Recording("made", Declaration(SPECIMEN, WATER), motor=MotorSignal(batch.t, theta, theta), midline=seen)
+    theta = run.wave(batch.t)[0]  # as commanded
+    points = midline(batch.q[:, :, 0], batch.theta[:, 0], arm.specimen.length, S)
+    points = points + run.noise * np.random.default_rng(run.seed).standard_normal(points.shape)
+    seen = Midline(batch.t, S, points, np.full(points.shape[:2], run.noise))
+    return Recording("made", declaration, motor=MotorSignal(batch.t, theta, theta), midline=seen)
 
 
 @pytest.fixture(scope="session")

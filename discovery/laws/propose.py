@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import neutral_parameters, parameter_index, parameter_rows
+from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
 from discovery.answer import HOBBY_SERVO, proposal_words
 from discovery.laws.along import force_map
@@ -17,6 +17,7 @@ from discovery.laws.search import FittedLaw, LawInputs, Sought, search_laws
 from discovery.next_experiment import Proposal, propose_experiment
 from inference.compare import midline_error
 from inference.missing_force import SeenMotion, lacking, seen_motions, small_motions
+from inference.observation import ShapeObservation
 from inference.prepare import Prepared
 from inference.trajectory import Fit, ParameterName, Problem, fit, unfitted
 from tentacle.io.waveform_file import waveform_table
@@ -50,12 +51,16 @@ def propose_laws(
     progress("smoothing the missing force")
     motions = seen_motions(problem, fitted)
     shown = [(place, motion) for place, motion in enumerate(motions) if motion is not None]
-    arm = problem.known(fitted.parameters)[0].arm
     if not shown:
         return MissingForce()
-    maps = tuple(force_map(problem.experiments[place].name, arm, motion) for place, motion in shown)
-    seen = tuple(LawInputs(arm, small_motions(problem, fitted, place, motion)) for place, motion in shown)
-    sought = Sought(seen, _stiffness(problem, fitted))
+    arms = _arms_shown(problem, fitted)
+    names = [problem.experiments[place].name for place, _ in shown]
+    maps = tuple(force_map(name, arm, motion) for name, arm, (_, motion) in zip(names, arms, shown, strict=True))
+    seen = tuple(
+        LawInputs(arm, small_motions(problem, fitted, place, motion), _stiffness(arm, fitted.parameters))
+        for arm, (place, motion) in zip(arms, shown, strict=True)
+    )
+    sought = Sought(seen)
     size = float(np.sqrt(max(np.mean(sought.target**2) - NOISE_SCALE, 0.0)))
     if size < LEAST_FORCE:
         return MissingForce(maps, (), (), ("The missing force does not stand out of the noise: no law is proposed.",))
@@ -72,18 +77,16 @@ def propose_laws(
         return MissingForce(maps, (), kinds, words)
     progress("fitting the best laws")
     fits = _fitted(base, prepared, worth, tuple(motion for _, motion in shown))
-    names = [problem.experiments[place].name for place, _ in shown]
-    maps = tuple(force_map(name, arm, motion) for name, motion in zip(names, fits.motions, strict=True))
+    maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     words = _words(fits.laws, kinds)
     if fits.next_motion is not None:
         words = (*words, proposal_words(fits.next_motion))
     return MissingForce(maps, fits.laws, kinds, words, fits.next_motion and waveform_table(fits.next_motion.waveform))
 
 
-def _stiffness(problem: Problem, fitted: Fit) -> Array:
+def _stiffness(arm: Arm, parameters: Array) -> Array:
     """k(s) (N,) [N m/rad] at the nodes."""
-    arm = problem.known(fitted.parameters)[0].arm
-    E, k0, k1 = (fitted.parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
+    E, k0, k1 = (parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
     node = arm.node_quantities
     return E * node["second_moment"] / arm.specimen.length + k0 + k1 * node["s"]
 
@@ -162,7 +165,8 @@ def _fitted(
         next_motion = None
         if accepted:
             best = accepted[0]
-            motions = tuple(_beside(best.problem, best.fitted, best.proposed.law, motion) for motion in motions)
+            arms = _arms_shown(best.problem, best.fitted)
+            motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, motions, strict=True))
             next_motion = propose_experiment(best, _rivals(accepted), HOBBY_SERVO, 0)
     return LawFits(tuple(one.proposed for one in accepted), motions, next_motion)
 
@@ -174,13 +178,19 @@ def _rivals(accepted: list[LawHypothesis]) -> tuple[LawHypothesis, ...]:
     return tuple(one for one, error in errors if best is not None and error is not None and error <= RIVAL * best)
 
 
-def _beside(problem: Problem, fitted: Fit, law: WrittenLaw, motion: SeenMotion) -> SeenMotion:
+def _arms_shown(problem: Problem, fitted: Fit) -> list[Arm]:
+    """The arm of every recording that shows shapes."""
+    known = problem.known(fitted.parameters)[0]
+    return [e.arm(known.arm) for e in known.experiments if isinstance(e.observation, ShapeObservation)]
+
+
+def _beside(best: LawHypothesis, arm: Arm, motion: SeenMotion) -> SeenMotion:
     """The motion with the force that is missing without the law, at the parameters that were fitted with the law."""
-    arm, parameters = problem.known(fitted.parameters)[0].arm, problem.known(fitted.parameters)[1].copy()
+    law, parameters = best.proposed.law, best.problem.known(best.fitted.parameters)[1].copy()
     for p in law.parameters:
         if not p.scan:
             parameters[parameter_index(law.name, p.name)] = 0.0
-    force = lacking(arm, parameters, (motion.u, motion.rate, motion.acceleration), motion.t)
+    force = lacking(arm, parameters, (motion.u, motion.rate, motion.acceleration), motion.instant)
     return replace(motion, force=force)
 
 

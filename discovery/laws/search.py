@@ -19,6 +19,7 @@ import numpy as np
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array, angle_basis
+from affine_model.laws import relaxed
 from discovery.laws.grammar import Form, Scale, forms
 from discovery.laws.refine import Asked, Start, refined_shapes
 from inference.missing_force import MOTION_STEP, SeenMotion, SmallMotions
@@ -58,10 +59,13 @@ class FittedLaw:
 
 @dataclass(frozen=True)
 class LawInputs:
-    """One recording: its small motions, and the quantities along the arm and at the tip that a law depends on."""
+    """One recording: its small motions, and the quantities along the arm and at the tip that a law depends on;
+    stiffness k(s) (N,) [N m/rad] of the model at the nodes.
+    """
 
     arm: Arm
     small: SmallMotions
+    stiffness: Array
 
     @property
     def motion(self) -> SeenMotion:
@@ -91,6 +95,8 @@ class LawInputs:
         turning = rate[:, n : n + 1] + rate[:, :n] @ arm.angle_basis.T
         velocity = np.einsum("tixj,tj->tix", levers, rate[:, :n])
         velocity += rate[:, n, None, None] * np.stack([-place[..., 1], place[..., 0]], -1)
+        path, going = self._travelled
+        place, velocity = place + path[:, None], velocity + going[:, None]
         c = u[:, :n] @ arm.curvature_basis.T
         c_rate = rate[:, :n] @ arm.curvature_basis.T
         return {**arm.node_quantities, **self._seen(place, phi, turning, velocity), "c": c, "c_rate": c_rate}
@@ -103,7 +109,15 @@ class LawInputs:
         turning = rate[:, n] + rate[:, :n] @ angle_basis(n, [1.0])[0]
         velocity = np.einsum("txj,tj->tx", levers, rate[:, :n])
         velocity += rate[:, n, None] * np.stack([-tip[:, 1], tip[:, 0]], -1)
+        path, going = self._travelled
+        tip, velocity = tip + path, velocity + going
         return self._seen(tip, phi, turning, velocity)
+
+    @property
+    def _travelled(self) -> tuple[Array, Array]:
+        """Place and rate (T, 2) of the base; zero where it stands."""
+        travel = self.motion.instant.travel
+        return (travel[:, :2], travel[:, 2:4]) if travel is not None else (np.zeros((1, 2)), np.zeros((1, 2)))
 
     def _seen(self, place: Array, phi: Array, turning: Array, velocity: Array) -> dict[str, Array]:
         cos, sin = np.cos(phi), np.sin(phi)
@@ -117,18 +131,18 @@ class LawInputs:
 
     def remembered(self, tau: float) -> Array:
         """The memory (T, N) of a spring in series with a dashpot of that relaxation time [s]."""
-        c_rate, decay = self.along["c_rate"], float(np.exp(-MOTION_STEP / tau))
+        c_rate = self.along["c_rate"]
         memory = np.zeros_like(c_rate)
         for k in range(1, len(c_rate)):
-            memory[k] = memory[k - 1] * decay + tau * (1.0 - decay) * c_rate[k]
+            memory[k] = relaxed(memory[k - 1], c_rate[k], MOTION_STEP, tau)
         return memory
 
-    def force(self, law: WrittenLaw, values: Mapping[str, float], stiffness: Array) -> Array:
-        """The law's generalised force (T, n); stiffness k(s) (N,) [N m/rad] of the model."""
+    def force(self, law: WrittenLaw, values: Mapping[str, float]) -> Array:
+        """The law's generalised force (T, n)."""
         arm, (phi, levers, tip_levers, _, _, tip_phi) = self.arm, self._geometry
         x = dict(self.at_tip if law.acts == "tip" else self.along)
         if law.acts == "moment":
-            x["stiffness"] = stiffness
+            x["stiffness"] = self.stiffness
             if law.relaxation is not None:
                 x["memory"] = self.remembered(float(law.relaxation_time(values, NUMPY)))
         found = law.values(x, values, NUMPY)
@@ -146,10 +160,9 @@ class LawInputs:
 
 @dataclass(frozen=True)
 class Sought:
-    """The recordings in which a law is sought, and the model's stiffness k(s) (N,) at the nodes."""
+    """The recordings in which a law is sought."""
 
     seen: tuple[LawInputs, ...]
-    stiffness: Array
 
     @cached_property
     def target(self) -> Array:
@@ -177,7 +190,7 @@ class Sought:
                 shapes = dict(zip((p.name for p in form.shapes), trial, strict=True))
                 for strength in form.strengths:
                     units = {p.name: float(p is strength) for p in form.strengths}
-                    forces.append(one.force(form.law, {**units, **shapes}, self.stiffness))
+                    forces.append(one.force(form.law, {**units, **shapes}))
             answers.append(one.small.freed(one.small.answer(np.stack(forces, axis=2))))
         return np.concatenate(answers)
 

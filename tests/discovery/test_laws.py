@@ -54,7 +54,7 @@ def sought_in(problem, fitted):
     assert motion is not None
     arm = problem.arm
     stiffness = fitted.parameters[parameter_index("elasticity", "E")] * arm.node_quantities["second_moment"]
-    return Sought((LawInputs(arm, small_motions(problem, fitted, 0, motion)),), stiffness / arm.specimen.length)
+    return Sought((LawInputs(arm, small_motions(problem, fitted, 0, motion), stiffness / arm.specimen.length),))
 
 
 def test_small_motions_under_the_missing_force_are_what_was_seen(magnet):

@@ -14,10 +14,10 @@ SPRING, RATIO = 60.0, 0.35  # rad/s and damping of the clamp on its sprung coupl
 def turned(command: Array, step: float, numbers: dict[str, float], laws: dict[str, str]) -> Array:
     """Angle of the clamp [rad] for a command sampled every step [s], under servo_lag and backlash."""
     angle = command
-    if "backlash" in laws:
-        angle = _play(angle, step, numbers["play"], laws["backlash"] == "sprung")
     if "servo_lag" in laws:
         angle = _late(angle, step, numbers["lag"], laws["servo_lag"] == "second_order")
+    if "backlash" in laws:
+        angle = _play(angle, step, numbers["play"], laws["backlash"] == "sprung")
     return angle
 
 

@@ -12,8 +12,8 @@ from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, MarkerObservation, ShapeObservation, Tracker, fit_shapes, from_track
-from inference.score import nuisance_tangent_basis
 from inference.trajectory import Problem, fit_multistart, unfitted
+from inference.whitened_fit import tangent_basis
 from mujoco_ref.simulate import DEFAULT_LINKS
 from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
 from mujoco_ref.undeclared.strength import (
@@ -100,7 +100,7 @@ def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list
     the base's columns.
     """
     state = unfitted(problem, (nuisances,))
-    basis = nuisance_tangent_basis(state)
+    basis = tangent_basis(state.jacobian)
     columns = np.repeat(problem.parameters[:, None], len(variants), axis=1)
     for place, values in enumerate(variants):
         for name, value in values.items():

@@ -38,6 +38,7 @@ def test_a_held_rod_sinks_as_a_cantilever():
     [
         ({}, {}),
         ({"added_mass": {"C_a": 1.0, "tangential": 0.0}}, {"C_a": 1.0}),
+        ({"added_mass": {"C_a": 1.0, "convective": 0.0}}, {"C_a": 1.0, "added_mass_law": 1.0}),
         ({"tip_mass": {"mass": 2e-3, "reach": 0.1}},
          {"payload": 2e-3, "payload_reach": 0.015}),
         ({"soft_spot": {"depth": 0.4, "s0": 0.4}, "intrinsic_curvature": {"c0": 0.3}},
@@ -47,7 +48,10 @@ def test_a_held_rod_sinks_as_a_cantilever():
         ({"wall": {"B": 20.0, "distance": 0.6}, "dry_friction": {"c_f": 0.1, "sliding": 1.0, "rate": 0.4}},
          {"wall_B": 20.0, "wall_x": 0.09, "wall_law": 2.0, "c_f": 0.1}),
     ],
-    ids=("bare", "added mass", "payload", "soft and curved", "Maxwell and hardening", "wall and sliding friction"),
+    ids=(
+        "bare", "added mass", "added mass (Morison)", "payload", "soft and curved", "Maxwell and hardening",
+        "wall and sliding friction",
+    ),
 )  # fmt: skip
 def test_the_plants_swim_as_the_reference_does(hidden, numbers):
     """Ways to write the same arm's mechanics down that have no line in common."""
