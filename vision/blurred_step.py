@@ -54,3 +54,18 @@ def step_softening(d: float, blur: float, half: float) -> float:
     if half < 0.15 * blur:
         return -d / (blur * blur) * _bell(d / blur)
     return (_bell((d + half) / blur) - _bell((d - half) / blur)) / (2.0 * half)
+
+
+@njit(cache=True, inline="always")
+def bar_is_thin(depth: float, blur: float, half: float) -> bool:
+    """Whether a bar's other edge reaches into an edge's profile."""
+    return depth < 2.0 * (2.0 * blur + half) + 2.0
+
+
+@njit(cache=True, inline="always")
+def bar_share(d: float, depth: float, blur: float, half: float, thin: bool) -> float:
+    """Share of the ground's grey at distance d; where the bar is thin, its other edge is near."""
+    c = rise(d, blur, half)
+    if thin:
+        c += rise(-d - depth, blur, half)
+    return c

@@ -17,20 +17,49 @@ from vision.lens import Lens
 
 LEAST_CORNERS = 12
 MOST_VIEWS = 30
+LEAST_MARKER = 0.1  # of its square; smaller ones are not drawn with six pixels
+# Number of markers -> the smallest dictionary that has so many.
+DICTIONARIES = {
+    50: cv2.aruco.DICT_4X4_50,
+    100: cv2.aruco.DICT_4X4_100,
+    250: cv2.aruco.DICT_4X4_250,
+    1000: cv2.aruco.DICT_4X4_1000,
+}
 
 
 @dataclass(frozen=True)
 class CharucoBoard:
-    """A ChArUco board: squares across and down, side of a square and of a marker [m], 4x4 dictionary of 50."""
+    """A ChArUco board: squares across and down, side of a square and of a marker [m], markers of 4 x 4 cells.
+
+    InputError where there is no such board.
+    """
 
     across: int = 8
     down: int = 6
     square: float = 0.02
     marker: float = 0.015
 
+    def __post_init__(self) -> None:
+        if min(self.across, self.down) < 3 or self.markers > max(DICTIONARIES):
+            raise InputError(
+                f"{self.across} by {self.down} squares are no board", field="--across, --down",
+                expected=f"3 squares or more, at most {2 * max(DICTIONARIES)} in all",
+            )  # fmt: skip
+        if not LEAST_MARKER * self.square <= self.marker < self.square:
+            raise InputError(
+                f"a marker of {self.marker:g} m in a square of {self.square:g} m", field="--marker, --square",
+                expected=f"at least {LEAST_MARKER:g} of the square, and less than it",
+            )  # fmt: skip
+
+    @property
+    def markers(self) -> int:
+        """How many there are: one in each white square."""
+        return self.across * self.down // 2
+
     def charuco(self) -> cv2.aruco.CharucoBoard:
         """OpenCV's board."""
-        words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+        smallest = min(count for count in DICTIONARIES if count >= self.markers)
+        words = cv2.aruco.getPredefinedDictionary(DICTIONARIES[smallest])
         return cv2.aruco.CharucoBoard((self.across, self.down), self.square, self.marker, words)
 
     def picture(self, px_per_square: int = 100) -> NDArray[np.uint8]:

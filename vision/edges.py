@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
+from vision.greys_beside import level_sums, plateaus
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
 from vision.levels import KnownLight, count_strange, side_greys
 from vision.light import Light
 from vision.motion import Sweep
-from vision.profiles import Bars, Pixels, Stations, fit_profiles, gather, level_sums, measure_profiles, plateaus
+from vision.profiles import Bars, Pixels, Stations, fit_profiles, gather, measure_profiles
 from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST_PROFILE = 256  # samples that a searched profile may have

@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 from scipy.fft import dct
 
 from tentacle.signals import Array
+from vision.arm_end import EndSearch, agrees_with_sides, arm_end
+from vision.edge_look import EdgeLook
 from vision.edges import Before, Edges, Optics, fit_edges, measure_edges, search_edges
 from vision.kinematics import CORNER_PIXELS, SHARED, Geometry, Outline, outline
 from vision.light import Light
 from vision.motion import ShapeMotion, Sweep, sweep
-from vision.robust import MISFIT, PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
+from vision.robust import PLAIN, disturbed, neighbours_mean, normal_matrix, robust_step
 from vision.usual_bend import usual_bend
 from vision.width import another_width
 
@@ -23,50 +25,12 @@ NARROW = 2.5  # px
 FINAL = 1.2  # px: a short profile sees least of what else is near
 END_PIXELS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
 TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
-CONTRADICTED = 2.0  # px that an end may lie from the expected place without a look at what lies between
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
-SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
 SIDE_ERROR = 0.3  # px: an edge's error, about which what is usual is weighed
 COARSE_STEP = np.array([1.0, 3.0, 8.0, 20.0, 20.0, 20.0])  # rad: how far a first step goes where few edges tell
 MOST_TURN = 3.0 * np.pi  # rad from base to tip
 MOST_BEND = 2.5  # curvature times the half thickness
 SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
-
-
-KNOTS = 8  # stretches of the arm, whose usual contrast is known
-MANY = 10  # edges that tell a stretch's contrast
-FAINTEST = 0.2  # of the arm's contrast, that a stretch's is taken as
-
-
-@dataclass(frozen=True)
-class EdgeLook:
-    """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey].
-
-    along (KNOTS,): the contrast's course from base to tip, as shares of contrast; a thin tip lets light through.
-    wider (width.KNOTS,) [px]: by how much the arm usually looks wider than the fitted radius says (width.usual_widths).
-    """
-
-    blur: float
-    polarity: float
-    contrast: float
-    along: tuple[float, ...] = (1.0,) * KNOTS
-    wider: tuple[float, ...] | None = None
-
-    def contrast_at(self, s: Array) -> Array:
-        """The usual contrast (E,) [grey] of edges at s (E,)."""
-        return self.contrast * np.interp(s, (np.arange(KNOTS) + 0.5) / KNOTS, self.along)
-
-
-def contrast_along(fits: list[FrameFit], polarity: float) -> tuple[float, ...]:
-    """Sight.along as some fits show it: medians over stretches of the arm, where a stretch is fainter than the arm."""
-    s = np.concatenate([fit.expected.s[fit.expected.kind < 2] for fit in fits])
-    contrast = np.concatenate([polarity * fit.own_contrast[fit.expected.kind < 2] for fit in fits])
-    there = contrast > 0.0
-    s, contrast = s[there], contrast[there]
-    usual = float(np.median(contrast)) if len(contrast) else 1.0
-    parts = [contrast[(s >= k / KNOTS) & (s < (k + 1.0) / KNOTS)] for k in range(KNOTS)]
-    shares = [float(np.median(part)) / usual if len(part) >= MANY else 1.0 for part in parts]
-    return tuple(float(np.clip(share, FAINTEST, 1.0)) for share in shares)
 
 
 @dataclass(frozen=True)
@@ -166,8 +130,8 @@ def refine(
         if first is not None:
             most, find = base.max(), EndSearch(optics, sight, ends, ordinary_misfit(edges, weight > 0))
             for kind in (2, 3):
-                end, offset = _end(image, expected, kind, find, swept)
-                if not _agrees_with_sides(expected, end, offset, weight > 0):
+                end, offset = arm_end(image, expected, kind, find, swept)
+                if not agrees_with_sides(expected, end, offset, weight > 0):
                     offset = np.zeros(len(end))
                 # A real end is no perfect cut: all of its edges together weigh no more than their common error allows.
                 weight[end] = most * (offset != 0.0) / (1.0 + np.count_nonzero(offset) * END_ERROR)
@@ -243,59 +207,6 @@ def _summary(x: Array, expected: Outline, edges: Edges, weight: Array, step: Arr
         weight=weight,
         own_contrast=edges.contrast,
     )
-
-
-@dataclass(frozen=True)
-class EndSearch:
-    """How an end is looked for: up to reach [px] along the arm, with the profile's usual rms [grey] of the sides."""
-
-    optics: Optics
-    sight: EdgeLook
-    reach: float
-    usual: float
-
-
-def _end(
-    image: NDArray[np.uint8], expected: Outline, kind: int, find: EndSearch, swept: Sweep
-) -> tuple[NDArray[np.intp], Array]:
-    """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do (a
-    clamp hides it), or moves sideways (its corners pass)."""
-    optics, sight = find.optics, find.sight
-    index = np.flatnonzero(expected.kind == kind)
-    names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge", "span")
-    rows = Outline(*(getattr(expected, name)[index] for name in names))
-    nothing = np.zeros(len(index))
-    if swept.slip[index].max() > SIDEWAYS * 2.0 * expected.span[index].sum():
-        return index, nothing
-    swept = Sweep(swept.width[index], swept.shift[index], swept.slip[index])
-    coarse = search_edges(image, rows, optics.lens, find.reach, optics.polarity)
-    like = sight.polarity * coarse.contrast
-    usually = sight.contrast_at(rows.s)
-    alike = coarse.found & (like > 0.5 * usually) & (like < 1.6 * usually)
-    if np.count_nonzero(alike) < max(0.7 * len(index), 1):
-        return index, nothing
-    shift = float(np.median(coarse.offset[alike]))
-    rows = replace(rows, points=rows.points + shift * rows.normals)
-    sharp = fit_edges(image, rows, optics, NARROW, swept)
-    middle = float(np.median(sharp.offset[sharp.found])) if sharp.found.any() else 0.0
-    agree = sharp.found & (np.abs(sharp.offset - middle) < 0.5) & (sharp.misfit < MISFIT * find.usual)
-    if np.count_nonzero(agree) < max(0.7 * len(index), 1):
-        return index, nothing
-    return index, np.asarray(np.where(agree, shift + sharp.offset, 0.0))
-
-
-def _agrees_with_sides(expected: Outline, end: NDArray[np.intp], offset: Array, carries: NDArray[np.bool_]) -> bool:
-    """Whether an end that lies short of its expected place leaves no sides beyond it: an arm has none where it is not.
-
-    Where the arm bends away from its expected course, the line on which its end is looked for leaves it by its flank.
-    """
-    seen = offset[offset != 0.0]
-    short = -float(np.median(seen)) if len(seen) else 0.0
-    if short < CONTRADICTED:
-        return True
-    apart = np.linalg.norm(expected.points - expected.points[end].mean(axis=0), axis=1)
-    beyond = (expected.kind < 2) & (apart < short)
-    return float(carries[beyond].mean()) < 0.5 if beyond.any() else True
 
 
 def _sway(whitened: Array, weight: Array, kind: Array) -> Array:

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
+from vision.edge_look import EdgeLook, contrast_along
 from vision.fit import (
     END_PIXELS,
-    EdgeLook,
     Exposure,
     FrameFit,
     TrackedArm,
-    contrast_along,
     fit_outline,
     ordinary_misfit,
     refine,
@@ -31,50 +28,20 @@ from vision.locate import locate
 from vision.motion import ShapeMotion
 from vision.reach import seen_reach
 from vision.remedy import remedies
+from vision.repeats import Repeats
+from vision.settle import prior_of, settle
+from vision.tracked_frame import TrackedFrame, eliminate, refused
 from vision.width import usual_widths
 
-FIRST_LOOK_FRAMES = 16  # frames from which the recording's parameters are first estimated
 LEAST_COARSE_SCORE = 0.45  # of a coarse find
-PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
-SHORT, SLENDER = 0.065, (0.4, 0.8, 0.8)  # of a short arm's length, a slender one's half thickness: no further off
 BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
 BLUR_LIMITS = (0.5, 4.0)  # px
 SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
 STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
-REPEAT, USUAL = 0.1, 31  # a repeat's share of the usual change, which is the median over so many pictures
 LOOK_AGAIN = 5  # frames between searches for a lost arm
 END_SHARE = 0.03  # of a short arm, as far as its ends are looked for: the reach tells its length that well
 SIDES_SHARE = 5e-4  # of what the sides tell of g is believed at the start, while their shape is told but roughly
-REACH_ERROR = 0.02  # of the length, that the first frames' common reach may be off
-CONTRADICTION = 9.0  # chi-square of one length: the reach's and the sides' are two
 NEAREST_FRAMES = 3  # frames: a neighbour further off says nothing of a speed
-
-
-@dataclass(frozen=True)
-class TrackedFrame:
-    """One frame's result. x (K,): base angle offset and q [rad]; covariance (K, K), given the recording's parameters.
-
-    reason is "" where the frame was accepted; otherwise x is NaN. lean (K, G): how x moves per unit of g.
-    shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free. sigma [px] and
-    waves (W,) are those of its edges; outline_px (N, 2) is for the overlay.
-    """
-
-    t: float
-    theta: float
-    x: Array
-    covariance: Array
-    reason: str
-    lean: Array
-    shared_information: Array
-    shared_gradient: Array
-    sigma: float
-    waves: Array
-    outline_px: Array
-
-    @property
-    def accepted(self) -> bool:
-        """Whether the frame can be trusted."""
-        return not self.reason
 
 
 class Follower:
@@ -89,16 +56,14 @@ class Follower:
         verdicts: Mapping[int, bool] | None = None,
     ) -> None:
         self.verdicts = verdicts or {}  # frame number -> whether a person accepted or rejected it
-        self._count, self.shown_again = 0, 0
+        self._count, self.repeats = 0, Repeats()
         self.geometry, self.exposure, self.size = geometry, exposure, order + 1
         self._ends = min(END_PIXELS, END_SHARE * geometry.length)
-        self._theta = theta
+        self._theta, self.prior = theta, prior_of(geometry)
         self.shared = np.zeros(SHARED)
         self.told = (np.zeros((SHARED, SHARED)), np.zeros(SHARED))  # information and gradient of the reach, on shared
         self.sight: EdgeLook | None = None
         self._history: list[tuple[float, Array]] = []
-        self._previous: NDArray[np.uint8] | None = None
-        self._changes: list[float] = []
         self._lost = 0
         self._light: Light | None = None
         self._latest: NDArray[np.uint8] | None = None
@@ -117,7 +82,7 @@ class Follower:
         Raises InputError where no frame shows an arm that the declaration fits.
         """
         self._latest = frames[-1].image
-        self._changes = [_change(a.image, b.image) for a, b in pairwise(frames)]
+        self.repeats.begin([frame.image for frame in frames])
         found = None
         for index in np.unique(np.linspace(0, len(frames) - 1, 6).astype(int)):
             frame = frames[index]
@@ -150,7 +115,8 @@ class Follower:
             if not fits:
                 raise InputError("the arm's edges cannot be followed in the first frames", expected="the arm in view")
             reaches_seen = [self._reach(frames[k].image, frames[k].t, fits[k]) for k in fits]
-            self._settle(list(fits.values()), reaches_seen, SIDES_SHARE if sweep < 2 else 1.0)
+            share = SIDES_SHARE if sweep < 2 else 1.0
+            self.shared, self.told = settle(self.shared, self.prior, list(fits.values()), reaches_seen, share)
             if sweep < 2:
                 motion = self._among(frames, shapes, index)
                 self._look_at_edges(frames[index], shapes.get(index, begin), motion, list(fits.values()))
@@ -210,38 +176,12 @@ class Follower:
         course = self.geometry.midline(self.theta(t), fit.x, self.shared)
         return seen_reach(image, self.geometry, course, self.shared, self.sight)[0]
 
-    def _settle(self, fits: list[FrameFit], reaches: list[float], share: float) -> None:
-        """One Gauss-Newton step of g over several frames, each frame's x eliminated (Schur complement).
-
-        share: of what the sides tell. The frames' usual reach (reach.seen_reach) tells the length too. Sides tell it
-        also by what the curve's coordinates cannot follow, which is no length: where the two contradict each other,
-        the sides count as much less as makes them agree (pool).
-        """
-        prior = prior_of(self.geometry)
-        told = np.zeros((SHARED, SHARED)), np.zeros(SHARED)
-        off = 0.0
-        if np.isfinite(reaches).any():
-            off = (float(np.nanmedian(reaches)) - 1.0) * (1.0 + self.shared[2])
-            told[0][2, 2], told[1][2] = REACH_ERROR**-2, off / REACH_ERROR**2
-        parts = [_eliminate(fit, self.size)[2:] for fit in fits]
-        sides = sum((part for part, _ in parts), np.zeros((SHARED, SHARED)))
-        slope = sum((slope for _, slope in parts), np.zeros(SHARED))
-        while True:
-            information = np.diag(prior**-2) + share * sides
-            alone = np.linalg.inv(information)
-            apart = float((alone @ (share * slope - self.shared / prior**2))[2] - off) ** 2
-            if not told[0].any() or apart < CONTRADICTION * (alone[2, 2] + REACH_ERROR**2):
-                break
-            share *= 0.5 * alone[2, 2] / (apart - REACH_ERROR**2)
-        step = np.linalg.solve(information + told[0], share * slope - self.shared / prior**2 + told[1])
-        self.shared, self.told = self.shared + step, (told[0], told[1] - told[0] @ step)
-
     def _look_at_edges(self, frame: Frame, x: Array, motion: ShapeMotion, fits: list[FrameFit]) -> None:
         """Choose contrast and blur as the edges show them."""
         assert self.sight is not None
         polarity = self.sight.polarity
         contrast = np.median([np.median((polarity * f.edges.contrast)[f.weight > 0.1]) for f in fits])
-        self.sight = replace(self.sight, contrast=float(contrast), along=contrast_along(fits, polarity))
+        self.sight = replace(self.sight, contrast=float(contrast), along=_contrast_along(fits, polarity))
         best = np.inf
         chosen = self.sight
         for blur in BLURS:
@@ -268,11 +208,11 @@ class Follower:
         assert self.sight is not None
         self._latest = frame.image
         verdict, self._count = self.verdicts.get(self._count), self._count + 1
-        repeats = self._repeats(frame)
+        repeats = self.repeats.repeats(frame.image)
         if verdict is False:
-            return self._rejected(frame, "rejected by hand")
+            return refused(frame.t, self.theta(frame.t), self.size, "rejected by hand")
         if repeats and not verdict:
-            return self._rejected(frame, "repeats the frame before")
+            return refused(frame.t, self.theta(frame.t), self.size, "repeats the frame before")
         fit, reason = None, "arm not found"
         for x, motion, reaches in self._starts(frame):
             fit = self._fit(frame, x, motion, reaches)
@@ -284,7 +224,7 @@ class Follower:
                 break
         if fit is None or reason:
             self._lost += 1
-            return self._rejected(frame, reason)
+            return refused(frame.t, self.theta(frame.t), self.size, reason)
         self._lost = 0
         before = [entry for entry in self._history if entry[0] != frame.t]
         self._history = [*before[-2:], (frame.t, fit.x + self._turn(frame.t))]
@@ -292,36 +232,20 @@ class Follower:
         self.sight = replace(self.sight, contrast=(1.0 - SLOWLY) * self.sight.contrast + SLOWLY * seen_contrast)
         self._sharpen([fit], SLOWLY)
         self._learn(frame, fit)
-        covariance, lean, shared_information, shared_gradient = _eliminate(fit, self.size)
+        covariance, dx_dg, shared_information, shared_gradient = eliminate(fit)
         return TrackedFrame(
             t=frame.t,
             theta=self.theta(frame.t),
             x=fit.x,
             covariance=covariance,
             reason="",
-            lean=lean,
+            dx_dg=dx_dg,
             shared_information=shared_information,
             shared_gradient=shared_gradient,
             sigma=fit.sigma,
             waves=fit.waves,
             outline_px=self.geometry.lens.bend(fit_outline(fit)),
         )
-
-    def _repeats(self, frame: Frame) -> bool:
-        """Whether a picture is the one before again: it changes far less than pictures here do.
-
-        Noise, or the moving arm, changes every picture; a copy is changed by its coding alone. Where nothing has moved
-        for a while, in a video without noise, copies tell no lie.
-        """
-        before, self._previous = self._previous, frame.image
-        if before is None:
-            return False
-        known = np.array(self._changes or [0.0])
-        change, usual = _change(before, frame.image), float(np.median(known))
-        self._changes = [*self._changes[1 - USUAL :], change]
-        # a film that was slowed shows most pictures again: each tells its shape, and the remark says what it is
-        self.shown_again += change < REPEAT * float(np.quantile(known, 0.9))
-        return change < REPEAT * usual
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, ShapeMotion, tuple[float, ...]]]:
         """Where to begin: constant velocity, then the last shape with a wider reach, then a search of the picture."""
@@ -347,57 +271,8 @@ class Follower:
                     (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0),
                 )
 
-    def _rejected(self, frame: Frame, reason: str) -> TrackedFrame:
-        k = self.size
-        nothing = np.full(k, np.nan)
-        return TrackedFrame(
-            t=frame.t, theta=self.theta(frame.t), x=nothing, covariance=np.full((k, k), np.nan), reason=reason,
-            lean=np.zeros((k, SHARED)), shared_information=np.zeros((SHARED, SHARED)),
-            shared_gradient=np.zeros(SHARED), sigma=np.nan, waves=np.zeros(0), outline_px=np.zeros((0, 2)),
-        )  # fmt: skip
 
-
-def prior_of(geometry: Geometry) -> Array:
-    """How far (G,) the declaration of an arm is usually off: what is usual, but for a small arm a share of it."""
-    base = min(PRIOR[0], SHORT * geometry.length)
-    radius = np.minimum(PRIOR[3:], np.array(SLENDER) * float(geometry.radius.max()))
-    return np.concatenate([[base, base, PRIOR[2]], radius])
-
-
-def _eliminate(fit: FrameFit, k: int) -> tuple[Array, Array, Array, Array]:
-    """Covariance of x given g (K, K), lean dx/dg (K, G), and what the frame says about g: (G, G) and (G,)."""
-    normal = fit.information / fit.sigma**2
-    gradient = fit.gradient / fit.sigma**2
-    covariance = np.asarray(np.linalg.inv(normal[:k, :k] + 1e-6 * np.eye(k)), dtype=float)
-    lean = -covariance @ normal[:k, k:]
-    return covariance, lean, normal[k:, k:] + normal[k:, :k] @ lean, gradient[k:] + lean.T @ gradient[:k]
-
-
-def _change(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> float:
-    """Mean change of grey from one picture to the next; infinite where their sizes differ."""
-    if before.shape != after.shape:
-        return np.inf
-    return float(np.mean(cv2.absdiff(np.ascontiguousarray(before[::7]), np.ascontiguousarray(after[::7]))))
-
-
-def follow_frames(frames: Iterable[Frame], follower: Follower) -> Iterator[TrackedFrame]:
-    """Start on the first frames, then yield every frame's result as it comes."""
-    waiting: list[Frame] = []
-    started = False
-    for frame in frames:
-        if started:
-            yield follower.see(frame)
-            continue
-        waiting.append(frame)
-        if len(waiting) == FIRST_LOOK_FRAMES:
-            follower.start(waiting)
-            started = True
-            for early in waiting:
-                yield follower.see(early)
-            waiting = []
-    if not started:
-        if not waiting:
-            raise InputError("there are no frames", expected="a video with at least one frame")
-        follower.start(waiting)
-        for early in waiting:
-            yield follower.see(early)
+def _contrast_along(fits: list[FrameFit], polarity: float) -> tuple[float, ...]:
+    s = np.concatenate([fit.expected.s[fit.expected.kind < 2] for fit in fits])
+    contrast = np.concatenate([polarity * fit.own_contrast[fit.expected.kind < 2] for fit in fits])
+    return contrast_along(s, contrast)

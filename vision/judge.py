@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from tentacle.signals import Array
+from vision.edge_look import EdgeLook
 from vision.edges import grey_at
-from vision.fit import EdgeLook, FrameFit
+from vision.fit import FrameFit
 from vision.kinematics import Geometry, Outline
 from vision.reach import seen_reach
 

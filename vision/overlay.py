@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.follow import TrackedFrame
 from vision.frames import Frame
+from vision.tracked_frame import TrackedFrame
 
 GOOD, BAD = (60, 220, 90), (235, 70, 60)  # RGB
 FINE_BITS = 4  # sub-pixel bits of OpenCV's drawing

@@ -75,10 +75,10 @@ def recording_limit(information: Array, order: int, count: int) -> Array:
     """
     within, across = information[:, :order, :order], information[:, :order, order:]
     covariance = np.linalg.inv(within)
-    lean = -covariance @ across
-    told = information[:, order:, order:] + np.swapaxes(across, 1, 2) @ lean
+    dx_dg = -covariance @ across
+    told = information[:, order:, order:] + np.swapaxes(across, 1, 2) @ dx_dg
     constants = np.linalg.inv(count * told.mean(axis=0))
-    variance = covariance + lean @ constants @ np.swapaxes(lean, 1, 2)
+    variance = covariance + dx_dg @ constants @ np.swapaxes(dx_dg, 1, 2)
     return np.sqrt(np.mean(np.diagonal(variance, axis1=1, axis2=2), axis=0))
 
 

@@ -1,6 +1,6 @@
 """What all frames say together: the recording's parameters, a common base angle offset, the order that the data need.
 
-Each accepted frame gives x = x_f + lean (g - g0) with covariance C_f, and what it says about g. The base angle offset
+Each accepted frame gives x = x_f + dx_dg (g - g0) with covariance C_f, and what it says about g. The base angle offset
 is modelled as mean + random deviation of variance tau^2, estimated from the frames (empirical Bayes): a rigid mounting
 gives tau = 0, and then the offset is known from all frames; a base that moves unseen gives a large tau, and each frame
 keeps its own. A coordinate that is dropped is one whose value is held at zero. So both are the same linear update.
@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tentacle.signals import Array
-from vision.follow import PRIOR, TrackedFrame
 from vision.kinematics import SHARED
+from vision.settle import PRIOR
+from vision.tracked_frame import TrackedFrame
 
 LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
@@ -62,7 +63,7 @@ NOTHING_KNOWN = KnownBefore(np.zeros((SHARED, SHARED)), np.zeros(SHARED))
 class _Stack:
     x: Array
     covariance: Array
-    lean: Array
+    dx_dg: Array
     information: Array
     gradient: Array
     rigid: bool
@@ -98,7 +99,7 @@ def pool(
     stack = _Stack(
         x=np.array([frame.x for frame in good]),
         covariance=inflation * np.array([frame.covariance for frame in good]),
-        lean=np.array([frame.lean for frame in good]),
+        dx_dg=np.array([frame.dx_dg for frame in good]),
         information=sum((frame.shared_information for frame in good), np.zeros((SHARED, SHARED))) / inflation,
         gradient=sum((frame.shared_gradient for frame in good), np.zeros(SHARED)) / inflation,
         rigid=known.rigid,
@@ -188,8 +189,8 @@ def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
     """g, the mean offset and tau for one order: generalised least squares and a likelihood step for tau, in turns."""
     rows = _rows(stack, order)
     tau = float(np.std(stack.x[:, 0])) if len(stack.x) > 1 else 0.5
-    design = np.concatenate([stack.lean[:, rows], np.zeros((len(stack.x), len(rows), 1))], axis=2)
-    design[:, 0, -1] = -1.0  # the unknowns are (g, mean): residual = x + lean g - mean
+    design = np.concatenate([stack.dx_dg[:, rows], np.zeros((len(stack.x), len(rows), 1))], axis=2)
+    design[:, 0, -1] = -1.0  # the unknowns are (g, mean): residual = x + dx_dg g - mean
     target = stack.x[:, rows]
     solution = np.zeros(SHARED + 1)
     covariance = np.eye(SHARED + 1)
@@ -239,14 +240,14 @@ def _update(stack: _Stack, solution: _Solution, order: int) -> tuple[Array, Arra
     rows = _rows(stack, order)
     weight, _ = _weights(stack, rows, solution.tau)
     gain = stack.covariance[:, :, rows] @ weight
-    free = stack.x + stack.lean @ solution.shared
+    free = stack.x + stack.dx_dg @ solution.shared
     innovation = -free[:, rows]
     innovation[:, 0] += solution.mean
     x = free + np.einsum("tkr,tr->tk", gain, innovation)
     covariance = stack.covariance - gain @ np.swapaxes(stack.covariance[:, :, rows], 1, 2)
     # how x leans on the common unknowns (g, mean), whose own covariance adds to every frame
     common = np.zeros((*stack.x.shape, SHARED + 1))
-    common[:, :, :SHARED] = stack.lean - gain @ stack.lean[:, rows]
+    common[:, :, :SHARED] = stack.dx_dg - gain @ stack.dx_dg[:, rows]
     common[:, :, SHARED] = gain[:, :, 0]
     covariance = covariance + common @ solution.covariance @ np.swapaxes(common, 1, 2)
     keep = slice(0, order + 1)

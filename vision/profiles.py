@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
-from vision.blurred_step import rise, steepness, step_softening
+from vision.blurred_step import bar_is_thin, bar_share, steepness, step_softening
 from vision.lens import bend_point
 
 MOST_PIXELS = 160  # that one edge may have
-BEYOND = 2.0  # blurs from an edge to where its plateaus begin
 CHORD = 4.0  # px over which the lens is taken as straight
 
 
@@ -147,12 +146,12 @@ def fit_profiles(pixels: Pixels, bars: Bars, reach: float) -> Fitted:
         first, count = start[e], start[e + 1] - start[e]
         if count < 4:
             continue
-        thin = _thin(depth[e], blur, half[e])
+        thin = bar_is_thin(depth[e], blur, half[e])
         delta, total, solved = 0.0, 0.0, False
         for sweep in range(3):  # linear in (level, step); one Newton step in delta follows each solve
             n_c, n_cc, n_y, n_yc = 0.0, 0.0, 0.0, 0.0
             for k in range(count):
-                c = _share(float(place[first + k] - delta), depth[e], blur, half[e], thin)
+                c = bar_share(float(place[first + k] - delta), depth[e], blur, half[e], thin)
                 share[k] = c
                 y = grey[first + k]
                 n_c += c
@@ -188,79 +187,6 @@ def fit_profiles(pixels: Pixels, bars: Bars, reach: float) -> Fitted:
     return Fitted(offset, contrast, information, misfit, level, found)
 
 
-@njit(cache=True, inline="always")
-def _thin(depth: float, blur: float, half: float) -> bool:
-    """Whether a bar's other edge reaches into an edge's profile."""
-    return depth < 2.0 * (2.0 * blur + half) + 2.0
-
-
-@njit(cache=True, inline="always")
-def _share(d: float, depth: float, blur: float, half: float, thin: bool) -> float:
-    """Share of the ground's grey at distance d; where the bar is thin, its other edge is near."""
-    c = rise(d, blur, half)
-    if thin:
-        c += rise(-d - depth, blur, half)
-    return c
-
-
-@njit(cache=True, nogil=True)
-def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array) -> Array:
-    """Normal equations of each edge's greys about its expected place, packed for levels.side_greys: (E, 16).
-
-    Unknowns: grey inside and outside at the edge, slope of the ground outward [grey/px] (inside it is ratio times
-    that), and contrast times a shift, so that a place that is a little wrong does not bend the greys. inside (E, 2):
-    grey and slope of the arm that are taken off first. Packed: lower triangle of the matrix (10), right side (4), sum
-    of squares, number of pixels.
-    """
-    start, grey, place = pixels
-    depth, blur, half = bars
-    packed = np.zeros((len(start) - 1, 16))
-    row = np.empty(4)
-    for e in range(len(start) - 1):
-        thin = _thin(depth[e], blur, half[e])
-        for k in range(start[e], start[e + 1]):
-            c = _share(place[k], depth[e], blur, half[e], thin)
-            row[0], row[1], row[2] = 1.0 - c, c, (ratio + (1.0 - ratio) * c) * place[k]
-            row[3] = steepness(place[k], blur, half[e])
-            rest = grey[k] - (1.0 - c) * (inside[e, 0] + inside[e, 1] * place[k])
-            at = 0
-            for i in range(4):
-                packed[e, 10 + i] += row[i] * rest
-                for j in range(i + 1):
-                    packed[e, at] += row[i] * row[j]
-                    at += 1
-            packed[e, 14] += rest * rest
-            packed[e, 15] += 1.0
-    return packed
-
-
-@njit(cache=True, nogil=True)
-def plateaus(pixels: Pixels, bars: Bars, contrast: Array, tell: NDArray[np.bool_]) -> Array:
-    """What the edges that tell (E,) have inside and outside, beyond the blur: (E, 2, 3).
-
-    Number of pixels, mean grey, mean distance outward [px]; what the blur still brings over, by contrast (E,) [grey],
-    is taken off.
-    """
-    start, grey, place = pixels
-    depth, blur, half = bars
-    found = np.zeros((len(start) - 1, 2, 3))
-    for e in range(len(start) - 1):
-        if not tell[e]:
-            continue
-        fuzzy = BEYOND * blur + half[e]
-        thin = _thin(depth[e], blur, half[e])
-        for k in range(start[e], start[e + 1]):
-            if abs(place[k]) < fuzzy:
-                continue
-            side = 1 if place[k] > 0.0 else 0
-            found[e, side, 0] += 1.0
-            found[e, side, 1] += grey[k] + contrast[e] * (side - _share(place[k], depth[e], blur, half[e], thin))
-            found[e, side, 2] += place[k]
-        for side in range(2):
-            found[e, side, 1:] /= max(found[e, side, 0], 1.0)
-    return found
-
-
 @njit(cache=True, nogil=True)
 def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> EdgeMeasurement:
     """How far each edge lies outward of its expected place, by one linear step with the greys beside it known.
@@ -275,7 +201,7 @@ def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> 
     offset, information, misfit = np.zeros(edges), np.zeros(edges), np.zeros(edges)
     found, softer = np.zeros(edges, dtype=np.bool_), np.zeros((edges, 2))
     for e in range(len(start) - 1):
-        thin = _thin(depth[e], blur, half[e])
+        thin = bar_is_thin(depth[e], blur, half[e])
         g_g, r_g, total = 0.0, 0.0, 0.0
         softer[e] = 0.0
         near, used = reach + 2.0 * blur + half[e], 0
@@ -283,7 +209,7 @@ def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> 
             if abs(place[k]) > near:
                 continue
             used += 1
-            c = _share(place[k], depth[e], blur, half[e], thin)
+            c = bar_share(place[k], depth[e], blur, half[e], thin)
             within = greys[e, 0] + greys[e, 3] * place[k]
             beyond = greys[e, 1] + greys[e, 2] * place[k]
             g = -(greys[e, 1] - greys[e, 0]) * steepness(place[k], blur, half[e])

@@ -16,7 +16,7 @@ import tomli_w
 
 from tentacle.errors import InputError
 from tentacle.io.written_file import write_text
-from vision.follow import TrackedFrame
+from vision.tracked_frame import TrackedFrame
 
 _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 

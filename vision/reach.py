@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from tentacle.signals import Array
+from vision.edge_look import EdgeLook
 from vision.edges import grey_at
-from vision.fit import EdgeLook
 from vision.kinematics import Geometry
 
 FROM, AHEAD, STEPS = 0.82, 0.4, 40  # share of the arm from which it is looked for, how far on, in how many steps

@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from tentacle.errors import InputError
-from vision.fit import EdgeLook, Exposure, TrackedArm, refine
+from vision.edge_look import EdgeLook
+from vision.fit import Exposure, TrackedArm, refine
 from vision.frames import Frame
 from vision.kinematics import SHARED, Geometry
 from vision.locate import locate

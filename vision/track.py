@@ -13,13 +13,15 @@ from tentacle.errors import InputError
 from tentacle.recording import Declaration
 from tentacle.signals import Array, MotorSignal, ShapeTrack
 from vision.ahead import read_ahead
-from vision.follow import Follower, TrackedFrame, follow_frames, prior_of
+from vision.follow import Follower
+from vision.frame_loop import follow_frames
 from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
 from vision.pool import COORDINATE_PENALTY, KnownBefore, Pooled, pool
 from vision.remedy import Watch
 from vision.servo_sign import check_sign
+from vision.tracked_frame import TrackedFrame
 
 TRACKED_ORDERS = (1, 2, 3, 4, 5)
 SURE, WORTH_SAYING = 4.0, 2e-3  # sigmas, and relative: a scale further off is a finding
@@ -122,9 +124,9 @@ def track_fully(
         problem = error.problem if error.file else "; ".join([error.problem, *follower.remedies()])
         raise InputError(problem, file=error.file or video, field=error.field, expected=error.expected) from error
     known = KnownBefore(*follower.told, rigid=angle is not None)
-    pooled = pool(seen, follower.shared, following.order, prior_of(follower.geometry), known)
+    pooled = pool(seen, follower.shared, following.order, follower.prior, known)
     shape = _shape(seen, pooled, follower.geometry, declaration)
-    remarks = (*_remarks(seen, pooled), *_scale_finding(shape, declaration), *_slowed(follower.shown_again, shape))
+    remarks = (*_remarks(seen, pooled), *_scale_finding(shape, declaration), *_slowed(follower.repeats.again, shape))
     return Tracking(shape, tuple(seen), pooled, remarks)
 
 

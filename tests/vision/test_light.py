@@ -6,10 +6,11 @@ import pytest
 from scipy.special import ndtr
 
 from vision.field import Field
+from vision.greys_beside import level_sums
 from vision.lens import Lens
 from vision.levels import KnownLight, side_greys
 from vision.light import Light
-from vision.profiles import Bars, Pixels, level_sums
+from vision.profiles import Bars, Pixels
 
 SIZE = (640, 360)
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from vision.edge_look import EdgeLook
 from vision.edges import Edges
-from vision.fit import EdgeLook
-from vision.follow import TrackedFrame
 from vision.kinematics import SHARED, Geometry, outline
 from vision.looks import CLEAN
 from vision.pool import KnownBefore, pool
 from vision.reach import seen_reach
 from vision.render import RenderSettings, render
 from vision.scene import swaying
+from vision.tracked_frame import TrackedFrame
 from vision.width import another_width, usual_widths
 
 
@@ -68,7 +68,7 @@ def test_sides_that_contradict_the_seen_length_are_believed_less():
     frames = [
         TrackedFrame(
             t=0.1 * k, theta=0.0, x=np.array([0.01 * (-1.0) ** k, 0.3, 0.1]), covariance=1e-6 * np.eye(3), reason="",
-            lean=np.zeros((3, SHARED)), shared_information=information, shared_gradient=0.08 * information[:, 2],
+            dx_dg=np.zeros((3, SHARED)), shared_information=information, shared_gradient=0.08 * information[:, 2],
             sigma=0.1, waves=np.ones(17), outline_px=np.zeros((0, 2)),
         )
         for k in range(20)

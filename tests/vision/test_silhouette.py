@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tentacle.errors import InputError
 from vision.body import polynomial_rms, track_body
 from vision.calibrate import CharucoBoard, calibrate_lens
 from vision.frames import Frame, read_frames
@@ -66,10 +67,16 @@ def test_worm_against_the_outside_reference():
     assert "affine fit is bad" in body.words()
 
 
-def test_board_gives_its_scale_and_a_lens_survives_its_file(tmp_path):
-    board = CharucoBoard()
+@pytest.mark.parametrize("board", [CharucoBoard(), CharucoBoard(12, 10)], ids=["24 markers", "60 markers"])
+def test_board_gives_its_scale_and_a_lens_survives_its_file(board, tmp_path):
     found = calibrate_lens([Frame(0.0, board.picture(100))], board)
     assert found.lens.metres_per_px == pytest.approx(0.02 / 100, rel=1e-3)
     assert abs(found.lens.k1) < 1e-3  # a drawn board is seen through no lens
     (tmp_path / "lens.toml").write_text(format_lens(found.lens, rms_px=found.rms_px))
     assert read_lens(tmp_path / "lens.toml") == found.lens
+
+
+@pytest.mark.parametrize("sizes", [(2, 8, 0.02, 0.015), (60, 60, 0.02, 0.015), (8, 6, 0.02, 0.02), (8, 6, 10.0, 0.015)])
+def test_what_is_no_board_is_refused(sizes):
+    with pytest.raises(InputError, match="--"):
+        CharucoBoard(*sizes)

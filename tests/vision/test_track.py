@@ -10,7 +10,8 @@ from tentacle.errors import InputError
 from tentacle.recording import Declaration
 from tentacle.signals import MotorSignal
 from vision.encode import write_video
-from vision.follow import Follower, follow_frames
+from vision.follow import Follower
+from vision.frame_loop import follow_frames
 from vision.frames import Frame
 from vision.kinematics import SHARED, Geometry, outline
 from vision.lens import Lens
