@@ -3,6 +3,9 @@
 numba unpickles what lies in its cache and runs it. A file that a full disk or a power cut tore then ends every later
 run with a traceback, or worse. Here each cache file ends with the SHA-256 of its name and content; one that does not
 agree is compiled anew. Where nothing can be written, the function is compiled in every process.
+
+numba looks for a change in the function's own file alone, and keeps what it took in from other files. Here a change in
+any file of the room compiles its functions anew.
 """
 
 from __future__ import annotations
@@ -11,6 +14,7 @@ import hashlib
 import io
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +62,21 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]
         cached: Any = compiled
         with suppress(RuntimeError):  # numba finds no folder to write to
             cached.enable_caching()
-            cached._cache._cache_file.__class__ = CheckedCacheFile
+            file: Any = cached._cache._cache_file
+            file.__class__ = CheckedCacheFile
+            file._source_stamp = (file._source_stamp, room_digest(Path(function.__code__.co_filename).parent))
         return cached
 
     return decorate
+
+
+@lru_cache
+def room_digest(folder: Path) -> str:
+    """SHA-256 of a room's files; nothing of a folder that is no room, whose files know nothing of each other."""
+    if not (folder / "__init__.py").exists():
+        return ""
+    files = sorted(folder.glob("*.py"))
+    return hashlib.sha256(b"\0".join(file.name.encode() + b"\0" + file.read_bytes() for file in files)).hexdigest()
 
 
 def is_sound(file: Path) -> bool:

@@ -49,6 +49,11 @@ def columns_digest(columns: Mapping[str, NDArray[Any] | Sequence[str]]) -> str:
     return total.hexdigest()
 
 
+def frame_digest(host_ns: int, jpeg: bytes) -> str:
+    """SHA-256 of a camera frame with the time [ns] of its arrival."""
+    return hashlib.sha256(f"{host_ns}\0".encode() + jpeg).hexdigest()
+
+
 def log_sums(stream: rr.RecordingStream, sums: Sequence[Sum], block: int | None = None) -> None:
     """Writes a row of checksums, of the block with that number; without one, of what is written once."""
     import rerun as rr

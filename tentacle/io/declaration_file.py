@@ -48,7 +48,7 @@ def parse_recording_file(values: dict[str, Any], *, file: Path | None = None, te
     document = Table(values, file=file, text=text)
     specimen = parse_specimen(document.required_table("specimen"))
     fluid, gravity, camera = (document.table(key, optional=True) for key in ("fluid", "gravity", "camera"))
-    motor, release = document.table("motor", optional=True), document.table("release", optional=True)
+    motor, release, base, plane = (document.table(k, optional=True) for k in ("motor", "release", "base", "plane"))
     declaration = Declaration(
         specimen=specimen,
         fluid=parse_fluid(fluid) if fluid else AIR,
@@ -56,6 +56,8 @@ def parse_recording_file(values: dict[str, Any], *, file: Path | None = None, te
         camera=_parse_camera(camera) if camera else None,
         motor_mode=cast(Any, _parse_motor_mode(motor)) if motor else "prescribed",
         release_t=_parse_release(release) if release else None,
+        seen_from=cast(Any, _parse_base(base)) if base else "ground",
+        out_of_plane=_parse_plane(plane) if plane else None,
     )
     markers, notes = document.table("markers", optional=True), document.table("notes", optional=True)
     positions = _parse_markers(markers) if markers else {}
@@ -150,6 +152,20 @@ def _parse_motor_mode(table: Table) -> str:
     return mode
 
 
+def _parse_base(table: Table) -> str:
+    """[base]: from where the positions of an arm on a travelling base are counted."""
+    seen_from = table.choice("seen_from", ("ground", "base"), "ground")
+    table.finish()
+    return seen_from
+
+
+def _parse_plane(table: Table) -> float:
+    """[plane]: how much of a spatial arm's motion leaves the plane of the points."""
+    share = table.number("out_of_plane_share", least=0, most=1)
+    table.finish()
+    return share
+
+
 def _parse_release(table: Table) -> float:
     time = table.measured("t_s", least=0)
     table.finish()
@@ -185,6 +201,10 @@ def declaration_tables(declaration: Declaration) -> dict[str, Any]:
     tables["motor"] = {"mode": declaration.motor_mode}
     if declaration.release_t is not None:
         tables["release"] = {"t_s": declaration.release_t}
+    if declaration.seen_from != "ground":
+        tables["base"] = {"seen_from": declaration.seen_from}
+    if declaration.out_of_plane is not None:
+        tables["plane"] = {"out_of_plane_share": declaration.out_of_plane}
     _state_uncertain(tables, declaration.uncertain)
     return tables
 

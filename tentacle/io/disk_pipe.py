@@ -2,6 +2,8 @@
 
 Rerun tells nobody that a disk was full, and a stream whose file failed can stand still for good when it is closed. Its
 end of the pipe never fails: after an error of the disk, the rest is read and let go.
+
+A forked child inherits Rerun's end, and a pipe ends only when all its ends are closed. So each child closes its own.
 """
 
 from __future__ import annotations
@@ -11,8 +13,10 @@ import os
 import select
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
+ENTRANCES = Path("/dev/fd")  # where the system has it
 AT_ONCE = 1 << 16  # bytes: what a pipe holds
 LOOK_AGAIN = 1e-3  # s between two looks at what is still in the pipe
 
@@ -21,10 +25,14 @@ class DiskPipe:
     """Copies the pipe to `file` in a thread of its own. OSError where the file cannot be opened."""
 
     def __init__(self, file: Path) -> None:
-        self._read_end, self._write_end = os.pipe()  # before the file: what fails here leaves it as it was
+        with _forking:
+            self._read_end, self._write_end = os.pipe()  # before the file: what fails here leaves it as it was
+            self._pipe = _identity(self._read_end)
+            _pipes.add(self._pipe)
         try:
             self._file = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
         except OSError:
+            _pipes.discard(self._pipe)
             os.close(self._read_end)
             os.close(self._write_end)
             raise
@@ -38,7 +46,7 @@ class DiskPipe:
     @property
     def entrance(self) -> str:
         """The path under which a writer opens the pipe, before `opened` is called."""
-        return f"/dev/fd/{self._write_end}"
+        return str(ENTRANCES / str(self._write_end))
 
     def opened(self) -> None:
         """Closes this end: the pipe ends when its writer closes it."""
@@ -88,6 +96,7 @@ class DiskPipe:
                     self._write(content)
         finally:
             with self._copying:
+                _pipes.discard(self._pipe)
                 os.close(self._read_end)
                 self._read_end = -1
             self._close()
@@ -123,3 +132,31 @@ def _bytes_in(pipe: int) -> int:
     count = array.array("i", [0])
     fcntl.ioctl(pipe, termios.FIONREAD, count)
     return count[0]
+
+
+_forking = threading.Lock()  # held while a pipe is made, and while the process forks
+_pipes: set[tuple[int, int]] = set()  # that are open
+
+
+def _identity(descriptor: int) -> tuple[int, int]:
+    found = os.fstat(descriptor)
+    return found.st_dev, found.st_ino
+
+
+def _close_in_child() -> None:
+    """Both ends of every pipe lead nowhere in a forked child; their numbers stay taken, for Rerun may close its own."""
+    _forking.release()
+    if not _pipes:
+        return
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for entrance in list(ENTRANCES.iterdir()):
+        descriptor = int(entrance.name)
+        with suppress(OSError):  # the listing's own is closed by now
+            if _identity(descriptor) in _pipes:
+                os.dup2(nowhere, descriptor, inheritable=False)
+    os.close(nowhere)
+    _pipes.clear()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_forking.acquire, after_in_parent=_forking.release, after_in_child=_close_in_child)

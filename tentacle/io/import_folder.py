@@ -5,9 +5,10 @@
 | recording.toml | the declaration (tentacle.io.declaration_file) | an error |
 | video.mp4 (.mkv .avi .mov .webm .gif) or frames/00000.png | dark arm on a light ground; needs [camera] | not filmed |
 | motor.csv | t_s, command_rad, angle_rad | clamped |
+| base.csv | t_s, x_m, y_m: where the base is, if it travels | it stands |
 | load_cell.csv | t_s, thrust_n | not measured |
 | midline.csv | t_s, s, x_m, y_m, sigma_m, one point a row; sigma_m may be left out | no midline |
-| markers.csv | t_s, then NAME_x_m, NAME_y_m; [markers] NAME = {s, d} in recording.toml | no markers |
+| markers.csv | t_s, then NAME_x_m, NAME_y_m (and NAME_z_m); [markers] NAME = {s, d} in recording.toml | no markers |
 
 A blank cell in x_m, y_m, sigma_m or a marker's columns means: not seen.
 One of video, midline and markers must be there.
@@ -15,6 +16,7 @@ One of video, midline and markers must be there.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,10 +25,11 @@ from tentacle.errors import InputError
 from tentacle.io.csv_table import CsvTable, read_csv
 from tentacle.io.declaration_file import RecordingFile, read_recording_file
 from tentacle.io.plain_file import is_there
-from tentacle.io.sound_recording import LARGEST_ANGLE, LARGEST_DISTANCE, LARGEST_THRUST, check_recording
+from tentacle.io.sound_recording import LARGEST_ANGLE, LARGEST_THRUST, LONGEST_TRAVEL, check_recording, reach_of
 from tentacle.io.video_file import find_video, misnamed_video
+from tentacle.plane import plane_of_motion
 from tentacle.recording import Recording
-from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal
+from tentacle.signals import Array, BaseTravel, LoadCellSignal, Markers, Midline, MotorSignal
 
 OPTIONAL = ("sigma_m", "curvature_1_m", "width_m")  # of midline.csv; the last two, which track writes, are not used
 
@@ -45,14 +48,19 @@ def read_folder(folder: Path) -> Recording:
             field="camera",
             expected="[camera] with fps, m_per_px, base_px, arm_px",
         )
-    reach = LARGEST_DISTANCE * declared.declaration.specimen.length
+    travel = read_travel(folder / "base.csv")
+    reach = reach_of(declared.declaration, travel)
+    markers, out_of_plane = _read_markers(folder / "markers.csv", declared, reach)
+    if out_of_plane is not None:
+        declared = replace(declared, declaration=replace(declared.declaration, out_of_plane=out_of_plane))
     recording = Recording(
         name=declared.name or folder.resolve().name,
         declaration=declared.declaration,
         motor=_read_motor(folder / "motor.csv"),
+        travel=travel,
         load_cell=_read_load_cell(folder / "load_cell.csv"),
         midline=_read_midline(folder / "midline.csv", reach),
-        markers=_read_markers(folder / "markers.csv", declared, reach),
+        markers=markers,
         video=video,
         notes=declared.notes,
     )
@@ -75,6 +83,17 @@ def _read_motor(file: Path) -> MotorSignal | None:
     for name in ("command_rad", "angle_rad"):
         table.require_within(name, LARGEST_ANGLE, "an angle in rad; degrees? then multiply by 0.0174533")
     return MotorSignal(table["t_s"], table["command_rad"], table["angle_rad"])
+
+
+def read_travel(file: Path) -> BaseTravel | None:
+    """The path of a base out of its CSV; None where there is no such file."""
+    if not is_there(file):
+        return None
+    table = read_csv(file, ("t_s", "x_m", "y_m"))
+    table.require_rising("t_s")
+    for name in ("x_m", "y_m"):
+        table.require_within(name, LONGEST_TRAVEL, f"metres, within {LONGEST_TRAVEL:g} m of where the base begins")
+    return BaseTravel(table["t_s"], np.stack([table["x_m"], table["y_m"]], axis=-1))
 
 
 def _read_load_cell(file: Path) -> LoadCellSignal | None:
@@ -132,25 +151,42 @@ def _group_frames(table: CsvTable, sigma: Array) -> Midline:
     return Midline(t[starts], grid.copy(), xy, spread)
 
 
-def _read_markers(file: Path, declared: RecordingFile, reach: float) -> Markers | None:
+def _read_markers(file: Path, declared: RecordingFile, reach: float) -> tuple[Markers | None, float | None]:
+    """The markers; of markers in space, those in their plane of motion, and the share of the motion that leaves it."""
     declaration_file = file.parent / "recording.toml"
     if not is_there(file):
         if declared.markers:
             raise InputError("no such file, and [markers] declares some", file=file)
-        return None
+        return None, None
     if not declared.markers:
         raise InputError(
             "missing, and there is markers.csv", file=declaration_file, field="markers", expected="name = {s, d}"
         )
     names = tuple(declared.markers)
     pairs = [(f"{name}_x_m", f"{name}_y_m") for name in names]
-    table = read_csv(file, ("t_s", *(column for pair in pairs for column in pair)), blank_allowed=True)
+    columns = ("t_s", *(column for pair in pairs for column in pair))
+    deep = tuple(f"{name}_z_m" for name in names)
+    table = read_csv(file, columns, optional=deep, blank_allowed=True)
     table.require_values("t_s")
     table.require_rising("t_s")
     _check_points(table, pairs, reach)
     xy = np.stack([np.stack([table[x], table[y]], axis=-1) for x, y in pairs], axis=1)
+    share = None
+    if any(name in table for name in deep):
+        xy, share = _in_plane(xy, table, deep, reach)
     positions = np.array([declared.markers[name] for name in names])
-    return Markers(table["t_s"], names, positions[:, 0].copy(), positions[:, 1].copy(), xy)
+    return Markers(table["t_s"], names, positions[:, 0].copy(), positions[:, 1].copy(), xy), share
+
+
+def _in_plane(xy: Array, table: CsvTable, deep: tuple[str, ...], reach: float) -> tuple[Array, float]:
+    """Markers in space (T, M, 2), y along the straight arm, in the plane in which they move about their means."""
+    for name in deep:
+        if name not in table:
+            raise InputError("no such column", file=table.file, field=name, expected="z of all markers, or of none")
+        table.require_within(name, reach, f"metres, within {reach:g} m of the clamp")
+    points = np.concatenate([xy, np.stack([table[name] for name in deep], axis=-1)[..., None]], axis=-1)
+    plane = plane_of_motion(points - np.nanmean(points, axis=0), np.array([0.0, 1.0, 0.0]))
+    return plane.coordinates(points), plane.out_of_plane
 
 
 def _check_points(table: CsvTable, pairs: list[tuple[str, str]], reach: float) -> None:

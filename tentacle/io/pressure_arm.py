@@ -63,6 +63,7 @@ def read_pressure_arm(file: Path) -> Recording:
         Specimen(Cone(RADIUS, RADIUS), length, DENSITY),
         AIR,
         Gravity(0.0),
+        out_of_plane=round(plane.out_of_plane, 4),
         uncertain=(
             Uncertain("specimen.density_kg_m3", DENSITY, DENSITY_SD, 10.0),
             Uncertain("gravity.angle_rad", 0.0, None, -math.pi, math.pi),
@@ -71,7 +72,6 @@ def read_pressure_arm(file: Path) -> Recording:
     notes = {
         "source": "github.com/srl-ethz/diffPD_sim2real",
         "geometry": "see tentacle/io/pressure_arm.py",
-        "out_of_plane_share": f"{plane.out_of_plane:.3f}",
     }
     return Recording(file.stem, declaration, markers=markers, notes=notes)
 

@@ -24,8 +24,9 @@ from tentacle.io.toml_table import parse_toml
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_frames
 from tentacle.io.video_store import store_frames, store_video
 from tentacle.recording import Recording
-from tentacle.signals import Array, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
+from tentacle.signals import Array, BaseTravel, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
 
+PLANNED = "/planned"  # s that the recording is to last, where it is written as it is measured
 # What a file is damaged in may make anything of it: another number of values, no value, another type.
 DAMAGE = (ValueError, KeyError, IndexError, TypeError, AttributeError, OverflowError)
 
@@ -66,6 +67,7 @@ def _assembled(entities: dict[str, EntityColumns], file: Path) -> Recording:
         name=declared.name or file.stem,
         declaration=declared.declaration,
         motor=_motor(entities, compare),
+        travel=_travel(entities.get("/travel"), compare),
         load_cell=_load_cell(entities, compare),
         midline=_midline(entities.get("/midline"), compare),
         markers=_markers(entities.get("/markers"), declared, compare),
@@ -123,6 +125,13 @@ def _motor(entities: dict[str, EntityColumns], compare: _Comparison) -> MotorSig
     }
     found = compare.rows("motor", columns)  # a cut can fall between the entities of one block
     return MotorSignal(found["t_s"], found["command"], found["angle"])
+
+
+def _travel(columns: EntityColumns | None, compare: _Comparison) -> BaseTravel | None:
+    if columns is None or not columns.has_rows("t_s", "x_m", "y_m"):
+        return None
+    found = _tables(columns, "travel", ("t_s", "x_m", "y_m"), compare)
+    return BaseTravel(found["t_s"], np.stack([found["x_m"][:, 0], found["y_m"][:, 0]], axis=-1))
 
 
 def _load_cell(entities: dict[str, EntityColumns], compare: _Comparison) -> LoadCellSignal | None:
@@ -222,11 +231,20 @@ def _what_is_missing(entities: dict[str, EntityColumns], recording: Recording, b
                 words.append(f"{name} {found} of {int(count)}" + (seconds if stop > start else ""))
     elif bytes_lost or entities["/declaration"].has_static("format"):
         ends = [float(s.t[-1]) for s in (recording.motor, recording.load_cell) if s is not None and len(s.t)]
-        words += [f"what was measured up to {max(ends):.2f} s; length unknown"] if ends else []
+        words += [f"what was measured up to {max(ends):.2f} s; {_left(entities, max(ends))}"] if ends else []
     if not words and not bytes_lost:
         return None
     head = "the file is cut off" + (f", its last {bytes_lost} bytes are no whole message" if bytes_lost else "")
     return head + ("; left: " + ", ".join(words) if words else "; all rows that were announced are there")
+
+
+def _left(entities: dict[str, EntityColumns], reached: float) -> str:
+    """How much is missing of what was to be measured, where its length was written at the start."""
+    text = sound_text(entities[PLANNED]) if PLANNED in entities else None
+    if text is None:
+        return "length unknown"
+    planned = float(text)
+    return f"{max(planned - reached, 0.0):.2f} of {planned:.2f} s are missing"
 
 
 def _stored_frames(entities: dict[str, EntityColumns], recording: Recording) -> int:

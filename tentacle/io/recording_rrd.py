@@ -4,8 +4,10 @@
 |---|---|
 | /declaration | static TextDocument: recording.toml, markers' (s, d), name and notes included; format |
 | /rows | static: signal, count of rows (camera: frames, 1 for a video file), start_s, stop_s: to know a cut |
+| /planned | static text, where it is written as it is measured: the seconds that it is to last |
 | /sums | a checksum of each block of each signal (tentacle.io.checksums) |
 | /motor | t_s; /motor/command and /motor/angle: Scalars [rad] |
+| /travel | t_s, x_m, y_m of a base that travels |
 | /load_cell | t_s; /load_cell/thrust: Scalars [N] |
 | /midline | t_s, x_m, y_m, sigma_m (P each); static s (P) |
 | /markers | t_s, x_m, y_m (M each) |
@@ -35,7 +37,7 @@ from tentacle.io.checksums import Sum, columns_digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file
 from tentacle.io.film_pieces import LARGE_VIDEO, log_film
 from tentacle.io.recording_from_rrd import read_rrd
-from tentacle.io.rrd_chunks import just_written
+from tentacle.io.rrd_chunks import has_header, just_written
 from tentacle.io.rrd_stream import new_stream, saved
 from tentacle.io.video_file import frame_files
 from tentacle.io.write_folder import describe
@@ -56,10 +58,15 @@ SECONDS_PER_BLOCK = 1.0  # a cut costs at most this much, and the whole video
 
 
 def write_rrd(recording: Recording, file: Path) -> None:
-    """Write a recording; the file appears whole or not at all. InputError where its folder is missing."""
+    """Write a recording; the file appears whole or not at all.
+
+    InputError where its folder is missing, or where the file is there and is no .rrd: that would be lost.
+    """
     file = Path(file)
     if not file.parent.is_dir():
         raise InputError("no such folder", file=file.parent)
+    if file.is_file() and file.stat().st_size and not has_header(file):
+        raise InputError("is there, and is no .rrd", file=file, expected="a name that is free, or an .rrd to replace")
     with written_file(file) as partial:
         stream = new_stream(_identity(recording))
         with saved(stream, partial):
@@ -128,6 +135,9 @@ def signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
     markers, shape = recording.markers, recording.shape
     if motor is not None:
         signals["motor"] = {"t_s": motor.t, "command": motor.command, "angle": motor.angle}
+    if recording.travel is not None:
+        xy = recording.travel.xy
+        signals["travel"] = {"t_s": recording.travel.t, "x_m": xy[:, :1], "y_m": xy[:, 1:]}
     if load_cell is not None:
         signals["load_cell"] = {"t_s": load_cell.t, "thrust": load_cell.thrust}
     if midline is not None:

@@ -15,6 +15,10 @@ def summarise(recording: Recording) -> dict[str, str]:
         lines["video"] = f"video: {recording.video.path.name}"
     if recording.motor is not None:
         lines["motor"] = f"motor: {_sampling(recording.motor.t)}"
+    if recording.travel is not None:
+        path = 1e3 * np.ptp(recording.travel.xy, axis=0)
+        ranges = f"travels over {path[0]:.3g} mm in x, {path[1]:.3g} mm in y"
+        lines["travel"] = f"base: {ranges}, {_sampling(recording.travel.t)}"
     if recording.load_cell is not None:
         lines["load_cell"] = f"load cell: {_sampling(recording.load_cell.t)}"
     if recording.midline is not None:

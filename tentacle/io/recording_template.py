@@ -52,6 +52,7 @@ angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.
 {camera_text(answers.camera)}
 # Beside this file: the film as video.mp4 (.mkv .avi .mov .webm .gif), and where you have them
 #   motor.csv      t_s,command_rad,angle_rad     the servo, in the film's time; without it the base is clamped
+#   base.csv       t_s,x_m,y_m                   where the base is, if it travels (shaken, on a cart, towed)
 #   load_cell.csv  t_s,thrust_n
 """
 

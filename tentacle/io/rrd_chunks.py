@@ -8,7 +8,6 @@ A file that was cut off is read up to its last whole message.
 from __future__ import annotations
 
 import os
-import resource
 import shutil
 import struct
 import subprocess
@@ -57,6 +56,18 @@ def read_chunks(file: Path) -> Iterator[Chunk]:
         yield from (_read_here if direct else _read_in_child)(whole, file)
 
 
+def has_header(file: Path) -> bool:
+    """Whether a file begins as an .rrd does. OSError where it cannot be read."""
+    with file.open("rb") as opened:
+        return opened.read(len(MAGIC)) == MAGIC
+
+
+def has_footer(file: Path) -> bool:
+    """Whether a file was written to its end and closed. OSError where it cannot be read."""
+    with file.open("rb") as opened:
+        return _ends_with_footer(opened, file.stat().st_size)
+
+
 def bytes_lost(file: Path) -> int:
     """How many bytes at the end are no whole message; 0 where the file is whole."""
     return _length(file) - _whole_length(file)
@@ -95,8 +106,7 @@ def _whole_length(file: Path) -> int:
         head = opened.read(STREAM_HEADER)
         if head[: len(MAGIC)] != MAGIC[: len(head)] or not head:
             raise InputError("not an .rrd file", file=file, expected="a file that begins with RRF2")
-        opened.seek(max(0, length - FOOTER_END))
-        if opened.read(len(FOOTER_MAGIC)) == FOOTER_MAGIC:
+        if _ends_with_footer(opened, length):
             return length
         position = STREAM_HEADER
         while position + MESSAGE_HEADER.size <= length:
@@ -106,6 +116,11 @@ def _whole_length(file: Path) -> int:
                 break
             position += MESSAGE_HEADER.size + size
     return min(position, length)
+
+
+def _ends_with_footer(opened: IO[bytes], length: int) -> bool:
+    opened.seek(max(0, length - FOOTER_END))
+    return opened.read(len(FOOTER_MAGIC)) == FOOTER_MAGIC
 
 
 def _read_here(whole: Path, file: Path) -> Iterator[Chunk]:
@@ -154,9 +169,7 @@ def _received(stream: IO[bytes]) -> Iterator[Chunk]:
 
 def _send(file: Path, out: IO[bytes]) -> None:
     """In the child: sends the file's chunks."""
-    most = CHILD_MEMORY + 8 * file.stat().st_size
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    _limit_memory(CHILD_MEMORY + 8 * file.stat().st_size)
     for chunk in _read_here(file, file):
         sink = pa.BufferOutputStream()
         with pa.ipc.new_stream(sink, chunk.batch.schema) as batches:
@@ -166,6 +179,16 @@ def _send(file: Path, out: IO[bytes]) -> None:
         out.write(entity)
         out.write(content)
     out.flush()
+
+
+def _limit_memory(most: int) -> None:
+    """So many bytes at most, and no dump of them; where the system can."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 if __name__ == "__main__":

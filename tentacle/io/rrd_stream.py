@@ -10,7 +10,7 @@ from uuid import UUID
 import rerun as rr
 import rerun_bindings
 
-from tentacle.io.disk_pipe import DiskPipe
+from tentacle.io.direct_file import way_to_disk
 
 APPLICATION = "tentacle-twin"
 
@@ -28,18 +28,18 @@ def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.Reco
 @contextmanager
 def saved(stream: rr.RecordingStream, file: Path, blueprint: rr.blueprint.Blueprint | None = None) -> Iterator[None]:
     """What is logged inside goes into the file. OSError where the disk does not take it to its end."""
-    pipe = DiskPipe(file)
+    disk = way_to_disk(file)
     try:
         try:
-            stream.save(pipe.entrance, default_blueprint=blueprint)
+            stream.save(disk.entrance, default_blueprint=blueprint)
         finally:
-            pipe.opened()
+            disk.opened()
         yield
         stream.flush()
         stream.disconnect()
     except BaseException:
         stream.disconnect()
         with suppress(OSError):  # the first error is the one to be told
-            pipe.finish()
+            disk.finish()
         raise
-    pipe.finish()
+    disk.finish()

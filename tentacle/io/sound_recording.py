@@ -11,19 +11,28 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.errors import InputError
-from tentacle.recording import Recording
-from tentacle.signals import Array, Markers, Midline, ShapeTrack
+from tentacle.recording import Declaration, Recording
+from tentacle.signals import Array, BaseTravel, Markers, Midline, ShapeTrack
 
 LARGEST_ANGLE = 4 * math.pi  # rad; a servo turns less, so more is degrees by mistake
 LARGEST_DISTANCE = 3.0  # arm lengths; farther from the clamp is millimetres by mistake
 LARGEST_THRUST = 1000.0  # N; more is counts or grams by mistake
+LONGEST_TRAVEL = 100.0  # m of a moving base; more is millimetres by mistake
 LONGEST_SPAN = 86400.0  # s; a longer span is a clock that jumped
 MOST_POINTS = 10_000  # of a midline, and markers
 
 
+def reach_of(declaration: Declaration, travel: BaseTravel | None) -> float:
+    """How far from the origin [m] a point of the arm may lie."""
+    own = LARGEST_DISTANCE * declaration.specimen.length
+    if travel is None or declaration.seen_from == "base":
+        return own
+    return own + float(np.abs(travel.xy).max(initial=0.0))
+
+
 def check_recording(recording: Recording, file: Path) -> Recording:
     """The recording; InputError at the first thing in it that cannot be."""
-    reach = LARGEST_DISTANCE * recording.declaration.specimen.length
+    reach = reach_of(recording.declaration, recording.travel)
     motor, load_cell = recording.motor, recording.load_cell
     if motor is not None:
         _check_times("motor", motor.t, file)
@@ -32,6 +41,8 @@ def check_recording(recording: Recording, file: Path) -> Recording:
     if load_cell is not None:
         _check_times("load_cell", load_cell.t, file)
         _check_series("load_cell.thrust_n", load_cell.thrust, load_cell.t, LARGEST_THRUST, "forces in N", file)
+    if recording.travel is not None:
+        _check_travel(recording, recording.travel, file)
     if recording.midline is not None:
         _check_midline(recording.midline, reach, file)
     if recording.markers is not None:
@@ -40,6 +51,20 @@ def check_recording(recording: Recording, file: Path) -> Recording:
         _check_shape(recording.shape, file)
     _check_clocks(recording, file)
     return recording
+
+
+def _check_travel(recording: Recording, travel: BaseTravel, file: Path) -> None:
+    _check_times("base", travel.t, file)
+    expected = f"metres, within {LONGEST_TRAVEL:g} m"
+    _check_series("base.x_m", travel.xy[:, 0], travel.t, LONGEST_TRAVEL, expected, file)
+    _check_series("base.y_m", travel.xy[:, 1], travel.t, LONGEST_TRAVEL, expected, file)
+    if recording.video is not None and recording.declaration.seen_from == "ground":
+        raise InputError(
+            "a film of a base that travels through the picture is not tracked",
+            file=file,
+            field="base.seen_from",
+            expected='"base", a camera that travels with it, or a midline or markers',
+        )
 
 
 def _check_times(name: str, t: Array, file: Path) -> None:
@@ -126,7 +151,7 @@ def _check_clocks(recording: Recording, file: Path) -> None:
     if pictures is None:
         return
     start, stop = float(pictures.t[0]), float(pictures.t[-1])
-    for name, signal in (("motor", recording.motor), ("load_cell", recording.load_cell)):
+    for name, signal in (("motor", recording.motor), ("base", recording.travel), ("load_cell", recording.load_cell)):
         if signal is not None and (signal.t[-1] < start or signal.t[0] > stop):
             raise InputError(
                 f"from {signal.t[0]:.9g} to {signal.t[-1]:.9g} s, and the arm is seen from {start:.9g} to {stop:.9g} s",

@@ -193,12 +193,13 @@ class Table:
         infinite = isinstance(value, float) and math.isinf(value)
         return value if infinite else self.number(key, default)
 
-    def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
-        """A list of finite numbers, of the given length where one is given."""
+    def numbers(self, key: str, count: int | None = None, *, most: float = math.inf) -> tuple[float, ...]:
+        """A list of finite numbers, none beyond `most` on either side, of the given length where one is given."""
         expected = "a list of numbers" if count is None else f"a list of {count} numbers"
+        expected += f" from {-most:g} to {most:g}" * (most < math.inf)
         value = self.raw(key, expected)
         numbers = [_float(x) for x in value] if isinstance(value, list) else [None]
-        found = [x for x in numbers if x is not None and math.isfinite(x)]
+        found = [x for x in numbers if x is not None and math.isfinite(x) and abs(x) <= most]
         if len(found) < len(numbers) or (count is not None and len(found) != count):
             raise self.error(f"{_shown(value)} is not usable", key, expected)
         return tuple(found)

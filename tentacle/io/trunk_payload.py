@@ -6,7 +6,7 @@ the tip. What the source does not state was decided so:
 - A disc is a marker on the axis, at the depth that all discs have at rest to 1 mm. Its d is where it lies at rest
   beside the vertical under the clamp: the arm at rest counts as straight. Rest is the end of the decay itself: the tip
   comes to rest up to 10 mm from where it did before. The clamp is above the first disc.
-- The plane of motion is the one of the tip's displacements (tentacle.plane). Its out-of-plane share is in the notes.
+- The plane of motion is the one of the tip's displacements (tentacle.plane). Its out-of-plane share is declared.
 - The hand lets go where the tip's path says (tentacle.release), with its standard deviation.
 - The tendon-driven runs have no release and no known rest. They are declared as a passive clamped arm that is straight.
 - The arm's mass and section are not known. Declared are a cone of 25 to 15 mm and a density of 800 +- 400 kg/m3: a mass
@@ -16,6 +16,7 @@ the tip. What the source does not state was decided so:
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,9 +82,7 @@ def _decay(name: str, points: Array) -> Recording:
         return recording
     number = Uncertain("release.t_s", release.time, release.sd, 0.0)
     declaration = recording.declaration
-    declared = Declaration(
-        declaration.specimen, AIR, HANGING_DOWN, release_t=release.time, uncertain=(*declaration.uncertain, number)
-    )
+    declared = replace(declaration, release_t=release.time, uncertain=(*declaration.uncertain, number))
     return Recording(name, declared, markers=recording.markers, notes=recording.notes)
 
 
@@ -101,6 +100,7 @@ def _recording(name: str, points: Array, rest: Array, payload: float) -> Recordi
     notes = {
         "source": "github.com/StanfordASL/trunk-stack",
         "geometry": "see tentacle/io/trunk_payload.py",
-        "out_of_plane_share": f"{plane.out_of_plane:.3f}",
     }
-    return Recording(name, Declaration(specimen, AIR, HANGING_DOWN, uncertain=(density,)), markers=markers, notes=notes)
+    share = round(plane.out_of_plane, 4)
+    declaration = Declaration(specimen, AIR, HANGING_DOWN, out_of_plane=share, uncertain=(density,))
+    return Recording(name, declaration, markers=markers, notes=notes)

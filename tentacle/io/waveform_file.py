@@ -22,11 +22,16 @@ import tomli_w
 
 from tentacle.errors import InputError
 from tentacle.gait import GAIT_PARAMETERS, Gait
+from tentacle.io.sound_recording import LONGEST_SPAN
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.io.written_file import write_text
 from tentacle.waveform import Chirp, Multisine, Ramped, Rest, Sine, Waveform
 
 WAVEFORM_KINDS = ("rest", "sine", "chirp", "multisine", "gait", "samples")
+# What a base can do, generously; beyond it squares of these numbers are no numbers any more.
+LARGEST_ANGLE = 1000.0  # rad, of an amplitude or a phase
+HIGHEST_FREQUENCY = 10_000.0  # Hz
+SHORTEST = 1e-6  # s
 
 
 def read_waveform(file: Path) -> Waveform:
@@ -44,7 +49,7 @@ def write_waveform(waveform: Waveform, file: Path) -> None:
 def parse_waveform(table: Table) -> Waveform:
     """A [waveform] table, checked."""
     kind = table.choice("kind", WAVEFORM_KINDS)
-    ramp = table.number("ramp_s", above=0) if "ramp_s" in table else None
+    ramp = table.number("ramp_s", least=SHORTEST, most=LONGEST_SPAN) if "ramp_s" in table else None
     waveform = _PARSERS[kind](table)
     table.raw("ramp_s", "seconds", None)
     table.finish()
@@ -77,44 +82,55 @@ def waveform_table(waveform: Waveform) -> dict[str, Any]:
 
 
 def _rest(table: Table) -> Waveform:
-    return Rest(table.number("angle_rad", 0.0))
+    return Rest(_angle(table, "angle_rad", 0.0))
 
 
 def _sine(table: Table) -> Waveform:
-    return Sine(table.number("amplitude_rad"), table.number("frequency_hz", least=0), table.number("phase_rad", 0.0))
+    return Sine(_angle(table, "amplitude_rad"), _frequency(table, "frequency_hz"), _angle(table, "phase_rad", 0.0))
 
 
 def _chirp(table: Table) -> Waveform:
     return Chirp(
-        table.number("amplitude_rad"),
-        table.number("start_hz", least=0),
-        table.number("stop_hz", least=0),
-        table.number("duration_s", above=0),
+        _angle(table, "amplitude_rad"),
+        _frequency(table, "start_hz"),
+        _frequency(table, "stop_hz"),
+        table.number("duration_s", least=SHORTEST, most=LONGEST_SPAN),
     )
 
 
 def _multisine(table: Table) -> Waveform:
-    amplitudes = table.numbers("amplitudes_rad")
+    amplitudes = table.numbers("amplitudes_rad", most=LARGEST_ANGLE)
     return Multisine(
-        amplitudes, table.numbers("frequencies_hz", len(amplitudes)), table.numbers("phases_rad", len(amplitudes))
+        amplitudes,
+        table.numbers("frequencies_hz", len(amplitudes), most=HIGHEST_FREQUENCY),
+        table.numbers("phases_rad", len(amplitudes), most=LARGEST_ANGLE),
     )
 
 
 def _gait(table: Table) -> Waveform:
-    return Gait(table.numbers("alpha", GAIT_PARAMETERS), table.number("bandwidth_hz", Gait.bandwidth, above=0))
+    alpha = table.numbers("alpha", GAIT_PARAMETERS, most=2.0 * np.pi * HIGHEST_FREQUENCY)
+    return Gait(alpha, table.number("bandwidth_hz", Gait.bandwidth, above=0, most=HIGHEST_FREQUENCY))
 
 
 def _samples(table: Table) -> Waveform:
     from tentacle.base_motion import fit_samples  # scipy.interpolate takes 0.2 s to import, and only this kind needs it
 
     t = np.array(table.numbers("t_s"))
-    angle = np.array(table.numbers("angle_rad", len(t)))
+    angle = np.array(table.numbers("angle_rad", len(t), most=LARGEST_ANGLE))
     if (np.diff(t) <= 0).any():
         raise table.error("times go back or repeat", "t_s", "times that rise")
     try:
         return fit_samples(t, angle)
     except InputError as error:
         raise table.error(error.problem, "t_s", error.expected) from None
+
+
+def _angle(table: Table, key: str, *default: float) -> float:
+    return table.number(key, *default, least=-LARGEST_ANGLE, most=LARGEST_ANGLE)
+
+
+def _frequency(table: Table, key: str) -> float:
+    return table.number(key, least=0, most=HIGHEST_FREQUENCY)
 
 
 _PARSERS = {

@@ -57,6 +57,9 @@ def _write_files(recording: Recording, folder: Path, name: str) -> None:
     motor, load_cell = recording.motor, recording.load_cell
     if motor is not None:
         write_csv(folder / "motor.csv", {"t_s": motor.t, "command_rad": motor.command, "angle_rad": motor.angle})
+    if recording.travel is not None:
+        xy = recording.travel.xy
+        write_csv(folder / "base.csv", {"t_s": recording.travel.t, "x_m": xy[:, 0], "y_m": xy[:, 1]})
     if load_cell is not None:
         write_csv(folder / "load_cell.csv", {"t_s": load_cell.t, "thrust_n": load_cell.thrust})
     if recording.midline is not None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import glob
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -20,7 +22,11 @@ def written_file(file: Path) -> Iterator[Path]:
         raise InputError("is no file name", file=repr(str(file)), expected="the name of a file to write")
     if file.exists() and not file.is_file():
         raise InputError("is there, and is no plain file", file=file, expected="a name that is free, or a file")
-    partial = file.with_name(f".{file.name[:100]}.{os.getpid()}.partial")
+    head = f".{file.name[:100]}."
+    for left in file.parent.glob(glob.escape(head) + "*.partial"):
+        if not _is_running(left.name.removeprefix(head).removesuffix(".partial")):
+            left.unlink(missing_ok=True)
+    partial = file.with_name(f"{head}{os.getpid()}.partial")
     try:
         yield partial
         sync(partial)
@@ -44,6 +50,19 @@ def sync(path: Path) -> None:
             os.fsync(opened)
     finally:
         os.close(opened)
+
+
+def _is_running(process: str) -> bool:
+    """Whether a process of that number may run; where that cannot be asked, it may."""
+    if not process.isdigit() or sys.platform == "win32":
+        return True
+    try:
+        os.kill(int(process), 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):
+        return True
+    return True
 
 
 @contextmanager

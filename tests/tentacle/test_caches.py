@@ -44,6 +44,28 @@ def test_a_torn_compiled_function_is_compiled_anew(tmp_path: Path, suffix: str) 
     assert torn.read_bytes()[-32:] != bytes(32)  # mended, and so quick the next time
 
 
+def test_a_change_in_another_file_of_the_room_is_compiled_in(tmp_path: Path) -> None:
+    room = tmp_path / "room"
+    room.mkdir()
+    (room / "__init__.py").touch()
+    head = "from tentacle.compiled import njit\n"
+    (room / "taken_in.py").write_text(head + "@njit(cache=True)\ndef more(x):\n    return x + 1.0\n")
+    (room / "taker.py").write_text(
+        head + "from room.taken_in import more\n@njit(cache=True)\ndef twice(x):\n    return 2.0 * more(x)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": f"{Path.cwd()}{os.pathsep}{tmp_path}"}
+
+    def found() -> str:
+        program = "from room.taker import twice; print(twice(1.0))"
+        return subprocess.run(
+            [sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    assert found() == "4.0"
+    (room / "taken_in.py").write_text(head + "@njit(cache=True)\ndef more(x):\n    return x + 3.0\n")
+    assert found() == "8.0"
+
+
 def test_a_cache_folder_is_private(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TENTACLE_CACHE", str(tmp_path))
     (tmp_path / "videos").mkdir(mode=0o777)

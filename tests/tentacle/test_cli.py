@@ -40,6 +40,15 @@ def test_every_verb_says_in_a_line_what_it_does() -> None:
         assert f"\n    {name}" in text
 
 
+def test_help_that_cannot_be_written_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Path("/dev/full").open("w", buffering=1) as full:
+        monkeypatch.setattr("sys.stdout", full)
+        assert main(["--help"]) == 2
+    assert capsys.readouterr().err == "tentacle: No space left on device\n"
+
+
 @pytest.mark.parametrize("verb", verb_names())
 def test_every_verb_has_a_help_page(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import resource
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -90,3 +91,27 @@ def test_a_disk_that_stands_still_is_told_and_can_be_left_behind(tmp_path: Path)
     os.close(never_read)  # the write that stood still fails now, and the thread ends
     with pytest.raises(BrokenPipeError):
         pipe.finish()
+
+
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # Python 3.12 warns: this process has threads
+def test_a_forked_child_does_not_hold_the_pipe_open(tmp_path: Path) -> None:
+    """The child lives on after the file is closed, as a worker of a pool does."""
+    pipe = DiskPipe(tmp_path / "file")
+    entrance = write(pipe, CONTENT)
+    asleep, wake = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(wake)
+        os.read(asleep, 1)
+        os._exit(0)
+    os.write(entrance, b"end")
+    os.close(entrance)
+    ended = threading.Thread(target=pipe.finish, daemon=True)
+    ended.start()
+    ended.join(5.0)
+    held = ended.is_alive()
+    os.close(wake)
+    os.close(asleep)
+    os.waitpid(child, 0)
+    assert not held
+    assert (tmp_path / "file").read_bytes() == CONTENT + b"end"

@@ -146,3 +146,11 @@ def test_many_files_leave_no_threads_behind(tmp_path: Path) -> None:
     for k in range(6):
         write_rrd(recording, tmp_path / f"{k}.rrd")
     assert len(list(Path("/proc/self/task").iterdir())) <= before + 2
+
+
+def test_a_file_of_another_kind_is_not_replaced(tmp_path: Path) -> None:
+    taken = tmp_path / "notes.rrd"
+    taken.write_text("not a recording")
+    with pytest.raises(InputError, match=r"is there, and is no \.rrd"):
+        write_rrd(full_recording(), taken)
+    assert taken.read_text() == "not a recording"
