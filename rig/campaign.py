@@ -21,8 +21,8 @@ from rig.fault import Fault
 from rig.journal import set_aside
 from rig.motion import RigMotion, described, rig_motion
 from rig.record import UNATTENDED, Attendance, RunResult, record_run
-from rig.run_file import iterate_frames, read_run
 from rig.setup_file import RigSetup
+from rig.soundness import require_sound_run
 from tentacle.errors import InputError
 from tentacle.io.folder_lock import owned_folder
 from tentacle.io.sound_recording import LONGEST_SPAN
@@ -105,7 +105,9 @@ def _missing_runs(
 ) -> Iterator[RunResult]:
     for run in campaign.runs:
         path = folder / f"{run.name}.rrd"
-        if path.exists() and _set_aside(path) is None:
+        before = path.exists()
+        aside = _set_aside(path) if before else None
+        if before and aside is None:
             continue
         if attendance.interrupts is not None and attendance.interrupts.pause:
             return
@@ -118,6 +120,9 @@ def _missing_runs(
             path,
             replace(attendance, name=name),
         )
+        if aside is not None:
+            kept = f"an unfinished or damaged recording of this run is kept as {aside.name}"
+            result = replace(result, words="; ".join(filter(None, (result.words, kept))))
         yield result
         if result.outcome == "interrupted":
             return
@@ -128,8 +133,6 @@ def _missing_runs(
 def _set_aside(path: Path) -> Path | None:
     """Where an unfinished recording was moved to; None where it is complete."""
     with suppress(InputError):
-        run = read_run(path)
-        frames = sum(1 for _ in iterate_frames(path))  # each is compared with its checksum
-        if run.outcome == "complete" and not run.missing and frames == len(run.frame_host_t):
+        if require_sound_run(path).outcome == "complete":
             return None
     return set_aside(path)

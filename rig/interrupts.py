@@ -17,6 +17,7 @@ class Interrupts:
     def __init__(self, say: Callable[[str], None]) -> None:
         self._say = say
         self._count = 0
+        self._last = signal.SIGINT
         self._before: dict[int, object] = {}
 
     @property
@@ -29,6 +30,11 @@ class Interrupts:
         """Whether the motor is to stop now."""
         return self._count >= 2
 
+    @property
+    def exit_code(self) -> int:
+        """Of a command that the signals ended: 128 and the number of the last one."""
+        return 128 + self._last
+
     def __enter__(self) -> Interrupts:
         names = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
         for number in (getattr(signal, name) for name in names if hasattr(signal, name)):
@@ -40,6 +46,7 @@ class Interrupts:
             signal.signal(number, handler)  # type: ignore[arg-type]
 
     def _heard(self, number: int, _frame: FrameType | None) -> None:
+        self._last = signal.Signals(number)
         self._count += 1 if number == signal.SIGINT else 2
         with suppress(OSError, RuntimeError):  # the terminal may be what has gone
             if self._count == 1:

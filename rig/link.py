@@ -41,7 +41,8 @@ def require_scheme(url: str) -> None:
     """InputError where a port's scheme is not one of SCHEMES: pyserial knows others, one of which writes a file."""
     scheme, separator, _ = url.partition("://")
     if separator and scheme.lower() not in SCHEMES:
-        raise InputError(f"{scheme}:// is not opened", field="port", expected=f"a device, or one of {SCHEMES}")
+        known = ", ".join(f"{one}://" for one in SCHEMES)
+        raise InputError(f"{scheme}:// is not opened", field="port", expected=f"a device, or {known}")
     if separator and ("?" in url or "&" in url):
         raise InputError(f"{url} has options", field="port", expected="a port without a question mark")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import glob
+import shutil
 import tempfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -21,6 +23,7 @@ from rig.recorder import Recorder
 from rig.run_file import write_run_film
 from rig.safety import check_set_points
 from rig.setup_file import RigSetup, setup_tables
+from rig.stop_file import write_stop
 from tentacle.errors import InputError
 from tentacle.io.rrd_chunks import just_written
 from tentacle.waveform import Waveform
@@ -71,6 +74,8 @@ def record_run(
     if path.exists():
         raise InputError("is there already", file=path, expected="a path that is free")
     check_set_points(motion.points, motion.period, setup.limits)
+    for left in path.parent.glob(_film_folder(glob.escape(path.name)) + "*"):  # of a host that died
+        shutil.rmtree(left, ignore_errors=True)
     run = LiveRun(setup, board, camera, motion, attendance.progress, attendance.interrupts)
     start = _start_record(setup, board, motion, attendance.name or path.stem)
     to_newtons, viewer = setup.load_cell.to_newtons, attendance.viewer
@@ -82,6 +87,7 @@ def record_run(
             run.to_neutral()
         stop = run.stop_record(end)
         if end.outcome != "disk":
+            write_stop(path, {"outcome": end.outcome, **stop})  # a host that dies in the film's making loses nothing
             try:
                 add_film(recorder, path, stop)
             except (Fault, OSError) as error:
@@ -142,10 +148,15 @@ def add_film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
     recorder.flush()
     just_written(path)
     zero = 1e-6 * float(stop["start_us"]) + recorder.lead
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:  # /tmp may be memory
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=_film_folder(path.name)) as folder:  # /tmp may be memory
         video = Path(folder) / "video.mp4"
         try:
             write_run_film(path, video, recorder.last_clock, float(stop["camera"].get("offset_s", 0.0)), zero)
         except InputError:
             return  # a camera that gave nothing: its gap is in the stop record
         recorder.video(video)
+
+
+def _film_folder(name: str) -> str:
+    """How the name of the folder begins in which a run's film is made."""
+    return f".{name}.film-"

@@ -8,7 +8,6 @@ command takes the file as it is, crashed or not. Every block has its checksum (t
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
 import time
@@ -21,27 +20,22 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
+from rig import run_layout as layout
 from rig.camera import CameraFrame
 from rig.clock import ClockFit
 from rig.disk_writer import DiskWriter
 from rig.fault import Fault
-from rig.live_feed import BOARD_TIME, RIG_APPLICATION, LiveFeed
-from rig.protocol import NO_ANGLE, BoardEvent, LoadSample, Sample, ServoSample, event_name
+from rig.live_feed import RIG_APPLICATION, LiveFeed
+from rig.protocol import NO_ANGLE, BoardEvent, LoadSample, Sample, ServoSample
 from rig.stop_file import release, reserve, write_stop
 from tentacle.io.checksums import Sum, columns_digest, log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file, parse_recording_file
-from tentacle.io.disk_pipe import DiskPipe
+from tentacle.io.direct_file import way_to_disk
 from tentacle.io.film_pieces import log_film
+from tentacle.io.recording_from_rrd import PLANNED
 from tentacle.io.recording_rrd import LARGE_VIDEO, log_video_file
 from tentacle.io.rrd_chunks import just_written
 
-RUN_FORMAT = "tentacle-rig-run"
-VERSION = 1
-START, STOP = "/rig/start", "/rig/stop"
-LOAD, THRUST = "/rig/load_cell/counts", "/rig/load_cell/thrust"
-COMMAND, ANGLE, CURRENT = "/rig/servo/command", "/rig/servo/angle", "/rig/servo/current"
-EVENTS, CLOCK, CAMERA = "/rig/events", "/rig/clock", "/rig/camera"
-HOST_TIME, SAMPLE = "host_time", "sample"
 FLUSH_EVERY = 0.15  # s; so much and what is on its way is lost when the host is killed
 WRITE_WITHIN = 3.0  # s, for Rerun and for the disk: less than the writer's patience, so that their words are heard
 LEAST_FREE = 64 * 2**20  # bytes; under this a run is ended while there is still room to end it properly
@@ -74,16 +68,18 @@ class Recorder:
         self._sums: list[Sum] = []
         self._blocks = 0
         self._ends: dict[str, int] = {}  # rows of each signal so far
+        self._pending_frames: list[CameraFrame] = []
+        self._frames = 0
         path.parent.mkdir(parents=True, exist_ok=True)
         self._require_space()
         try:
             reserve(path)
-            self._pipe = DiskPipe(path)
+            self._disk = way_to_disk(path)
         except OSError as error:
             raise Fault("disk", f"{path} cannot be written: {error.strerror}") from None
         self._stream = rr.RecordingStream(RIG_APPLICATION, send_properties=True)
-        self._stream.set_sinks(rr.FileSink(self._pipe.entrance))
-        self._pipe.opened()
+        self._stream.set_sinks(rr.FileSink(self._disk.entrance))
+        self._disk.opened()
         self._live = None if viewer is None else LiveFeed(viewer)
         self._stream.set_log_time_enabled(False)
         self._stream.set_log_tick_enabled(False)
@@ -91,7 +87,10 @@ class Recorder:
         self._declaration = parse_recording_file(start["recording"])
         self._name = str(start["name"])
         self._zero_us: int | None = None
-        self._text(START, {"format": RUN_FORMAT, "version": VERSION, **start})
+        self._text(layout.START, {"format": layout.RUN_FORMAT, "version": layout.VERSION, **start})
+        if "duration_s" in start:
+            seconds = repr(float(start["duration_s"]))
+            self._queue.append(partial(log_text, self._stream, PLANNED, seconds, "text/plain"))
         self._declare("crashed")
         self.flush()
 
@@ -113,13 +112,8 @@ class Recorder:
 
     def frames(self, frames: Sequence[CameraFrame]) -> None:
         """Appends camera frames at their host time."""
-        for frame in frames:
-            columns = [
-                *rr.EncodedImage.columns(blob=[frame.jpeg], media_type=["image/jpeg"]),
-                *rr.AnyValues.columns(sha256=[hashlib.sha256(frame.jpeg).hexdigest()]),
-            ]
-            index = [rr.TimeColumn(HOST_TIME, duration=[np.timedelta64(round(1e9 * frame.host_s), "ns")])]
-            self._queue.append(partial(self._stream.send_columns, CAMERA, index, columns))
+        self._pending_frames += frames
+        self._frames += len(frames)
         if self._live is not None:
             self._live.frames(frames)
 
@@ -133,13 +127,8 @@ class Recorder:
     def clock(self, fit: ClockFit) -> None:
         """Appends the clock's present fit: without it a crashed run could not place its frames."""
         self.last_clock = fit
-        values = np.array([[fit.host_zero, fit.board_zero, fit.skew, fit.sigma, fit.round_trip]])
-        index = [rr.TimeColumn(BOARD_TIME, duration=[np.timedelta64(round(1e9 * fit.board_zero), "ns")])]
-        columns = [
-            *rr.Scalars.columns(scalars=values),
-            *rr.AnyValues.columns(sha256=[columns_digest({"fit": values})]),
-        ]
-        self._queue.append(partial(self._stream.send_columns, CLOCK, index, columns))
+        index, columns = layout.clock_rows(fit)
+        self._queue.append(partial(self._stream.send_columns, layout.CLOCK, index, columns))
         if self._live is not None:
             self._live.clock(fit)
 
@@ -167,7 +156,7 @@ class Recorder:
         if self._live is not None:
             self._live.close()
         self._hand_over()
-        self._text(STOP, {"outcome": outcome, **record})
+        self._text(layout.STOP, {"outcome": outcome, "frames": self._frames, **record})
         self._declare(outcome)
         counts = {name: self._ends[name] for name in ("motor", "load_cell") if name in self._ends}
         if counts:
@@ -184,7 +173,7 @@ class Recorder:
             write_stop(self.path, {"outcome": outcome if outcome != "complete" else "disk", **record})
             if outcome == "disk":
                 self._last_try()
-            self._pipe.abandon()
+            self._disk.abandon()
         self._writer.close(self._stream.disconnect)
 
     def _last_try(self) -> None:
@@ -200,7 +189,7 @@ class Recorder:
 
         def end() -> None:
             self._stream.disconnect()
-            self._pipe.finish()
+            self._disk.finish()
 
         self._writer.begin(end)
         self._writer.wait()
@@ -219,7 +208,7 @@ class Recorder:
         for job in jobs:
             job()
         self._stream.flush(timeout_sec=WRITE_WITHIN)
-        self._pipe.settle(WRITE_WITHIN)
+        self._disk.settle(WRITE_WITHIN)
         self._require_space()
 
     def _hand_over(self) -> None:
@@ -229,39 +218,35 @@ class Recorder:
         servos = [s for s in batch if isinstance(s, ServoSample)]
         if loads:
             counts = np.array([s.counts for s in loads], dtype=float)
-            self._scalars(LOAD, loads, counts)
+            self._scalars(layout.LOAD, loads, counts)
             thrust = np.asarray(self._to_newtons(counts), dtype=float)
-            self._scalars(THRUST, loads, thrust)
+            self._scalars(layout.THRUST, loads, thrust)
             self._recording_rows("load_cell", loads, {"thrust": thrust})
         if servos:
             command = 1e-6 * np.array([s.command_urad for s in servos], dtype=float)
             angle = np.array([np.nan if s.angle_urad == NO_ANGLE else 1e-6 * s.angle_urad for s in servos])
-            self._scalars(COMMAND, servos, command)
-            self._scalars(ANGLE, servos, angle)
+            self._scalars(layout.COMMAND, servos, command)
+            self._scalars(layout.ANGLE, servos, angle)
             self._recording_rows(
                 "motor", servos, {"command": command, "angle": np.where(np.isnan(angle), command, angle)}
             )
-            self._scalars(CURRENT, servos, 1e-3 * np.array([s.current_ma for s in servos], dtype=float))
+            self._scalars(layout.CURRENT, servos, 1e-3 * np.array([s.current_ma for s in servos], dtype=float))
         for event in (s for s in batch if isinstance(s, BoardEvent)):
             self._event(event)
+        frames, self._pending_frames = self._pending_frames, []
+        if frames:
+            index, columns = layout.frame_rows(frames)
+            self._queue.append(partial(self._stream.send_columns, layout.CAMERA, index, columns))
         if self._sums:
             self._queue.append(partial(log_sums, self._stream, self._sums, self._blocks))
             self._sums = []
             self._blocks += 1
 
     def _event(self, event: BoardEvent) -> None:
-        words = f"{event_name(event.code)} {event.value}"
-        index = [
-            rr.TimeColumn(BOARD_TIME, duration=[np.timedelta64(1000 * event.board_us, "ns")]),
-            rr.TimeColumn(SAMPLE, sequence=[event.number]),
-        ]
-        columns = [
-            *rr.TextLog.columns(text=[words], level=["INFO"]),
-            *rr.AnyValues.columns(sha256=[columns_digest({"event": [words], "board_us": np.array([event.board_us])})]),
-        ]
-        self._queue.append(partial(self._stream.send_columns, EVENTS, index, columns))
+        words, index, columns = layout.event_rows(event)
+        self._queue.append(partial(self._stream.send_columns, layout.EVENTS, index, columns))
         if self._live is not None:
-            self._live.event(EVENTS, event.board_us, words)
+            self._live.event(layout.EVENTS, event.board_us, words)
 
     def _require_space(self) -> None:
         free = self._free(self.path.parent)
@@ -271,12 +256,7 @@ class Recorder:
             )
 
     def _scalars(self, entity: str, samples: Sequence[Sample], values: Any) -> None:
-        board = np.array([s.board_us for s in samples], dtype=np.int64) * 1000
-        number = np.array([s.number for s in samples])
-        indexes = [
-            rr.TimeColumn(BOARD_TIME, duration=board.astype("timedelta64[ns]")),
-            rr.TimeColumn(SAMPLE, sequence=number),
-        ]
+        board, number, indexes = layout.sample_index(samples)
         columns = rr.Scalars.columns(scalars=values)
         self._queue.append(partial(self._stream.send_columns, entity, indexes, columns))
         self._sum(entity, {"board_ns": board, "sample": number, "value": values})

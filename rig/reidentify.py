@@ -73,7 +73,7 @@ def proposer(
 
 
 def unlike(points: Sequence[dict[str, float]], space: GaitSpace, count: int) -> list[int]:
-    """Which `count` points lie farthest apart, the latest among them: near the optimum trials are all alike."""
+    """The `count` points that lie farthest apart, with the latest; near the optimum all trials are alike."""
     bounds = np.array(list(space.bounds.values()))
     unit = (np.array([list(point.values()) for point in points]) - bounds[:, 0]) / np.ptp(bounds, axis=1)
     chosen = [len(points) - 1]

@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from rig import recorder
+from rig import run_layout as layout
 from rig.clock import ClockFit
 from rig.protocol import EventCode
 from rig.stills import encode_video
 from rig.stop_file import read_stop
 from tentacle.errors import InputError
 from tentacle.io.checksums import CHECKSUM_ENTITY as SUMS
-from tentacle.io.checksums import Sum, columns_digest, covered, first_unsound, read_sums, sound_text
+from tentacle.io.checksums import Sum, columns_digest, covered, first_unsound, frame_digest, read_sums, sound_text
 from tentacle.io.declaration_file import parse_recording_file
 from tentacle.io.recording_from_rrd import DAMAGE
-from tentacle.io.rrd_chunks import bytes_lost, read_chunks
+from tentacle.io.rrd_chunks import Chunk, bytes_lost, read_chunks
 from tentacle.io.rrd_columns import EntityColumns, add, whole_numbers
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, MotorSignal, Video
@@ -83,9 +83,8 @@ def read_run(path: Path) -> Run:
 
     InputError where the file is missing, no .rrd, none of a rig, or where something disagrees with its checksum.
     """
-    columns, frame_t, bytes_gone = _read_columns(path)
     try:
-        return _run_of(columns, frame_t, bytes_gone, path)
+        return _run_of(*_read_columns(path), path)
     except InputError:
         raise
     except DAMAGE as error:
@@ -93,18 +92,21 @@ def read_run(path: Path) -> Run:
 
 
 def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, path: Path) -> Run:
-    start = _document(columns, recorder.START, path)
-    if start is None or start.get("format") != recorder.RUN_FORMAT:
+    start = _document(columns, layout.START, path)
+    if start is None or start.get("format") != layout.RUN_FORMAT:
         raise InputError("holds no start record", file=path, expected="a run that `tentacle rig record` wrote")
-    if start.get("version") != recorder.VERSION:
-        raise InputError(f"is of version {start.get('version')}", file=path, expected=f"version {recorder.VERSION}")
+    if start.get("version") != layout.VERSION:
+        raise InputError(f"is of version {start.get('version')}", file=path, expected=f"version {layout.VERSION}")
     sums = read_sums(columns.get(SUMS))
-    load_t, load_number, load = _series(columns, recorder.LOAD, sums, path)
-    servo_t, servo_number, command = _series(columns, recorder.COMMAND, sums, path)
-    angle, current = (_series(columns, entity, sums, path)[2] for entity in (recorder.ANGLE, recorder.CURRENT))
+    load_t, load_number, load = _series(columns, layout.LOAD, sums, path)
+    servo_t, servo_number, command = _series(columns, layout.COMMAND, sums, path)
+    angle, current = (_series(columns, entity, sums, path)[2] for entity in (layout.ANGLE, layout.CURRENT))
     count = min(map(len, (command, angle, current)))  # a cut can fall between the entities of one block
-    in_file = _document(columns, recorder.STOP, path)
+    in_file = _document(columns, layout.STOP, path)
     stop = in_file if in_file is not None else read_stop(path)
+    if not bytes_gone and in_file is not None and in_file.get("frames", len(frame_t)) != len(frame_t):
+        gone = f"damaged: holds {len(frame_t)} of {in_file['frames']} frames"
+        raise InputError(gone, file=path, field=layout.CAMERA)
     run = Run(
         path=path,
         start=start,
@@ -117,9 +119,9 @@ def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, 
         command=command[:count],
         angle=angle[:count],
         current=current[:count],
-        events=_events(columns.get(recorder.EVENTS), path),
+        events=_events(columns.get(layout.EVENTS), path),
         frame_host_t=frame_t,
-        clocks=_clocks(columns.get(recorder.CLOCK), path),
+        clocks=_clocks(columns.get(layout.CLOCK), path),
     )
     whole = in_file is not None and not bytes_gone
     return run if whole else replace(run, missing=_missing(run, bytes_gone))
@@ -188,15 +190,27 @@ def write_run_film(run: Path, path: Path, clock: ClockFit, offset: float, zero: 
 def iterate_frames(run: Path) -> Iterator[tuple[float, bytes]]:
     """Host time [s] of arrival and JPEG of each frame, in the file's order. InputError where one is damaged."""
     for chunk in read_chunks(run):
-        if chunk.entity != recorder.CAMERA or chunk.static:
+        if chunk.entity != layout.CAMERA or chunk.static:
             continue
-        rows = EntityColumns()
-        add(rows, chunk.batch, static=False)
-        blobs, sums = rows.row_bytes("EncodedImage:blob"), rows.texts("sha256")
-        for k, (time, jpeg) in enumerate(zip(rows.times(recorder.HOST_TIME).tolist(), blobs, strict=True)):
-            if sums and hashlib.sha256(jpeg).hexdigest() != sums[k]:
-                raise InputError(f"damaged: the frame at {1e-9 * time:.3f} s", file=run, field="camera")
-            yield 1e-9 * time, jpeg
+        try:
+            times, blobs, sums = _frames_of(chunk)
+        except DAMAGE as error:
+            raise InputError(f"damaged: {error}", file=run, field="camera") from None
+        for k, (host_ns, jpeg) in enumerate(zip(times, blobs, strict=True)):
+            # an older run has a checksum of the picture alone
+            if sums and sums[k] not in (frame_digest(host_ns, jpeg), hashlib.sha256(jpeg).hexdigest()):
+                raise InputError(f"damaged: the frame at {1e-9 * host_ns:.3f} s", file=run, field="camera")
+            yield 1e-9 * host_ns, jpeg
+
+
+def _frames_of(chunk: Chunk) -> tuple[list[int], list[bytes], list[str]]:
+    """Host times [ns], JPEGs and checksums of a chunk's frames; an exception of DAMAGE where they do not fit."""
+    rows = EntityColumns()
+    add(rows, chunk.batch, static=False)
+    times, blobs, sums = rows.times(layout.HOST_TIME), rows.row_bytes("EncodedImage:blob"), rows.texts("sha256")
+    if len(times) != len(blobs) or (sums and len(sums) != len(blobs)):
+        raise ValueError(f"{len(times)} times, {len(blobs)} pictures and {len(sums)} checksums in one block")
+    return times.tolist(), blobs, sums
 
 
 def _read_columns(path: Path) -> tuple[dict[str, EntityColumns], Array, int]:
@@ -206,8 +220,8 @@ def _read_columns(path: Path) -> tuple[dict[str, EntityColumns], Array, int]:
     columns: dict[str, EntityColumns] = {}
     frames: list[Array] = [np.empty(0)]
     for chunk in read_chunks(path):
-        if chunk.entity == recorder.CAMERA:
-            frames.append(np.asarray(1e-9 * whole_numbers(chunk.batch.column(recorder.HOST_TIME)), dtype=float))
+        if chunk.entity == layout.CAMERA:
+            frames.append(np.asarray(1e-9 * whole_numbers(chunk.batch.column(layout.HOST_TIME)), dtype=float))
         elif chunk.entity.startswith("/rig/") or chunk.entity == SUMS:
             add(columns.setdefault(chunk.entity, EntityColumns()), chunk.batch, static=chunk.static)
     return columns, np.sort(np.concatenate(frames)), bytes_lost(path)
@@ -233,8 +247,8 @@ def _series(columns: dict[str, EntityColumns], entity: str, sums: list[Sum], pat
     if found is None:
         return np.empty(0), np.empty(0), np.empty(0)
     table = {
-        "board_ns": found.times(recorder.BOARD_TIME),
-        "sample": found.times(recorder.SAMPLE),
+        "board_ns": found.times(layout.BOARD_TIME),
+        "sample": found.times(layout.SAMPLE),
         "value": found.flat("Scalars:scalars"),
     }
     if sums:
@@ -251,11 +265,11 @@ def _series(columns: dict[str, EntityColumns], entity: str, sums: list[Sum], pat
 def _events(columns: EntityColumns | None, path: Path) -> tuple[RunEvent, ...]:
     if columns is None:
         return ()
-    times, sums = columns.times(recorder.BOARD_TIME), columns.texts("sha256")
+    times, sums = columns.times(layout.BOARD_TIME), columns.texts("sha256")
     events = []
     for k, words in enumerate(columns.texts("TextLog:text")):
         if sums and columns_digest({"event": [words], "board_us": times[k : k + 1] // 1000}) != sums[k]:
-            raise InputError(f"damaged: event {k + 1}", file=path, field=recorder.EVENTS)
+            raise InputError(f"damaged: event {k + 1}", file=path, field=layout.EVENTS)
         name, value = words.split()
         if name in EventCode.__members__:  # a newer board's own events mean nothing to this program
             events.append(RunEvent(1e-9 * float(times[k]), EventCode[name], int(value)))
@@ -268,5 +282,5 @@ def _clocks(columns: EntityColumns | None, path: Path) -> tuple[ClockFit, ...]:
     values, sums = columns.rows("Scalars:scalars"), columns.texts("sha256")
     for k, sha256 in enumerate(sums):
         if columns_digest({"fit": values[k : k + 1]}) != sha256:
-            raise InputError(f"damaged: clock fit {k + 1}", file=path, field=recorder.CLOCK)
+            raise InputError(f"damaged: clock fit {k + 1}", file=path, field=layout.CLOCK)
     return tuple(ClockFit(*row) for row in values.tolist())

@@ -1,6 +1,4 @@
-"""The board numbers its samples; here they are put in order, doubles left out, gaps asked for again and, at last,
-counted.
-"""
+"""Puts the board's numbered samples in order: drops doubles, asks again for missing ones, counts the lost."""
 
 from __future__ import annotations
 

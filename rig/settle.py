@@ -33,9 +33,7 @@ class SettleRule:
 
 
 class Settling:
-    """Watches readings [N] come in. A slow swing of the water is seen because the window spans it: choose samples
-    so.
-    """
+    """Takes readings [N] one by one. Choose `samples` so that the window spans a slow swing of the water."""
 
     def __init__(self, rule: SettleRule) -> None:
         self.rule = rule

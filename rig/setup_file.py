@@ -123,7 +123,7 @@ def _port_in(port: str, folder: Path) -> str:
 
 
 def _beside(path: str, folder: Path) -> str:
-    """What _port_in and _parse_camera make `path` of again."""
+    """The text from which _port_in and _parse_camera read `path` back."""
     return path.removeprefix(f"{folder}{os.sep}")
 
 

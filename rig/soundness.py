@@ -1,4 +1,4 @@
-"""Whether a file or a folder of files is what was written: recordings, a rig's runs, stored results, declarations."""
+"""Checks that files are as they were written: recordings, a rig's runs, stored results, declarations."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rig.recorder import START
-from rig.run_file import iterate_frames, read_run
+from rig.run_file import Run, iterate_frames, read_run
+from rig.run_layout import START
 from tentacle.errors import InputError
 from tentacle.io.plain_file import require_plain
 from tentacle.io.reading import read_recording
@@ -27,7 +27,7 @@ class Finding:
 
 
 def check_file(path: Path) -> list[Finding]:
-    """What is to be said of a file, or of every file in a folder. InputError where nothing lies there."""
+    """The findings on a file, or on every file of a folder. InputError if there is none."""
     if (path / "recording.toml").is_file() or not path.is_dir():
         if not path.is_dir():
             require_plain(path, "a recording, a run, or a folder of them")
@@ -77,12 +77,9 @@ def _words(file: Path) -> str:
 def _rrd(file: Path) -> str:
     entities, bytes_gone = read_entities(file, lambda entity: not entity.startswith(("/rig/camera", "/camera")))
     if START in entities:
-        run = read_run(file)
-        frames = sum(1 for _ in iterate_frames(file))
-        if run.missing:
-            raise InputError(run.missing, file=file, expected="a run with its stop record")
-        read_recording(file)
-        return f"a run, {run.outcome}: {len(run.load_t)} readings, {len(run.servo_t)} set points, {frames} frames"
+        run = require_sound_run(file)
+        counts = f"{len(run.load_t)} readings, {len(run.servo_t)} set points, {len(run.frame_host_t)} frames"
+        return f"a run, {run.outcome}: {counts}"
     if "/declaration" in entities:
         recording = read_recording(file)
         if "cut_off" in recording.notes:
@@ -91,3 +88,18 @@ def _rrd(file: Path) -> str:
     if bytes_gone:
         raise InputError(f"its last {bytes_gone} bytes are no whole message", file=file, expected="a whole .rrd")
     return "readable; it holds no checksums"
+
+
+def require_sound_run(file: Path) -> Run:
+    """A run of which every sample, event and picture agrees with its checksum, and none is missing.
+
+    InputError with the first that does not. The recording in the same file is read too.
+    """
+    run = read_run(file)
+    frames = sum(1 for _ in iterate_frames(file))  # each is compared with its checksum
+    missing = run.missing or read_recording(file).notes.get("cut_off", "")
+    if not missing and frames != len(run.frame_host_t):
+        missing = f"{len(run.frame_host_t)} frames have a time, and {frames} a picture"
+    if missing:
+        raise InputError(missing, file=file, expected="a run with its stop record")
+    return run

@@ -1,6 +1,7 @@
-"""How a run ended, beside its file, where the file itself could not take it any more: NAME.rrd.stop.json.
+"""How a run ended, beside its file: NAME.rrd.stop.json, until the file itself holds it.
 
-A small file of zeros keeps the room for it from the start of the run on.
+A small file of zeros keeps the room for it from the start of the run on. The document is written when the arm is at
+neutral; then the film is made, which takes long. The document stays if the file cannot take its stop record.
 """
 
 from __future__ import annotations
@@ -15,23 +16,24 @@ STOP_FILE_ROOM = 64 * 1024  # bytes
 
 
 def reserve(run: Path) -> None:
-    """Keeps room for a stop document."""
+    """Reserves room for a stop document, and removes that of an earlier run whose file is gone."""
+    stop_file(run).unlink(missing_ok=True)
     _reserved(run).write_bytes(bytes(STOP_FILE_ROOM))
 
 
 def release(run: Path) -> None:
-    """Gives the room back."""
+    """Removes the document: the run's file holds the stop record now."""
     _reserved(run).unlink(missing_ok=True)
+    stop_file(run).unlink(missing_ok=True)
 
 
 def write_stop(run: Path, record: dict[str, Any]) -> bool:
-    """Writes a stop document into the room that was kept; whether that went well."""
-    text = json.dumps(record).encode()
-    kept = _reserved(run)
+    """Writes a stop document into the reserved room or over an earlier one. Returns whether that succeeded."""
+    text = json.dumps(record).encode().ljust(STOP_FILE_ROOM)  # the room stays, for another one
+    kept = next((file for file in (_reserved(run), stop_file(run)) if file.exists()), _reserved(run))
     with suppress(OSError):
         with kept.open("r+b" if kept.exists() else "wb") as file:
             file.write(text)
-            file.truncate()
             file.flush()
             os.fsync(file.fileno())
         kept.replace(stop_file(run))
@@ -48,7 +50,7 @@ def read_stop(run: Path) -> dict[str, Any] | None:
 
 
 def stop_file(run: Path) -> Path:
-    """Where it lies."""
+    """Path of the stop document."""
     return run.with_name(f"{run.name}.stop.json")
 
 

@@ -34,7 +34,7 @@ class _Chunk:
 class Upload:
     """Streams set points [urad] to a board whose queue was just cleared, AHEAD of what is played.
 
-    The board takes points in any order, so a lost frame holds up none but its own. `service` must be called often.
+    The board takes points in any order, so a lost frame delays only its own. `service` must be called often.
     """
 
     def __init__(self, board: Board, urad: Sequence[int]) -> None:

@@ -66,10 +66,15 @@ def test_a_campaign_goes_on_where_it_stopped(emulator: Emulator, limits: SafetyL
     folder = tmp_path / "out"
     with connected(setup) as board:
         first = next(iter(run_campaign(setup, board, None, campaign, folder)))
+        content = bytearray(first.path.read_bytes())
+        content[len(content) // 2] ^= 1
+        first.path.write_bytes(content)
         rest = list(run_campaign(setup, board, None, campaign, folder))
         again = list(run_campaign(setup, board, None, campaign, folder))
     assert first.path.name == "a.rrd"
-    assert [result.path.name for result in rest] == ["a-2.rrd"]
+    assert [result.path.name for result in rest] == ["a.rrd", "a-2.rrd"]
+    assert "kept as a.unfinished-1.rrd" in rest[0].words
+    assert (folder / "a.unfinished-1.rrd").read_bytes() == content
     with owned_folder(folder, ""), pytest.raises(InputError, match="out: is in use by another process"):
         next(run_campaign(setup, board, None, campaign, folder))
     assert again == []

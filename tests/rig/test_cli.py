@@ -135,7 +135,7 @@ def test_a_run_that_loses_its_host_says_so(bench: Path, tmp_path: Path, what: st
         else:
             process.send_signal(signal.SIGHUP)
         process.communicate(timeout=20)
-        assert process.returncode == (3 if what == "the host sleeps" else 130)
+        assert process.returncode == (3 if what == "the host sleeps" else 128 + signal.SIGHUP)
     assert read_truth(bench / "truth").pulse_us == NEUTRAL_US
     run = read_run(out)
     assert run.outcome == ("watchdog" if what == "the host sleeps" else "interrupted")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,10 +19,12 @@ from rig.connection import connected, opened_camera
 from rig.emulated_camera import EmulatedOptics, EmulatedSource
 from rig.emulator import Emulator
 from rig.motion import RigMotion, rig_motion
-from rig.record import Attendance, RunResult, record_run
+from rig.record import Attendance, RunResult, add_film, record_run
+from rig.recorder import Recorder
 from rig.run_file import read_run, to_recording
 from rig.settle import SettleRule
 from rig.setup_file import CameraSettings, RigSetup, read_setup, write_setup
+from rig.stop_file import stop_file
 from tentacle.errors import InputError
 from tentacle.io.recording_from_rrd import read_rrd
 
@@ -77,9 +81,17 @@ def test_a_run_with_a_camera_becomes_a_recording(setup: RigSetup, tmp_path: Path
     assert 0 <= times[0] < 0.1
 
 
-def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path) -> None:
+def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     setup = replace(setup, camera=CameraSettings("emulated"))
-    path = tmp_path / "run.rrd"
+    path, killed = tmp_path / "run.rrd", tmp_path / "killed"
+
+    def film(recorder: Recorder, file: Path, stop: dict[str, Any]) -> None:
+        add_film(recorder, file, stop)
+        killed.mkdir()
+        for name in (path.name, stop_file(path).name):  # what a host that dies here leaves
+            shutil.copy(tmp_path / name, killed / name)
+
+    monkeypatch.setattr("rig.record.add_film", film)
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
         record_run(setup, board, camera, rig_motion(WAVE, 1.0, setup.limits, TABLE), path, Attendance(name="swim"))
     recording = read_rrd(path)
@@ -91,6 +103,8 @@ def test_the_file_is_a_recording_as_it_stands(setup: RigSetup, tmp_path: Path) -
     whole = to_recording(read_run(path)).motor
     assert whole is not None
     np.testing.assert_allclose(recording.motor.t, whole.t[-len(recording.motor.t) :])
+    assert read_run(killed / path.name).outcome == "complete"
+    assert sorted(file.name for file in tmp_path.iterdir() if file.is_file()) == [path.name]
 
 
 def test_killed_host_leaves_a_readable_file_and_the_arm_at_neutral(emulator: Emulator, tmp_path: Path) -> None:
@@ -101,6 +115,9 @@ def test_killed_host_leaves_a_readable_file_and_the_arm_at_neutral(emulator: Emu
     assert killed - run.load_t[-1] < 0.3
     recording = read_rrd(path)
     assert recording.notes["outcome"] == "crashed"
+    planned = f"of {run.start['duration_s']:.2f} s are missing"  # both readers tell of the same length
+    assert run.missing.endswith(planned)
+    assert recording.notes["cut_off"].endswith(planned)
     assert recording.motor is not None
     inside = (recording.motor.t > 0.1) & (recording.motor.t < 1.2)
     # Time 0 stands in the file from the start of the run on; chords of the motion: 1e-3 rad.
