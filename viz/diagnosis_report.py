@@ -64,22 +64,25 @@ def parameter_table_rows(model: Model, base: Model | None) -> list[tuple[str, ..
 
 
 def parameter_section(diagnosis: Diagnosis) -> ReportSection:
-    """Every parameter of the augmented model with its interval; for a group, each candidate's own."""
+    """What was found, as verdict.json has it; and every parameter of model.toml, which runs by itself."""
     model = diagnosis.augmented_model
     rows = parameter_table_rows(model, diagnosis.base_model)
     added = tuple(k for k, row in enumerate(rows) if row[5] == "not in the model")
     header = ("effect", "parameter", "value", "95 % interval", "unit", "before")
-    arm = f"The arm is described by {model.order} curvature coordinates (before: {diagnosis.base_model.order})."
-    tables = [ReportTable("Parameters of the augmented model", header, rows, numeric=(2, 5), marked=added)]
-    elsewhere = [
+    words = [f"The arm is described by {model.order} curvature coordinates (before: {diagnosis.base_model.order})."]
+    tables = [ReportTable("Parameters of model.toml", header, rows, numeric=(2, 5), marked=added)]
+    found = [
         (effect_name(effect), name, value_of(estimate), interval(estimate), estimate.unit)
         for effect, values in diagnosis.parameters.items()
         for name, estimate in values.items()
-        if name not in model.parameters.get(effect, {})
     ]
-    if elsewhere:
-        tables.append(ReportTable("Found, each with its own refit", header[:5], elsewhere, numeric=(2,)))
-    return ReportSection("Parameters", [arm], tables)
+    if found:
+        words.append(
+            "What was found is estimated beside unknown forces, over all likely answers. model.toml has the values "
+            "with which the model alone runs closest to the data; their intervals count the noise of measurement only."
+        )
+        tables.insert(0, ReportTable("What was found", header[:5], found, numeric=(2,)))
+    return ReportSection("Parameters", words, tables)
 
 
 def twin_words(names: Sequence[str], cosines: Array) -> str:

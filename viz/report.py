@@ -13,8 +13,6 @@ from matplotlib.figure import Figure
 from viz.figures.style import svg
 from viz.glossary import terms_in
 
-MAXIMUM_BYTES = 3_000_000
-
 
 @dataclass(frozen=True)
 class ReportTable:

@@ -77,7 +77,11 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
             )
             for one in sets
         ]
-        words = "These answers together hold 95 % of the probability. What a calibration by blind trials says is above."
+        together = probability_words(sum(one["probability"] for one in sets))
+        words = (
+            f"The smallest family of sets with 95 % of what all sets of the catalogue hold. It holds {together} of the "
+            "probability. The rest is with effects that the catalogue lacks, and with sets of more effects than these."
+        )
         found.append(
             ReportSection(
                 "Likely answers",

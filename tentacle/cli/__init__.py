@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib import import_module, metadata
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from tentacle.cli._bounds import require_sane
 from tentacle.cli._effects import effects_in_use
@@ -43,6 +43,10 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """The line, and exit code 2."""
         self.exit(2, f"{self.prog}: {printable(message)}; see {self.prog} --help\n")
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """argparse's own keeps a full disk to itself. OSError where the message cannot be written."""
+        print(message, end="", file=file or sys.stderr, flush=True)
 
 
 def verb_names() -> list[str]:

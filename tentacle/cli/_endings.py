@@ -1,4 +1,4 @@
-"""How a command ends: done, one line on what is wrong, or stopped by a signal; whatever it is, nothing is left behind.
+"""How a command ends: done, with one line on what is wrong, or stopped by a signal. No unfinished file is left.
 
 | exit code | |
 |---|---|
@@ -44,9 +44,9 @@ class CommandEnd:
 
 @contextmanager
 def told(asked: StopAsked) -> Iterator[CommandEnd]:
-    """The outcome of what is done inside; whatever goes wrong there is told in one line.
+    """Catch every error of the block, print it as one line, and give the exit code.
 
-    asked: whether a signal asked it to end. What breaks afterwards is that signal's doing, and no defect.
+    asked: whether a signal asked the command to end. An error after the signal is its effect and no defect.
     """
     outcome = CommandEnd()
     try:
@@ -63,7 +63,7 @@ def told(asked: StopAsked) -> Iterator[CommandEnd]:
 
 
 def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
-    """One line on an error, "" where there is nobody to read it, and the exit code."""
+    """The line that describes an error ("" if nobody can read it) and the exit code."""
     match _root(error):
         case InputError() as bad:
             return bad.line(), BAD_INPUT
@@ -86,7 +86,7 @@ def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
 
 
 def _root(error: BaseException) -> BaseException:
-    """What a wrapper was raised for: numba and others turn an interrupt within them into an error of their own."""
+    """The first known error in a chain: numba and others wrap an interrupt in an error of their own."""
     found: BaseException | None = error
     while found is not None:
         if isinstance(found, InputError | KeyboardInterrupt | OSError | MemoryError | ModuleNotFoundError):
@@ -120,6 +120,6 @@ def _trace(error: BaseException) -> Path | str:
 
 
 def _close_output() -> None:
-    """Nothing more goes to a standard output that has failed, and Python does not complain of it at the end."""
+    """Redirect a standard output that has failed to the null device: Python then reports no error at exit."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -35,7 +35,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
 
 
 def _ask(question: str, board: Board) -> str:
-    """Ask on the terminal; the board is served meanwhile, so that its watchdog does not bite."""
+    """Ask on the terminal; the board is served meanwhile, so that its watchdog does not act."""
     import threading
 
     answers: list[str] = []

@@ -69,4 +69,4 @@ def optimise(arguments: argparse.Namespace) -> int:
         top = best(trials)
         write_waveform(space.gait(top.point), arguments.out / "best.toml")
         print(f"best: {in_mn(top.propulsion):.2f} mN, {top.recording.name}; its gait is {arguments.out / 'best.toml'}")
-    return 130 if paused and len(trials) < plan.trials else 0
+    return interrupts.exit_code if paused and len(trials) < plan.trials else 0

@@ -8,7 +8,7 @@ from tentacle.errors import InputError
 
 
 def record(arguments: argparse.Namespace) -> int:
-    """One run; exit code 3 where it did not complete, 130 where it was stopped by hand."""
+    """One run; exit code 3 where it did not complete, 128 and the signal's number where it was stopped by hand."""
     from rig import record as rig_record
     from rig.connection import connected, opened_camera
     from rig.interrupts import Interrupts
@@ -41,7 +41,7 @@ def record(arguments: argparse.Namespace) -> int:
     print(f"{result.outcome}: {result.samples} samples, {result.lost} lost, wrote {result.path}")
     if result.words:
         print(result.words)
-    return {"complete": 0, "interrupted": 130}.get(result.outcome, 3)
+    return {"complete": 0, "interrupted": interrupts.exit_code}.get(result.outcome, 3)
 
 
 def campaign(arguments: argparse.Namespace) -> int:
@@ -64,9 +64,10 @@ def campaign(arguments: argparse.Namespace) -> int:
         for result in run_campaign(
             setup, board, camera, runs, arguments.out, attendance=Attendance(interrupts=interrupts, progress=progress)
         ):
-            print(f"{result.path.name}: {result.outcome}, {result.samples} samples, {result.lost} lost")
+            words = f"; {result.words}" if result.words else ""
+            print(f"{result.path.name}: {result.outcome}, {result.samples} samples, {result.lost} lost{words}")
         paused = interrupts.pause
     print(
         f"paused; the same command goes on: {arguments.out}" if paused else f"{len(runs.runs)} runs in {arguments.out}"
     )
-    return 130 if paused else 0
+    return interrupts.exit_code if paused else 0

@@ -65,15 +65,15 @@ def viewer(wanted: bool, *, camera: bool) -> Iterator[LiveView]:
 
 def live_paths(*, camera: bool) -> LivePaths:
     """Where the live feed keeps what a live view shows."""
-    from rig import live_feed, recorder
+    from rig import live_feed, run_layout
     from viz.blueprints.rig import LivePaths
 
     return LivePaths(
-        recorder.COMMAND,
-        recorder.ANGLE,
-        recorder.CURRENT,
-        recorder.THRUST,
-        recorder.EVENTS,
+        run_layout.COMMAND,
+        run_layout.ANGLE,
+        run_layout.CURRENT,
+        run_layout.THRUST,
+        run_layout.EVENTS,
         live_feed.BOARD_TIME,
         live_feed.PREVIEW if camera else None,
     )

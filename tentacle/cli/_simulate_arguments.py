@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from tentacle.cli._effects import add_effects
 
 if TYPE_CHECKING:
+    from tentacle.base_motion import Travel
     from tentacle.waveform import Waveform
 
 
@@ -27,6 +28,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar=("RAD", "HZ", "HZ"),
         help="chirp at the base: amplitude, first and last frequency",
+    )
+    parser.add_argument(
+        "--travel", type=Path, metavar="FILE.csv", help="where the base is, if it travels: t_s, x_m, y_m"
     )
     parser.add_argument(
         "--duration", type=float, default=12.0, metavar="S", help="duration of the recording, default: 12 s"
@@ -79,6 +83,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="largest number of effects in one trial of --trials, default: 1",
     )
+
+
+def travel_of(arguments: argparse.Namespace) -> Travel | None:
+    """The base's travel; None where it stands."""
+    if arguments.travel is None:
+        return None
+    from tentacle.base_motion import fit_travel
+    from tentacle.errors import InputError
+    from tentacle.io.import_folder import read_travel
+
+    path = read_travel(arguments.travel)
+    if path is None:
+        raise InputError("no such file", file=arguments.travel, expected="t_s, x_m, y_m")
+    return fit_travel(path)
 
 
 def base_motion_of(arguments: argparse.Namespace) -> Waveform:

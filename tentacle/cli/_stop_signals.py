@@ -3,6 +3,8 @@
 A signal's handler raises Ended wherever the program is. Within a callback from C code, or while an object is being
 removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. numba's compiler is such
 a place. There, the exception is raised again a moment later.
+
+An object whose making was interrupted may fail when it is removed. That is the signal's doing: nothing is said of it.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ AGAIN_AFTER = 0.1  # s
 
 
 class Ended(KeyboardInterrupt):
-    """A signal asked the program to end: it does so as after Ctrl-C, which every verb knows to leave nothing behind."""
+    """A signal asked the program to end. It ends as after Ctrl-C: every verb removes its unfinished files."""
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -44,6 +46,13 @@ class StopAsked:
         """The timer's handler: what was lost is raised once more."""
         raise Ended(self.number)
 
+    def unraisable(self, report: Any) -> None:
+        """Python's hook for what cannot be raised."""
+        if isinstance(report.exc_value, Ended):
+            signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
+        elif not self.number and not isinstance(report.exc_value, KeyboardInterrupt):
+            sys.__unraisablehook__(report)
+
 
 @contextmanager
 def signals_as_interrupts() -> Iterator[StopAsked]:
@@ -59,19 +68,16 @@ def signals_as_interrupts() -> Iterator[StopAsked]:
         if signal.getsignal(number) in usual
     }
     before[signal.SIGALRM] = signal.signal(signal.SIGALRM, asked.again)
-    report, sys.unraisablehook = sys.unraisablehook, _raise_again
+    report, sys.unraisablehook = sys.unraisablehook, asked.unraisable
     try:
         yield asked
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        sys.unraisablehook = report
+        # After a signal the program ends, and what it leaves half made is removed only then.
+        sys.unraisablehook = _say_nothing if asked.number else report
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
-def _raise_again(unraisable: Any) -> None:
-    """An interrupt that could not be raised is raised a moment later; what else could not be is reported as usual."""
-    if not isinstance(unraisable.exc_value, KeyboardInterrupt):
-        sys.__unraisablehook__(unraisable)
-    elif isinstance(unraisable.exc_value, Ended):
-        signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
+def _say_nothing(_report: Any) -> None:
+    """The hook of a program that was asked to end, once its command has ended."""

@@ -18,7 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "folder", type=Path, nargs="?", default=Path("my_recordings"), metavar="FOLDER",
         help="where recordings and answers are kept (default: my_recordings)",
     )  # fmt: skip
-    parser.add_argument("--port", type=int, default=8137, help="port on 127.0.0.1 (default 8137)")
+    parser.add_argument("--port", type=int, default=8137, help="port on 127.0.0.1, 0 for any free one (default 8137)")
     parser.add_argument("--no-browser", action="store_true", help="print the address, and open nothing")
 
 
@@ -33,15 +33,20 @@ def run(arguments: argparse.Namespace) -> int:
     from viz.app.page import serve
 
     with socket.socket() as probe:
-        if probe.connect_ex(("127.0.0.1", arguments.port)) == 0:
-            raise InputError(f"{arguments.port} is taken", field="--port", expected="a port that is free")
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # one that was just left is free
+        try:
+            probe.bind(("127.0.0.1", arguments.port))
+        except (OSError, OverflowError) as error:
+            words = f"{arguments.port}: {getattr(error, 'strerror', None) or 'no port'}"
+            raise InputError(words, field="--port", expected="a free port, 1024 to 65535, or 0 for any") from None
+        port = probe.getsockname()[1]
     arguments.folder.mkdir(parents=True, exist_ok=True)
     token = secrets.token_urlsafe(24)
-    address = f"http://127.0.0.1:{arguments.port}/?token={token}"
+    address = f"http://127.0.0.1:{port}/?token={token}"
     print(f"{address}  (Ctrl-C ends it)", flush=True)
     if not arguments.no_browser:
         webbrowser.open(address)
-    serve(Desk(arguments.folder.resolve(), proposed), arguments.port, token)
+    serve(Desk(arguments.folder.resolve(), proposed), port, token)
     return 0
 
 

@@ -32,8 +32,6 @@ def run(arguments: argparse.Namespace) -> int:
     from vision.frames import read_frames
     from vision.lens_file import format_lens
 
-    if not 0 < arguments.marker < arguments.square or min(arguments.across, arguments.down) < 3:
-        raise InputError("no such board", field="--marker, --square", expected="0 < marker < square, 3 squares or more")
     board = CharucoBoard(arguments.across, arguments.down, arguments.square, arguments.marker)
     if arguments.print_board is not None:
         write_picture(arguments.print_board, board.picture())

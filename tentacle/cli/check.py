@@ -1,4 +1,4 @@
-"""tentacle check: whether files are what was written, every checksum compared."""
+"""`tentacle check`: compare every checksum, and tell whether files are as they were written."""
 
 from __future__ import annotations
 

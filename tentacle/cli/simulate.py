@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tentacle.cli._simulate_arguments import base_motion_of
+from tentacle.cli._simulate_arguments import base_motion_of, travel_of
 from tentacle.cli._simulate_arguments import configure as configure
 
 HELP = "make a recording with the high-order reference (MuJoCo): import folder or .rrd, midline or video"
@@ -47,7 +47,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("lies in the recording itself", file=truth_file, field="--truth", expected="a file elsewhere")
     recording, truth = make_recording(
         hidden_effects(arguments.hide, arguments.seed, model),
-        Scenario(model, waveform, arguments.duration, arguments.fps, links=arguments.links),
+        Scenario(
+            model, waveform, arguments.duration, arguments.fps, links=arguments.links, travel=travel_of(arguments)
+        ),
         arguments.seed,
         noise,
         name=arguments.out.stem,
@@ -81,6 +83,9 @@ def _check(arguments: argparse.Namespace) -> None:
         raise InputError("lies among the trials", file=arguments.sealed, field="--sealed", expected="a file elsewhere")
     if arguments.trials is not None and arguments.hide:
         raise InputError("trials draw their own effects", field="--hide", expected="either --trials or --hide")
+    if arguments.travel is not None and (arguments.video is not None or arguments.trials is not None):
+        other = "--video" if arguments.video is not None else "--trials"
+        raise InputError("a film or a trial has a base that stands", field="--travel", expected=f"no {other} beside it")
     if arguments.servo_limits is not None:
         ServoLimits(*arguments.servo_limits).check(base_motion_of(arguments), arguments.duration)
 

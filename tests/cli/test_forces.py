@@ -23,6 +23,8 @@ MODEL = Model(ARM, WATER, parameters={
     "damping": {"eta": Estimate.exact(1e3, "Pa s")},
     "drag": {"C_perp": Estimate.exact(1.1)},
     "skin_drag": {"C_t": Estimate.exact(0.05)},
+    "added_mass": {"C_a": Estimate.exact(1.0), "convective": Estimate.exact(0.5)},
+    "oscillating_drag": {"share": Estimate.exact(1.0), "f": Estimate.exact(1.0, "Hz")},
     "current": {"U_x": Estimate.exact(0.03, "m/s"), "U_y": Estimate.exact(0.01, "m/s")},
 })  # fmt: skip
 S = np.linspace(0.0, 1.0, 41)

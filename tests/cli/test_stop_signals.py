@@ -5,8 +5,10 @@ from __future__ import annotations
 import ctypes
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable
+from typing import ClassVar
 
 import pytest
 
@@ -40,15 +42,31 @@ def then_broken(number: int) -> None:
     raise RuntimeError("no compiled object yet")
 
 
-@pytest.mark.parametrize("lost", [within_c, within_removal, then_broken])
+class HalfMade:
+    """As llvmlite's: what its maker did not reach is missing when it is removed."""
+
+    kept: ClassVar[list[HalfMade]] = []
+
+    def __init__(self, number: int) -> None:
+        self.kept.append(self)
+        ask(number)
+        self.pointer = 1
+
+    def __del__(self) -> None:
+        del self.pointer
+
+
+@pytest.mark.parametrize("lost", [within_c, within_removal, then_broken, HalfMade])
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_lost_interrupt_still_ends_the_command(
     number: int, lost: Callable[[int], None], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tentacle.cli._endings._close_output", lambda: None)  # the test's own goes on
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)  # it is left silent after a signal
     before = [signal.getsignal(one) for one in SIGNALS]
     with signals_as_interrupts() as asked, told(asked) as outcome:
         lost(number)
+    HalfMade.kept.clear()
     assert outcome.code == 128 + number
     assert capfd.readouterr().err == "tentacle: stopped\n"
     assert [signal.getsignal(one) for one in SIGNALS] == before

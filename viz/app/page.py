@@ -106,7 +106,8 @@ class Page:
             self.advice.set_text(f"The film proposes nothing ({error.problem}): click base and tip.")
         else:
             self.marks = Marks.proposed(found.base, found.tip, found.width)
-            self.advice.set_text(" ".join(["Proposed from the film: correct it by clicking.", *found.words]))
+            advice = (words[:1].upper() + words[1:] for words in found.words)
+            self.advice.set_text(" ".join(["Proposed from the film: correct it by clicking.", *advice]))
         self._draw()
 
     def _build_marks(self) -> None:

@@ -29,7 +29,7 @@ class LoggedTopics:
 
 def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
     """One model's residual map."""
-    bounds = rrb.VisualBounds2D(x_range=(-80.0, 640.0), y_range=(-60.0, 370.0))
+    bounds = rrb.VisualBounds2D(x_range=(-150.0, 640.0), y_range=(-130.0, 420.0))
     return rrb.Spatial2DView(origin=f"{path}/residual/{key}", name=title, visual_bounds=bounds)
 
 

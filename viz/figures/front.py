@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.motion import MOTION_ROLES
+from viz.figures.motion import motion_roles
 from viz.figures.style import house_style, legend_above, new_figure
 from viz.palette import NEUTRAL
 
@@ -21,7 +21,9 @@ def front_figure(speed: Array, power: Array, marks: Mapping[str, tuple[float, fl
         figure = new_figure(2.6)
         axes = figure.subplots()
         axes.plot(1e3 * power, 100.0 * speed, color=NEUTRAL.hex, marker=".", label="front")
-        for (name, (fast, costly)), marker, role in zip(marks.items(), "so^v", MOTION_ROLES, strict=False):
+        for (name, (fast, costly)), marker, role in zip(
+            marks.items(), "so^v", motion_roles(list(marks)).values(), strict=False
+        ):
             axes.plot(1e3 * costly, 100.0 * fast, marker=marker, linestyle="none", color=role.hex, label=name)
         axes.set_xlabel("power to the arm [mW]")
         axes.set_ylabel("speed [cm/s]")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.motion import MOTION_ROLES
+from viz.figures.motion import SERIES_ROLES
 from viz.figures.style import draw_line, house_style, legend_above, new_figure
 
 
@@ -14,7 +14,7 @@ def ratio_figure(names: tuple[str, ...], panels: tuple[tuple[str, Array, Array, 
     with house_style():
         figure = new_figure(2.6)
         for axes, (label, x, ratios, taken) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
-            for name, ratio, role in zip(names, ratios, MOTION_ROLES, strict=False):
+            for name, ratio, role in zip(names, ratios, SERIES_ROLES, strict=False):
                 draw_line(axes, role, x, ratio, name)
             axes.axvline(taken, color="0.6", linewidth=0.7)
             axes.set(xlabel=label, yscale="log", xscale="log")

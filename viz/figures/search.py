@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.motion import MOTION_ROLES
+from viz.figures.motion import motion_roles
 from viz.figures.style import draw_line, house_style, legend_above, new_figure
 
 
@@ -16,7 +16,9 @@ def search_figure(courses: Mapping[str, tuple[Array, Array]], quantity: str) -> 
     with house_style():
         figure = new_figure(2.4)
         axes = figure.subplots()
-        for (name, (evaluations, best)), role in zip(courses.items(), MOTION_ROLES, strict=False):
+        for (name, (evaluations, best)), role in zip(
+            courses.items(), motion_roles(list(courses)).values(), strict=True
+        ):
             draw_line(axes, role, evaluations, best, name)
         axes.set_xlabel("evaluations [1]")
         axes.set_ylabel(f"best {quantity}")

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
-from viz.figures.motion import MOTION_ROLES
+from viz.figures.motion import motion_roles
 from viz.figures.style import INK, draw_line, house_style, new_figure
 
 HATCHES = ("", "//", "..", "xx", "\\\\")
@@ -30,11 +30,11 @@ def speeds_figure(swims: Sequence[Swim], motions: Mapping[str, tuple[Array, Arra
         figure = new_figure(2.8)
         left, right = figure.subplots(1, 2, width_ratios=[1, 2] if motions else [1e-3, 1])
         arms, names = (list(dict.fromkeys(getattr(swim, field) for swim in swims)) for field in ("arm", "motion"))
-        width = 0.8 / len(names)
+        width, roles = 0.8 / len(names), motion_roles(list(dict.fromkeys([*names, *motions])))
         for swim in swims:
             index = names.index(swim.motion)
             place = arms.index(swim.arm) + (index - 0.5 * (len(names) - 1)) * width
-            role = MOTION_ROLES[index % len(MOTION_ROLES)]
+            role = roles[swim.motion]
             deviation = 100 * swim.speeds.std(ddof=1) if len(swim.speeds) > 1 else None
             right.bar(
                 place, 100 * swim.speeds.mean(), 0.92 * width, yerr=deviation, color=role.hex, ecolor=INK, capsize=3,
@@ -48,7 +48,7 @@ def speeds_figure(swims: Sequence[Swim], motions: Mapping[str, tuple[Array, Arra
             left.set_axis_off()
             return figure
         for name, (t, theta) in motions.items():
-            draw_line(left, MOTION_ROLES[names.index(name) % len(MOTION_ROLES)], t, theta, name)
+            draw_line(left, roles[name], t, theta, name)
         left.set_xlabel("t [s]")
         left.set_ylabel("base angle [rad]")
         return figure

@@ -30,7 +30,8 @@ def log_heat(session: rr.RecordingStream, path: str, scene: ViewedRun, party: Pa
     height, width = drawn.picture.shape[:2]
     session.log(f"{path}/map", rr.Image(drawn.picture), static=True)
     labels = [f"dark 0, yellow {drawn.limit:.2g} mm", "base", "tip", f"{drawn.start:.1f} s", f"{drawn.stop:.1f} s"]
-    positions = [[width / 2, -48], [-40, 0], [-40, height - 20], [30, height + 8], [width - 30, height + 8]]
+    # a label's size is the screen's: beside the map also where the view is narrow
+    positions = [[width / 2, -100], [-90, 20], [-90, height - 40], [40, height + 30], [width - 40, height + 30]]
     points = rr.Points2D(positions, labels=labels, colors=[NEUTRAL.colour], radii=0.1, show_labels=True)
     session.log(f"{path}/axes", points, static=True)
     t = np.linspace(drawn.start, drawn.stop, MARK_STEPS)

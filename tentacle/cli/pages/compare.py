@@ -109,16 +109,17 @@ def _scene(name: str, model: Model, ladder: Ladder) -> Any:
 
 
 def write_compare_session(name: str, model: Model, ladder: Ladder, maps: list[Validity], file: Path) -> None:
-    """Both models' arms in 3D, over one another, beside the ladder."""
+    """Both models' arms in 3D, over one another, beside the reduced model's errors; the report has all numbers."""
     from tentacle.recording import Declaration, Recording
     from validation.validity_advice import sentence
     from viz.compare import write_comparison
+    from viz.topics.verdict import text_table
 
-    lines = []
-    for table in ladder_rows(ladder):
-        lines += ["", "| " + " | ".join(table.header) + " |", "|" + "---|" * len(table.header)]
-        lines += ["| " + " | ".join(row) + " |" for row in table.rows]
+    reduced = ladder_rows(ladder)[1]
+    errors = [k for k, name in enumerate(reduced.header) if k == 0 or name.startswith("error")]
+    header, *rows = [tuple(row[k] for k in errors) for row in (reduced.header, *reduced.rows)]
+    table = text_table(header, rows)
     recording = Recording(name, Declaration(model.specimen, model.fluid, model.gravity))
     answer = sentence(maps[0]) if maps else WITHOUT_MAP
-    text = f"# Reference and reduced model\n\n{answer}\n" + "\n".join(lines) + "\n"
+    text = f"# Reference and reduced model\n\n{answer}\n\nErrors of orders 2 to 4:\n\n{table}\n"
     write_comparison(_scene(name, model, ladder), recording, text, file)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from rig.protocol import EventCode
-from rig.recorder import START
 from rig.run_file import read_run
+from rig.run_layout import START
 from tentacle.io.reading import read_recording
 from viz.topics.events import Event
 from viz.track import write_recording_view

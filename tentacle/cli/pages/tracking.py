@@ -13,11 +13,11 @@ from tentacle.recording import Recording
 from tentacle.signals import ShapeTrack
 from vision.declared import is_recording
 from vision.encode import write_picture, write_video
-from vision.follow import TrackedFrame
 from vision.frames import read_frames
 from vision.overlay import contact_sheet, overlay
 from vision.proofread import most_doubtful
 from vision.track import Tracking
+from vision.tracked_frame import TrackedFrame
 
 
 def tracking_summary(shape: ShapeTrack, tracked: Tracking | None, out: Path) -> dict[str, Any]:
