@@ -72,6 +72,7 @@ SPECIAL = {
     "tentacle blind-trial 40 --out blind --seed 1 --workers 4": How(add="--workers 1", until="blind/trials"),
     "tentacle optimise arm.toml --out gait": How(add=QUICK),
     "tentacle optimise answer/model.toml --out gait": How(add=QUICK),
+    "tentacle new my_arm --video film.mp4": How(swap=("my_arm", "another_arm"), status=(2,), says="--length"),
     "tentacle app": How(add="--no-browser", until="(Ctrl-C ends it)"),
     "tentacle view session.rrd --web": How(until="(Ctrl-C ends it)"),
     "tentacle track camera.mkv --live 5 --length 0.14 --base-radius 0.0125 --tip-radius 0.0015 --out live.csv":

@@ -18,6 +18,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+ROOT = Path(__file__).parents[2]
 MEMORY = 12 * 2**30  # bytes of address space
 GRACE = 15.0  # s within which a case that was asked to stop has ended
 GOOD = ("done", "refused", "fault", "stopped")
@@ -132,6 +133,11 @@ def _run(case: Case, place: Path) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if case.file_size is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (case.file_size, resource.RLIM_INFINITY))
+        if case.arguments[0] == "view" and case.verify is None:
+            # Rerun's threads wait on a queue that a forked child shares: what the child's viewer does there would
+            # crash the parent. A program of its own has a queue of its own.
+            os.environ.update({"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": encoding})
+            os.execv(sys.executable, [sys.executable, "-m", "tentacle", *case.arguments])
         from tentacle.cli import main
 
         try:

@@ -10,8 +10,11 @@ import tempfile
 from collections import Counter
 from pathlib import Path
 
+from benchmarks._commit import commit_of
 from tests.hostile.cases import cases
 from tests.hostile.judge import Case, Outcome, judge
+
+ROOT = Path(__file__).parents[2]
 
 
 def warm() -> None:
@@ -101,6 +104,7 @@ def main() -> int:
     parser.add_argument("--json", type=Path, metavar="FILE", help="where to write the figures")
     parser.add_argument("--show", action="store_true", help="the good ones too")
     arguments = parser.parse_args()
+    commit = commit_of(ROOT)  # now: what is imported is of now
     chosen = [case for case in cases(arguments.seed) if arguments.only in case.name]
     if arguments.quick:
         chosen = [case for case in chosen if case.arguments[0] not in HEAVY]
@@ -111,7 +115,7 @@ def main() -> int:
     print(f"{len(outcomes)} cases in {seconds:.0f} s: " + ", ".join(f"{n} {kind}" for kind, n in kinds.most_common()))
     if arguments.json is not None:
         figures = {"hostile_cases": float(len(outcomes)), "hostile_bad": float(bad), "hostile_minutes": seconds / 60}
-        arguments.json.write_text(json.dumps({"figures": figures}))
+        arguments.json.write_text(json.dumps({"figures": figures, "commit": commit}))
     return 1 if bad else 0
 
 
