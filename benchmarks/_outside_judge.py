@@ -131,8 +131,8 @@ def limit(drawn: Drawn, order: int, frames: NDArray[np.intp], count: int) -> flo
     variances = []
     for info, slope in zip(information, slopes, strict=True):
         own = np.linalg.inv(info[:order, :order])
-        lean = -own @ info[:order, order:]
-        covariance = np.block([[own + lean @ common @ lean.T, lean @ common], [common @ lean.T, common]])
+        dx_dg = -own @ info[:order, order:]
+        covariance = np.block([[own + dx_dg @ common @ dx_dg.T, dx_dg @ common], [common @ dx_dg.T, common]])
         variances.append(np.mean(np.einsum("is,ij,js->s", slope, covariance, slope)))
     return float(np.sqrt(np.mean(variances)))
 

@@ -1,8 +1,9 @@
 """A long film of a run: memory and time of putting its frames into one video at the end (rig.record.add_film).
 
-python benchmarks/film.py --json FILE [--minutes 60]
+python benchmarks/film.py --json FILE [--minutes 60] [--size 1280 720]
 
-The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them.
+The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them. Small ones
+are encoded in less time: with them an hour shows what memory each frame takes beside its picture.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks._commit import commit_of
 from benchmarks._rig_scene import DECLARED
 from rig.camera import CameraFrame
 from rig.clock import ClockFit
@@ -28,17 +30,18 @@ from rig.setup_file import LoadCellCalibration
 from tentacle.io.declaration_file import declaration_tables
 
 FPS = 30
+FULL_SIZE = (1280, 720)
 PICTURES = 60  # different ones
 
 
-def pictures() -> list[bytes]:
+def pictures(width: int, height: int) -> list[bytes]:
     """A dark arm on a light ground at some angles, with a camera's noise, as JPEG."""
     random = np.random.default_rng(1)
     found = []
     for k in range(PICTURES):
-        picture = np.full((720, 1280, 3), 190, np.uint8)
-        tip = (640 + round(200 * np.sin(2 * np.pi * k / PICTURES)), 600)
-        cv2.line(picture, (640, 60), tip, (40, 40, 40), 60)
+        picture = np.full((height, width, 3), 190, np.uint8)
+        tip = (width // 2 + round(0.28 * height * np.sin(2 * np.pi * k / PICTURES)), round(0.83 * height))
+        cv2.line(picture, (width // 2, height // 12), tip, (40, 40, 40), height // 12)
         noisy = np.clip(picture + random.normal(0.0, 2.0, picture.shape), 0, 255).astype(np.uint8)
         found.append(cv2.imencode(".jpg", noisy, [cv2.IMWRITE_JPEG_QUALITY, 92])[1].tobytes())
     return found
@@ -55,9 +58,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--size", type=int, nargs=2, default=FULL_SIZE, metavar=("W", "H"))
     parser.add_argument("--folder", type=Path, help="where 8 GB an hour have room (default: the temporary folder)")
     arguments = parser.parse_args()
-    count, stills = round(60 * FPS * arguments.minutes), pictures()
+    commit = commit_of(Path(__file__).parent)
+    count, stills = round(60 * FPS * arguments.minutes), pictures(*arguments.size)
     cell = LoadCellCalibration(0.0, 1.0)
     start = {"name": "film", "recording": declaration_tables(DECLARED), "lead_s": 0.0, "load_cell": {}}
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
@@ -75,16 +80,17 @@ def main() -> None:
             add_film(recorder, path, stop)
             recorder.stop("complete", stop)
         took = time.monotonic() - begun
+        kind = "film" if tuple(arguments.size) == FULL_SIZE else "film_small"
         figures = {
-            "film_minutes": arguments.minutes,
-            "film_frames_gb": size / 1e9,
-            "film_peak_mb": memory_mb("VmHWM"),
-            "film_before_mb": before,
-            "film_fps": count / took,
-            "film_file_gb": path.stat().st_size / 1e9,
+            f"{kind}_minutes": arguments.minutes,
+            f"{kind}_frames_gb": size / 1e9,
+            f"{kind}_peak_mb": memory_mb("VmHWM"),
+            f"{kind}_before_mb": before,
+            f"{kind}_fps": count / took,
+            f"{kind}_file_gb": path.stat().st_size / 1e9,
         }
     print(figures)
-    arguments.json.write_text(json.dumps({"figures": figures}, indent=1))
+    arguments.json.write_text(json.dumps({"figures": figures, "commit": commit}, indent=1))
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # before benchmarks/, which holds a rig.py too
 
+from benchmarks._commit import commit_of
 from benchmarks._rig_scene import setup_for
 from rig.camera import CameraThread
 from rig.connection import connected
@@ -118,6 +119,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
+    commit = commit_of(Path(__file__).parent)
     random = np.random.default_rng(arguments.seed)
     outcomes: Counter[str] = Counter()
     unreadable = untold = runs = samples = 0
@@ -152,7 +154,7 @@ def main() -> None:
         "soak_lost_untold": float(untold),
     }
     print(figures)
-    arguments.json.write_text(json.dumps({"figures": figures}, indent=1))
+    arguments.json.write_text(json.dumps({"figures": figures, "commit": commit}, indent=1))
 
 
 if __name__ == "__main__":
