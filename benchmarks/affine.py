@@ -33,7 +33,7 @@ from affine_model.swim.trial import GaitTrial  # noqa: E402
 from benchmarks._other_simulators import OTHERS, environment, run  # noqa: E402
 from benchmarks.mujoco_chain import chain_model, roll  # noqa: E402
 from inference.experiment import Experiment  # noqa: E402
-from inference.observation import from_track  # noqa: E402
+from inference.measured_shapes import from_track  # noqa: E402
 from inference.trajectory import Problem, fit  # noqa: E402
 from tentacle.signals import Array, ShapeTrack  # noqa: E402
 from tentacle.specimen import WATER, Cone, Gravity, Specimen  # noqa: E402

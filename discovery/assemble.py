@@ -17,7 +17,6 @@ from inference.compare import floor_errors, midline_error, run_comparison, run_e
 from inference.declared_words import declared_words
 from inference.discrepancy import ModelDiscrepancy
 from inference.estimates import estimates
-from inference.observation import ShapeObservation
 from inference.one_arm import own_geometry_words
 from inference.posterior import Hypothesis
 from inference.prepare import Prepared
@@ -70,7 +69,7 @@ def assemble_posterior(
         effects, verdict = (), "unknown"
     words = [sentence for p in prepared for sentence in p.words] + own_geometry_words(prepared)
     if order > 2:
-        shapes = any(isinstance(p.experiment.observation, ShapeObservation) for p in prepared)
+        shapes = any(p.experiment.observation.shapes is not None for p in prepared)
         shown = "The measured shapes show" if shapes else "What the markers show so well needs"
         words.append(f"{shown} {order} curvature coordinates; the paper's model has two.")
         improved = (before.midline_mm or 0.0) > 1.1 * (after.midline_mm or np.inf)

@@ -74,8 +74,8 @@ def _amplitude(limits: ServoLimits, frequencies: Array) -> float:
 def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
     """A future run with this camera and noise, another base motion and a start from rest."""
     t = np.arange(0.0, DURATION, 1.0 / FRAMES)
-    observation = experiment.observation
-    assert isinstance(observation, ShapeObservation)
+    observation = experiment.observation.shapes
+    assert observation is not None
     live = np.flatnonzero(observation.seen)
     root = np.repeat(observation.root[live[live.size // 2]][None], t.size, axis=0)
     coefficients = np.zeros((t.size, POSE + observation.order))
@@ -97,7 +97,7 @@ def propose_experiment(
     recordings have no motor or no midline, as then no base motion can be commanded or judged.
     """
     source = chosen.problem.experiments[0]
-    if not rivals or source.release is not None or not isinstance(source.observation, ShapeObservation):
+    if not rivals or source.release is not None or source.observation.shapes is None:
         return None
     sets = [set(h.effects) for h in (chosen, *rivals)]
     splits = tuple(sorted(set.union(*sets) - set.intersection(*sets)))
@@ -117,8 +117,8 @@ def _gap(chosen: FittedHypothesis, rival: FittedHypothesis, source: Experiment, 
         chosen.problem.arm, experiment, chosen.fitted.parameters[:, None], start[:, None], chosen.problem.step
     )
     z = shown.q[:, :, 0] @ chosen.problem.arm.from_monomial.T
-    observation = experiment.observation
-    assert isinstance(observation, ShapeObservation)
+    observation = experiment.observation.shapes
+    assert observation is not None
     coefficients = observation.coefficients.copy()
     kept = min(order, observation.order)
     coefficients[:, POSE : POSE + kept] = z[:, :kept]

@@ -11,8 +11,9 @@ import matplotlib.pyplot as plt
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from affine_model.arm import parameter_index
-from inference.base_fit import Setting, fit_base, initial_nuisances
+from inference.base_fit import Setting, fit_base
 from inference.compare import model_run
+from inference.initial_state import initial_nuisances
 from inference.prepare import prepare
 from inference.trajectory import unfitted
 from tentacle.io.external_data import data_folder

@@ -9,7 +9,7 @@ from scipy.stats import chi2 as chi_square
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment
-from inference.observation import TRACKER_ERROR, ShapeObservation
+from inference.observation import TRACKER_ERROR
 from inference.trajectory import Fit, Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.diagnosis import Gate
@@ -45,8 +45,7 @@ def _live(rows: Array) -> Array:
 
 
 def _tracked(experiment: Experiment) -> bool:
-    observation = experiment.observation
-    return isinstance(observation, ShapeObservation) and observation.tracked
+    return experiment.observation.tracked
 
 
 def ljung_box(rows: Array, lags: int = LAGS) -> tuple[float, int]:

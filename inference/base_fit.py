@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from affine_model.arm import Arm, arm_of, declared_parameters
-from affine_model.curvature import Array, legendre_to_monomial, points_beside
+from affine_model.curvature import Array
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
+from inference.initial_state import initial_nuisances
 from inference.noise_floor import noise_deviation
-from inference.observation import POSE, MarkerObservation, ShapeObservation
+from inference.observation import POSE, ShapeObservation
 from inference.prepare import MOST_COORDINATES, RELEASE, recalibrated
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, fit_multistart, linearised_fit, unfitted
@@ -25,8 +25,6 @@ FIRST_STEP = 1.0 / 150.0  # s: a fit begins with this step; inference.sufficient
 SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 # A curvature coordinate counts as seen where it adds this share to the noise's variance, or more
 VISIBLE_COORDINATE_SHARE = 0.05
-FIRST_FRAMES = 6  # of a recording: a marker's place at the start is their mean
-PLACED = 0.003  # arm lengths: deviation of a marker beside 1 rad of prior on the shape
 MOST_FOR_MARKERS = 4  # coordinates
 FOLLOWED = 0.2  # noise sigmas to which a run with fewer coordinates must follow one with MOST_FOR_MARKERS
 
@@ -47,7 +45,7 @@ class Setting:
 
     def sees_shapes(self) -> bool:
         """Whether any recording shows whole shapes; single markers do not show how many coordinates there are."""
-        return any(isinstance(experiment.observation, ShapeObservation) for experiment in self.experiments)
+        return any(experiment.observation.shapes is not None for experiment in self.experiments)
 
     @property
     def fluid(self) -> Fluid:
@@ -91,15 +89,13 @@ def needed_order(setting: Setting, *, complete: bool = False) -> int:
     """
     if not setting.sees_shapes():
         return _order_by_convergence(setting, complete)
-    return max(
-        _visible_order(e.observation) for e in setting.experiments if isinstance(e.observation, ShapeObservation)
-    )
+    return max(_visible_order(e.observation.shapes) for e in setting.experiments if e.observation.shapes is not None)
 
 
 def most_coordinates(problem: Problem) -> int:
     """How many curvature coordinates every recording's shapes hold (markers hold any number)."""
-    shapes = [e.observation for e in problem.experiments if isinstance(e.observation, ShapeObservation)]
-    return min((shape.order for shape in shapes), default=MOST_COORDINATES)
+    shown = [e.observation.order for e in problem.experiments if e.observation.shapes is not None]
+    return min(shown, default=MOST_COORDINATES)
 
 
 def fitted_order(seen: int, most: int) -> int:
@@ -165,48 +161,6 @@ def _residual_rms(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
     """rms of the residuals on the used frames [noise sigmas]."""
     rows = [rows[e.used].ravel() for e, rows in zip(experiments, fitted.residuals, strict=True)]
     return float(np.sqrt(np.mean(np.concatenate(rows) ** 2)))
-
-
-def initial_nuisances(experiment: Experiment, order: int) -> Array:
-    """Initial shape and rates of a run from its first frames (released: from all frames before)."""
-    observation = experiment.observation
-    start = np.zeros(order)
-    rates = np.zeros(order)
-    if isinstance(observation, ShapeObservation):
-        seen = np.flatnonzero(observation.seen)
-        z = observation.coefficients[:, POSE:]
-        kept = min(order, observation.order)
-        if experiment.release is not None:
-            held = seen[observation.t[seen] <= experiment.release]
-            held = held if held.size else seen[:1]
-            start[:kept] = np.median(z[held, :kept], axis=0)
-        else:
-            first = seen[:6]
-            slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
-            start[:kept], rates[:kept] = offset, slope
-    else:
-        start = _shape_of_markers(experiment, observation, order)
-    moving = rates if experiment.release is None else np.zeros(1)
-    return np.concatenate([start, moving, np.zeros(2 * experiment.sees_shift + len(experiment.varies))])
-
-
-def _shape_of_markers(experiment: Experiment, markers: MarkerObservation, order: int) -> Array:
-    """The Legendre coordinates (order,) that markers show at the start (released: before it), without dynamics.
-
-    A coordinate that the markers do not show stays near zero.
-    """
-    seen = np.flatnonzero(np.isfinite(markers.xy).all(axis=(1, 2)))
-    until = experiment.release if experiment.release is not None else markers.t[seen[:FIRST_FRAMES][-1]]
-    early = seen[markers.t[seen] <= until]
-    early = early if early.size else seen[:1]
-    there, theta = markers.xy[early].mean(axis=0), markers.theta[early].mean()
-    to_monomial = legendre_to_monomial(order)
-
-    def missed(z: Array) -> Array:
-        points = points_beside(to_monomial @ z, theta, markers.length, markers.s, markers.d)
-        return np.concatenate([(points - there).ravel() / (PLACED * markers.length), z])
-
-    return np.asarray(least_squares(missed, np.zeros(order)).x)
 
 
 def _starts(setting: Setting) -> Array:

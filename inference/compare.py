@@ -15,7 +15,7 @@ from affine_model.curvature import (
     points_beside,
 )
 from inference.experiment import Experiment, predict
-from inference.observation import POSE, MarkerObservation, ShapeObservation
+from inference.observation import POSE, ShapeObservation
 from inference.prepare import Prepared
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import ErrorMeasure, RunComparison
@@ -65,29 +65,17 @@ def _deviation(observation: ShapeObservation, gain: Array, order: int) -> Array:
 def measured_points(prepared: Prepared) -> tuple[Array, Array]:
     """s (P,) and measured points (T, P, 2) [m]; NaN where a frame or point was not seen."""
     observation, recording = prepared.experiment.observation, prepared.recording
-    if not isinstance(observation, ShapeObservation):
-        return observation.s, observation.xy
-    unseen = ~observation.seen
     if recording.midline is not None and prepared.points is not None:
-        return recording.midline.s, np.where(unseen[:, None, None], np.nan, prepared.points)
-    shape = _shape_points(observation, observation.coefficients[:, POSE:], COMPARED_PLACES)
-    shape[unseen] = np.nan
-    return COMPARED_PLACES, shape
-
-
-def _shape_points(observation: ShapeObservation, z: Array, s: Array) -> Array:
-    q = z @ legendre_to_monomial(z.shape[1]).T
-    pose = observation.coefficients[:, :POSE]
-    size = np.exp(pose[:, 3])[:, None, None]
-    return size * midline(q, observation.theta + pose[:, 0], observation.length, s) + pose[:, None, 1:3]
+        return recording.midline.s, np.where(observation.seen[:, None, None], prepared.points, np.nan)
+    return observation.points(COMPARED_PLACES)
 
 
 def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -> ModelRun:
     """The run of a fitted model for recording number `place`."""
     problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
-    if isinstance(experiment.observation, MarkerObservation):  # where the fit finds them, not where they were declared
-        s, d = experiment.observation.s, experiment.observation.d
+    if experiment.observation.beside is not None:  # markers: where the fit finds them, not where they were declared
+        s, d = experiment.observation.points(s)[0], experiment.observation.beside
     nuisances = fitted.nuisances[place][:, None]
     prediction = predict(problem.arm, experiment, parameters[:, None], nuisances, problem.step)
     roll = parameters[parameter_index("camera_roll", "roll")]
@@ -98,8 +86,8 @@ def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | No
     points = scale * shape + prediction.shift[:, 0]
     z = q @ problem.arm.from_monomial.T
     q_shown, angle = np.full((z.shape[0], 2), np.nan), np.full((z.shape[0], s.size), np.nan)
-    observation = experiment.observation
-    if isinstance(observation, ShapeObservation):
+    observation = experiment.observation.shapes
+    if observation is not None:
         coefficients = np.zeros_like(observation.coefficients)
         kept = min(problem.arm.order, observation.order)
         coefficients[:, 0] = theta - observation.theta
@@ -136,11 +124,11 @@ def run_comparison(
     experiment = prepared.experiment
     observation = experiment.observation
     s, points = measured_points(prepared)
-    d = None if isinstance(observation, ShapeObservation) else observation.d
+    d = observation.beside
     first, last = model_run(*base, place, s, d), model_run(*final, place, s, d)
     q = np.full((observation.t.size, 2), np.nan)
-    if isinstance(observation, ShapeObservation):
-        q, _ = reduced_shape(observation, observation.coefficients, s)
+    if observation.shapes is not None:
+        q, _ = reduced_shape(observation.shapes, observation.shapes.coefficients, s)
     run = RunComparison(
         name=experiment.name,
         t=observation.t,
@@ -174,8 +162,8 @@ def run_errors(
         model, points = (final, run.augmented) if augmented else (base, run.base)
         chosen = run.judged
         distance.append(1e3 * np.linalg.norm(run.measured - points, axis=2)[chosen])
-        observation = source.experiment.observation
-        if isinstance(observation, ShapeObservation):
+        observation = source.experiment.observation.shapes
+        if observation is not None:
             _, seen_angle = reduced_shape(observation, observation.coefficients, run.s)
             valid = chosen & observation.seen
             angle.append((seen_angle - model.angle)[valid])
@@ -195,11 +183,8 @@ def midline_error(prepared: list[Prepared], problem: Problem, fitted: Fit, held_
     """rms distance [mm] of one model from what was measured, over the judged frames of all recordings."""
     distance = []
     for place, source in enumerate(prepared):
-        observation = source.experiment.observation
         s, points = measured_points(source)
-        shown = model_run(
-            problem, fitted, place, s, None if isinstance(observation, ShapeObservation) else observation.d
-        )
+        shown = model_run(problem, fitted, place, s, source.experiment.observation.beside)
         judged = judged_frames(source.experiment, held_out)
         distance.append(1e3 * np.linalg.norm(points - shown.points, axis=2)[judged])
     return _rms(distance)
@@ -212,10 +197,10 @@ def floor_errors(
     distance, angle, first, second = [], [], [], []
     for (run, _, _), source in zip(runs, prepared, strict=True):
         experiment = source.experiment
-        observation = experiment.observation
+        observation = experiment.observation.shapes
         gain = float(np.sqrt(np.mean(experiment.noise_gain**2)))
-        if not isinstance(observation, ShapeObservation):
-            distance.append(np.full(10, 1e3 * np.sqrt(2.0) * observation.sigma * gain))
+        if observation is None:
+            distance.append(np.full(10, 1e3 * np.sqrt(2.0) * source.sigma * gain))
             continue
         frames = np.flatnonzero(run.judged & observation.seen)
         frames = frames[:: max(1, frames.size // 50)]

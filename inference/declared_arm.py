@@ -9,13 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from affine_model.arm import Arm
 from affine_model.curvature import Array
 from inference.arm_at import arm_at
 from inference.experiment import Experiment
-from inference.observation import MarkerObservation, ShapeObservation
 from tentacle.declared import Uncertain
 
 SCALE = "camera.m_per_px"
@@ -49,26 +46,5 @@ def _experiment_at(
     experiment: Experiment, arm: Arm, values: Mapping[str, float], means: Mapping[str, float]
 ) -> Experiment:
     """The experiment with these declared values instead of their means."""
-    observation = experiment.observation
-    if isinstance(observation, ShapeObservation):
-        seen = _shapes_at(observation, arm.specimen.length, values.get(SCALE, 1.0) / means.get(SCALE, 1.0))
-    else:
-        seen = _markers_at(observation, arm.specimen.length, values)
-    return replace(experiment, observation=seen)
-
-
-def _shapes_at(observation: ShapeObservation, length: float, scale: float) -> ShapeObservation:
-    """Shapes of an arm of another length [m], seen at `scale` times the metres a pixel."""
-    coefficients = observation.coefficients.copy()
-    if observation.tracked:  # midlines and markers come in metres, not in pixels
-        coefficients[:, 3] += np.log(scale)
-    coefficients[:, 3] -= np.log(length / observation.length)
-    return replace(observation, coefficients=coefficients, length=length)
-
-
-def _markers_at(observation: MarkerObservation, length: float, values: Mapping[str, float]) -> MarkerObservation:
-    s, d = observation.s.copy(), observation.d.copy()
-    for place, name in enumerate(observation.names):
-        s[place] = values.get(f"markers.{name}.s", s[place])
-        d[place] = values.get(f"markers.{name}.d", d[place])
-    return replace(observation, length=length, s=s, d=d)
+    scale = values.get(SCALE, 1.0) / means.get(SCALE, 1.0)
+    return replace(experiment, observation=experiment.observation.declared_as(arm.specimen.length, scale, values))

@@ -22,7 +22,8 @@ from affine_model.effects import catalogue
 from inference.compare import judged_frames
 from inference.declared_arm import DECLARED
 from inference.experiment import Experiment, predict
-from inference.observation import ShapeObservation, Tracker, fit_shapes
+from inference.measured_shapes import Tracker, fit_shapes
+from inference.observation import ShapeObservation
 from inference.trajectory import Fit, Problem, fit
 from mujoco_ref.simulate import Initial, Setup, simulate
 from tentacle.errors import InputError
@@ -90,7 +91,7 @@ def model_discrepancy(problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
     fitted_rows, judged_rows, distances = [], [], []
     beyond: list[Array | None] = [None] * len(problem.experiments)
     for place, experiment in enumerate(problem.experiments):
-        if not isinstance(experiment.observation, ShapeObservation) or experiment.release is not None:
+        if experiment.observation.shapes is None or experiment.release is not None:
             continue
         try:
             arm = experiment.arm(problem.arm)
@@ -113,18 +114,18 @@ def without_discrepancy(problem: Problem, reduction: ModelDiscrepancy) -> Proble
     """The problem with the discrepancy subtracted from the measurement; None if it is not known for every recording."""
     experiments = []
     for experiment, beyond in zip(problem.experiments, reduction.beyond, strict=True):
-        observation = experiment.observation
-        if beyond is None or not isinstance(observation, ShapeObservation):
+        shapes = experiment.observation.shapes
+        if beyond is None or shapes is None:
             return None
-        corrected = replace(observation, coefficients=observation.coefficients - beyond)
+        corrected = replace(shapes, coefficients=shapes.coefficients - beyond)
         experiments.append(replace(experiment, observation=corrected))
     return replace(problem, experiments=tuple(experiments))
 
 
 def _beyond(experiment: Experiment, virtual: Experiment, rows: Array) -> Array | None:
     """Residuals (T', K) of the reduced model against the chain, as coefficients at the recording's frames."""
-    seen, shown = experiment.observation, virtual.observation
-    assert isinstance(shown, ShapeObservation)
+    seen, shown = experiment.observation, virtual.observation.shapes
+    assert shown is not None
     if seen.t[-1] > shown.t[-1] + 0.5:  # frames just after the chain's end keep its last value
         return None
     coefficients: Array = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
@@ -142,8 +143,8 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     fitted to it; rms distance [m] of the two midlines.
     """
     experiment, arm = problem.experiments[place], problem.experiments[place].arm(problem.arm)
-    observation = experiment.observation
-    assert isinstance(observation, ShapeObservation)
+    observation = experiment.observation.shapes
+    assert observation is not None
     interval = float(np.median(np.diff(observation.t)))
     duration = min(experiment.duration - 0.3, LONGEST_CHAIN_RUN)
     shape, moving, _, _ = experiment.parts(arm.order, fitted.nuisances[place])

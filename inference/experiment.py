@@ -16,10 +16,8 @@ from affine_model.effects.camera_roll import shift_by_roll
 from affine_model.effects.time_offset import seen_times, shown_times
 from affine_model.simulate import Batch, Start, Timing, simulate
 from inference.arm_at import arm_at
-from inference.observation import MarkerObservation, ShapeObservation
+from inference.observation import Observation
 from tentacle.waveform import Waveform
-
-Observation = ShapeObservation | MarkerObservation
 
 SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
 SHIFT_LIMIT = 0.01  # arm lengths
@@ -78,7 +76,7 @@ class Experiment:
     @property
     def sees_shift(self) -> bool:
         """Whether the shift of the clamp is among the nuisances. The frame of a marker system needs no shift."""
-        return isinstance(self.observation, ShapeObservation)
+        return self.observation.shapes is not None
 
     def instant(self, t: Array) -> Instant:
         """Times (...) [s] with the base's travel then, as the equations of motion take them: (..., 1) and (..., 6)."""
@@ -118,8 +116,7 @@ class Experiment:
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
         """The priors of the nuisances (M, B), as whitened residuals."""
         shift = self.parts(order, nuisances)[3] / (SHIFT_PRIOR * length)
-        seen = self.observation.order if isinstance(self.observation, ShapeObservation) else 2
-        higher = nuisances[seen:order] / HIGHER_PRIOR
+        higher = nuisances[self.observation.order : order] / HIGHER_PRIOR
         varied = self.deviations(nuisances) / np.array(self._spreads()).reshape(-1, 1)
         if self.release is None:
             rates = nuisances[order : 2 * order]

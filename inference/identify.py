@@ -9,16 +9,17 @@ import numpy as np
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array
-from inference.base_fit import Setting, fit_base, initial_nuisances, needed_order
+from inference.base_fit import Setting, fit_base, needed_order
 from inference.bootstrap import bootstrap
 from inference.compare import reduced_shape, run_comparison, run_errors
 from inference.declared_arm import names_of
 from inference.declared_words import declared_words
 from inference.estimates import estimates
 from inference.identifiability import Identifiability, identifiability
+from inference.initial_state import initial_nuisances
 from inference.judged_fit import JudgedFit, judged_fit, variance_inflation
 from inference.measured_motion import MeasuredCourse
-from inference.observation import POSE, ShapeObservation
+from inference.observation import POSE
 from inference.one_arm import one_arm, own_geometry_words, same_arm
 from inference.prepare import Prepared, prepare
 from inference.regression import regression
@@ -137,8 +138,8 @@ def _initial_states(setting: Setting, problem: Problem, judges: list[Prepared]) 
 def _paper_regression(arm: Arm, problem: Problem, fitted: Fit, prepared: list[Prepared]) -> dict[str, float]:
     """The regression of eq. 18-19 with numerical derivatives, on the first recording that has q and a moving base."""
     for p in prepared:
-        observation = p.experiment.observation
-        if not isinstance(observation, ShapeObservation) or p.experiment.release is not None or p.experiment.travel:
+        observation = p.experiment.observation.shapes
+        if observation is None or p.experiment.release is not None or p.experiment.travel:
             continue
         q, _ = reduced_shape(observation, observation.coefficients, np.ones(1))
         seen = np.isfinite(q).all(axis=1)
@@ -154,7 +155,7 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
     """Sentences about what the recordings do not determine."""
     words = [f"Condition of the parameters' information: {known.condition:.3g}."]
     for experiment, dead in zip(problem.experiments, known.dead, strict=True):
-        shapes = isinstance(experiment.observation, ShapeObservation)
+        shapes = experiment.observation.shapes is not None
         # Silence is right for the pose, which the camera alone moves, and for curvatures beyond the model's order.
         curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < POSE + problem.arm.order]
         markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes]

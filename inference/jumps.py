@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, median_filter
@@ -41,5 +39,4 @@ def without_jumps(observation: ShapeObservation) -> tuple[ShapeObservation, int]
     if observation.t.size < NEIGHBOURS:
         return observation, 0
     jumping = jumping_frames(observation)
-    root = np.where(jumping[:, None, None], 0.0, observation.root)
-    return replace(observation, root=root), int(jumping.sum())
+    return observation.without(jumping), int(jumping.sum())

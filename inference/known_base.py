@@ -10,32 +10,27 @@ an end at which the base rests it rests on.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
-from inference.observation import MarkerObservation, ShapeObservation
+from inference.observation import Observation
 from tentacle.base_motion import BaseMotion
 
+AnyObservation = TypeVar("AnyObservation", bound=Observation)
 SURE = 3.0  # standard errors by which an instant must lie beyond the log
 RESTS = 0.05  # of the rms rate: a base slower than that at the log's end rests there
 
 
-def within_log(
-    observation: ShapeObservation | MarkerObservation, motion: BaseMotion | None
-) -> tuple[ShapeObservation | MarkerObservation, int]:
+def within_log(observation: AnyObservation, motion: BaseMotion | None) -> tuple[AnyObservation, int]:
     """The observation without the frames beyond the log (motion; None: there is none), and their number."""
     beyond = ~_known(observation, motion)
-    if not beyond.any():
-        return observation, 0
-    if isinstance(observation, MarkerObservation):
-        return replace(observation, xy=np.where(beyond[:, None, None], np.nan, observation.xy)), int(beyond.sum())
-    return replace(observation, root=np.where(beyond[:, None, None], 0.0, observation.root)), int(beyond.sum())
+    return (observation.without(beyond) if beyond.any() else observation), int(beyond.sum())
 
 
-def _known(observation: ShapeObservation | MarkerObservation, motion: BaseMotion | None) -> NDArray[np.bool_]:
+def _known(observation: Observation, motion: BaseMotion | None) -> NDArray[np.bool_]:
     t = observation.t
     known: NDArray[np.bool_] = np.ones(t.size, dtype=bool)
     if motion is None:
@@ -50,18 +45,17 @@ def _known(observation: ShapeObservation | MarkerObservation, motion: BaseMotion
     return known
 
 
-def _shift(observation: ShapeObservation | MarkerObservation, motion: BaseMotion) -> tuple[Array, Array]:
+def _shift(observation: Observation, motion: BaseMotion) -> tuple[Array, Array]:
     """How much later (T,) [s] the base is seen than the frames are stamped, and its standard error (T,) [s].
 
     Both are 0 where no root is seen.
     """
     t = observation.t
     none = np.zeros(t.size)
-    if isinstance(observation, MarkerObservation):
-        return none, none
-    use = observation.seen & (t >= motion.start) & (t <= motion.stop)
+    seen, offset = observation.root_offset()
+    use = seen & (t >= motion.start) & (t <= motion.stop)
     rate = motion(t[use])[1]
-    columns, root = np.stack([rate, rate * t[use]], axis=1), observation.coefficients[use, 0]
+    columns, root = np.stack([rate, rate * t[use]], axis=1), offset[use]
     if use.sum() <= columns.shape[1] or np.linalg.matrix_rank(columns) < columns.shape[1]:
         return none, none
     values, *_ = np.linalg.lstsq(columns, root, rcond=None)

@@ -25,7 +25,7 @@ from inference.latent_force import (
     with_scaled_mass,
 )
 from inference.motion_time import motion_time
-from inference.observation import TRACKER_ERROR, MarkerObservation
+from inference.observation import TRACKER_ERROR
 from inference.trajectory import Problem
 
 STATES = 24  # of the run, over which the equations are averaged
@@ -78,30 +78,24 @@ def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) 
     rows = observation.predict(q, theta, roll, scale, np.repeat(run.shift, n + 3, axis=1))
     rows = rows / experiment.noise_gain[:, None]
     changes = [(rows[:, :, :1] - rows[:, :, 1:]) / ANGLE_STEP]
-    if isinstance(observation, MarkerObservation):
-        for place in (*np.eye(observation.s.size),):
-            for moved in (
-                replace(observation, s=observation.s + PLACE_STEP / observation.length * place),
-                replace(observation, d=observation.d + PLACE_STEP * place),
-            ):
-                there = moved.predict(run.q, run.theta, roll[:1], scale[:1], run.shift) / experiment.noise_gain[:, None]
-                changes.append((rows[:, :, :1] - there) / PLACE_STEP)
+    for moved in observation.moved_places(PLACE_STEP):
+        there = moved.predict(run.q, run.theta, roll[:1], scale[:1], run.shift) / experiment.noise_gain[:, None]
+        changes.append((rows[:, :, :1] - there) / PLACE_STEP)
     return np.concatenate(changes, axis=2)
 
 
 def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> SeenError:
     """Slow errors of the shape and the base angle, or of every coordinate of every marker."""
     n, observation = arm.order, experiment.observation
-    if isinstance(observation, MarkerObservation):
-        spread = np.sqrt(np.nanvar(observation.xy[experiment.used], axis=0).sum(axis=1)) / observation.sigma
-        size = np.repeat(spread, 2)
+    shape = run.q[:, :, 0] @ arm.from_monomial.T
+    size = observation.slow_errors(experiment.used, shape)
+    if observation.shapes is None:
         live = np.any(seen != 0.0, axis=2)
         return SeenError(live[:, :, None] * np.diag(1.0 / experiment.noise_gain), size, 0.0 * size)
-    shape = run.q[:, :, 0] @ arm.from_monomial.T
     rows = seen[:, :, : n + 1]
     information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
     noise = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
-    return SeenError(rows, np.append(shape.std(axis=0), 0.0), TRACKER_ERROR * observation.tracked * noise)
+    return SeenError(rows, size, TRACKER_ERROR * observation.tracked * noise)
 
 
 def _linearised(

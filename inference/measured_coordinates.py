@@ -16,12 +16,11 @@ def coordinates(recording: Recording) -> tuple[Array, Array]:
     import numpy as np
 
     from inference.compare import reduced_shape
-    from inference.observation import ShapeObservation
     from inference.prepare import prepare
     from tentacle.errors import InputError
 
-    observation = prepare(recording, hold_out=False).experiment.observation
-    if not isinstance(observation, ShapeObservation):
+    observation = prepare(recording, hold_out=False).experiment.observation.shapes
+    if observation is None:
         raise InputError("has markers only", file=recording.name, expected="a video or a midline")
     q, _ = reduced_shape(observation, observation.coefficients, np.ones(1))
     return observation.t, q
@@ -30,8 +29,9 @@ def coordinates(recording: Recording) -> tuple[Array, Array]:
 def beside_model(recording: Recording, model: Model) -> RunComparison:
     """A recording beside an identified model that runs open loop. Only initial state and camera shift are fitted."""
     from affine_model.arm import arm_of, parameter_vector
-    from inference.base_fit import FIRST_STEP, initial_nuisances, refit_noise_and_step
+    from inference.base_fit import FIRST_STEP, refit_noise_and_step
     from inference.compare import run_comparison
+    from inference.initial_state import initial_nuisances
     from inference.prepare import prepare
     from inference.trajectory import Problem, fit
 

@@ -27,7 +27,7 @@ from affine_model.effects.time_offset import shown_times
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.observation import POSE, ShapeObservation
+from inference.observation import POSE
 from inference.smoother import Smoothed, likeliest
 from inference.trajectory import Fit, Problem
 
@@ -61,7 +61,7 @@ def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]
     forces = latent_forces(problem, parameters, fitted.nuisances)
     found: list[SeenMotion | None] = []
     for place, (experiment, force) in enumerate(zip(problem.experiments, forces, strict=True)):
-        if not isinstance(experiment.observation, ShapeObservation):
+        if experiment.observation.shapes is None:
             found.append(None)
             continue
         at, nuisances = parameters[:, None], fitted.nuisances[place][:, None]
@@ -78,8 +78,8 @@ def _cells_of(problem: Problem, experiment: Experiment, force: LatentForce, resi
 
     The shift is in units of its prior. A model that lacks a force has an error in that shift too.
     """
-    observation = experiment.observation
-    assert isinstance(observation, ShapeObservation)
+    observation = experiment.observation.shapes
+    assert observation is not None
     shift = SHIFT_PRIOR * problem.arm.specimen.length * observation.root[:, :, 1:3] / experiment.noise_gain[:, None]
     seen = np.concatenate([force.seen[:, :, : problem.arm.order], force.cells.averaged(shift)], axis=2)
     return force.cells.averaged(residuals[:, :, None])[:, :, 0], seen
@@ -95,8 +95,8 @@ def _motion(
     model = CubicSpline(run.t, run.q[:, :, 0] @ arm.from_monomial.T)
     base = CubicSpline(run.t, run.theta[:, 0])
     change = CubicSpline(force.cells.t, smooth.mean[:, :n])
-    observation = experiment.observation
-    assert isinstance(observation, ShapeObservation)
+    observation = experiment.observation.shapes
+    assert observation is not None
     shown = observation.t[experiment.used & observation.seen]
     first, last = max(run.t[0], force.cells.t[0]), min(run.t[-1], force.cells.t[-1], shown[-1])
     t: Array = np.arange(first, last - MOTION_STEP, MOTION_STEP) + 0.5 * MOTION_STEP
@@ -162,8 +162,8 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     """The small motions about the smoothed motion of one recording."""
     problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
-    arm, observation = experiment.arm(problem.arm), experiment.observation
-    assert isinstance(observation, ShapeObservation)
+    arm, observation = experiment.arm(problem.arm), experiment.observation.shapes
+    assert observation is not None
     n = arm.order
     own = experiment.own(parameters[:, None], fitted.nuisances[place][:, None])[:, 0]
     advance, push = _equations(arm, own, motion)

@@ -13,7 +13,6 @@ import numpy as np
 
 from inference.experiment import Experiment
 from inference.noise_floor import noise_deviation
-from inference.observation import POSE, MarkerObservation
 
 WIDEST = 1.5  # of the usual spacing: what lies further apart is no derivative
 LEAST_SHARE = 0.1  # of the rate's square that is left where noise makes up nearly all of it
@@ -25,12 +24,8 @@ def motion_time(experiment: Experiment) -> float:
     if experiment.release is not None:
         frames &= observation.t >= experiment.release
     t = observation.t[frames]
-    if isinstance(observation, MarkerObservation):
-        places = observation.xy[frames].reshape(t.size, -1)
-        seen = places[:, np.isfinite(places).sum(axis=0) > places.shape[0] // 2]
-        known = seen[:, :0]
-    else:
-        seen, known = observation.coefficients[frames][:, POSE : POSE + 1], observation.theta[frames][:, None]
+    seen, known = (moved[frames] for moved in observation.motion())
+    seen = seen[:, np.isfinite(seen).sum(axis=0) > seen.shape[0] // 2]
     noise = np.nan_to_num(noise_deviation(seen))
     spacing = t[2:] - t[:-2]
     near = spacing < WIDEST * np.median(spacing)

@@ -1,49 +1,130 @@
-"""The observed shape of the arm, as numbers with a covariance, to be compared with a model's prediction.
+"""What a recording shows of the arm, as numbers with a covariance, to be compared with a model's prediction.
 
     R (measured - predicted) ~ N(0, 1)
 
-Each frame's midline is reduced by least squares to shape coefficients [base angle offset, shift x, shift y, log scale,
-z_1 .. z_m]. R is the root of their information matrix. In this order the last rows of R belong to the highest curvature
-coordinates alone, so they show directly whether a further coordinate is needed. Markers are compared as points.
+One interface, Observation, for both kinds. ShapeObservation: each frame's midline is reduced by least squares to shape
+coefficients [base angle offset, shift x, shift y, log scale, z_1 .. z_m]. R is the root of their information matrix. In
+this order the last rows of R belong to the highest curvature coordinates alone, so they show directly whether a further
+coordinate is needed. MarkerObservation: single points, compared as points.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from affine_model.curvature import (
-    Array,
-    angle_basis,
-    integration_to,
-    legendre_to_monomial,
-    midline,
-    monomial_angle,
-    points_beside,
-    quadrature,
-)
-from tentacle.signals import Markers, Midline, ShapeTrack
+from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 
-SHAPE_NODES = 16
 # Noise deviations: a tracker states its noise to 30 % (benchmarks/vision.py), and the rest of its error is slow.
 TRACKER_ERROR = 0.83
 POSE = 4  # base angle offset [rad], shift x, shift y [m], log of the apparent scale
+LEAST_ANGLE = 0.02  # rad: a base that turns by more moves the arm
+FEWEST_COORDINATES = 2  # that markers are taken to show
 
 
 @dataclass(frozen=True)
-class ShapeObservation:
-    """Shape coefficients of T frames in the order [offset, shift x, shift y, log scale, z_1 .. z_m] (Legendre z).
-
-    t (T,) [s]; theta (T,) [rad] the recorded base angle that the offset is counted from; coefficients (T, K); length
-    [m] of the arm; root (T, K, K) upper triangular whitening; residual_chi2 (T,) and residual_count (T,): the
-    chi-square of the frame's points about the fitted shape, and its degrees of freedom (0, 0 where unknown).
-    """
+class Observation(ABC):
+    """t (T,) [s]; theta (T,) [rad] the recorded base angle at the frames; length [m] of the arm."""
 
     t: Array
     theta: Array
     length: float
+
+    @property
+    @abstractmethod
+    def seen(self) -> NDArray[np.bool_]:
+        """Frames (T,) that show something."""
+
+    @property
+    @abstractmethod
+    def channels(self) -> int:
+        """How many numbers K a frame has."""
+
+    @property
+    @abstractmethod
+    def order(self) -> int:
+        """How many curvature coordinates every frame shows without dynamics."""
+
+    @property
+    def tracked(self) -> bool:
+        """Whether this is a video's track: its base is known, so that a frame has no unknown shift."""
+        return False
+
+    @property
+    def shapes(self) -> ShapeObservation | None:
+        """The whole shapes that were measured; None where single points were."""
+        return None
+
+    @property
+    def beside(self) -> Array | None:
+        """Distances (P,) [m] of the points from the midline; None where they lie on it."""
+        return None
+
+    def moved_places(self, step: float) -> tuple[Self, ...]:
+        """The same pictures with each place that was declared by hand moved by `step` [m] along and across the arm."""
+        return ()
+
+    @abstractmethod
+    def slow_errors(self, frames: NDArray[np.bool_], z: Array) -> Array:
+        """Sizes (E,) of which slow errors are a share: the shape's coordinates z (T, n) and the base angle [rad], or
+        what is seen of every number in these frames [noise deviations].
+        """
+
+    @abstractmethod
+    def points(self, s: Array) -> tuple[Array, Array]:
+        """Places s (P,) and the points (T, P, 2) [m] that were seen there; NaN where nothing was."""
+
+    @abstractmethod
+    def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
+        """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2,
+        B).
+        """
+
+    @abstractmethod
+    def first(self, count: int) -> Self:
+        """The first frames alone."""
+
+    @abstractmethod
+    def without(self, frames: NDArray[np.bool_]) -> Self:
+        """The observation in which these frames (T,) show nothing."""
+
+    @abstractmethod
+    def subtract_residual(self, rows: Array) -> Self:
+        """The observation minus whitened residuals (T, K): what the model that has these residuals shows."""
+
+    @abstractmethod
+    def declared_as(self, length: float, scale: float, values: Mapping[str, float]) -> Self:
+        """The same pictures of an arm of another length [m], seen at `scale` times the metres a pixel, with the markers
+        at the places s and d that `values` states (`markers.NAME.s`).
+        """
+
+    @abstractmethod
+    def motion(self) -> tuple[Array, Array]:
+        """What is seen to move (T, C), NaN where it is not seen, and what is known to move with it (T, D)."""
+
+    @abstractmethod
+    def changed(self) -> float:
+        """How far the seen frames differ from their mean [noise deviations]; inf where the base turns."""
+
+    def root_offset(self) -> tuple[NDArray[np.bool_], Array]:
+        """Frames (T,) whose root was seen, and its direction (T,) [rad] counted from the recorded base angle."""
+        return np.zeros(self.t.size, dtype=bool), np.zeros(self.t.size)
+
+
+@dataclass(frozen=True)
+class ShapeObservation(Observation):
+    """Shape coefficients of T frames in the order [offset, shift x, shift y, log scale, z_1 .. z_m] (Legendre z).
+
+    The offset is counted from theta. coefficients (T, K); root (T, K, K) upper triangular whitening, 0 where a frame
+    was not accepted; residual_chi2 (T,) and residual_count (T,): the chi-square of the frame's points about the fitted
+    shape, and its degrees of freedom (0, 0 where unknown).
+    """
+
     coefficients: Array
     root: Array
     residual_chi2: Array
@@ -51,23 +132,33 @@ class ShapeObservation:
 
     @property
     def order(self) -> int:
-        """How many curvature coordinates were measured."""
         return self.coefficients.shape[1] - POSE
 
     @property
     def seen(self) -> NDArray[np.bool_]:
-        """Frames (T,) with weight: the shape was found and accepted."""
-        return self.root[:, -1, -1] > 0
+        return np.asarray(self.root[:, -1, -1] > 0)
+
+    @property
+    def channels(self) -> int:
+        return self.coefficients.shape[1]
 
     @property
     def tracked(self) -> bool:
-        """Whether this is a video's track: its base is known, so that a frame has no unknown shift."""
         return bool(np.all(self.root[self.seen][:, 1, 1] == 0.0))
 
+    @property
+    def shapes(self) -> ShapeObservation:
+        return self
+
+    def points(self, s: Array) -> tuple[Array, Array]:
+        q = self.coefficients[:, POSE:] @ legendre_to_monomial(self.order).T
+        size = np.exp(self.coefficients[:, 3])[:, None, None]
+        shown = (
+            size * midline(q, self.theta + self.coefficients[:, 0], self.length, s) + self.coefficients[:, None, 1:3]
+        )
+        return s, np.where(self.seen[:, None, None], shown, np.nan)
+
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
-        """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2,
-        B).
-        """
         n = q.shape[1]
         z = np.linalg.solve(legendre_to_monomial(n), q)
         error = np.repeat(self.coefficients[:, :, None], q.shape[2], axis=2)
@@ -78,31 +169,81 @@ class ShapeObservation:
         error[:, POSE : POSE + kept] -= z[:, :kept]
         return np.matmul(self.root, error)
 
-    def first(self, count: int) -> ShapeObservation:
-        """The first frames alone."""
+    def first(self, count: int) -> Self:
         frames = ("t", "theta", "coefficients", "root", "residual_chi2", "residual_count")
         return replace(self, **{name: getattr(self, name)[:count] for name in frames})
 
-    def subtract_residual(self, rows: Array) -> ShapeObservation:
-        """The observation minus whitened residuals (T, K): the shapes of the model that has these residuals."""
+    def without(self, frames: NDArray[np.bool_]) -> Self:
+        return replace(self, root=np.where(frames[:, None, None], 0.0, self.root))
+
+    def subtract_residual(self, rows: Array) -> Self:
         change = np.einsum("tkl,tl->tk", np.linalg.pinv(self.root), rows)
         return replace(self, coefficients=self.coefficients - change)
 
+    def declared_as(self, length: float, scale: float, values: Mapping[str, float]) -> Self:
+        coefficients = self.coefficients.copy()
+        if self.tracked:  # midlines and markers come in metres, not in pixels
+            coefficients[:, 3] += np.log(scale)
+        coefficients[:, 3] -= np.log(length / self.length)
+        return replace(self, coefficients=coefficients, length=length)
+
+    def slow_errors(self, frames: NDArray[np.bool_], z: Array) -> Array:
+        return np.append(z.std(axis=0), 0.0)
+
+    def motion(self) -> tuple[Array, Array]:
+        return self.coefficients[:, POSE : POSE + 1], self.theta[:, None]
+
+    def changed(self) -> float:
+        if np.ptp(self.theta[self.seen]) > LEAST_ANGLE:
+            return np.inf
+        change = self.coefficients[self.seen] - self.coefficients[self.seen].mean(axis=0)
+        return float(np.sqrt(np.mean(np.einsum("tkl,tl->tk", self.root[self.seen], change) ** 2)))
+
+    def root_offset(self) -> tuple[NDArray[np.bool_], Array]:
+        return self.seen, self.coefficients[:, 0]
+
 
 @dataclass(frozen=True)
-class MarkerObservation:
-    """Markers as points: t (T,), s (M,), d (M,) [m], xy (T, M, 2) [m], sigma [m] of each coordinate, names (M) where
-    they have any; NaN rows count nothing.
+class MarkerObservation(Observation):
+    """Markers as points: s (M,), d (M,) [m], xy (T, M, 2) [m], sigma [m] of each coordinate, names (M) where they have
+    any; NaN rows count nothing.
     """
 
-    t: Array
-    theta: Array
-    length: float
     s: Array
     d: Array
     xy: Array
     sigma: float
     names: tuple[str, ...] = ()
+
+    @property
+    def order(self) -> int:
+        return FEWEST_COORDINATES
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        return np.asarray(np.isfinite(self.xy).any(axis=(1, 2)))
+
+    @property
+    def channels(self) -> int:
+        return 2 * self.s.size
+
+    @property
+    def beside(self) -> Array:
+        return self.d
+
+    def moved_places(self, step: float) -> tuple[Self, ...]:
+        return tuple(
+            moved
+            for one in step * np.eye(self.s.size)
+            for moved in (replace(self, s=self.s + one / self.length), replace(self, d=self.d + one))
+        )
+
+    def slow_errors(self, frames: NDArray[np.bool_], z: Array) -> Array:
+        return np.repeat(np.sqrt(np.nanvar(self.xy[frames], axis=0).sum(axis=1)) / self.sigma, 2)
+
+    def points(self, s: Array) -> tuple[Array, Array]:
+        """Places s (M,) and the markers (T, M, 2) [m], whatever places were asked for."""
+        return self.s, self.xy
 
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
         """Whitened residuals (T, 2 M, B); 0 where a marker was not seen."""
@@ -112,123 +253,24 @@ class MarkerObservation:
         error = (self.xy[:, None] - points) / self.sigma
         return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))
 
-    def first(self, count: int) -> MarkerObservation:
-        """The first frames alone."""
+    def first(self, count: int) -> Self:
         return replace(self, t=self.t[:count], theta=self.theta[:count], xy=self.xy[:count])
 
-    def subtract_residual(self, rows: Array) -> MarkerObservation:
-        """The observation minus whitened residuals (T, 2 M): the markers of the model that has these residuals."""
+    def without(self, frames: NDArray[np.bool_]) -> Self:
+        return replace(self, xy=np.where(frames[:, None, None], np.nan, self.xy))
+
+    def subtract_residual(self, rows: Array) -> Self:
         return replace(self, xy=self.xy - self.sigma * rows.reshape(self.xy.shape))
 
+    def declared_as(self, length: float, scale: float, values: Mapping[str, float]) -> Self:
+        s, d = self.s.copy(), self.d.copy()
+        for place, name in enumerate(self.names):
+            s[place] = values.get(f"markers.{name}.s", s[place])
+            d[place] = values.get(f"markers.{name}.d", d[place])
+        return replace(self, length=length, s=s, d=d)
 
-@dataclass(frozen=True)
-class Tracker:
-    """How a midline was measured. sigma [m]: its standard deviation if the data state none.
+    def motion(self) -> tuple[Array, Array]:
+        return self.xy.reshape(self.t.size, -1), np.zeros((self.t.size, 0))
 
-    by_edges: a tracker followed the arm's edges from a known base at a known scale. Shift and scale then stay 0, and
-    only the distance along the normals counts. rigid: the base angle is the recorded one in every frame, as the
-    mounting does not give.
-    """
-
-    sigma: float
-    by_edges: bool = False
-    rigid: bool = False
-
-
-def fit_shapes(data: Midline, theta: Array, length: float, order: int, tracker: Tracker) -> ShapeObservation:
-    """Least-squares shape coefficients of every frame of a midline.
-
-    theta (T,) recorded base angle. Frames with too few points get root 0 and have no weight. Gauss-Newton from the
-    straight arm along the points' mean direction; all frames at once.
-    """
-    frames, points = data.xy.shape[:2]
-    stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, tracker.sigma)
-    seen = np.isfinite(data.xy).all(axis=2)
-    weight = np.where(seen, 1.0 / stated, 0.0)
-    xy = np.nan_to_num(data.xy)
-    to_monomial = legendre_to_monomial(order)
-    count = POSE + order
-    known = [*([0] if tracker.rigid else []), *(range(1, POSE) if tracker.by_edges else [])]
-    usable = seen.sum(axis=1) * 2 >= count + 2
-    coefficients = np.zeros((frames, count))
-    steps = 12
-    jacobian = np.zeros((frames, points, 2, count))
-    normal, error = np.zeros((frames, count, count)), np.zeros_like(xy)
-    for _ in range(steps):
-        q, angle = coefficients[:, POSE:] @ to_monomial.T, theta + coefficients[:, 0]
-        shape = midline(q, angle, length, data.s)
-        size = np.exp(coefficients[:, 3])[:, None, None]
-        predicted = size * shape + coefficients[:, None, 1:3]
-        jacobian[..., 0] = size * np.stack([-shape[..., 1], shape[..., 0]], axis=-1)
-        jacobian[..., 0, 1] = 1.0
-        jacobian[..., 1, 2] = 1.0
-        jacobian[..., 3] = size * shape
-        jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, length, data.s, order)
-        error = (xy - predicted) * weight[..., None]
-        if tracker.by_edges:
-            phi = angle[:, None] + monomial_angle(q, data.s)
-            across = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-            error = np.sum(error * across, axis=2, keepdims=True) * across
-            jacobian[:] = np.einsum("tpx,tpxk->tpk", across, jacobian)[:, :, None] * across[..., None]
-        jacobian[..., known] = 0.0
-        weighted = (jacobian * weight[..., None, None]).reshape(frames, 2 * points, count)
-        normal = np.einsum("tpk,tpl->tkl", weighted, weighted)
-        normal[:, known, known] = 1.0
-        normal[~usable] = np.eye(count)
-        # Levenberg's share keeps the first steps of strongly bent frames from overshooting.
-        gradient = np.einsum("tpk,tp->tk", weighted, error.reshape(frames, -1))
-        update = np.linalg.solve(normal, gradient[..., None])[..., 0]
-        limit = np.minimum(1.0, 1.5 / np.maximum(np.abs(update).max(axis=1), 1e-12))
-        coefficients = coefficients + update * limit[:, None] * usable[:, None]
-        if np.abs(update[usable]).max(initial=0.0) < 1e-10:
-            break
-    root = np.swapaxes(np.linalg.cholesky(normal), 1, 2) * usable[:, None, None]
-    chi2 = np.where(usable, np.einsum("tpx,tpx->t", error, error), 0.0)
-    left = np.where(usable, 2 * seen.sum(axis=1) - count, 0)
-    return ShapeObservation(data.t, theta, length, coefficients, root, chi2, left.astype(float))
-
-
-def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: int) -> Array:
-    """d r(s) / dz = -L int_0^s n(v) beta(v) dv (T, P, 2, order), beta = d alpha / dz (derivative of eq. 3)."""
-    rule = quadrature(SHAPE_NODES)
-    phi = angle[:, None] + monomial_angle(q, rule.s)
-    weights = length * integration_to(SHAPE_NODES, s)
-    beta = angle_basis(order, rule.s)
-    normal = np.stack([np.cos(phi), np.sin(phi)], axis=1)  # (T, 2, N)
-    turned = normal[:, :, :, None] * beta
-    return -np.moveaxis(np.tensordot(turned, weights, axes=([2], [1])), (1, 2, 3), (2, 3, 1))
-
-
-def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservation:
-    """A video's shape track as an observation. The recording has one scale and one shift, with their own sigma.
-
-    theta (T,) is the recorded base angle at the frames. Rejected frames have no weight.
-    """
-    order = track.coefficients.shape[1] - 1
-    count = POSE + order
-    frames = track.t.size
-    coefficients = np.zeros((frames, count))
-    root = np.zeros((frames, count, count))
-    from_monomial = np.linalg.inv(legendre_to_monomial(order))
-    accepted = track.accepted & np.isfinite(track.coefficients).all(axis=1)
-    good = np.flatnonzero(accepted)
-    coefficients[good, 0] = track.coefficients[good, 0]
-    coefficients[good, POSE:] = track.coefficients[good, 1:] @ from_monomial.T
-    transform = np.zeros((1 + order, 1 + order))
-    transform[0, 0] = 1.0
-    transform[1:, 1:] = from_monomial
-    covariance = transform @ track.covariance[good] @ transform.T
-    inner = np.swapaxes(np.linalg.cholesky(np.linalg.inv(covariance)), 1, 2)
-    kept = np.array([0, *range(POSE, count)])
-    root[np.ix_(good, kept, kept)] = inner
-    # The recording has one scale: its information is spread evenly over the frames, so that the sum is right.
-    coefficients[good, 3] = np.log(track.scale)
-    if good.size and np.isfinite(track.scale_sigma) and track.scale_sigma > 0:
-        root[good, 3, 3] = 1.0 / (track.scale_sigma * np.sqrt(good.size))
-    nothing = np.zeros(frames)
-    return ShapeObservation(track.t, theta, length, coefficients, root, nothing, nothing)
-
-
-def from_markers(markers: Markers, theta: Array, length: float, sigma: float) -> MarkerObservation:
-    """Markers as an observation, with the noise sigma [m] of each coordinate."""
-    return MarkerObservation(markers.t, theta, length, markers.s, markers.d, markers.xy, sigma, markers.names)
+    def changed(self) -> float:
+        return float(np.max(np.nanstd(self.xy[self.seen], axis=0)) / self.sigma)

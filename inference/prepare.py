@@ -13,16 +13,9 @@ from inference.experiment import Experiment
 from inference.jumps import without_jumps
 from inference.known_base import within_log
 from inference.linearise import LAW_KNOWN
+from inference.measured_shapes import Tracker, fit_shapes, from_markers, from_track
 from inference.noise_floor import noise_deviation
-from inference.observation import (
-    POSE,
-    MarkerObservation,
-    ShapeObservation,
-    Tracker,
-    fit_shapes,
-    from_markers,
-    from_track,
-)
+from inference.observation import POSE, Observation, ShapeObservation
 from tentacle.base_motion import BaseMotion, fit_base_motion, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.recording import Recording
@@ -117,7 +110,7 @@ def _turned(xy: Array, theta: Array) -> Array:
 
 def _observation(
     recording: Recording, base: Waveform, turning: bool
-) -> tuple[ShapeObservation | MarkerObservation, Array | None, float, list[str]]:
+) -> tuple[Observation, Array | None, float, list[str]]:
     length, words = recording.declaration.specimen.length, []
     if recording.midline is not None:
         data = recording.midline
@@ -175,21 +168,17 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     observation, beyond = within_log(observation, base.motion if isinstance(base, HeldOutside) else None)
     if beyond:
         words.append(f"{beyond} frames of {recording.name} show the base beyond the servo's log: left out.")
-    if isinstance(observation, ShapeObservation):
-        observation, jumps = without_jumps(observation)
+    rates = np.zeros(0)
+    if observation.shapes is not None:
+        observation, jumps = without_jumps(observation.shapes)
         if jumps:
             words.append(f"{jumps} frames of {recording.name} jump out of the motion (shown twice, misread): left out.")
-        seen = observation.seen
         rates = rates_seen(observation)
-        channels = observation.coefficients.shape[1]
-    else:
-        seen = np.asarray(np.isfinite(observation.xy).any(axis=(1, 2)))
-        rates = np.zeros(0)
-        channels = 2 * observation.s.size
+    seen = observation.seen
     if seen.sum() < FEWEST_FRAMES:
         count = int(seen.sum())
         raise CannotTellError(f"{recording.name} has {count} usable frames; at least {FEWEST_FRAMES} are needed.")
-    if not _moves(observation, seen):
+    if not observation.changed() > LEAST_MOTION:
         raise CannotTellError(f"{recording.name}: the arm hardly moves beyond the noise; its dynamics cannot be seen.")
     release = recording.declaration.release_t
     first = times[seen][0]
@@ -212,7 +201,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         duration=float(last - (first if release is None else release)) + 0.2,
         release=release,
         used=used,
-        noise_gain=np.ones(channels),
+        noise_gain=np.ones(observation.channels),
         release_sigma=_release_sd(recording, 2.0 * interval),
         rates_seen=rates,
         base_known_from=None if recording.motor is None else float(recording.motor.t[0]),
@@ -238,18 +227,6 @@ def _release_sd(recording: Recording, usual: float) -> float:
     """Standard deviation [s] of the instant of the release: as declared, or some frames."""
     declared = recording.declaration.uncertain
     return next((number.spread for number in declared if number.field == RELEASE), usual)
-
-
-def _moves(observation: ShapeObservation | MarkerObservation, seen: np.ndarray) -> bool:
-    """Whether the shape changes, or the base turns, by more than the noise."""
-    if isinstance(observation, MarkerObservation):
-        spread = np.nanstd(observation.xy[seen], axis=0)
-        return bool(np.max(spread) > LEAST_MOTION * observation.sigma)
-    if np.ptp(observation.theta[seen]) > 0.02:
-        return True
-    change = observation.coefficients[seen] - observation.coefficients[seen].mean(axis=0)
-    whitened = np.einsum("tkl,tl->tk", observation.root[seen], change)
-    return bool(np.mean(whitened**2) > LEAST_MOTION**2)
 
 
 def rates_seen(observation: ShapeObservation) -> Array:

@@ -17,7 +17,6 @@ from discovery.laws.search import FittedLaw, LawInputs, Sought, search_laws
 from discovery.next_experiment import Proposal, propose_experiment
 from inference.compare import midline_error
 from inference.missing_force import SeenMotion, lacking, seen_motions, small_motions
-from inference.observation import ShapeObservation
 from inference.prepare import Prepared
 from inference.trajectory import Fit, ParameterName, Problem, fit, unfitted
 from tentacle.io.waveform_file import waveform_table
@@ -181,7 +180,7 @@ def _rivals(accepted: list[LawHypothesis]) -> tuple[LawHypothesis, ...]:
 def _arms_shown(problem: Problem, fitted: Fit) -> list[Arm]:
     """The arm of every recording that shows shapes."""
     known = problem.known(fitted.parameters)[0]
-    return [e.arm(known.arm) for e in known.experiments if isinstance(e.observation, ShapeObservation)]
+    return [e.arm(known.arm) for e in known.experiments if e.observation.shapes is not None]
 
 
 def _beside(best: LawHypothesis, arm: Arm, motion: SeenMotion) -> SeenMotion:

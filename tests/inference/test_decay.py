@@ -9,8 +9,9 @@ from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.base_signal import Servo, Steps, base_table
 from affine_model.curvature import points_beside
 from affine_model.simulate import Start, Timing, simulate
-from inference.base_fit import Setting, initial_nuisances
+from inference.base_fit import Setting
 from inference.decay import fit_from_release, horizons_of
+from inference.initial_state import initial_nuisances
 from inference.prepare import prepare
 from inference.trajectory import fit
 from tentacle.model import Model

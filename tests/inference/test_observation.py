@@ -3,7 +3,8 @@
 import numpy as np
 
 from affine_model.curvature import Array, legendre_to_monomial, midline
-from inference.observation import POSE, Tracker, fit_shapes
+from inference.measured_shapes import Tracker, fit_shapes
+from inference.observation import POSE
 from tentacle.signals import Midline
 
 LENGTH, SIGMA = 0.14, 1e-4

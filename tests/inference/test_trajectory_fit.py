@@ -13,7 +13,8 @@ from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.simulate import Start, Timing, simulate
 from inference.experiment import Experiment
 from inference.levenberg_marquardt import minimise
-from inference.observation import POSE, ShapeObservation, Tracker, fit_shapes, from_track
+from inference.measured_shapes import Tracker, fit_shapes, from_track
+from inference.observation import POSE, ShapeObservation
 from inference.solver_result import RESULTS
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import RAN_AWAY, Problem, fit, unfitted

@@ -18,7 +18,6 @@ from affine_model.effects import absent_effects
 from inference.compare import restricted
 from inference.linear_fit import ParameterName, linear_columns
 from inference.measured_motion import MeasuredCourse, measured_motion
-from inference.observation import ShapeObservation
 from inference.prepare import prepare
 from inference.regression import motion_residual
 from inference.weak_form import Bumps, weak_system
@@ -49,8 +48,8 @@ def columns_of(recording: Recording) -> RegressionData:
     Raises InputError where it holds too little, TypeError where it shows markers only.
     """
     experiment = prepare(recording, hold_out=False).experiment
-    observation = experiment.observation
-    if not isinstance(observation, ShapeObservation):
+    observation = experiment.observation.shapes
+    if observation is None:
         raise TypeError("the paper's regression needs whole shapes")
     q = restricted(observation, observation.coefficients, BASELINE_ORDER) @ legendre_to_monomial(BASELINE_ORDER).T
     seen = np.isfinite(q).all(axis=1)

@@ -10,7 +10,7 @@ import numpy as np
 from affine_model.curvature import Array, midline
 from inference.base_fit import Setting, fit_base, needed_order
 from inference.experiment import Experiment
-from inference.observation import MarkerObservation, ShapeObservation
+from inference.observation import ShapeObservation
 from inference.prepare import CannotTellError, HeldOutside, Prepared, prepare
 from tentacle.base_motion import BaseMotion
 from tentacle.errors import InputError
@@ -112,12 +112,13 @@ def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Mea
     recording, observation = prepared.recording, experiment.observation
     gain = float(np.median(experiment.noise_gain))
     angle_noise = _angle_noise(recording, experiment, interval)
-    if isinstance(observation, MarkerObservation):
-        places = tuple(map(float, observation.s)), tuple(map(float, observation.d))
-        return Measurement("markers", gain * observation.sigma, None, *places, angle_noise=angle_noise)
+    if observation.beside is not None:
+        places = tuple(observation.points(np.zeros(0))[0].tolist()), tuple(observation.beside.tolist())
+        return Measurement("markers", gain * prepared.sigma, None, *places, angle_noise=angle_noise)
     if recording.midline is None:
         assert recording.shape is not None
-        return _track_sight(recording.shape, observation, experiment.noise_gain, angle_noise)
+        assert observation.shapes is not None
+        return _track_sight(recording.shape, observation.shapes, experiment.noise_gain, angle_noise)
     stated = recording.midline.sigma[np.isfinite(recording.midline.sigma)]
     places = tuple(map(float, recording.midline.s))
     sigma = float(np.median(stated)) if stated.size else prepared.sigma

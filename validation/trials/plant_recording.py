@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from affine_model.curvature import Array
-from inference.observation import POSE, ShapeObservation, Tracker, fit_shapes, from_track
+from inference.measured_shapes import Tracker, fit_shapes, from_track
+from inference.observation import POSE
 from tentacle.io.model_file import model_tables
 from tentacle.model import Estimate, Model
 from tentacle.recording import Camera, Recording
@@ -86,8 +87,8 @@ def _sizes(design: PlantDesign, trial: Trial, plant: Plant, run: Shown, root: Ar
         return []
     problem, nuisances = bare_problem(_as_model(design, trial), root)
     (experiment,) = problem.experiments
-    observation = experiment.observation
-    assert isinstance(observation, ShapeObservation)
+    observation = experiment.observation.shapes
+    assert observation is not None
     frames = np.rint(observation.t * FRAME_RATE).astype(int)
     theta, length, order = run.command[frames], trial.arm["length"], observation.coefficients.shape[1] - POSE
 

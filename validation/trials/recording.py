@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from affine_model.curvature import Array, legendre_to_monomial
-from inference.observation import POSE, Tracker, fit_shapes
+from inference.measured_shapes import Tracker, fit_shapes
+from inference.observation import POSE
 from mujoco_ref.influence import value
 from mujoco_ref.undeclared.make import Noise, Scenario, make_recording
 from tentacle.recording import Recording

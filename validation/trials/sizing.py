@@ -11,7 +11,8 @@ import numpy as np
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 from inference.experiment import Experiment, predict
-from inference.observation import POSE, MarkerObservation, ShapeObservation, Tracker, fit_shapes, from_track
+from inference.measured_shapes import Tracker, fit_shapes, from_track
+from inference.observation import POSE, MarkerObservation, Observation, ShapeObservation
 from inference.trajectory import Problem, fit_multistart, unfitted
 from inference.whitened_fit import tangent_basis
 from mujoco_ref.simulate import DEFAULT_LINKS
@@ -66,8 +67,7 @@ def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Ar
         nuisances[:SIZED_ORDER] = np.linalg.solve(legendre_to_monomial(SIZED_ORDER), q)
     shown = predict(arm, experiment, parameters[:, None], nuisances[:, None], SIZING_STEP)
     seen = _observation(design.sight, t, shown.q[:, :, 0], shown.theta[:, 0], model.specimen.length, root)
-    channels = 2 * seen.s.size if isinstance(seen, MarkerObservation) else seen.coefficients.shape[1]
-    experiment = replace(experiment, observation=seen, noise_gain=np.ones(channels))
+    experiment = replace(experiment, observation=seen, noise_gain=np.ones(seen.channels))
     nuisances = nuisances[: len(experiment.nuisance_names(SIZED_ORDER))]  # markers have no shift, which is the last
     return Problem(arm, (experiment,), free, parameters, SIZING_STEP), nuisances
 
@@ -81,7 +81,7 @@ def _unseen(t: Array, theta: Array, length: float) -> ShapeObservation:
 
 def _observation(
     sight: Measurement, t: Array, q: Array, theta: Array, length: float, root: Array | None
-) -> ShapeObservation | MarkerObservation:
+) -> Observation:
     """Shapes q (T, n) as they would be seen without noise."""
     s = np.array(sight.s)
     if sight.kind == "markers":
