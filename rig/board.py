@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from rig import protocol
+from rig import command_bodies, protocol
 from rig.clock import ClockEstimator, ClockFit
 from rig.fault import Fault
 from rig.host_time import HostTime
+from rig.line_counters import LineCounters
 from rig.link import BAUD, Link
 from rig.protocol import (
     BoardEvent,
@@ -41,20 +42,6 @@ PING_EVERY_BAD_LINE = 0.02  # s; where 3 % of bytes are damaged five pings are a
 CLEAN_LINE = 3  # damaged frames and retries, no more than which a line is taken as good
 LONGEST_NEGLECT = 2.0  # s; the board holds its samples for 7 s, at an emulator's double rate for half as long
 BOOT_WITHIN = 6.0  # s; a Due that is opened resets and starts within 2 s
-
-
-@dataclass(frozen=True)
-class LineCounters:
-    """What the line has cost so far; written into every recording."""
-
-    commands: int = 0
-    retries: int = 0
-    host_bad_frames: int = 0
-    board_bad_frames: int = 0
-    samples_doubled: int = 0
-    samples_asked_again: int = 0
-    samples_lost: int = 0
-    reconnects: int = 0
 
 
 class Board:
@@ -89,7 +76,7 @@ class Board:
         until = time.monotonic() + BOOT_WITHIN
         while self.boot is None and time.monotonic() < until:
             number = self._numbered()
-            self.link.send(WireFrame(Type.HELLO, number, protocol.hello()))
+            self.link.send(WireFrame(Type.HELLO, number, command_bodies.hello()))
             self._listen_until(lambda number=number: self.boot is not None or number in self._answers, 0.15)
             answer = self._answers.get(number)
             if answer is not None and answer.reason == Reason.BAD_VERSION:
@@ -131,7 +118,7 @@ class Board:
         if self.link.is_open:
             try:
                 self.command(Type.NEUTRAL)
-                self.command(Type.STREAM, protocol.stream(False))
+                self.command(Type.STREAM, command_bodies.stream(False))
             except Fault:
                 pass  # the board's watchdog does it
             self.link.close()
@@ -205,7 +192,7 @@ class Board:
             raise Fault("board_reset", "the board started anew (power or reset button?)")
         now = self.time.now()
         for request in self._sequence.requests(now):
-            self.link.send(WireFrame(Type.RESEND, 0, protocol.resend(*request)))
+            self.link.send(WireFrame(Type.RESEND, 0, command_bodies.resend(*request)))
         self._inbox += self._sequence.give_up()
 
     def take(self) -> list[Sample]:
@@ -278,7 +265,7 @@ class Board:
         self._pings[self._ping_token] = now
         while len(self._pings) > 100:
             del self._pings[min(self._pings)]
-        self.link.send(WireFrame(Type.PING, 0, protocol.ping(self._ping_token)))
+        self.link.send(WireFrame(Type.PING, 0, command_bodies.ping(self._ping_token)))
 
     def _dispatch(self, frame: WireFrame) -> None:
         message = protocol.decode(frame)

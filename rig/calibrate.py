@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rig import protocol
+from rig import command_bodies
 from rig.board import Board
 from rig.camera import CameraThread
 from rig.camera_offset import CameraOffset
@@ -137,7 +137,7 @@ def camera_offset(board: Board, camera: CameraThread, flashes: int = 16, seed: i
 
     listen(0.3)
     for _ in range(flashes):
-        board.command(Type.FLASH, protocol.flash(FLASH_MS))
+        board.command(Type.FLASH, command_bodies.flash(FLASH_MS))
         listen(1e-3 * FLASH_MS + float(spacing.uniform(*FLASH_EVERY)))
     listen(0.6)
     return seen.offset(board.clock.fit())

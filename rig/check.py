@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rig import protocol
+from rig import command_bodies, protocol
 from rig.board import Board
 from rig.calibrate import read_cell
 from rig.camera import CameraThread
@@ -63,7 +63,7 @@ def _limits(setup: RigSetup, board: Board) -> list[CheckItem]:
     board.command(Type.CLEAR)
     beyond = round(1e6 * setup.limits.max_angle) + 10_000
     try:
-        board.command(Type.POINTS, protocol.points(0, [beyond]))
+        board.command(Type.POINTS, command_bodies.points(0, [beyond]))
         refused = False
     except Fault as fault:
         refused = fault.kind == "refused"

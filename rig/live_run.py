@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rig import protocol
+from rig import command_bodies
 from rig.board import Board
 from rig.camera import CameraThread
 from rig.camera_watch import FLASH_EVERY, FLASH_MS, CameraWatch
@@ -106,7 +106,7 @@ class LiveRun:
     def _flash(self) -> bool:
         """Whether the lamp was lit; not so while it still is, on a board that is late."""
         try:
-            self.board.command(Type.FLASH, protocol.flash(FLASH_MS))
+            self.board.command(Type.FLASH, command_bodies.flash(FLASH_MS))
         except Fault as fault:
             if fault.kind != "refused":
                 raise

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rig import protocol
+from rig import command_bodies
 from rig.board import Board
 from rig.fault import Fault, FaultKind
 from rig.interrupts import Interrupts
@@ -59,7 +59,7 @@ def arm_board(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> No
         board.service()
         if time.monotonic() > until:
             raise Fault("no_answer", f"the board did not reach neutral after it was armed (it is {board.state.name})")
-    board.command(Type.STREAM, protocol.stream(True))
+    board.command(Type.STREAM, command_bodies.stream(True))
 
 
 def require_unlatched(board: Board) -> None:
@@ -126,7 +126,7 @@ def _begin(board: Board, urad: list[int], period: float) -> tuple[Upload, int, i
         asked = clock.to_board(board.time.now())
         start_us = round(1e6 * (asked + ahead))
         try:
-            board.command(Type.START, protocol.start(start_us, round(1e6 * period), len(urad)))
+            board.command(Type.START, command_bodies.start(start_us, round(1e6 * period), len(urad)))
         except Fault as fault:
             late = 1e6 * clock.to_board(board.time.now()) > start_us
             if fault.kind != "refused" or not late or ahead > LONGEST_AHEAD:
@@ -178,7 +178,7 @@ def _rearm(board: Board) -> None:
     try:
         board.connect()
         board.command(Type.LIMITS, board.limits)
-        board.command(Type.STREAM, protocol.stream(True))
+        board.command(Type.STREAM, command_bodies.stream(True))
     except Fault:
         pass  # it stays limp, which is safe; the run's outcome is the reset all the same
 

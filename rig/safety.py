@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rig import protocol
+from rig import command_bodies, protocol
 from tentacle.errors import InputError
 from tentacle.signals import Array
 from tentacle.waveform import Waveform
@@ -64,7 +64,7 @@ class ServoCalibration:
 
 def limits_message(limits: SafetyLimits, servo: ServoCalibration) -> bytes:
     """The limits as the board takes them (LIMITS)."""
-    return protocol.limits(
+    return command_bodies.limits(
         round(1e6 * limits.min_angle),
         round(1e6 * limits.max_angle),
         round(1e6 * limits.max_speed),

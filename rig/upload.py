@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rig import protocol
+from rig import command_bodies, protocol
 from rig.board import BACK_OFF, LONGEST_WAIT, MOST_TRIES, Board
 from rig.fault import Fault
 from rig.protocol import Type
@@ -28,7 +28,7 @@ class _Chunk:
 
     @property
     def body(self) -> bytes:
-        return protocol.points(self.index, self.urad)
+        return command_bodies.points(self.index, self.urad)
 
 
 class Upload:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks._rig_scene import NEUTRAL_US, WAVE, gaps, once, played, to_neutral, wrong_samples
-from rig import protocol
+from rig import command_bodies
 from rig.board import Board
 from rig.emulator import Emulator
 from rig.fault import Fault
@@ -121,7 +121,7 @@ def test_silent_board_is_no_answer(
     arm_board(board, limits, servo)
     emulator.say("mute", 20.0)
     with pytest.raises(Fault) as caught:
-        board.command(Type.STREAM, protocol.stream(True))
+        board.command(Type.STREAM, command_bodies.stream(True))
     assert caught.value.kind == "no_answer"
 
 
@@ -131,6 +131,6 @@ def test_points_beyond_the_limits_are_refused_by_the_board_too(
     arm_board(board, limits, servo)
     board.command(Type.CLEAR)
     with pytest.raises(Fault, match="outside limits"):
-        board.command(Type.POINTS, protocol.points(0, [0, 900_000]))
+        board.command(Type.POINTS, command_bodies.points(0, [0, 900_000]))
     with pytest.raises(Fault, match="bad limits"):
-        board.command(Type.LIMITS, protocol.limits(-800_000, 800_000, 8_000_000, 900, 2000, 637))
+        board.command(Type.LIMITS, command_bodies.limits(-800_000, 800_000, 8_000_000, 900, 2000, 637))
