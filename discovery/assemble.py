@@ -9,7 +9,7 @@ from scipy.optimize import root_scalar
 from scipy.special import ndtr
 
 from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
-from discovery.calibration import Calibration
+from discovery.calibration import Calibration, tempered
 from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, missing_of, usable
 from discovery.next_experiment import propose_experiment
 from discovery.search import PosteriorSearch
@@ -52,7 +52,7 @@ def assemble_posterior(
 ) -> Diagnosis:
     """The diagnosis from the hypotheses and the decision, with the paper's model beside the chosen one.
 
-    open_loop: the chosen model, as it is written. calibration: of the confidence (None: the posterior mass itself).
+    open_loop: the chosen model, as it is written. calibration: of the confidence (None: `tempered`).
     """
     paper, prepared, order, reduction = around.paper, around.prepared, around.order, around.reduction
     chosen = decision.leading
@@ -93,7 +93,7 @@ def assemble_posterior(
     return Diagnosis(
         verdict=verdict,
         effects=effects,
-        confidence=sure if calibration is None else calibration(verdict, sure),
+        confidence=tempered(sure) if calibration is None else calibration(verdict, sure),
         uncalibrated=sure,
         parameters={name: known.get(name, {}) for name in effects},
         before=before,

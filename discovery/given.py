@@ -28,7 +28,7 @@ class Given:
 class Deciding:
     """How a diagnosis is decided.
 
-    calibration: of the confidence (None: the posterior mass itself). laws: search laws after an unknown.
+    calibration: of the confidence (None: discovery.calibration.tempered). laws: search laws after an unknown.
     """
 
     calibration: Calibration | None = None

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import isotonic_regression
+from scipy.optimize import isotonic_regression, minimize_scalar
+from scipy.special import log_expit, logit
 
 from discovery.calibration import Calibration
 from tentacle.signals import Array
@@ -18,6 +19,7 @@ from validation.trials.scores import Share
 CONFIDENCE_BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
 
 
+LEAST = 1e-6  # a posterior mass nearer to 0 or 1 than that is rounding
 IMAGINED_TRIALS = 4.0  # that were right as often as they stated: a verdict's map starts from them
 
 
@@ -83,6 +85,18 @@ def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
     right = np.random.default_rng(0).uniform(size=(draws, stated.size)) < stated
     hits = np.array([np.bincount(place, row, minlength=counts.size)[filled] / counts[filled] for row in right])
     return float(np.median(np.abs(hits - means).max(axis=1)))
+
+
+def temperature_cost(outcomes: Sequence[Outcome], temperature: float) -> float:
+    """Minus the log likelihood [nats] of which trials were right, were discovery.calibration.tempered their chance."""
+    odds = logit(np.clip([o.uncalibrated for o in outcomes], LEAST, 1.0 - LEAST)) / temperature
+    return -float(np.sum(log_expit(np.where([o.hit for o in outcomes], odds, -odds))))
+
+
+def fit_temperature(outcomes: Sequence[Outcome]) -> float:
+    """The likeliest temperature of the confidence."""
+    found = minimize_scalar(lambda log: temperature_cost(outcomes, float(np.exp(log))), bounds=(-2.0, 4.0))
+    return float(np.exp(found.x))
 
 
 def fit_calibration(outcomes: Sequence[Outcome], made: str = "") -> Calibration:

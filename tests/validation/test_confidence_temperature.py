@@ -1,0 +1,59 @@
+"""The confidence's one temperature is what the committed series say."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from discovery.calibration import CONFIDENCE_TEMPERATURE, tempered
+from validation.trials.outcome import Outcome, outcome
+from validation.trials.reliability import fit_temperature, temperature_cost
+
+RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
+
+
+def series(seed: int) -> list[Outcome]:
+    found = []
+    for index, line in enumerate((RESULTS / f"blind_{seed}.jsonl").read_text().splitlines()):
+        row = json.loads(line)
+        if "answer" in row:
+            answer = {**row["answer"], "uncalibrated": row["answer"]["confidence"], "cosines": {}}
+            found.append(outcome(index, row["truth"], "midline", answer, baselines={}, seconds=row["seconds"]))
+    return found
+
+
+def test_the_temperature_is_the_likeliest_over_two_series() -> None:
+    trials = series(400001) + series(500001)
+    best = fit_temperature(trials)
+    # Half a nat: within one standard error of the likeliest.
+    assert temperature_cost(trials, CONFIDENCE_TEMPERATURE) < temperature_cost(trials, best) + 0.5
+    # The posterior mass itself loses far more, in each series by itself too.
+    for one in (400001, 500001):
+        assert temperature_cost(series(one), CONFIDENCE_TEMPERATURE) < temperature_cost(series(one), 1.0) - 5.0
+
+
+def test_a_tempered_mass_keeps_order_and_an_even_chance() -> None:
+    masses = np.linspace(0.01, 0.99, 50)
+    stated = np.array([tempered(mass) for mass in masses])
+    assert np.all(np.diff(stated) > 0.0)
+    assert tempered(0.5) == pytest.approx(0.5)
+    assert tempered(1.0) == 0.98
+
+
+def test_the_temperature_of_made_outcomes_is_found() -> None:
+    """Answers that are right as often as their mass, tempered by 2, says; 3000 of them: some per cent of error."""
+    random = np.random.default_rng(3)
+    made = []
+    for index in range(3000):
+        mass = float(random.uniform(0.5, 0.999))
+        right = random.uniform() < tempered(mass, 2.0)
+        truth = {"kind": "null", "effects": {}, "r": []}
+        answer = {
+            "verdict": "nothing_missing" if right else "unknown", "effects": [], "confidence": mass,
+            "uncalibrated": mass, "cosines": {}, "midline_mm": {"before": None, "after": None, "floor": None},
+        }  # fmt: skip
+        made.append(outcome(index, truth, "midline", answer, baselines={}, seconds=1.0))
+    assert fit_temperature(made) == pytest.approx(2.0, rel=0.1)
