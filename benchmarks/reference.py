@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.engine import mujoco
 from mujoco_ref.modes import natural_frequencies
 from mujoco_ref.simulate import Setup, make_stepper, simulate
-from mujoco_ref.step import ChainState
 from mujoco_ref.third_opinion import first_frequency, is_installed
 from tentacle.model import Estimate, Model
 from tentacle.runner import Runner

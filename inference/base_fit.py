@@ -11,11 +11,12 @@ from affine_model.curvature import Array
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
 from inference.initial_state import initial_nuisances
+from inference.multistart import fit_multistart
 from inference.noise_floor import noise_deviation
 from inference.observation import POSE, ShapeObservation
 from inference.prepare import MOST_COORDINATES, RELEASE, recalibrated
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, fit_multistart, linearised_fit, unfitted
+from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, linearised_fit, unfitted
 from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration

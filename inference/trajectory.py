@@ -287,23 +287,3 @@ def unfitted(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
     """The problem at its start, with its Jacobian, not fitted."""
     unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
     return linearised_fit(problem, unknowns, 0)
-
-
-def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:
-    """The best fit from several starts (F, S) of the free parameters.
-
-    One batch screens them. The best `keep` are refined roughly, and the best of these is fitted to the end.
-    """
-    flat = np.concatenate(nuisances)[:, None]
-    unknowns = np.concatenate([starts, np.repeat(flat, starts.shape[1], axis=1)])
-    values, _ = problem.residuals(unknowns)
-    cost = np.einsum("nb,nb->b", values, values)
-    best: Fit | None = None
-    for place in np.argsort(cost)[:keep]:
-        parameters = problem.parameters.copy()
-        parameters[problem.rows()] = starts[:, place]
-        candidate = fit(replace(problem, parameters=parameters), nuisances, tolerance=1e-2, most=12)
-        if best is None or candidate.misfit < best.misfit:
-            best = candidate
-    assert best is not None
-    return fit(replace(problem, parameters=best.parameters), best.nuisances)

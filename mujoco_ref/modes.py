@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.statics import chain_equilibrium
-from mujoco_ref.step import ChainState, Stepper
+from mujoco_ref.step import Stepper
 from tentacle.signals import Array
 
 _PERTURBATION = 1e-6  # [rad]

@@ -14,13 +14,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from mujoco_ref.chain import Flexure, Hung, build_chain, flexural, hinge_positions
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.hinges import Drift, hinge_records, soft_spot
 from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
 from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.motor import motor_signal
 from mujoco_ref.mount import MountRail, MountServo, base_record
 from mujoco_ref.statics import chain_equilibrium
-from mujoco_ref.step import ChainState, Stepper
+from mujoco_ref.step import Stepper
 from mujoco_ref.step_arguments import Laws
 from mujoco_ref.written_laws import WrittenLaws, acting_laws
 from tentacle.errors import InputError

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from mujoco_ref.step import ChainState, Stepper
+from mujoco_ref.chain_state import ChainState
+from mujoco_ref.step import Stepper
 from tentacle.errors import InputError
 
 _PERTURBATION = 1e-6  # [rad], balances truncation and rounding of the difference quotient

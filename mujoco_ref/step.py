@@ -8,12 +8,12 @@ matrix, so the step is set by accuracy: second order, stable at 10 ms.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from mujoco_ref.chain import Chain
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.engine import mujoco
 from mujoco_ref.hinges import Drift, hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
@@ -32,33 +32,6 @@ STEEP = (
     "one_sided",
 )  # hinge laws with a corner or a steep curve
 Plain = tuple[Any, ...]  # the fields of a NamedTuple of step_arguments
-
-
-@dataclass
-class ChainState:
-    """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges, base and written
-    laws (laws, n; empty: nothing remembered). Mutable."""
-
-    q: Array
-    v: Array
-    a: Array
-    hinge_memory: Array
-    base_memory: Array
-    t: float = 0.0
-    law_memory: Array = field(default_factory=lambda: np.zeros((0, 0)))
-
-    @property
-    def moving(self) -> Moving:
-        """The arrays, for the compiled functions, which write them."""
-        return Moving(self.q, self.v, self.a, self.hinge_memory, self.base_memory)
-
-    @staticmethod
-    def at_rest(links: int, theta: float = 0.0) -> ChainState:
-        """Straight, at rest, turned by theta [rad]."""
-        zeros = np.zeros(links + 3)
-        q = zeros.copy()
-        q[2] = theta
-        return ChainState(q, zeros.copy(), zeros.copy(), np.zeros((links, 2)), np.zeros(4))
 
 
 @njit(cache=True)

@@ -23,7 +23,7 @@ TERMS = (
     Term("base model", "the model as declared, refitted", ""),
     Term("baseline", "recordings whose declaration is believed complete", ""),
     Term("C_perp", "drag coefficient across the flow (eq. 15)", "1"),
-    Term("confidence", "how sure the verdict is: its posterior mass", "1"),
+    Term("confidence", "how often such a verdict is right: its posterior mass, tempered by blind trials", "1"),
     Term("coordinates q1, q2", "curvature c(s) = q1 + q2 s", "rad"),
     Term("declaration", "what is believed about a recording: arm, fluid, gravity, camera", ""),
     Term("detection limit", "the smallest strength of an effect that would have been named with 95 %", ""),

@@ -14,18 +14,16 @@ from dataclasses import dataclass
 import sympy
 
 from affine_model.arm import parameter_rows
-from affine_model.dynamics import remembering
 from affine_model.effect import STATE_QUANTITIES, Effect
 from affine_model.effects import catalogue
 from affine_model.kernel.at_tip import tip_forces
+from affine_model.kernel.bending import bending_moments, memory_slots, remembered
+from affine_model.kernel.guarded import NODE, guarded
 from affine_model.kernel.template import ARRAYS, SUMMARY, TABLE, TEMPLATE, TRAJECTORY
 from affine_model.kernel.trace import lines, slope_along, traced
 from affine_model.kernel.unroll import unrolled_source
-from affine_model.laws import relaxed
 
 BLOCK = 16  # individuals a block: two AVX-512 or four AVX2 registers of doubles
-
-_NODE = " " * 16  # inside: for step, for iteration, for node i
 
 # Where the plain sums over effects go.
 SECTION_TARGETS = {
@@ -40,15 +38,6 @@ SECTION_TARGETS = {
     "couple": ("couple[i, b]",),
 }
 TIP_TARGETS = {"gravity_tilt": ("tilt[b]",)}
-
-
-def _guarded(effect: Effect, number: int, body: list[str]) -> list[str]:
-    """The loop over the block around a body; behind the effect's flag unless it is a base effect."""
-    if not body:
-        return []
-    indent = _NODE if effect.family == "base" else _NODE + "    "
-    head = [] if effect.family == "base" else [f"{_NODE}if active[{number}]:"]
-    return [*head, f"{indent}for b in range(BLOCK):", *(f"{indent}    {line}" for line in body)]
 
 
 def _constant(expressions: tuple[sympy.Expr, ...]) -> bool:
@@ -71,11 +60,11 @@ def _sums(targets: dict[str, tuple[str, ...]], constant: bool, indent: str) -> s
                 continue
             flags.append(f"active[{number}]")
             assignments = [(name, "+=", value) for name, value in zip(names, traced(effect, kind), strict=True)]
-            own += _guarded(effect, number, lines(assignments, ""))
+            own += guarded(effect, number, lines(assignments, ""))
         if own and not constant:
             fixed = [f"{name} = fixed_{name}" for name in names]
-            text += [f"{_NODE}if {' or '.join(flags)}:", f"{_NODE}    for b in range(BLOCK):"]
-            text += [f"{_NODE}        {line}" for line in fixed]
+            text += [f"{NODE}if {' or '.join(flags)}:", f"{NODE}    for b in range(BLOCK):"]
+            text += [f"{NODE}        {line}" for line in fixed]
         text += own
     return textwrap.indent(textwrap.dedent("\n".join(text)), indent)
 
@@ -91,13 +80,13 @@ def _stiffness(changing: bool) -> str:
     moving += [f"active[{k}]" for k, effect in laws if not _constant(traced(effect, "stiffness"))]
     if changing and not moving:
         return ""
-    text = [f"{_NODE}for b in range(BLOCK):", f"{_NODE}    stiffness[i, b] = rigidity[i, b]"]
+    text = [f"{NODE}for b in range(BLOCK):", f"{NODE}    stiffness[i, b] = rigidity[i, b]"]
     for number, effect in shares:
         (share,) = traced(effect, "stiffness_share")
-        text += _guarded(effect, number, lines([("stiffness[i, b]", "*=", 1 + share)], ""))
+        text += guarded(effect, number, lines([("stiffness[i, b]", "*=", 1 + share)], ""))
     if not changing:
         return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 8)
-    return "\n".join([f"{_NODE}if {' or '.join(moving)}:", textwrap.indent("\n".join(text), "    ")])
+    return "\n".join([f"{NODE}if {' or '.join(moving)}:", textwrap.indent("\n".join(text), "    ")])
 
 
 def _bodies() -> str:
@@ -110,13 +99,13 @@ def _bodies() -> str:
         mass, reach, drop, density = traced(effect, "hung_mass")
         values = {"mass": mass, "reach": reach, "drop": drop, "displaced": water * mass / density}
         assignments = [(f"body_{name}[{place}, b]", "=", value) for name, value in values.items()]
-        text += _guarded(effect, number, lines(assignments, ""))
+        text += guarded(effect, number, lines(assignments, ""))
     payload = next(place for place, (_, effect) in enumerate(_hung()) if effect.family == "base")
     for number, effect in enumerate(catalogue().values()):
         if effect.payload_shift is not None:
             shift = zip(("reach", "drop"), traced(effect, "payload_shift"), strict=True)
             moved = [(f"body_{name}[{payload}, b]", "+=", value) for name, value in shift]
-            text += _guarded(effect, number, lines(moved, ""))
+            text += guarded(effect, number, lines(moved, ""))
     return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 4)
 
 
@@ -170,7 +159,7 @@ def _water() -> str:
             ("surge_x[b]", "+=", sympy.diff(x_part, t)),
             ("surge_y[b]", "+=", sympy.diff(y_part, t)),
         ]
-        text += _guarded(effect, number, lines(assignments, ""))
+        text += guarded(effect, number, lines(assignments, ""))
     return "\n".join(text)
 
 
@@ -187,70 +176,8 @@ def _forces() -> str:
             ("slope_n[b]", "-=", slope_along(normal, "u_n")),
             ("slope_t[b]", "-=", slope_along(tangential, "u_t")),
         ]
-        text += _guarded(effect, number, lines(assignments, ""))
+        text += guarded(effect, number, lines(assignments, ""))
     return "\n".join(text)
-
-
-def _slots() -> dict[str, int]:
-    """The kernel's memory slot of every effect that remembers."""
-    return {effect.name: slot for slot, effect in enumerate(remembering(tuple(catalogue().values())))}
-
-
-def _advance(effect: Effect, duration: sympy.Expr, target: str) -> tuple[list[str], sympy.Expr]:
-    """Code that carries the effect's memory over `duration` into target, and d memory / d c_rate of what it gives.
-
-    As affine_model.dynamics.advanced_memory.
-    """
-    kept = f"store[{_slots()[effect.name]}, i, b]"
-    if effect.relaxation_time is not None:
-        (time,) = traced(effect, "relaxation_time")
-        rate = sympy.Symbol("c_rate", real=True)
-        after = relaxed(sympy.Symbol(kept), rate, duration, sympy.Symbol("relaxation"))
-        body = [
-            *lines([("relaxation", "=", time)], ""),
-            *lines([(target, "=", after)], ""),
-        ]
-        return body, sympy.diff(after, rate)
-    (limit,) = traced(effect, "yield_curvature")
-    body = [
-        *lines([("limit", "=", limit)], ""),
-        f"stretched = {kept} + {duration} * c_rate[i, b]",
-        f"sticks = {duration} if abs(stretched) < limit else 0.0",
-        f"{target} = min(max(stretched, -limit), limit)",
-    ]
-    return body, sympy.Symbol("sticks")
-
-
-def _moments() -> str:
-    """Bending moments and their slopes over curvature and its rate; memory is carried over half a step."""
-    text: list[str] = []
-    names = {name: sympy.Symbol(name, real=True) for name in ("c", "c_rate", "memory")}
-    for number, effect in enumerate(catalogue().values()):
-        if effect.bending_moment is None:
-            continue
-        (moment,) = traced(effect, "bending_moment")
-        body: list[str] = []
-        over_rate = sympy.diff(moment, names["c_rate"])
-        if effect.remembers:
-            body, gain = _advance(effect, sympy.Symbol("h") / 2, "memory[i, b]")
-            over_rate += sympy.diff(moment, names["memory"]) * gain
-        assignments = [
-            ("moment[i, b]", "+=", moment),
-            ("bend[i, b]", "+=", 0.25 * sympy.Symbol("h") ** 2 * sympy.diff(moment, names["c"])),
-            ("bend[i, b]", "+=", 0.5 * sympy.Symbol("h") * over_rate),
-        ]
-        text += _guarded(effect, number, body + lines(assignments, ""))
-    return "\n".join(text)
-
-
-def _remembered() -> str:
-    """After a step: every memory is carried over the whole step under the rate at its middle."""
-    text: list[str] = []
-    for number, effect in enumerate(catalogue().values()):
-        if effect.remembers:
-            body, _ = _advance(effect, sympy.Symbol("h"), f"store[{_slots()[effect.name]}, i, b]")
-            text += _guarded(effect, number, body)
-    return textwrap.indent(textwrap.dedent("\n".join(text)), " " * 16)
 
 
 def _solution(order: int) -> str:
@@ -305,9 +232,9 @@ def filled_template(order: int, parts: Parts) -> str:
         "@TIP_CHANGING@": _sums(TIP_TARGETS, False, " " * 12) + ("\n" + _gravity(" " * 12)) * bool(tip_changing),
         "@WATER@": _water(),
         "@FORCES@": _forces(),
-        "@MOMENTS@": _moments(),
+        "@MOMENTS@": bending_moments(),
         "@REMEMBERS@": " or ".join(remembering_flags) or "False",
-        "@REMEMBERED@": _remembered(),
+        "@REMEMBERED@": remembered(),
         "@TIP_FORCES@": tip_forces(),
         "@SOLUTION@": _solution(order),
     }
@@ -332,7 +259,7 @@ def array_sizes(nodes: int, order: int) -> dict[str, tuple[int, ...]]:
         "four": 4,
         "six": 6,
     }
-    extents |= {"stores": len(_slots()), "bodies": len(_hung())}
+    extents |= {"stores": len(memory_slots()), "bodies": len(_hung())}
     shapes = {**ARRAYS, **{name: ARRAYS[source] for name, source in _fixed_arrays().items()}}
     return {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
 

@@ -10,8 +10,9 @@ from affine_model.arm import Arm, active_effects, neutral_parameters, parameter_
 from affine_model.curvature import curvature_basis
 from affine_model.dynamics import Instant, balance, remembering
 from affine_model.effects import catalogue
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.simulate import make_stepper
-from mujoco_ref.step import ChainState, Stepper
+from mujoco_ref.step import Stepper
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Fluid, Gravity, Specimen
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.modes import natural_frequencies
 from mujoco_ref.simulate import make_stepper, simulate, state_of_shape
 from mujoco_ref.statics import chain_equilibrium
-from mujoco_ref.step import ChainState
 from tentacle.specimen import AIR, WATER, Gravity, Specimen
 from tentacle.waveform import Rest, Sine
 from tests.mujoco_ref.arms import CONE, STRIP, model_of, swimming_model

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.modes import mass_matrix, natural_frequencies
 from mujoco_ref.simulate import make_stepper
-from mujoco_ref.step import ChainState
 from tentacle.specimen import Cone, Fluid, Specimen
 from tests.mujoco_ref.arms import CONE, HANGING, STRIP, model_of
 

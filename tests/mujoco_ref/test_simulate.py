@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import mujoco_ref
+from mujoco_ref.chain_state import ChainState
 from mujoco_ref.modes import natural_frequencies
 from mujoco_ref.mount import MountRail, MountServo
 from mujoco_ref.simulate import Initial, Setup, make_stepper, simulate, state_of_shape
-from mujoco_ref.step import ChainState
 from tentacle.errors import InputError
 from tentacle.specimen import AIR, WATER, Gravity, Specimen
 from tentacle.waveform import Chirp, Rest, Sine

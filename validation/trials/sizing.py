@@ -12,8 +12,9 @@ from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 from inference.experiment import Experiment, predict
 from inference.measured_shapes import Tracker, fit_shapes, from_track
+from inference.multistart import fit_multistart
 from inference.observation import POSE, MarkerObservation, Observation, ShapeObservation
-from inference.trajectory import Problem, fit_multistart, unfitted
+from inference.trajectory import Problem, unfitted
 from inference.whitened_fit import tangent_basis
 from mujoco_ref.simulate import DEFAULT_LINKS
 from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
