@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from _outside_films import REST, STEPS, Drawn, Film, draw_film
+from _outside_films import Drawn, draw_film
+from _outside_motion import REST, STEPS, Film
 from numpy.typing import NDArray
 
 from tentacle.errors import InputError

@@ -18,8 +18,8 @@ sys.path[0] = str(Path(__file__).resolve().parents[1])  # this file's own name w
 sys.path.append(str(Path(__file__).resolve().parent))
 
 import numpy as np  # noqa: E402
-from _outside_films import FILMS  # noqa: E402
 from _outside_judge import Judged, judge_film  # noqa: E402
+from _outside_motion import FILMS  # noqa: E402
 
 from tentacle.recording import Declaration  # noqa: E402
 from tentacle.signals import Array, MotorSignal  # noqa: E402
