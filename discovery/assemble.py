@@ -114,8 +114,14 @@ def assemble_posterior(
         certain=() if withdrawn else decision.certain,
         sets=tuple(CredibleSet(names, mass) for names, mass in decision.sets),
         detection_limits=around.limits,
-        where={p.recording.name: effects for p in prepared},
+        where=_where(effects, prepared, chosen),
     )
+
+
+def _where(effects: tuple[str, ...], prepared: list[Prepared], chosen: Hypothesis) -> dict[str, tuple[str, ...]]:
+    """Which of the effects act in which recording, by the chosen model."""
+    both = zip(prepared, chosen.problem.experiments, strict=False)  # those of the baseline come last
+    return {p.recording.name: tuple(name for name in effects if name not in e.lacks) for p, e in both}
 
 
 def _over_sets(decision: PosteriorDecision, temperature: float) -> dict[str, dict[str, Estimate]]:

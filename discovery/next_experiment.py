@@ -84,7 +84,7 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
     )
     return replace(
         experiment, name="proposal", observation=virtual, base=waveform, t0=0.0, duration=DURATION, release=None,
-        remembers=False, varies=(), travel=None, used=np.ones(t.size, dtype=bool),
+        remembers=False, varies=(), lacks=frozenset(), travel=None, used=np.ones(t.size, dtype=bool),
     )  # fmt: skip
 
 

@@ -22,9 +22,10 @@ from discovery.answer import MOST_EFFECTS
 from discovery.decide import MOST_DECLARED_FORM, log_masses, log_prior_of_set, missing_of
 from discovery.rank import RankedSet, Ranking, ranking
 from discovery.starts import Names, RefitStart, refit_starts
+from discovery.where import fit_where_it_acts
 from inference.decay import DECAY_SHARE, has_decay, horizons_of
 from inference.linearise import latent_forces
-from inference.posterior import Hypothesis, RoughFit, fit_hypothesis, rough_fit, with_rest
+from inference.posterior import Hypothesis, RoughFit, rough_fit, with_rest
 from inference.score import Candidate
 from inference.trajectory import Fit, Problem, linearised_fit
 
@@ -81,7 +82,8 @@ def search_posterior(
             *(partial(added, centre, begun) for begun in wanted),
             *(partial(removed, centre, name) for name in centre.effects if len(centre.effects) > 1 or decays),
         ]
-        found = _side_by_side([partial(fit_hypothesis, one, base.forces) for one in _promising(_side_by_side(tasks))])
+        promising = _promising(_side_by_side(tasks))
+        found = _side_by_side([partial(fit_where_it_acts, one, base.forces, temperature) for one in promising])
         temperature = missing_of([*tried.values(), *found]).temperature
         for h in found:
             if not h.effects:  # a decay's base, fitted from where an effect had left it
@@ -253,7 +255,8 @@ def removed(centre: Hypothesis, effect: str) -> RoughFit:
     for parameter in catalogue()[effect].parameters:
         parameters[parameter_index(effect, parameter.name)] = parameter.neutral
     free = tuple(name for name in centre.problem.free if name[0] != effect)
-    problem = replace(centre.problem, free=free, parameters=parameters)
+    experiments = tuple(replace(e, lacks=e.lacks - {effect}) for e in centre.problem.experiments)
+    problem = replace(centre.problem, experiments=experiments, free=free, parameters=parameters)
     begun = [(problem, centre.fitted.nuisances)]
     return _refitted(tuple(e for e in centre.effects if e != effect), begun, centre)
 

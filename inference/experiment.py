@@ -44,7 +44,8 @@ class Experiment:
     base motion is recorded from then on (None: from t0). complete: the declaration is complete, so that no absent
     effect acts in this recording. varies: parameters (effect, name) that differ slightly between recordings.
     travel: of a base that travels, x, y, rates, accelerations (6, ...) over the pictures' clock (None: it stands).
-    differs: fields of its declaration, with their values, in which it is not the first recording of the arm.
+    differs: fields of its declaration, with their values, in which it is not the first recording of the arm. lacks:
+    effects of the model that do not act in this recording.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Experiment:
     varies: tuple[tuple[str, str], ...] = ()
     differs: tuple[tuple[str, float], ...] = ()
     travel: Callable[[Array], Array] | None = None
+    lacks: frozenset[str] = frozenset()
 
     def arm(self, first: Arm) -> Arm:
         """The arm as it is in this recording; first: as the first recording declares it."""
@@ -149,14 +151,22 @@ class Experiment:
     def _spreads(self) -> list[float]:
         return [PARAMETER_SPREAD[effect] for effect, _ in self.varies]
 
-    def own(self, parameters: Array, nuisances: Array) -> Array:
-        """The parameters (R, B) as they are in this recording."""
-        if not self.varies and not self.complete:
+    def acting(self, parameters: Array) -> Array:
+        """The parameters (R, B) without the effects that do not act in this recording."""
+        if not self.complete and not self.lacks:
             return parameters
         parameters = parameters.copy()
         for row in parameter_rows():
-            if self.complete and catalogue()[row.effect].family != "base":
+            if row.effect in self.lacks or (self.complete and catalogue()[row.effect].family != "base"):
                 parameters[row.index] = row.parameter.neutral
+        return parameters
+
+    def own(self, parameters: Array, nuisances: Array) -> Array:
+        """The parameters (R, B) as they are in this recording."""
+        parameters = self.acting(parameters)
+        if not self.varies:
+            return parameters
+        parameters = parameters.copy()
         for name, deviation in zip(self.varies, self.deviations(nuisances), strict=True):
             parameters[parameter_index(*name)] *= np.exp(deviation)
         return parameters
@@ -249,8 +259,7 @@ _OUTSIDE = (("time_offset", "offset"), ("time_offset", "drift"), ("camera_roll",
 
 def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:
     """Measured minus predicted, whitened (T, K, B), over all frames."""
-    if experiment.complete:
-        parameters = np.zeros_like(parameters)
+    parameters = experiment.acting(parameters)
     roll = parameters[parameter_index("camera_roll", "roll")]
     scale = parameters[parameter_index("camera_scale", "excess")]
     error = experiment.observation.predict(prediction.q, prediction.theta, roll, scale, prediction.shift)
