@@ -44,11 +44,12 @@ FIVE = (
 # Why a row misses its limit: (benchmark, figure) -> sentences.
 WHY = {
     ("blind", "calibration_gap"): """\
-This is the gap of the worst of ten bins, which holds one or two trials: confident answers that were wrong. Chance
-alone would give the smaller gap of the next row. The confidence is posterior mass and is not calibrated.""",
+This is the gap of the worst of ten bins, which holds few trials. A confidence that were exactly true would show the
+larger gap of the next row by chance. Many hundred trials would be needed to tell
+a gap of .05 from chance.""",
     ("blind", "diagnose_s"): """\
-Two diagnoses ran at once on two cores, and for 8 of the 29 minutes a benchmark of another part beside them. Half of the
-time goes into refits of each set with and without the shapes in which published laws differ.""",
+Two diagnoses ran at once on two cores. Half of the time goes into refits of each set with and without the shapes in
+which published laws differ.""",
     ("first_hour", "setup_mb"): """\
 Most of it is the viewer (Rerun), OpenCV, the compiler of the kernels (LLVM), Arrow and the video codecs. All of them
 are needed from film to report. The viewer is the largest.""",

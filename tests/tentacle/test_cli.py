@@ -14,7 +14,9 @@ import pytest
 
 from tentacle.cli import build_parser, main, verb_names
 from tentacle.io.recording_rrd import write_rrd
-from tests.tentacle.io.test_import_folder import BAD, CONE, MIDLINE, lab_folder, random_recording
+from tests.tentacle.io.lab_folder import CONE, MIDLINE, lab_folder
+from tests.tentacle.io.test_bad_import_folder import BAD
+from tests.tentacle.io.test_import_folder import random_recording
 
 ROOT = Path(__file__).parents[2]
 HEAVY = ("numpy", "scipy", "mujoco", "cv2", "torch", "rerun", "numba", "matplotlib", "av", "sympy", "pyarrow", "rich")
