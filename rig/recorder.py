@@ -69,7 +69,6 @@ class Recorder:
         self._blocks = 0
         self._ends: dict[str, int] = {}  # rows of each signal so far
         self._pending_frames: list[CameraFrame] = []
-        self._frames = 0
         path.parent.mkdir(parents=True, exist_ok=True)
         self._require_space()
         try:
@@ -113,7 +112,7 @@ class Recorder:
     def frames(self, frames: Sequence[CameraFrame]) -> None:
         """Appends camera frames at their host time."""
         self._pending_frames += frames
-        self._frames += len(frames)
+        self._count(layout.CAMERA, len(frames))
         if self._live is not None:
             self._live.frames(frames)
 
@@ -127,6 +126,7 @@ class Recorder:
     def clock(self, fit: ClockFit) -> None:
         """Appends the clock's present fit: without it a crashed run could not place its frames."""
         self.last_clock = fit
+        self._count(layout.CLOCK, 1)
         index, columns = layout.clock_rows(fit)
         self._queue.append(partial(self._stream.send_columns, layout.CLOCK, index, columns))
         if self._live is not None:
@@ -156,7 +156,7 @@ class Recorder:
         if self._live is not None:
             self._live.close()
         self._hand_over()
-        self._text(layout.STOP, {"outcome": outcome, "frames": self._frames, **record})
+        self._text(layout.STOP, {"outcome": outcome, "rows": self._ends, **record})
         self._declare(outcome)
         counts = {name: self._ends[name] for name in ("motor", "load_cell") if name in self._ends}
         if counts:
@@ -243,6 +243,7 @@ class Recorder:
             self._blocks += 1
 
     def _event(self, event: BoardEvent) -> None:
+        self._count(layout.EVENTS, 1)
         words, index, columns = layout.event_rows(event)
         self._queue.append(partial(self._stream.send_columns, layout.EVENTS, index, columns))
         if self._live is not None:
@@ -265,10 +266,16 @@ class Recorder:
 
     def _sum(self, signal: str, columns: dict[str, Any]) -> int:
         """Adds the checksum of the next rows of a signal; the number of their first."""
-        count, first = len(next(iter(columns.values()))), self._ends.get(signal, 0)
-        self._ends[signal] = first + count
+        count = len(next(iter(columns.values())))
+        first = self._count(signal, count)
         self._sums.append(Sum(signal, first, count, columns_digest(columns)))
         return first
+
+    def _count(self, signal: str, rows: int) -> int:
+        """Counts more rows of a signal; how many there were before."""
+        before = self._ends.get(signal, 0)
+        self._ends[signal] = before + rows
+        return before
 
     def _recording_rows(self, name: str, samples: Sequence[Sample], columns: dict[str, Any]) -> None:
         """Rows of a signal in the layout of tentacle.io.recording_rrd; only from the waveform's time 0 on."""

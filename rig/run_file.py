@@ -104,9 +104,8 @@ def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, 
     count = min(map(len, (command, angle, current)))  # a cut can fall between the entities of one block
     in_file = _document(columns, layout.STOP, path)
     stop = in_file if in_file is not None else read_stop(path)
-    if not bytes_gone and in_file is not None and in_file.get("frames", len(frame_t)) != len(frame_t):
-        gone = f"damaged: holds {len(frame_t)} of {in_file['frames']} frames"
-        raise InputError(gone, file=path, field=layout.CAMERA)
+    if not bytes_gone and in_file is not None and in_file["outcome"] != "disk":
+        _require_every_row(in_file.get("rows", {}), {layout.CAMERA: len(frame_t), **_rows(columns, sums)}, path)
     run = Run(
         path=path,
         start=start,
@@ -125,6 +124,23 @@ def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, 
     )
     whole = in_file is not None and not bytes_gone
     return run if whole else replace(run, missing=_missing(run, bytes_gone))
+
+
+def _rows(columns: dict[str, EntityColumns], sums: list[Sum]) -> dict[str, int]:
+    """How many rows of each entity are there with a checksum: one of their own, or one of their block."""
+    own = {entity: found.texts("sha256") for entity, found in columns.items() if found.has_rows("sha256")}
+    return {
+        entity: min(len(found.times(layout.BOARD_TIME)), len(own.get(entity, ())) or covered(sums, entity))
+        for entity, found in columns.items()
+        if entity.startswith("/rig/") and entity not in (layout.START, layout.STOP)
+    }
+
+
+def _require_every_row(stated: dict[str, int], held: dict[str, int], path: Path) -> None:
+    """InputError where rows are missing of those that the stop record states: a damaged block can vanish whole."""
+    for entity, count in stated.items():
+        if entity.startswith("/rig/") and held.get(entity, 0) != count:
+            raise InputError(f"damaged: holds {held.get(entity, 0)} of {count} rows", file=path, field=entity)
 
 
 def _missing(run: Run, bytes_gone: int) -> str:
