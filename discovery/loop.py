@@ -26,7 +26,15 @@ from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_d
 from inference.experiment import PARAMETER_SPREAD
 from inference.motion import motion_nats
 from inference.one_arm import one_arm
-from inference.posterior import FORCE_SHARES, Hypothesis, baseline_alone, declared_model, followed_closely, with_rest
+from inference.posterior import (
+    FORCE_SHARES,
+    Hypothesis,
+    baseline_alone,
+    declared_model,
+    followed_closely,
+    with_derivatives,
+    with_rest,
+)
 from inference.prepare import Prepared, prepare
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Fit, Problem
@@ -76,7 +84,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
         lambda done: progress("searching the catalogue", done),
     )
     hypotheses = list(found.hypotheses)
-    limits = detection_limits(decide_by_mass(hypotheses).leading, missing_of(hypotheses).temperature)
+    leading = with_derivatives(decide_by_mass(hypotheses).leading)
+    limits = detection_limits(leading, missing_of(hypotheses).temperature)
     progress("comparing")
     found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
     decision = decide_by_mass(list(found.hypotheses))

@@ -24,8 +24,9 @@ from discovery.rank import RankedSet, Ranking, ranking
 from discovery.starts import Names, RefitStart, refit_starts
 from discovery.where import fit_where_it_acts
 from inference.decay import DECAY_SHARE, has_decay, horizons_of
+from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.posterior import Hypothesis, RoughFit, rough_fit, with_rest
+from inference.posterior import Hypothesis, RoughFit, rough_fit, with_derivatives, with_rest, without_derivatives
 from inference.score import Candidate
 from inference.trajectory import Fit, Problem, linearised_fit
 
@@ -83,7 +84,7 @@ def search_posterior(
             *(partial(removed, centre, name) for name in centre.effects if len(centre.effects) > 1 or decays),
         ]
         promising = _promising(_side_by_side(tasks))
-        found = _side_by_side([partial(fit_where_it_acts, one, base.forces, temperature) for one in promising])
+        found = _side_by_side([partial(_fitted, one, base.forces, temperature) for one in promising])
         temperature = missing_of([*tried.values(), *found]).temperature
         for h in found:
             if not h.effects:  # a decay's base, fitted from where an effect had left it
@@ -97,8 +98,13 @@ def search_posterior(
         best = max(tried.values(), key=lambda h: max(log_masses(h, missing)))
         if best.effects == centre.effects:
             break
-        centre = best
+        centre = with_derivatives(best)
     return PosteriorSearch(tried[frozenset()], tuple(tried.values()), first)
+
+
+def _fitted(rough: RoughFit, declared: tuple[LatentForce, ...], temperature: float) -> Hypothesis:
+    """The hypothesis, fitted closely. Dozens are kept, so that their derivatives are not."""
+    return without_derivatives(fit_where_it_acts(rough, declared, temperature))
 
 
 def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothesis:

@@ -39,6 +39,7 @@ class Hypothesis:
     baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none).
     baseline_gain [nats]: what the best set of absent effects would gain there, to first order, although none acts.
     motion [nats]: of the motion seen, beside the smallest share of unknown forces (inference.motion; 0: not known).
+    fitted_at: place among FORCE_SHARES of the share beside which it was fitted.
     """
 
     effects: tuple[str, ...]
@@ -53,6 +54,7 @@ class Hypothesis:
     baseline_share: float = 0.0
     baseline_gain: float = 0.0
     motion: float = 0.0
+    fitted_at: int = 0
 
     @property
     def structured(self) -> float:
@@ -128,19 +130,38 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects, declared)
     fitted = linearised_fit(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
-    at_shares, tried = filters_of(forces), set[int]()
+    at_shares, tried, last = filters_of(forces), set[int](), 0
     while True:
         evidences = log_evidences(problem, fitted, at_shares)
         if not np.isfinite(evidences).all():
             raise np.linalg.LinAlgError("the evidence is not finite")
         best = int(np.argmax(evidences))
         if best in tried:
-            return Hypothesis(rough.effects, problem, fitted, forces, evidences)
+            return Hypothesis(rough.effects, problem, fitted, forces, evidences, fitted_at=last)
         tried.add(best)
+        last = best
         problem = replace(problem, filters=at_shares[best])
         unknowns, lowest = minimised(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
         fitted = replace(linearised_fit(problem, unknowns, 0), result=lowest.result)
+
+
+def without_derivatives(h: Hypothesis) -> Hypothesis:
+    """The hypothesis without its filters and derivatives, which take a hundred times the memory of all else."""
+    return replace(h, problem=replace(h.problem, filters=()), fitted=_without_slopes(h.fitted))
+
+
+def _without_slopes(fitted: Fit) -> Fit:
+    return replace(fitted, jacobian=np.zeros((0, 0)), slopes=())
+
+
+def with_derivatives(h: Hypothesis) -> Hypothesis:
+    """The hypothesis with the filters and derivatives that `without_derivatives` took away."""
+    if h.problem.filters:
+        return h
+    problem = replace(h.problem, filters=tuple(force.filter(FORCE_SHARES[h.fitted_at]) for force in h.forces))
+    again = linearised_fit(problem, np.concatenate([h.fitted.values, *h.fitted.nuisances]), h.fitted.evaluations)
+    return replace(h, problem=problem, fitted=replace(again, result=h.fitted.result))
 
 
 def with_rest(h: Hypothesis, nested: Hypothesis | None = None) -> Hypothesis:
@@ -188,7 +209,7 @@ def _followed(
         if np.any(piece != 0.0)
     ]
     rest = float(size**2 * np.mean(rows**2)) - 1.0
-    return replace(h, alone=alone, rest=rest, rows=rows.size, rest_in_time=np.array(pieces))
+    return replace(h, alone=_without_slopes(alone), rest=rest, rows=rows.size, rest_in_time=np.array(pieces))
 
 
 def _seen_rows(problem: Problem, residuals: Sequence[Array]) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
+from affine_model.kernel import BLOCK
 from inference.declared_arm import DECLARED, at_values, names_of
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
@@ -23,6 +24,7 @@ from tentacle.declared import Uncertain
 
 PARAMETER_DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
 ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
+TOGETHER = 4 * BLOCK  # individuals that are simulated at once: their courses are the largest arrays of a fit
 RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
 PRIOR_REACH = 3.0
 
@@ -177,6 +179,14 @@ class Problem:
         return replace(self, arm=arm, experiments=experiments, declared=())
 
     def _of_one_arm(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
+        starts = range(0, unknowns.shape[1], TOGETHER)
+        some = [self._of_some(parameters[:, k : k + TOGETHER], unknowns[:, k : k + TOGETHER]) for k in starts]
+        if len(some) == 1:
+            return some[0]
+        used, everything = zip(*some, strict=True)
+        return np.concatenate(used, axis=1), [np.concatenate(one, axis=2) for one in zip(*everything, strict=True)]
+
+    def _of_some(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
         count = unknowns.shape[1]
         used, everything, place = [], [], len(self.free)
         for number, (experiment, size) in enumerate(zip(self.experiments, self.sizes(), strict=True)):
