@@ -100,8 +100,8 @@ def simulate(
     sound = summary[4] < 0.0
     return Batch(
         t=times,
-        q=np.einsum("jk,tkb->tjb", arm.to_monomial, u[:, :n]),
-        q_rate=np.einsum("jk,tkb->tjb", arm.to_monomial, u_rate[:, :n]),
+        q=np.matmul(arm.to_monomial, u[:, :n]),
+        q_rate=np.matmul(arm.to_monomial, u_rate[:, :n]),
         theta=u[:, n],
         theta_rate=u_rate[:, n],
         rail=u[:, n + 1],

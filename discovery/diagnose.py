@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from threadpoolctl import threadpool_limits
+
 from discovery.answer import cannot_tell
 from discovery.given import Deciding, Given
 from discovery.loop import close_loop
@@ -30,13 +32,15 @@ def diagnose(
 
     baseline: recordings with a complete declaration. No absent effect acts in them, and they share the arm's parameters
     with the others. held_out: recordings that only judge. Without any, a third of each recording judges.
-    Raises InputError on unusable input.
+    Raises InputError on unusable input. Linear algebra runs on one thread: its matrices are small, and the last digits
+    of its sums would depend on the number of threads.
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
     given = Given(recordings, baseline, held_out)
     same_arm(given.all)
     try:
-        return close_loop(given, seed, deciding, progress)
+        with threadpool_limits(1, user_api="blas"):
+            return close_loop(given, seed, deciding, progress)
     except CannotTellError as reason:
         return cannot_tell(recordings[0], str(reason), seed)

@@ -10,7 +10,8 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, ShapeObservation
-from inference.trajectory import Fit, Problem, unfitted
+from inference.score import COARSER
+from inference.trajectory import Fit, Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
@@ -103,30 +104,40 @@ def propose_experiment(
     splits = tuple(sorted(set.union(*sets) - set.intersection(*sets)))
     best: Proposal | None = None
     for waveform in candidates(limits, seed):
-        gap = min(_gap(chosen, rival, source, waveform) for rival in rivals)
+        measured = _measured(chosen, _virtual(source, waveform))
+        gap = min(_gap(rival, measured) for rival in rivals)
         if best is None or gap > best.nats:
             best = Proposal(waveform, splits, gap)
     return best
 
 
-def _gap(chosen: FittedHypothesis, rival: FittedHypothesis, source: Experiment, waveform: Waveform) -> float:
-    order = chosen.problem.arm.order
-    start = np.concatenate([np.zeros(2 * order), np.zeros(2)])
-    experiment = _virtual(source, waveform)
-    shown = predict(
-        chosen.problem.arm, experiment, chosen.fitted.parameters[:, None], start[:, None], chosen.problem.step
-    )
-    z = shown.q[:, :, 0] @ chosen.problem.arm.from_monomial.T
-    observation = experiment.observation.shapes
+def _measured(chosen: FittedHypothesis, experiment: Experiment) -> Experiment:
+    """The future run as it is seen if the chosen model is true, without noise."""
+    arm, observation = chosen.problem.arm, experiment.observation.shapes
     assert observation is not None
+    step = COARSER * chosen.problem.step
+    shown = predict(arm, experiment, chosen.fitted.parameters[:, None], _rest(arm.order)[:, None], step)
+    z = shown.q[:, :, 0] @ arm.from_monomial.T
     coefficients = observation.coefficients.copy()
-    kept = min(order, observation.order)
+    kept = min(arm.order, observation.order)
     coefficients[:, POSE : POSE + kept] = z[:, :kept]
     coefficients[:, 0] = shown.theta[:, 0] - observation.theta
-    measured = replace(experiment, observation=replace(observation, coefficients=coefficients))
-    problem: Problem = replace(rival.problem, experiments=(measured,), prior_mean=None, prior_root=None, filters=())
-    # The part of the difference that the rival cannot absorb, to first order.
-    state = unfitted(replace(problem, parameters=rival.fitted.parameters), (start,))
-    basis = tangent_basis(state.jacobian)
-    rest = state.used_residuals - basis @ (basis.T @ state.used_residuals)
+    return replace(experiment, observation=replace(observation, coefficients=coefficients))
+
+
+def _rest(order: int) -> Array:
+    """The nuisances of a run that starts from rest."""
+    return np.zeros(2 * order + 2)
+
+
+def _gap(rival: FittedHypothesis, measured: Experiment) -> float:
+    """The nats of the difference that the rival cannot absorb, to first order."""
+    problem: Problem = replace(
+        rival.problem, experiments=(measured,), parameters=rival.fitted.parameters, step=COARSER * rival.problem.step,
+        prior_mean=None, prior_root=None, filters=(),
+    )  # fmt: skip
+    start = np.concatenate([problem.parameters[problem.rows()], _rest(problem.arm.order)])
+    residuals, slope = problem.slope(start)
+    basis = tangent_basis(slope)
+    rest = residuals - basis @ (basis.T @ residuals)
     return 0.5 * float(rest @ rest)

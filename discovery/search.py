@@ -29,6 +29,7 @@ from inference.linearise import latent_forces
 from inference.posterior import Hypothesis, RoughFit, rough_fit, with_derivatives, with_rest, without_derivatives
 from inference.score import Candidate
 from inference.trajectory import Fit, Problem, linearised_fit
+from inference.whitened_fit import LinearRefit
 
 T = TypeVar("T")
 SINGLES, SECOND, SETS = 7, 5, 2  # effects tried beside none, and beside others; sets of several tried at once
@@ -63,8 +64,8 @@ class Begun:
 def search_posterior(
     base: Hypothesis, origin: Fit, progress: Callable[[float], None] = lambda _: None
 ) -> PosteriorSearch:
-    """Hypotheses about what the base lacks. origin: where the base's own fit began: effects begin there too, for in a
-    decay that fit may be far from where any of them has its valley.
+    """Hypotheses about what the base lacks. origin: where the base's own fit began. Effects begin there too, because in
+    a decay the base's fit may be far from the valley of any effect.
     """
     tried: dict[frozenset[str], Hypothesis] = {frozenset(): base}
     first: tuple[Candidate, ...] = ()
@@ -184,16 +185,16 @@ def _begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis) -> li
     ranked = {one.names[0]: one for one in promised.sets if len(one.names) == 1}
     alone = [ranked.get(one.effect.name, RankedSet((one,), -np.inf, (one.strengths,))) for one in promised.candidates]
     unmoved = replace(start.problem, parameters=start.fitted.parameters)
-    horizons = horizons_of(unmoved, start.fitted.nuisances)
+    refit = horizons_of(unmoved, start.fitted.nuisances) or LinearRefit.of(start.problem, start.fitted)
     most = SECOND if centre.effects else EVERY_EFFECT if _is_far(centre) else SINGLES
-    singles = _begun(start, alone, horizons, most)
+    singles = _begun(start, alone, refit, most)
     if has_decay(centre.problem) and not centre.effects:
         return singles
     linear = max((one.evidence for one in ranked.values()), default=np.inf)
     several = [one for one in promised.sets if len(one.names) > 1 and one.evidence > linear]
     prior = [log_prior_of_set(len(centre.effects) + len(one.names)) for one in several]
     order = np.argsort([-(one.evidence + p) for one, p in zip(several, prior, strict=True)], kind="stable")
-    return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], horizons, SETS)]
+    return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], refit, SETS)]
 
 
 def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
@@ -205,22 +206,22 @@ def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
     return replace(base, problem=problem, fitted=linearised_fit(problem, there, 0))
 
 
-def _begun(centre: Hypothesis, ranked: list[RankedSet], horizons: tuple[Problem, ...], most: int) -> list[Begun]:
+def _begun(
+    centre: Hypothesis, ranked: list[RankedSet], refit: LinearRefit | tuple[Problem, ...], most: int
+) -> list[Begun]:
     """The `most` most promising sets, by where their refits begin, for beyond the linear regime the first order
     misleads; each with all of its shapes, and without some.
 
-    horizons: of decays, about the centre; none where nothing decays. Each choice of
-    shapes has its own fit of a decay: it may end in another valley.
+    refit: of the base about the centre, or the horizons of decays. Each choice of shapes has its own fit of a decay:
+    it may end in another valley.
     """
-    begun = _side_by_side(
-        [lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, horizons))) for one in ranked]
-    )
+    begun = _side_by_side([lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, refit))) for one in ranked])
     best = sorted(begun, key=lambda one: one.starts[0].cost)[:most]
     fewer = [(one, names) for one in best for names in _left_out(one.chosen)]
-    if not horizons:
+    if isinstance(refit, LinearRefit):
         return [*best, *(replace(one, without=names) for one, names in fewer)]
     followed = [
-        lambda one=one, names=names: Begun(one.chosen, names, tuple(refit_starts(centre, one.chosen, horizons, names)))
+        lambda one=one, names=names: Begun(one.chosen, names, tuple(refit_starts(centre, one.chosen, refit, names)))
         for one, names in fewer
     ]
     return [*best, *_side_by_side(followed)]

@@ -17,9 +17,9 @@ from affine_model.curvature import Array
 from discovery.rank import RankedSet
 from inference.decay import LEFT, Points, followed_from_release, residuals_at
 from inference.posterior import Hypothesis
-from inference.score import Candidate
+from inference.score import COARSER, Candidate
 from inference.trajectory import Problem, split
-from inference.whitened_fit import tangent_basis
+from inference.whitened_fit import LinearRefit
 
 START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
 LINEAR_SHARES = (1.0, 0.4)  # of the linear estimate: beyond the linear regime it is too large
@@ -38,9 +38,10 @@ class RefitStart:
 
 
 def refit_starts(
-    centre: Hypothesis, chosen: RankedSet, horizons: tuple[Problem, ...] = (), without: Names = ()
+    centre: Hypothesis, chosen: RankedSet, refit: LinearRefit | tuple[Problem, ...], without: Names = ()
 ) -> list[RefitStart]:
-    """The LEFT best places to begin from, best first; horizons: of decays (inference.decay; none: nothing decays).
+    """The LEFT best places to begin from, best first. refit: of the base about the centre; of decays their horizons
+    (inference.decay).
 
     without: shapes of the effects that keep their neutral values.
     """
@@ -48,34 +49,35 @@ def refit_starts(
     left = [parameter_index(*name) for name in without]
     plan[left] = neutral_parameters()[left, None]
     problem = replace(centre.problem, parameters=centre.fitted.parameters)
-    if horizons:
+    if isinstance(refit, LinearRefit):
+        points = _absorbed(centre, refit, plan).best(LEFT)
+    else:
         free = (*problem.free, *(name for one in chosen.candidates for name in one.free if name not in without))
         problem = replace(problem, free=free)
         points = followed_from_release(
-            tuple(replace(early, free=free) for early in horizons), centre.fitted.nuisances, plan
+            tuple(replace(early, free=free) for early in refit), centre.fitted.nuisances, plan
         )
-    else:
-        points = _absorbed(centre, plan).best(LEFT)
     found = []
     for parameters, unknowns, cost in zip(points.parameters.T, points.unknowns.T, points.cost, strict=True):
         found.append(RefitStart(*split(replace(problem, parameters=parameters), unknowns), float(cost)))
     return found
 
 
-def _absorbed(centre: Hypothesis, plan: Array) -> Points:
+def _absorbed(centre: Hypothesis, refit: LinearRefit, plan: Array) -> Points:
     """A grid of parameter vectors (R, B) after the base's own best step, with the derivatives that it has without
-    effects; the initial states stay.
+    effects; the initial states stay. The step is coarse; its error at the centre is taken off the cost.
     """
-    problem = replace(centre.problem, parameters=centre.fitted.parameters)
+    problem = replace(centre.problem, parameters=centre.fitted.parameters, step=COARSER * centre.problem.step)
     unknowns = np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
+    plan = np.concatenate([centre.fitted.parameters[:, None], plan], axis=1)
     residuals = residuals_at(problem, plan, np.repeat(unknowns[:, None], plan.shape[1], axis=1))
-    basis, scales = tangent_basis(centre.fitted.jacobian), centre.problem.scales()
-    absorbed = basis.T @ residuals
+    absorbed = refit.basis.T @ residuals
     cost = np.einsum("nb,nb->b", residuals, residuals) - np.einsum("nb,nb->b", absorbed, absorbed)
-    step = -np.linalg.lstsq(centre.fitted.jacobian * scales, residuals, rcond=1e-8)[0]
+    plan, residuals, cost = plan[:, 1:], residuals[:, 1:], cost[1:] - cost[0] + 2.0 * centre.fitted.misfit
+    step = refit.steps(residuals)
     step[len(centre.fitted.values) :] = 0.0
     low, high = problem.bounds()
-    step = np.clip(step, -LARGEST_BASE_MOVE, LARGEST_BASE_MOVE) * scales[:, None]
+    step = np.clip(step, -LARGEST_BASE_MOVE, LARGEST_BASE_MOVE) * centre.problem.scales()[:, None]
     return Points(plan, np.clip(unknowns[:, None] + step, low[:, None], high[:, None]), 0.5 * cost)
 
 

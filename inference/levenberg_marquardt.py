@@ -1,4 +1,4 @@
-"""Least squares within bounds by Levenberg-Marquardt, for residuals that are cheap in batches: eight dampings at once.
+"""Least squares within bounds by Levenberg-Marquardt, for residuals that are cheap in batches.
 
 The kernel simulates sixteen individuals in the time of one. Therefore each round tries a ladder of dampings in one
 batch and takes the best. A fit then takes about half the rounds of a trust region that tries one step at a time.
@@ -15,7 +15,7 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.solver_result import RESULTS
 
-LADDER = 10.0 ** np.arange(-3.0, 5.0)  # dampings tried, times the current one
+LADDER = 10.0 ** np.arange(-4.0, 12.0)  # dampings tried, times the current one: from an undamped step to none
 SMALLEST, LARGEST = 1e-9, 1e9
 HELD_ROUNDS = 4  # of holding unknowns at their bounds in one step
 FLAT = 1e-14  # reciprocal condition number below which rounding decides the step: about 50 units of double precision
@@ -33,7 +33,7 @@ class Minimum:
 
 def minimise(
     residuals: Callable[[Array], Array],
-    jacobian: Callable[[Array, Array], Array],
+    jacobian: Callable[[Array, Array | None], tuple[Array, Array]],
     start: Array,
     bounds: tuple[Array, Array],
     *,
@@ -42,38 +42,35 @@ def minimise(
 ) -> Minimum:
     """Minimise 1/2 |r(x)|^2 over low <= x <= high.
 
-    residuals maps (P, B) to (N, B), jacobian takes x (P,) and the residuals there (N,) to (N, P); x is scaled so that
-    its natural steps are about 1. It converges when a round lowers the sum by less than `tolerance` of itself; after
-    `most` rounds it ends with RESULTS.MAX_STEPS.
+    residuals maps (P, B) to (N, B). jacobian takes x (P,) and the residuals there (N,), if they are known, to these
+    residuals and their derivatives (N, P). x is scaled so that its natural steps are about 1. It converges when a round
+    lowers the sum by less than `tolerance` of itself; after `most` rounds it ends with RESULTS.MAX_STEPS.
     """
     low, high = bounds
     x, damping = np.clip(start, low, high), 1e-3
-    value = residuals(x[:, None])[:, 0]
+    value, slope = jacobian(x, None)
     cost = 0.5 * float(value @ value)
     for round_number in range(most):
-        slope = jacobian(x, value)
         gradient, curvature = slope.T @ value, slope.T @ slope
         # A variable on its bound that wants to leave the box stays where it is in this round.
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
         if not free.any():
             return Minimum(x, round_number, RESULTS.AT_BOUND, cost)
-        for rungs in (damping * LADDER, 1e8 * damping * LADDER):  # all refused: once more with far larger dampings
-            ladder = np.clip(rungs, SMALLEST, LARGEST)
-            trials = np.repeat(x[:, None], ladder.size, axis=1)
-            room = low[free] - x[free], high[free] - x[free]
-            trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder, room)
-            trials = np.clip(trials, low[:, None], high[:, None])
-            values = residuals(trials)
-            costs = 0.5 * np.einsum("nb,nb->b", values, values)
-            best = int(np.argmin(costs))
-            if costs[best] < cost:
-                break
-        else:
-            return Minimum(x, round_number, _ending(curvature, free), cost)
+        ladder = np.clip(damping * LADDER, SMALLEST, LARGEST)
+        trials = np.repeat(x[:, None], ladder.size, axis=1)
+        room = low[free] - x[free], high[free] - x[free]
+        trials[free] += _steps(curvature[np.ix_(free, free)], gradient[free], ladder, room)
+        trials = np.clip(trials, low[:, None], high[:, None])
+        values = residuals(trials)
+        costs = 0.5 * np.einsum("nb,nb->b", values, values)
+        best = int(np.argmin(costs))
         gained = cost - costs[best]
-        x, value, cost, damping = trials[:, best], values[:, best], float(costs[best]), float(ladder[best])
-        if gained <= tolerance * cost:
+        if gained <= 0.0:
+            return Minimum(x, round_number, _ending(curvature, free), cost)
+        x, cost, damping = trials[:, best], float(costs[best]), float(ladder[best])
+        if gained <= tolerance * (cost + gained):
             return Minimum(x, round_number + 1, _ending(curvature, free), cost)
+        value, slope = jacobian(x, values[:, best])
     return Minimum(x, most, RESULTS.MAX_STEPS, cost)
 
 

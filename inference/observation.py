@@ -160,7 +160,7 @@ class ShapeObservation(Observation):
 
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
         n = q.shape[1]
-        z = np.linalg.solve(legendre_to_monomial(n), q)
+        z = np.matmul(np.linalg.inv(legendre_to_monomial(n)), q)
         error = np.repeat(self.coefficients[:, :, None], q.shape[2], axis=2)
         error[:, 0] -= theta - self.theta[:, None] + roll
         error[:, 1:3] -= shift

@@ -20,6 +20,7 @@ from affine_model.curvature import Array
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
 from inference.prior import log_prior, prior_precision
+from inference.score import COARSER
 from inference.trajectory import Fit, Problem, fit, linearised_fit, minimised, split
 from inference.whitened_fit import whitened_rows
 
@@ -99,9 +100,9 @@ def rough_fit(
     filters = tuple(force.filter(share) for force in forces)
     found = []
     for problem, nuisances in starts:
-        problem = replace(problem, filters=filters)
-        unknowns, lowest = minimised(problem, nuisances, tolerance=ROUGHLY, most=30)
-        found.append(RoughFit(effects, *_moved(problem, unknowns), lowest.cost))
+        rough = replace(problem, filters=filters, step=COARSER * problem.step)
+        unknowns, lowest = minimised(rough, nuisances, tolerance=ROUGHLY, most=30)
+        found.append(RoughFit(effects, *_moved(replace(rough, step=problem.step), unknowns), lowest.cost))
     return min(found, key=lambda one: one.cost)
 
 
@@ -130,9 +131,9 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects, declared)
     fitted = linearised_fit(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
-    at_shares, tried, last = filters_of(forces), set[int](), 0
+    tried, last = set[int](), 0
     while True:
-        evidences = log_evidences(problem, fitted, at_shares)
+        evidences = log_evidences(problem, fitted, forces)
         if not np.isfinite(evidences).all():
             raise np.linalg.LinAlgError("the evidence is not finite")
         best = int(np.argmax(evidences))
@@ -140,7 +141,7 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
             return Hypothesis(rough.effects, problem, fitted, forces, evidences, fitted_at=last)
         tried.add(best)
         last = best
-        problem = replace(problem, filters=at_shares[best])
+        problem = replace(problem, filters=filters_at(forces, best))
         unknowns, lowest = minimised(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
         fitted = replace(linearised_fit(problem, unknowns, 0), result=lowest.result)
@@ -159,7 +160,7 @@ def with_derivatives(h: Hypothesis) -> Hypothesis:
     """The hypothesis with the filters and derivatives that `without_derivatives` took away."""
     if h.problem.filters:
         return h
-    problem = replace(h.problem, filters=tuple(force.filter(FORCE_SHARES[h.fitted_at]) for force in h.forces))
+    problem = replace(h.problem, filters=filters_at(h.forces, h.fitted_at))
     again = linearised_fit(problem, np.concatenate([h.fitted.values, *h.fitted.nuisances]), h.fitted.evaluations)
     return replace(h, problem=problem, fitted=replace(again, result=h.fitted.result))
 
@@ -225,20 +226,21 @@ def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...
     return replace(problem, parameters=parameters), nuisances
 
 
-Filters = tuple[tuple[Filter, ...], ...]
+def filters_at(forces: tuple[LatentForce, ...], place: int) -> tuple[Filter, ...]:
+    """The filters of every recording at that one of FORCE_SHARES."""
+    return tuple(force.filter(FORCE_SHARES[place]) for force in forces)
 
 
-def filters_of(forces: tuple[LatentForce, ...]) -> Filters:
-    """The filters of every recording at each of FORCE_SHARES."""
-    return tuple(tuple(force.filter(share) for force in forces) for share in FORCE_SHARES)
+def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:
+    """Log evidence (A,) [nats] at each of FORCE_SHARES. At each, one Gauss-Newton step moves the unknowns.
 
-
-def log_evidences(problem: Problem, fitted: Fit, at_shares: Filters) -> Array:
-    """Log evidence (A,) [nats] at each of FORCE_SHARES. At each, one Gauss-Newton step moves the unknowns."""
+    The filters are made one after the other: those of all shares would take most of the memory of a diagnosis.
+    """
     scale, precision = problem.scales(), prior_precision(problem, fitted)
     constant = 0.5 * len(scale) * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
     found = []
-    for filters in at_shares:
+    for place in range(len(FORCE_SHARES)):
+        filters = filters_at(forces, place)
         white = whitened_rows(problem, fitted, filters)
         residual, columns = white[:, 0], white[:, 1:] * scale
         information = columns.T @ columns

@@ -24,7 +24,7 @@ from tentacle.declared import Uncertain
 
 PARAMETER_DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
 ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
-TOGETHER = 4 * BLOCK  # individuals that are simulated at once: their courses are the largest arrays of a fit
+MOST_STATES = 2**19  # steps times individuals that are simulated at once: some 100 MB, the largest arrays of a fit
 RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
 PRIOR_REACH = 3.0
 
@@ -179,8 +179,10 @@ class Problem:
         return replace(self, arm=arm, experiments=experiments, declared=())
 
     def _of_one_arm(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
-        starts = range(0, unknowns.shape[1], TOGETHER)
-        some = [self._of_some(parameters[:, k : k + TOGETHER], unknowns[:, k : k + TOGETHER]) for k in starts]
+        steps = max(experiment.duration for experiment in self.experiments) / self.step
+        together = BLOCK * max(1, int(MOST_STATES / (steps * BLOCK)))
+        starts = range(0, unknowns.shape[1], together)
+        some = [self._of_some(parameters[:, k : k + together], unknowns[:, k : k + together]) for k in starts]
         if len(some) == 1:
             return some[0]
         used, everything = zip(*some, strict=True)
@@ -203,28 +205,38 @@ class Problem:
 
     def jacobian(self, unknowns: Array) -> Array:
         """d residuals / d unknowns (N, P) by central differences, one batch; one-sided where a bound is in the way."""
-        return self.jacobian_everywhere(unknowns)[0]
+        return self.linearised(unknowns)[1]
 
-    def jacobian_everywhere(self, unknowns: Array) -> tuple[Array, list[Array]]:
-        """The same, and the derivatives on all frames (T, K, P) of each recording."""
+    def linearised(self, unknowns: Array) -> tuple[Array, Array, list[Array], list[Array]]:
+        """Residuals (N,) and the same derivatives (N, P), then both on all frames of each recording: (T, K), (T, K, P).
+
+        One batch: the residuals fill a place in its last block of individuals that would be empty.
+        """
         scales, (low, high) = self.scales(), self.bounds()
         ahead = np.minimum(unknowns + PARAMETER_DIFFERENCE * scales, high)
         behind = np.maximum(unknowns - PARAMETER_DIFFERENCE * scales, low)
-        batch = np.repeat(unknowns[:, None], 2 * unknowns.size, axis=1)
+        batch = np.repeat(unknowns[:, None], 2 * unknowns.size + 1, axis=1)
         places = np.arange(unknowns.size)
         batch[places, 2 * places], batch[places, 2 * places + 1] = ahead, behind
         values, everything = self.residuals(batch)
         width = ahead - behind
-        return (values[:, 0::2] - values[:, 1::2]) / width, [
-            (rows[:, :, 0::2] - rows[:, :, 1::2]) / width for rows in everything
-        ]
+        slopes = [(rows[:, :, 0:-1:2] - rows[:, :, 1:-1:2]) / width for rows in everything]
+        here = [rows[:, :, -1] for rows in everything]
+        return values[:, -1], (values[:, 0:-1:2] - values[:, 1:-1:2]) / width, here, slopes
 
-    def slope(self, unknowns: Array, value: Array) -> Array:
-        """The same by one-sided differences from the residuals (N,) there, for the steps of the solver."""
+    def slope(self, unknowns: Array, value: Array | None = None) -> tuple[Array, Array]:
+        """Residuals (N,) and their one-sided derivatives (N, P), for the steps of the solver; value: the residuals
+        there, if they are known.
+        """
         step = ONE_SIDED * self.scales()
         step = np.where(unknowns + step > self.bounds()[1], -step, step)
-        values, _ = self.residuals(unknowns[:, None] + np.diag(step))
-        return (values - value[:, None]) / step
+        moved = unknowns[:, None] + np.diag(step)
+        if value is None:
+            values, _ = self.residuals(np.concatenate([moved, unknowns[:, None]], axis=1))
+            values, value = values[:, :-1], values[:, -1]
+        else:
+            values, _ = self.residuals(moved)
+        return value, (values - value[:, None]) / step
 
 
 def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-7, most: int = 40) -> Fit:
@@ -245,9 +257,13 @@ def minimised(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: floa
     if not any(experiment.used.any() for experiment in problem.experiments):
         raise ValueError("no frame to fit")
 
+    def slope(scaled: Array, value: Array | None) -> tuple[Array, Array]:
+        value, slopes = problem.slope(scaled * scales, value)
+        return value, slopes * scales
+
     lowest = minimise(
         lambda scaled: problem.residuals(scaled * scales[:, None])[0],
-        lambda scaled, value: problem.slope(scaled * scales, value) * scales,
+        slope,
         start / scales,
         (low / scales, high / scales),
         tolerance=tolerance,
@@ -265,8 +281,7 @@ def split(problem: Problem, unknowns: Array) -> tuple[Array, tuple[Array, ...]]:
 
 def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
     """The model at these unknowns (P,), with its derivatives there and the covariance from them."""
-    used, everything = problem.residuals(unknowns[:, None])
-    jacobian, slopes = problem.jacobian_everywhere(unknowns)
+    used, jacobian, everything, slopes = problem.linearised(unknowns)
     low, high = problem.bounds()
     count = len(problem.free)
     information = jacobian.T @ jacobian
@@ -282,12 +297,12 @@ def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
         covariance=covariance[:count, :count],
         parameters=parameters,
         nuisances=parts,
-        misfit=0.5 * float(used[:, 0] @ used[:, 0]),
+        misfit=0.5 * float(used @ used),
         count=used.shape[0],
-        residuals=tuple(error[:, :, 0] for error in everything),
+        residuals=tuple(everything),
         at_bound=tuple(name for name, flag in zip(problem.free, touching, strict=True) if flag),
         jacobian=jacobian,
-        used_residuals=used[:, 0],
+        used_residuals=used,
         evaluations=evaluations,
         slopes=tuple(slopes),
     )

@@ -49,6 +49,27 @@ def whitened_fit(problem: Problem, fitted: Fit, filters: tuple[Filter, ...] | No
     return WhitenedFit(rows[:, 0] - basis @ (basis.T @ rows[:, 0]), basis, problem, filters)
 
 
+@dataclass(frozen=True)
+class LinearRefit:
+    """A refit to first order, of any number of residuals r (N, B): what it absorbs, B B' r, and its steps, -J+ r.
+
+    basis (N, P): orthonormal, of J's columns; inverse (P, N): J+, with J in the unknowns' scales.
+    """
+
+    basis: Array
+    inverse: Array
+
+    @staticmethod
+    def of(problem: Problem, fitted: Fit) -> LinearRefit:
+        """The refit about a fitted model."""
+        inverse = np.linalg.pinv(fitted.jacobian * problem.scales(), 1e-8)
+        return LinearRefit(tangent_basis(fitted.jacobian), np.asarray(inverse, dtype=np.float64))
+
+    def steps(self, residuals: Array) -> Array:
+        """The steps (P, B) in the unknowns' scales that lower these residuals (N, B) most."""
+        return -self.inverse @ residuals
+
+
 def tangent_basis(jacobian: Array) -> Array:
     """Orthonormal basis (N, P) of what a refit of the model's own parameters and initial states can absorb."""
     scaled = jacobian / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)

@@ -103,7 +103,7 @@ def test_scipy_finds_the_same_minimum():
 def test_minimise_stops_on_a_bound_and_solves_rosenbrock():
     rosenbrock = (
         lambda x: np.stack([10 * (x[1] - x[0] ** 2), 1 - x[0]]),
-        lambda x, _: np.array([[-20 * x[0], 10.0], [-1.0, 0.0]]),
+        lambda x, _: (np.array([10 * (x[1] - x[0] ** 2), 1 - x[0]]), np.array([[-20 * x[0], 10.0], [-1.0, 0.0]])),
     )
     free = minimise(*rosenbrock, np.array([-1.2, 1.0]), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, most=200)
     assert np.allclose(free.unknowns, 1.0, atol=1e-6)
@@ -125,7 +125,7 @@ def test_minimise_says_where_the_data_do_not_determine_an_unknown():
     # Two unknowns that act only by their sum: every split of the sum fits as well.
     found = minimise(
         lambda x: np.stack([x[0] + x[1] - 1.0, 2.0 * (x[0] + x[1]) - 2.1]),
-        lambda _x, _r: np.array([[1.0, 1.0], [2.0, 2.0]]),
+        lambda x, _: (np.array([x[0] + x[1] - 1.0, 2.0 * (x[0] + x[1]) - 2.1]), np.array([[1.0, 1.0], [2.0, 2.0]])),
         np.zeros(2), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, most=50,
     )  # fmt: skip
     assert found.unknowns.sum() == pytest.approx(1.04, abs=1e-6)
