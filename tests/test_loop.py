@@ -1,6 +1,7 @@
 """The loop end to end: a real beam with an undeclared weight, a MuJoCo tank with and without an undeclared current."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,22 @@ def tank(hidden, seed):
 @pytest.fixture(scope="module")
 def current_recording():
     return tank({"current": {"U_x": 0.03, "U_y": 0.02}}, 3)
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen here")
+def test_one_core_gives_the_same_answer_as_all(current_recording):
+    cores = os.sched_getaffinity(0)
+    everywhere = diagnose([current_recording])
+    os.sched_setaffinity(0, {min(cores)})
+    try:
+        alone = diagnose([current_recording])
+    finally:
+        os.sched_setaffinity(0, cores)
+    # Every sum is made in the same order, so that not one digit may differ.
+    assert (alone.verdict, alone.confidence, alone.parameters) == (
+        everywhere.verdict, everywhere.confidence, everywhere.parameters,
+    )  # fmt: skip
+    assert alone.after == everywhere.after
 
 
 def test_a_current_is_found_and_the_rrd_tells_the_same(current_recording, tmp_path):
