@@ -67,24 +67,11 @@ TIP = np.dtype(
         ("magnet_strength", _F),
     ]
 )
-REST = np.dtype(  # what has no name: forces along the normal, per mass of the arm
-    [
-        ("push", _F),  # [m/s^2], towards the tip
-        ("tether", _F),  # [1/s^2], back to the straight line
-        ("tip_tether", _F),  # [1/s^2], the same, towards the tip
-        ("bowed_tether", _F),  # [1/(m s^2)], with the square of the way
-        ("tip_brake", _F),  # [1/s], per velocity through the water, towards the tip
-        ("density", _F),  # of the arm [kg/m^3]
-        ("acts", _F),  # 1 where any of them does
-    ]
-)
 HINGE = np.dtype(
     [
         ("stiffness", _F),  # [N m/rad of hinge angle]
         ("damping", _F),  # [N m s/rad]
         ("rest", _F),  # hinge angle at rest [rad]
-        ("stiff_tip", _F),  # relative change of stiffness
-        ("set_tip", _F),  # moment over stiffness [rad]
         ("cubic", _F),  # beta n^2: relative change of stiffness per squared hinge angle [1/rad^2]
         ("yield_moment", _F),  # dry friction [N m]
         ("yield_angle", _F),  # hinge angle at which it yields [rad]
@@ -93,8 +80,6 @@ HINGE = np.dtype(
         ("sliding_rate", _F),  # rate of the hinge angle at which it is 3/4 of that [rad/s]
         ("relaxation", _F),  # its relaxation time [s]
         ("bent_loss", _F),  # damping over stiffness, per squared hinge angle [s/rad^2]
-        ("loss", _F),  # damping over stiffness [s]
-        ("one_sided", _F),  # relative change of stiffness per hinge angle [1/rad]
     ]
 )
 BASE_RECORD = np.dtype(
@@ -155,17 +140,6 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "intrinsic_curvature": ("c0", "slope"),
     "viscoelasticity": ("g", "tau"),
     "amplitude_damping": ("b",),
-    "unnamed": (
-        "push",
-        "tether",
-        "tip_tether",
-        "bowed_tether",
-        "tip_brake",
-        "set_tip",
-        "stiff_tip",
-        "one_sided",
-        "slow_tip",
-    ),
     "dry_friction": ("c_f", "slip", "sliding", "rate"),
     "soft_spot": ("depth", "s0"),
     "stiffness_drift": ("rate", "settling"),
@@ -245,14 +219,6 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         gravity_x=gravity[0],
         gravity_y=gravity[1],
     )
-
-
-def rest_record(parameters: Parameters, length: float, density: float) -> Record:
-    """The forces without a name, on an arm of that length [m] and density [kg/m^3]."""
-    names = ("push", "tether", "tip_tether", "bowed_tether", "tip_brake")
-    numbers = {name: value(parameters, "unnamed", name) for name in names}
-    numbers["bowed_tether"] /= length
-    return make_record(REST, **numbers, density=density, acts=float(any(numbers.values())))
 
 
 def tip_record(parameters: Parameters, length: float) -> Record:

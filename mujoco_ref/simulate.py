@@ -16,7 +16,7 @@ import numpy as np
 from mujoco_ref.chain import Flexure, Hung, build_chain, flexural, hinge_positions
 from mujoco_ref.chain_state import ChainState
 from mujoco_ref.hinges import Drift, hinge_records, soft_spot
-from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
+from mujoco_ref.influence import Parameters, refuse_unknown, tip_record, value, water_record
 from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.motor import motor_signal
 from mujoco_ref.mount import MountRail, MountServo, base_record
@@ -172,10 +172,9 @@ def make_stepper(
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)
     drift = Drift(value(parameters, "stiffness_drift", "rate"), value(parameters, "stiffness_drift", "settling"))
-    rest = rest_record(parameters, specimen.length, declared.density)
     acting = acting_laws(parameters)
     written = WrittenLaws(acting, chain, water, gravity.magnitude) if acting else None
-    return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, rest, base), drift, written)
+    return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, base), drift, written)
 
 
 def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> ChainState:

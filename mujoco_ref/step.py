@@ -24,13 +24,7 @@ from mujoco_ref.written_laws import Bending, WrittenLaws
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
-STEEP = (
-    "yield_moment",
-    "sliding_moment",
-    "cubic",
-    "bent_loss",
-    "one_sided",
-)  # hinge laws with a corner or a steep curve
+STEEP = ("yield_moment", "sliding_moment", "cubic", "bent_loss")  # hinge laws with a corner or a steep curve
 Plain = tuple[Any, ...]  # the fields of a NamedTuple of step_arguments
 
 

@@ -25,7 +25,6 @@ class Laws(NamedTuple):
     hinges: Record
     water: Record
     tip: Record
-    rest: Record
     base: Record
 
 

@@ -99,7 +99,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
     only their change is left to the matrix.
     """
     links, nodes, bodies = body.links, body.nodes, body.bodies
-    water, tip, rest = laws.water[0], laws.tip[0], laws.rest[0]
+    water, tip = laws.water[0], laws.tip[0]
     force, matrix, sums = equation.force, equation.matrix, equation.sums
     count = links.shape[0]
     composite = np.zeros(6)
@@ -155,12 +155,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
             gx, gy = gx + flow_x - carries * ax, gy + flow_y - carries * ay
             fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
             _add_tensor(composite, (px, py), (carries, carries, 0.0), (c, s))
-    length = 0.0
-    for k in range(count):
-        length += links[k, LENGTH]
-    reached = length
     for k in range(count - 1, -1, -1):
-        reached -= links[k, LENGTH]
         x0, y0, vx0, vy0, ax0, ay0, phi, rate, acceleration = motion[k]
         c, s = np.cos(phi), np.sin(phi)
         if wet:
@@ -239,20 +234,6 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
                 fx, fy = fx + gx, fy + gy
                 moment += px * gy - py * gx + turned * u_n * u_t - turning * acceleration
                 _add_tensor(composite, (px, py), (carried, round_it, turning), (c, s))
-        if rest.acts != 0.0:
-            for g in range(nodes.shape[1]):
-                reach = nodes[k, g, ALONG]
-                px, py = x0 - reach * s, y0 + reach * c
-                wx, wy, _, _ = water_motion(px, py, t, water)
-                u_n = (vx0 - reach * rate * c - wx) * c + (vy0 - reach * rate * s - wy) * s
-                towards = ((reached + reach) / length) ** 3
-                per_mass = rest.push * towards + px * (rest.tether + rest.tip_tether * towards)
-                per_mass += rest.bowed_tether * px * px + rest.tip_brake * u_n * towards
-                f_n = -rest.density * nodes[k, g, AREA] * nodes[k, g, WEIGHT] * per_mass
-                gx, gy = f_n * c, f_n * s
-                sums[0] += gx
-                sums[1] += gy
-                fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
         force[2 + k] += moment - (x0 * fy - y0 * fx)
         if wet:
             # Rows of the composite's matrix for the joint at (x0, y0): arms p' = (-y, x).

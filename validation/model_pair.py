@@ -66,7 +66,7 @@ def affine_twin(
 ) -> Twin:
     """The reduced model with that many coordinates, from the same start."""
     from affine_model.arm import arm_of, parameter_vector
-    from affine_model.base_signal import Servo, Steps, base_table
+    from affine_model.base_signal import Steps, base_table
     from affine_model.curvature import midline
     from affine_model.simulate import simulate
 
@@ -75,7 +75,7 @@ def affine_twin(
     stride = int(np.ceil(1.0 / (fps * AFFINE_STEP) - 1e-9))
     step = 1.0 / (fps * stride)
     steps = (int(np.floor(duration * fps + 1e-9)) + 1) * stride
-    base = base_table(waveform, Steps(0.0, step, steps), Servo.of(parameters[:, None]))
+    base = base_table(waveform, Steps(0.0, step, steps), parameters[:, None])
     q = np.zeros((order, 1))
     if start is not None:
         q[: min(order, start.size), 0] = start[:order]

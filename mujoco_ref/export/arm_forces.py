@@ -139,7 +139,6 @@ class Forces:
         force = weight[..., None] * ((f_n + wall_n)[..., None] * normal[:, None])
         force += weight[..., None] * ((f_t + wall_t)[..., None] * tangent[:, None])
         force += (weight * w["density"] * n["node_area"])[..., None] * motion.surge
-        force += (weight * self._unnamed(place[..., 0], u_n))[..., None] * normal[:, None]
         total, moment = force.sum(axis=1), _cross(place, force).sum(axis=1)
         self._carried = np.zeros((self.links, self.links))
         tip = start[-1] + n["length"][-1] * tangent[-1]
@@ -240,15 +239,6 @@ class Forces:
         self._carried -= self.model.opt.timestep * carried * leaves * slowed.T @ slowed
         return carried * u_n * (leaves * normal - 0.5 * u_n * tangent)
 
-    def _unnamed(self, x: np.ndarray, u_n: np.ndarray) -> np.ndarray:
-        """Forces along the normal [N/m] that the model has no name for; u_n relative to the water."""
-        push, tether, tip_tether, bowed_tether, tip_brake, density = self._n["rest"]
-        towards = ((self._n["from_base"][:, None] + self._n["node_along"]) / self._n["length"].sum()) ** 3
-        per_mass = (
-            push * towards + x * (tether + tip_tether * towards) + bowed_tether * x**2 + tip_brake * u_n * towards
-        )
-        return -density * self._n["node_area"] * per_mass
-
     def _stream(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Velocity [m/s] and acceleration of the undisturbed water."""
         w = self._water
@@ -271,11 +261,10 @@ class Forces:
         rate_0, settling = n["drift"]
         elapsed = data.time if settling == 0.0 else -np.expm1(-settling * data.time) / settling
         drifted = rate_0 * elapsed  # MuJoCo's own springs and dampers do not drift: that much is added here
-        elastic = (1.0 + n["hinge_stiff_tip"]) * bend + n["hinge_one_sided"] * bend**2 + n["hinge_cubic"] * bend**3
-        moment = drifted * stiffness * elastic
+        moment = drifted * stiffness * (bend + n["hinge_cubic"] * bend**3)
         remembered = n["hinge_maxwell"] * (angle - self._dashpot)
         remembered += n["hinge_yield_moment"] * self._bristle / np.maximum(n["hinge_yield_angle"], 1e-12)
-        moment += (1.0 + drifted) * (remembered + stiffness * n["hinge_set_tip"])
+        moment += (1.0 + drifted) * remembered
         return -moment - self._lossy((1.0 + drifted) * stiffness, bend, rate)
 
     def _lossy(self, stiffness: np.ndarray, bend: np.ndarray, rate: np.ndarray) -> np.ndarray:
@@ -283,7 +272,7 @@ class Forces:
         tip's light links an explicit one would limit the step."""
         joints, n = self._v[1:], self._n
         given = self.model.dof_damping[joints].copy()  # MuJoCo has counted it in this step
-        wanted = n["hinge_damping"] + stiffness * (n["hinge_loss"] + n["hinge_bent_loss"] * bend**2)
+        wanted = n["hinge_damping"] + stiffness * n["hinge_bent_loss"] * bend**2
         # Sliding friction M tanh(rate / r) as the damping M tanh(rate / r) / rate.
         sliding = np.maximum(np.abs(rate), 1e-9) / np.maximum(n["hinge_sliding_rate"], 1e-12)
         drifted = stiffness / n["hinge_stiffness"]

@@ -31,7 +31,7 @@ SUBSTITUTED = {
 }
 # Effect -> what it is in arm_forces.py, where arm.xml has nothing of it.
 CALLBACK_ONLY = ("linear_drag", "sloshing", "viscoelasticity", "dry_friction", "stiffness_drift",
-                 "amplitude_damping", "unnamed", "wall", "cross_flow", "reynolds_drag", "oscillating_drag", "shed_tip",
+                 "amplitude_damping", "wall", "cross_flow", "reynolds_drag", "oscillating_drag", "shed_tip",
                  "vortex_lift")  # fmt: skip
 # Effect -> where it belongs instead.
 NOT_IN_THE_ARM = {

@@ -45,9 +45,7 @@ THINNESS = 0.02  # of a plate's half thickness over its half width
 # A flywheel at the clamp and a spring and damper to the command: the arm's torque turns it by less than a microradian.
 FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
 HINGE_FIELDS = ("stiffness", "damping", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle",
-                "sliding_moment", "sliding_rate",
-                "stiff_tip", "set_tip", "one_sided", "loss", "bent_loss")  # fmt: skip
-REST_FIELDS = ("push", "tether", "tip_tether", "bowed_tether", "tip_brake", "density")
+                "sliding_moment", "sliding_rate", "bent_loss")  # fmt: skip
 BODIES = ("payload", "hung")  # of the reference's chain, at the tip
 
 
@@ -100,9 +98,8 @@ def _add_joint(body: Any, stepper: Stepper, k: int) -> None:
         return
     hinge = stepper.laws.hinges[k - 1]
     stiffness = float(hinge["stiffness"])
-    shares = (1.0 + float(hinge["stiff_tip"]), float(hinge["one_sided"]), float(hinge["cubic"]))
-    joint.stiffness = [stiffness * share for share in shares]  # of the bend, its square and its cube
-    joint.damping = [float(hinge["damping"]) + stiffness * float(hinge["loss"]), 0.0, 0.0]
+    joint.stiffness = [stiffness, 0.0, stiffness * float(hinge["cubic"])]  # of the bend, its square and its cube
+    joint.damping = [float(hinge["damping"]), 0.0, 0.0]
     joint.springref = float(hinge["rest"])
 
 
@@ -226,8 +223,6 @@ def _add_numbers(spec: Any, stepper: Stepper) -> None:
         "node_area": nodes[:, :, AREA].ravel(),
         "water": np.array([float(water[name]) for name in WATER]),
         "drift": np.array([stepper.drift.rate, stepper.drift.settling]),
-        "from_base": stepper.chain.start,
-        "rest": np.array([float(stepper.laws.rest[0][name]) for name in REST_FIELDS]),
         **_tip_bodies(stepper),
         **{f"hinge_{name}": np.array(hinges[name]) for name in HINGE_FIELDS},
     }  # fmt: skip

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from affine_model.arm import arm_of, parameter_index, parameter_vector
-from affine_model.base_signal import Servo, Steps, base_table, step_middles
+from affine_model.base_signal import Steps, base_table, has_servo_effects, step_middles
 from affine_model.curvature import points_beside
 from affine_model.effects.camera_roll import shift_by_roll
 from affine_model.effects.time_offset import shown_times
@@ -109,16 +109,15 @@ def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
 
 def _clamp(recording: Recording, model: Model, start: float, stop: float) -> Waveform:
     """theta(t) at the clamp: the measured angle, behind the servo's lag and play where the model has them."""
-    parameters = parameter_vector(model)
-    servo = Servo.of(parameters[:, None])
+    parameters = parameter_vector(model)[:, None]
     if recording.motor is None:
         still = np.zeros(8)
         return _Table(np.linspace(start - 1.0, stop + 1.0, 8, dtype=np.float64), np.stack([still, still, still]))
     motion: BaseMotion = fit_base_motion(recording.motor)
-    if not any(servo.individuals[0]):
+    if not has_servo_effects(parameters):
         return motion
     steps = int(np.ceil((stop + LAST_FRAME_MARGIN - start) / REDUCED_STEP)) + 2
-    table = base_table(motion, Steps(start - REDUCED_STEP, REDUCED_STEP, steps), servo)[:, :, 0]
+    table = base_table(motion, Steps(start - REDUCED_STEP, REDUCED_STEP, steps), parameters)[:, :, 0]
     return _Table(step_middles(start - REDUCED_STEP, REDUCED_STEP, steps), table)
 
 
