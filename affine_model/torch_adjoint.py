@@ -1,14 +1,14 @@
-"""The gradient of a simulation, right for what was computed: reverse accumulation over the kernel's own steps.
+"""The gradient of the computed simulation, by reverse accumulation over the kernel's own steps.
 
-One step maps (state, parameters, base) to (state, forces). Its Jacobian J_k is taken by central differences of that one
-step, for all steps, directions and individuals in a few batches of the kernel; then, from the last step to the first,
+One step maps (state, parameters, base) to (state, forces). Its Jacobian J_k comes from central differences of that one
+step, for all steps, directions and individuals in a few batches of the kernel. Then, from the last step to the first,
 
     lambda_k = J_k' (lambda_(k+1), d L / d forces_k) + d L / d state_k        (discrete adjoint)
 
-The implicit function theorem would be exact only where Newton has converged. At the default of one correction a step
-it is off by several per cent of the gradient; the steps' own Jacobian is not. A difference over one smooth step loses
-about 1e-9 of the Jacobian; no difference is taken over the whole simulation. Across a kink (a servo at its limit, a
-friction element that yields) the difference gives a value between the two slopes.
+The implicit function theorem would be exact only where Newton has converged. With the default of one correction a step
+it is wrong by several per cent of the gradient; the Jacobian of the computed steps is not. A difference over one smooth
+step loses about 1e-9 of the Jacobian; no difference is taken over the whole simulation. Across a kink (a servo at its
+limit, a friction element that yields) the difference gives a value between the two slopes.
 """
 
 from __future__ import annotations
@@ -200,8 +200,8 @@ def _pieces(steps: int, size: int, age: int) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class _Pull:
-    """How the loss pulls at each step: gradients of the outputs (u, u_rate, force, past, store, summary); individuals
-    that diverged (not sound) pull at nothing.
+    """Gradients of the loss by the outputs of each step (u, u_rate, force, past, store, summary); zero for individuals
+    that diverged (not sound).
     """
 
     pace: Pace
