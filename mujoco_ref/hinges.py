@@ -1,8 +1,7 @@
 """Moments of the material at the hinges: elastic, viscous, a Maxwell branch, and dry friction (compiled).
 
 Each law gives its moment at the middle of a step and its slope there, so that the step can be implicit in it. Dry
-friction is a spring that yields (an elastoplastic bristle): rate-independent, with hysteresis, and without a smoothed
-sign.
+friction is a spring that yields (an elastoplastic bristle): independent of the rate, with hysteresis.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ PRESLIDING = 0.25  # of c_f, where no slip is given: the bristle must be stiff a
 
 
 def soft_spot(parameters: Parameters, s: Array) -> Array:
-    """Factor on k(s): 1 less a Gaussian dip around s0."""
+    """Factor on k(s): 1 minus a Gaussian dip around s0."""
     depth, place = value(parameters, "soft_spot", "depth"), value(parameters, "soft_spot", "s0", 0.3)
     return 1.0 - depth * np.exp(-0.5 * ((s - place) / SOFT_SPOT_WIDTH) ** 2)
 

@@ -1,4 +1,5 @@
-"""What acts on the chain, as numbers: records that the compiled kernels read. A field that is zero has no effect.
+"""All influences on the chain as numbers, in records that the compiled kernels read. A field that is zero has no
+effect.
 
 The parameters of the catalogue's effects keep their names and units (docs/catalogue.md); each is turned here into the
 quantities of this room's own physics. Influences outside the catalogue have fields of their own.
@@ -26,7 +27,7 @@ WATER_RECORD = np.dtype(
         ("C_perp", _F),  # normal drag coefficient on the width, eq. 15
         ("C_t", _F),  # skin friction coefficient on the wetted perimeter
         ("C_a", _F),  # added mass over the water in a circle of the width
-        ("tangential", _F),  # that along the tangent, over that along the normal
+        ("tangential", _F),  # added mass along the tangent, over that along the normal
         ("convective", _F),  # share of Kirchhoff's convective terms; 0: Morison's normal acceleration alone
         ("c_n", _F),  # linear drag along the normal [Pa s]; half of it along the tangent
         ("U_x", _F),  # steady current [m/s]
@@ -36,9 +37,9 @@ WATER_RECORD = np.dtype(
         ("slosh_f", _F),
         ("second_cos", _F),  # the second standing wave over the first, of sqrt(3) times its frequency
         ("second_sin", _F),
-        ("wall_B", _F),  # what the wall does, over what is published of a smooth cylinder
+        ("wall_B", _F),  # the wall's strength, over the published one of a smooth cylinder
         ("wall_x", _F),  # where the wall stands [m]
-        ("wall_carried", _F),  # share of the published added mass that it has
+        ("wall_carried", _F),  # share of the published added mass that acts
         ("suction_U", _F),  # a port at the clamp draws water along x: velocity [m/s], frequency [Hz], reach [m]
         ("suction_f", _F),
         ("suction_reach", _F),
@@ -179,7 +180,7 @@ def value(parameters: Parameters, effect: str, name: str, default: float = 0.0) 
 
 
 def water_record(parameters: Parameters, density: float, length: float, gravity: tuple[float, float]) -> Record:
-    """The water around the arm. The distance of the wall is in arm lengths (catalogue), length [m]."""
+    """The water around the arm of that length [m]; the catalogue gives the wall's distance in arm lengths."""
 
     def take(effect: str, name: str, default: float = 0.0) -> float:
         return value(parameters, effect, name, default)

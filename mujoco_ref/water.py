@@ -1,9 +1,9 @@
 """Forces of the water on the links, and forces at the tip, projected on the joints (compiled).
 
-Section forces stand at Gauss points of the links, so they converge with the number of links; MuJoCo's own fluid models
-do not, and know no added mass. Added mass is Kirchhoff's for a body that carries fluid along its normal only: momentum
-P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body); or, as far as `convective` is less than 1,
-Morison's, the normal acceleration alone.
+Section forces act at Gauss points of the links, so they converge with the number of links. MuJoCo's own fluid models do
+not converge and have no added mass of this kind. Added mass is Kirchhoff's for a body that carries fluid along its
+normal only: momentum P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body). With `convective`
+less than 1 it is partly Morison's, the normal acceleration alone.
 """
 
 from __future__ import annotations
@@ -95,8 +95,8 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
     """Add the water's generalised force to force (n + 3,), and to matrix (n + 3, n + 3) its added mass plus
     half_step times its resistance: what an implicit step needs. Writes sums.
 
-    motion as from link_motion, with the accelerations of the prediction: the added mass reacts to them here, and
-    only their change is left to the matrix.
+    motion as from link_motion, with the predicted accelerations. The reaction of the added mass to them is in force;
+    the matrix gives the reaction to their correction.
     """
     links, nodes, bodies = body.links, body.nodes, body.bodies
     water, tip = laws.water[0], laws.tip[0]
@@ -107,7 +107,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
     fx, fy, moment = 0.0, 0.0, 0.0
     sums[:] = 0.0
     end = motion[count]
-    # The tip's own forces: a thread that only pulls, a magnet beside the tank.
+    # Forces at the tip: a thread (tension only), a magnet beside the tank.
     if tip.thread_stiffness != 0.0:
         dx, dy = tip.thread_x - end[0], tip.thread_y - end[1]
         distance = np.sqrt(dx * dx + dy * dy)
@@ -121,7 +121,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
         sums[2] += pull * dx
         sums[3] += pull * dy
     if water.shed != 0.0 and water.density > 0.0:
-        # What leaves a tip with an edge takes its momentum along: Lighthill 1971.
+        # Water that leaves a tip with an edge takes its momentum with it: Lighthill 1971.
         wx, wy, _, _ = water_motion(end[0], end[1], t, water)
         ux, uy, c, s = end[2] - wx, end[3] - wy, np.cos(end[6]), np.sin(end[6])
         u_n, u_t = ux * c + uy * s, -ux * s + uy * c
@@ -189,7 +189,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
                 if water.vortex_C_L != 0.0:
                     beat = np.sin(2.0 * np.pi * water.vortex_f * t)
                     f_n += 0.5 * water.density * width * water.vortex_C_L * speed**2 * beat
-                # Froude-Krylov: the pressure gradient that accelerates the water accelerates what displaces it.
+                # Froude-Krylov: the pressure gradient that accelerates the water also acts on the body in its place.
                 displaced = water.density * nodes[k, g, AREA]
                 gx, gy = weight * (f_n * c - f_t * s + displaced * wax), weight * (f_n * s + f_t * c + displaced * way)
                 sums[0] += gx
