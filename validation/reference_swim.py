@@ -1,4 +1,4 @@
-"""Gaits on the MuJoCo reference: what an optimum of the reduced model is checked by."""
+"""Gaits on the MuJoCo reference, to check an optimum of the reduced model."""
 
 from __future__ import annotations
 

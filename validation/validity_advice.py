@@ -1,4 +1,4 @@
-"""Whether the affine model serves for an arm, in sentences, read off its validity map."""
+"""Sentences from the validity map: whether the affine model serves for an arm."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def serves(found: Validity) -> bool:
 
 
 def _upto(found: Validity, ratio: float) -> str:
-    """A reach in words."""
+    """The limit of the frequency, in words."""
     if ratio == 0.0:
         return f"not even at {RATIOS[0]:g} of its first mode"
     beyond = ", the end of the map" if ratio == RATIOS[-1] else ""
@@ -50,7 +50,7 @@ def sentence(found: Validity) -> str:
 
 
 def _more(found: Validity) -> str:
-    """How many coordinates do better, where two are not enough."""
+    """The number of coordinates that reach further, if two are not enough."""
     two = reach_of(found, 2, GOOD_SHAPE)
     if two == RATIOS[-1]:
         return ""

@@ -257,7 +257,9 @@ class Forces:
         return np.array([w["U_x"] + sway, w["U_y"]]), np.array([surge, 0.0])
 
     def _material(self, data: Any) -> np.ndarray:
-        """Moments (n,) at the hinges beyond those of the springs in MuJoCo: memory, drift, damping that grows with bend."""
+        """Moments (n,) at the hinges beyond those of the springs in MuJoCo: memory, drift, damping that grows with
+        bend.
+        """
         n = self._n
         angle, rate = data.qpos[self._q[1:]], data.qvel[self._v[1:]]
         self._remember(data.time, angle)

@@ -1,8 +1,9 @@
-"""Ours beside a recording, and the state it starts in: least squares over initial shape, rates and the clamp's shift.
+"""The reduced model beside a recording, and its initial state: least squares over initial shape, rates and the clamp's
+shift.
 
-    minimise  sum_t,p |y(t, s_p) - x(t, s_p; q(0), q'(0)) - shift|^2,   all else as the model says
+    minimise sum_t,p |y(t, s_p) - x(t, s_p; q(0), q'(0)) - shift|^2, with all other numbers from the model
 
-An export is started in the same state, so that its error differs by what the export is, not by how it was begun.
+An export starts in the same state, so that the difference of the errors comes from the export alone.
 """
 
 from __future__ import annotations
@@ -36,9 +37,9 @@ STATE_NUDGE = 1e-4  # rad, rad/s; of the differences that give the derivatives
 class Started:
     """A recording and the state in which its simulation starts.
 
-    t (T,) [s]: when the arm is at what the frames show, after `start` [s]; q, q_rate (n,) [rad, rad/s]; shift (2,) [m];
-    base: the clamp's motion after servo lag and play; error_mm: ours, rms over points and frames; converged: whether
-    the fit of the start ended before its evaluations did.
+    t (T,) [s]: times at which the arm is as the frames show it, after `start` [s]; q, q_rate (n,) [rad, rad/s]; shift
+    (2,) [m]; base: the clamp's motion after servo lag and play; error_mm: of the reduced model, rms over points and
+    frames; converged: whether the fit of the start converged.
     """
 
     seen: ObservedPoints
@@ -108,7 +109,7 @@ def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
 
 
 def _clamp(recording: Recording, model: Model, start: float, stop: float) -> Waveform:
-    """theta(t) at the clamp: the measured angle, behind the servo's lag and play where the model has them."""
+    """theta(t) at the clamp: the measured angle, behind the servo's lag and play if the model has them."""
     parameters = parameter_vector(model)[:, None]
     if recording.motor is None:
         still = np.zeros(8)
@@ -133,7 +134,9 @@ class _Table:
 
 
 class _Ours:
-    """Ours under a recording's base motion, for many starts at once; unknowns: q(0), q'(0) if moving, shift."""
+    """The reduced model under a recording's base motion, for many starts at once; unknowns: q(0), q'(0) if moving,
+    shift.
+    """
 
     def __init__(
         self, model: Model, shown: ObservedPoints, t: Array, start: float, base: Waveform, moving: bool
@@ -178,12 +181,12 @@ class _Ours:
         return np.stack(shown, axis=-1)
 
     def residuals(self, unknowns: Array) -> Array:
-        """Distances [mm] in both directions; what was not seen is 0."""
+        """Distances [mm] in both directions; 0 for points that were not seen."""
         miss = 1e3 * (self.points(unknowns[:, None])[..., 0] - self.shown.xy)
         return np.nan_to_num(miss).ravel()
 
     def jacobian(self, unknowns: Array) -> Array:
-        """Its derivatives by one batch of differences; what was not seen has none."""
+        """Its derivatives by one batch of differences; 0 for points that were not seen."""
         steps = STATE_NUDGE * self.scales / 0.1
         points = self.points(np.concatenate([unknowns[:, None], unknowns[:, None] + np.diag(steps)], axis=1))
         slope = 1e3 * (points[..., 1:] - points[..., :1]) / steps
