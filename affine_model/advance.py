@@ -1,8 +1,10 @@
-"""One call of the compiled kernel on raw arrays. It takes a state, and returns the course of the motion and the state
-at its end. Both simulate (numpy) and torch_operator (torch) call it. The state of B individuals is four arrays: u and
-u_rate (n + 2, B), the curvatures in Legendre coordinates, the base angle [rad] and the rail [m]; past (2 n + 5, B), the
-mean accelerations of the last two steps, from which the next is predicted, and the integral of the servo's error; store
-(S, N, B), the memory [rad] of every effect that has one, at every node.
+"""One call of the compiled kernel on raw arrays.
+
+It takes a state, and returns the course of the motion and the state at its end. Both simulate (numpy) and
+torch_operator (torch) call it. The state of B individuals is four arrays: u and u_rate (n + 2, B), the curvatures in
+Legendre coordinates, the base angle [rad] and the rail [m]; past (2 n + 5, B), the mean accelerations of the last two
+steps, from which the next is predicted, and the integral of the servo's error; store (S, N, B), the memory [rad] of
+every effect that has one, at every node.
 """
 
 from __future__ import annotations

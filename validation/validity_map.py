@@ -52,8 +52,9 @@ class Validity:
         return f"taper {self.taper:.3g}, L/r0 {self.slenderness:.3g}"
 
     def reach(self, order: int, level: float, amplitude: int, errors: Array | None = None) -> float:
-        """The largest frequency ratio up to which the shape error stays below level; 0 if there is none. errors (O, A,
-        F): other errors than the shape's; NaN counts as small.
+        """The largest frequency ratio up to which the shape error stays below level; 0 if there is none.
+
+        errors (O, A, F): other errors than the shape's; NaN counts as small.
         """
         row = (self.shape if errors is None else errors)[MAP_ORDERS.index(order), amplitude]
         bad = np.flatnonzero(~(row <= level) if errors is None else row > level)

@@ -60,8 +60,10 @@ def arm_end(
 
 
 def agrees_with_sides(expected: Outline, end: NDArray[np.intp], offset: Array, carries: NDArray[np.bool_]) -> bool:
-    """Whether an end found before its expected place is real: beyond a real end there are no sides. If the arm bends
-    away from its expected course, the line of the search leaves the arm at its flank, which looks like an end.
+    """Whether an end found before its expected place is real: beyond a real end there are no sides.
+
+    If the arm bends away from its expected course, the line of the search leaves the arm at its flank, which looks like
+    an end.
     """
     seen = offset[offset != 0.0]
     short = -float(np.median(seen)) if len(seen) else 0.0

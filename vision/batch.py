@@ -37,8 +37,10 @@ class TrackingBatch:
 
 
 def sources_of(paths: Sequence[Path]) -> list[Path]:
-    """The videos and recordings at the given paths. A folder that is not a recording stands for the videos and
-    recordings in it. A folder of pictures is a video. Raises InputError where a folder holds neither.
+    """The videos and recordings at the given paths.
+
+    A folder that is not a recording stands for the videos and recordings in it. A folder of pictures is a video. Raises
+    InputError where a folder holds neither.
     """
     found: list[Path] = []
     for path in paths:
@@ -51,8 +53,10 @@ def sources_of(paths: Sequence[Path]) -> list[Path]:
 
 
 def track_all(sources: Sequence[Path], batch: TrackingBatch, workers: int | None = None) -> list[Mapping[str, Any]]:
-    """Track all, in parallel. Returns rows of COLUMNS in the sources' order, and writes them to out/summary.csv. A
-    result in out/done is used again unless the video, its proofreading or an option has changed.
+    """Track all, in parallel.
+
+    Returns rows of COLUMNS in the sources' order, and writes them to out/summary.csv. A result in out/done is used
+    again unless the video, its proofreading or an option has changed.
     """
     batch.out.mkdir(parents=True, exist_ok=True)
     names = _names(sources)

@@ -51,9 +51,10 @@ class BodyTrack:
 
 
 def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTrack:
-    """Midline of the largest body in each frame; accepted if its length and width are usual for the recording. A body
-    that touches itself has a hole in its silhouette, or an unusual length or width. body_evidence finds dirt that
-    touches the body, or nearly touches one of its ends.
+    """Midline of the largest body in each frame; accepted if its length and width are usual for the recording.
+
+    A body that touches itself has a hole in its silhouette, or an unusual length or width. body_evidence finds dirt
+    that touches the body, or nearly touches one of its ends.
     """
     times, axes, reasons = [], [], []
     for frame in frames:

@@ -16,8 +16,9 @@ FAINTEST = 0.2  # of the arm's contrast: the smallest contrast of a stretch
 @dataclass(frozen=True)
 class EdgeLook:
     """Properties of edges that are the same in all frames. blur [px], polarity (+1 dark arm), contrast [grey]. along
-    (KNOTS,): contrast from base to tip, as shares of contrast; a thin tip lets light through. wider (width.KNOTS,)
-    [px]: usual excess of the arm's width over the fitted one (width.usual_widths).
+    (KNOTS,): contrast from base to tip, as shares of contrast; a thin tip lets light through.
+
+    wider (width.KNOTS,) [px]: usual excess of the arm's width over the fitted one (width.usual_widths).
     """
 
     blur: float

@@ -26,11 +26,13 @@ LEVEL_REACH = 4.0  # px beyond the blur that give the greys beside an edge; a mi
 
 @dataclass(frozen=True)
 class Edges:
-    """Results of the profiles, one entry per edge of the outline. offset (E,) [px]: distance of the edge outward from
-    the expected place. level (E,): grey inside. contrast (E,): outside minus inside grey. information (E,): 1/px^2 per
-    squared grey level of noise. misfit (E,): rms of the profile's residual [grey]. found (E,): a profile with both
-    sides in the picture and an edge within reach. softer (E, 2): right and left side of each edge's normal equation for
-    the additional blur [px]; 0 if not measured. plateaus (E, 2, 3): profiles.plateaus; no pixels where not measured.
+    """Results of the profiles, one entry per edge of the outline.
+
+    offset (E,) [px]: distance of the edge outward from the expected place. level (E,): grey inside. contrast (E,):
+    outside minus inside grey. information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the
+    profile's residual [grey]. found (E,): a profile with both sides in the picture and an edge within reach. softer (E,
+    2): right and left side of each edge's normal equation for the additional blur [px]; 0 if not measured. plateaus (E,
+    2, 3): profiles.plateaus; no pixels where not measured.
     """
 
     offset: Array

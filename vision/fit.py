@@ -146,8 +146,9 @@ def refine(
 
 
 def _wild(geometry: Geometry, x: Array) -> bool:
-    """Whether a step has reached a shape that an arm cannot have: it turns too far, or bends into its own thickness. On
-    the inside of such a bend an edge would stand for an unbounded stretch, and so would the work on it.
+    """Whether a step has reached a shape that an arm cannot have: it turns too far, or bends into its own thickness.
+
+    On the inside of such a bend an edge would stand for an unbounded stretch, and so would the work on it.
     """
     s = np.linspace(0.0, 1.0, 41)
     bend = sum((x[k] * s ** (k - 1) for k in range(1, len(x))), np.zeros(len(s)))
@@ -214,8 +215,9 @@ def _summary(x: Array, expected: Outline, edges: Edges, weight: Array, step: Arr
 
 
 def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
-    """Residual of a station's centre (S,) from its two sides, 0 if a side is not seen. An error that widens both sides
-    alike (a wrong blur, a shadow) does not move the centre, so it does not act on q.
+    """Residual of a station's centre (S,) from its two sides, 0 if a side is not seen.
+
+    An error that widens both sides alike (a wrong blur, a shadow) does not move the centre, so it does not act on q.
     """
     left, right = kind == 0, kind == 1
     both = (weight[left] > 0) & (weight[right] > 0)
@@ -223,8 +225,10 @@ def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
 
 
 def _waves(sway: Array) -> Array:
-    """Slow waves of the sway (cosine orders 8 to 24) over the root of its mean power. Slower waves are absorbed by the
-    fit. Smooth errors of light, or bubbles, show in these orders, and add to the error of q.
+    """Slow waves of the sway (cosine orders 8 to 24) over the root of its mean power.
+
+    Slower waves are absorbed by the fit. Smooth errors of light, or bubbles, show in these orders, and add to the error
+    of q.
     """
     waves = np.asarray(dct(sway, norm="ortho"), dtype=float)
     return waves[SLOW] / np.sqrt(max(float(np.mean(waves**2)), 1e-12))

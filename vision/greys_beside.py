@@ -46,8 +46,10 @@ def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array) -> Array
 
 @njit(cache=True, nogil=True)
 def plateaus(pixels: Pixels, bars: Bars, contrast: Array, tell: NDArray[np.bool_]) -> Array:
-    """Inside and outside of the selected edges (E,), beyond the blur: (E, 2, 3). Number of pixels, mean grey, mean
-    distance outward [px]. The remaining influence of the blur, from contrast (E,) [grey], is subtracted.
+    """Inside and outside of the selected edges (E,), beyond the blur: (E, 2, 3).
+
+    Number of pixels, mean grey, mean distance outward [px]. The remaining influence of the blur, from contrast (E,)
+    [grey], is subtracted.
     """
     start, grey, place = pixels
     depth, blur, half = bars

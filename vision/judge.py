@@ -36,7 +36,7 @@ def why_rejected(
     carries = fit.weight > 0.05
     sides = expected.kind < 2
     there = _seen_stretches(expected, sides, sides & carries)
-    until = float(np.flatnonzero(there)[-1] + 1) / len(there) if there.any() else 0.0  # beyond it the shape is extrapolated
+    until = float(np.flatnonzero(there)[-1] + 1) / len(there) if there.any() else 0.0  # beyond it: extrapolated
     reach, off = seen_reach(image, geometry, (centre, phi), shared, sight)
     beyond = (reach - 1.0) * geometry.length
     seen = geometry.lens.bend(centre)

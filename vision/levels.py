@@ -130,6 +130,7 @@ def _running_sums(index: NDArray[np.int64], sound: NDArray[np.bool_], packed: Ar
 @njit(cache=True, nogil=True)
 def _longest(total: Array, k: int, ratio: float, held: float, noise: float, answer: Array) -> tuple[bool, float, float]:
     """Write into answer (6,) the result of the longest stretch about station k that agrees with the shorter ones.
+
     Returns whether any stretch has enough edges, the half-way grey, and its variance per squared grey of noise.
     """
     stations = total.shape[0] - 1

@@ -117,8 +117,9 @@ def locate(
     coordinates: int = 3,
 ) -> Located:
     """The best coarse shape of an arm with a known base; theta None: every direction is possible. coordinates: number
-    for a course traced from the base, which is used if it explains the picture better than offset, q1 and q2. With a
-    score above about 0.5, both sides have contrast with the ground along most of the arm.
+    for a course traced from the base, which is used if it explains the picture better than offset, q1 and q2.
+
+    With a score above about 0.5, both sides have contrast with the ground along most of the arm.
     """
     shrink = max(geometry.length / COARSE_LENGTH, 1.0)
     size = (max(int(image.shape[1] / shrink), 1), max(int(image.shape[0] / shrink), 1))

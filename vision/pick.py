@@ -35,8 +35,9 @@ class Picked:
 
 def pick(video: Path, numbers: DeclaredNumbers) -> Picked:
     """Find the arm in a video, draw it into VIDEO.pick.png, and propose the declaration. numbers.length [m] gives the
-    scale, because a film alone shows only lengths in px. Radii that are not given follow from the widths. Raises
-    InputError where nothing is found, or the length is missing.
+    scale, because a film alone shows only lengths in px.
+
+    Radii that are not given follow from the widths. Raises InputError where nothing is found, or the length is missing.
     """
     if numbers.length is None:
         raise InputError("a film tells no metres", field="--length", expected="the arm's length from base to tip [m]")

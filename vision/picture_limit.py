@@ -68,10 +68,11 @@ def pose_known_limit(information: Array, order: int) -> Array:
 
 
 def recording_limit(information: Array, order: int, count: int) -> Array:
-    """As pose_known_limit, but offset, base and length are unknown constants of the recording's `count` frames. The
-    constants' information is the sum over the frames of each frame's information with q free (Schur complement); the
-    given frames represent all `count`. Their covariance G acts on q through L = -A^-1 B, so that the variance of q is
-    A^-1 + L G L'.
+    """As pose_known_limit, but offset, base and length are unknown constants of the recording's `count` frames.
+
+    The constants' information is the sum over the frames of each frame's information with q free (Schur complement);
+    the given frames represent all `count`. Their covariance G acts on q through L = -A^-1 B, so that the variance of q
+    is A^-1 + L G L'.
     """
     within, across = information[:, :order, :order], information[:, :order, order:]
     covariance = np.linalg.inv(within)

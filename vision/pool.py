@@ -17,7 +17,7 @@ from vision.kinematics import SHARED
 from vision.settle import PRIOR
 from vision.tracked_frame import TrackedFrame
 
-LEAST_SPREAD = 3e-4  # rad: a smaller apparent motion of the base, below a servo encoder's resolution, is an error of edges
+LEAST_SPREAD = 3e-4  # rad, below the resolution of servo encoders: a smaller apparent motion is an error of edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
 CONTRADICTION = 9.0  # chi-square above which two lengths contradict each other
 TURNS_FREELY = 3.0  # rad, prior spread of an unknown base angle
@@ -148,8 +148,10 @@ def pool(
 
 
 def _believed(solution: _Solution, known: KnownBefore) -> float:
-    """Weight of the frames' information: 1 if their length agrees with the known one. Otherwise their unstated error is
-    assumed to explain the difference: v / (d^2 - r^2), with d the difference of the lengths, v and r^2 their variances.
+    """Weight of the frames' information: 1 if their length agrees with the known one.
+
+    Otherwise their unstated error is assumed to explain the difference: v / (d^2 - r^2), with d the difference of the
+    lengths, v and r^2 their variances.
     """
     information = known.information[2, 2]
     if not information > 0.0:
@@ -160,10 +162,11 @@ def _believed(solution: _Solution, known: KnownBefore) -> float:
 
 
 def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
-    """Factors on the variance of q, and further on that of the shared parameters, over that for independent edges. Both
-    are at least 1 and come from the slow waves in the edges' errors: their power over all frames, and the share of it
-    that persists from frame to frame (a bubble on the arm, a mirror image) and that does not average out. The root of
-    the second factor is used, because a persistent error is common to all x and acts only in part on parameters that
+    """Factors on the variance of q, and further on that of the shared parameters, over that for independent edges.
+
+    Both are at least 1 and come from the slow waves in the edges' errors: their power over all frames, and the share of
+    it that persists from frame to frame (a bubble on the arm, a mirror image) and that does not average out. The root
+    of the second factor is used, because a persistent error is common to all x and acts only in part on parameters that
     the arm's rotation shows. In rendered tanks the full factor gave stated errors 1.8 times too large, no factor up to
     1.7 times too small.
     """

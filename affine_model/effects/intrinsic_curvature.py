@@ -1,5 +1,6 @@
-"""Intrinsic curvature: the arm was cast curved, or has become so. Its curvature at rest is c = c0 (1 + slope (s -
-1/2)).
+"""Intrinsic curvature: the arm was cast curved, or has become so.
+
+Its curvature at rest is c = c0 (1 + slope (s - 1/2)).
 """
 
 from affine_model.effect import Effect, Parameter

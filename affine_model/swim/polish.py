@@ -1,6 +1,7 @@
-"""A quasi-Newton ascent from the best gait found, with the gradient from one batch of the kernel. All 18 neighbours of
-a point run as one batch, so a gradient costs about as much as one generation. No derivative of the model is needed, so
-it works with every effect and objective.
+"""A quasi-Newton ascent from the best gait found, with the gradient from one batch of the kernel.
+
+All 18 neighbours of a point run as one batch, so a gradient costs about as much as one generation. No derivative of the
+model is needed, so it works with every effect and objective.
 """
 
 from __future__ import annotations

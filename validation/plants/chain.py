@@ -106,9 +106,10 @@ def _compiled(laws: np.void, links: int) -> tuple[Any, Array, Array]:
 
 @njit(cache=True)
 def _accelerated(laws, state: Array, drive, memory: Array, links, times):
-    """Nodes (n + 1, 2) [m], the force along y on the mount [N], accelerations of the hinges (n,). The memories are
-    advanced. drive: the base's acceleration, MuJoCo's bias forces and mass matrix; links: mass and centre (n,); times:
-    t and half the step [s].
+    """Nodes (n + 1, 2) [m], the force along y on the mount [N], accelerations of the hinges (n,).
+
+    The memories are advanced. drive: the base's acceleration, MuJoCo's bias forces and mass matrix; links: mass and
+    centre (n,); times: t and half the step [s].
     """
     turn, bias, full = drive
     mass, centre = links

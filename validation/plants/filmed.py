@@ -42,8 +42,9 @@ class Plant:
 @dataclass(frozen=True)
 class Shown:
     """A plant's run without noise. hidden: the effects, at the strengths that act. xy, bare (T, P, 2) [m]: the midline
-    in the picture with the hidden effects and without. load (T,) [N], command (T,) [rad] at the frames' times t (T,)
-    [s], the first at 0.
+    in the picture with the hidden effects and without.
+
+    load (T,) [N], command (T,) [rad] at the frames' times t (T,) [s], the first at 0.
     """
 
     hidden: tuple[Hidden, ...]

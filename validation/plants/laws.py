@@ -1,5 +1,7 @@
-"""All effects on an arm in a tank as numbers, in one record that every plant's compiled code reads. Zero: the effect is
-absent. Each effect has two or more published laws; a number says which one acts (the `_law` fields, named in LAWS).
+"""All effects on an arm in a tank as numbers, in one record that every plant's compiled code reads.
+
+Zero: the effect is absent. Each effect has two or more published laws; a number says which one acts (the `_law` fields,
+named in LAWS).
 """
 
 from __future__ import annotations

@@ -44,9 +44,10 @@ class Likeness:
 
 
 def likeness(recording: Recording) -> Likeness:
-    """The properties that trials like this recording share with it. The declared model is fitted without further
-    effects; the noise is that of this fit. Raises InputError where the recording shows too little, or where neither the
-    base moves nor a release is declared.
+    """The properties that trials like this recording share with it.
+
+    The declared model is fitted without further effects; the noise is that of this fit. Raises InputError where the
+    recording shows too little, or where neither the base moves nor a release is declared.
     """
     try:
         prepared = prepare(recording, hold_out=False)

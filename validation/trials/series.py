@@ -65,6 +65,7 @@ def trials_code_version() -> str:
 
 def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     """The runner's work: make the recording of a design's table, diagnose it without the truth, and score the answer.
+
     If the arm cannot follow the drawn motion, or the recording cannot be judged, "refused" has the message.
     """
     design = design_of(task)

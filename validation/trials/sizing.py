@@ -46,8 +46,9 @@ STIFFER, MORE_DAMPED = (0.6, 0.8, 1.0, 1.25, 1.6, 2.2), (1.0, 5.0)
 
 
 def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Array]:
-    """A trajectory problem at a trial's truth without hidden effects and without noise, and its nuisances. The data are
-    whitened by the measurement's noise or, for a track, by a root (K, K).
+    """A trajectory problem at a trial's truth without hidden effects and without noise, and its nuisances.
+
+    The data are whitened by the measurement's noise or, for a track, by a root (K, K).
     """
     model = design.model()
     arm = arm_of(replace(model, order=SIZED_ORDER))
@@ -113,8 +114,9 @@ def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list
 
 
 def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[str, float]) -> float:
-    """R of an effect: rms of the whitened residual of the base, fitted to the motion with the effect. A fit may miss
-    the best minimum; if the R to first order is smaller, it is taken instead.
+    """R of an effect: rms of the whitened residual of the base, fitted to the motion with the effect.
+
+    A fit may miss the best minimum; if the R to first order is smaller, it is taken instead.
     """
     parameters = problem.parameters.copy()
     for name, value in values.items():
@@ -127,8 +129,9 @@ def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[
 
 
 def left_by_refit(problem: Problem, nuisances: Array, rows: Array) -> float:
-    """Residual of a change of the data after refitting the base: rms of the whitened residual [noise sigmas]. rows (T,
-    K): whitened, the bare arm minus the changed one.
+    """Residual of a change of the data after refitting the base: rms of the whitened residual [noise sigmas].
+
+    rows (T, K): whitened, the bare arm minus the changed one.
     """
     base = problem.parameters[problem.rows()]
     (experiment,) = problem.experiments
