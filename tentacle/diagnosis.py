@@ -1,4 +1,4 @@
-"""What the loop answers: a verdict, its evidence, and the comparison run by run. Plain data, no logic of a room."""
+"""The answer of the loop: a verdict, its evidence, and the comparison run by run. Plain data, no logic of a room."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a command ends: done, with one line on what is wrong, or stopped by a signal. No unfinished file is left.
+"""The end of a command: done, an error in one line, or stopped by a signal. No unfinished file is left.
 
 | exit code | |
 |---|---|

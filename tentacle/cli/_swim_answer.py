@@ -1,4 +1,4 @@
-"""What `optimise` says and writes: files, the check on the reference, a few lines on the screen."""
+"""The output of `optimise`: files, the check on the reference, a few lines on the screen."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
-    """What MuJoCo gives for the gait and the best sine: speeds on the rail, mean thrust clamped, and the gains."""
+    """MuJoCo's results for the gait and the best sine: speeds on the rail, mean thrust clamped, and the gains."""
     from validation.reference_swim import reference_speed, reference_thrust
 
     speed, sine_speed = reference_speed(model, found.gait), reference_speed(model, found.sine)

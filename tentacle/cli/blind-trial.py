@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run what has not been run, score all, write; an interrupted series goes on where it stopped."""
+    """Run the missing trials, score all, write; the same command continues an interrupted series."""
     import json
 
     from tentacle.cli._blind_like import like_recording

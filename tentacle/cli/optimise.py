@@ -42,7 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Search, check, write; an interrupted search goes on where it stopped when called again."""
+    """Search, check, write; the same command continues an interrupted search."""
     from dataclasses import replace
 
     from affine_model.swim import robust_trial, trial_of

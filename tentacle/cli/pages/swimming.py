@@ -1,4 +1,4 @@
-"""report.html and session.rrd of `optimise`: what was found, how, beside the best sine, and what the reference says."""
+"""report.html and session.rrd of `optimise`: the gait, its search, the best sine, and the check on the reference."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def write_swim_film(trial: GaitTrial, found: Swimming, path: Path) -> None:
 def write_swim_page(
     trial: GaitTrial, found: Swimming, tables: dict[str, Any], front: Front | None, origin: Origin, path: Path
 ) -> None:
-    """report.html: headline, what each gait does, convergence, gait over a period, thrust map, front."""
+    """report.html: headline, results of each gait, convergence, gait over a period, thrust map, front."""
     from affine_model.swim import OBJECTIVES
     from viz.report import Report, ReportSection, render_report, write_report
 
@@ -108,7 +108,7 @@ def _motion_picture(found: Swimming) -> Picture:
 
 
 def _map_section(trial: GaitTrial, found: Swimming) -> ReportSection:
-    """Mean thrust of sines over amplitude and frequency, as far as the servo goes (the paper's Fig. 9)."""
+    """Mean thrust of sines over amplitude and frequency, within the servo's limits (the paper's Fig. 9)."""
     import numpy as np
 
     from affine_model.swim import OBJECTIVES, sine_map
