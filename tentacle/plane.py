@@ -36,7 +36,7 @@ class Plane:
 def plane_of_motion(displacement: Array, along: Array) -> Plane:
     """The plane of displacements (..., 3) [m] from rest of an arm that lies along a direction (3,) then.
 
-    The normal points to where the points begin: to the side of the first displacement.
+    The normal points to the side of the first displacement.
     """
     along = along / np.linalg.norm(along)
     flat = displacement.reshape(-1, 3)

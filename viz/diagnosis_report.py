@@ -24,8 +24,8 @@ from viz.scene import ViewedRun, paired, scene_of
 from viz.verdict_sections import finding_section, limits_sections, next_section, title_of
 from viz.words import NO_VALUE, effect_name, error_rows, interval, listed, number, probability_words, value_of
 
-DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
-PRICE = 7.6  # nat: what one parameter must gain to be worth more than chance gives it
+DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report stays under 3 MB)
+PRICE = 7.6  # nat: gain of one parameter that is larger than by chance
 TWIN_COSINE = 0.85  # pairs above this are named in words
 
 
@@ -64,7 +64,7 @@ def parameter_table_rows(model: Model, base: Model | None) -> list[tuple[str, ..
 
 
 def parameter_section(diagnosis: Diagnosis) -> ReportSection:
-    """What was found, as verdict.json has it; and every parameter of model.toml, which runs by itself."""
+    """The parameters that were found, as in verdict.json, and every parameter of model.toml."""
     model = diagnosis.augmented_model
     rows = parameter_table_rows(model, diagnosis.base_model)
     added = tuple(k for k, row in enumerate(rows) if row[5] == "not in the model")
@@ -86,7 +86,7 @@ def parameter_section(diagnosis: Diagnosis) -> ReportSection:
 
 
 def twin_words(names: Sequence[str], cosines: Array) -> str:
-    """The pairs of effects that this recording hardly tells apart, as a sentence."""
+    """A sentence about the pairs of effects that this recording hardly separates."""
     pairs = [
         (abs(float(cosines[i, j])), names[i], names[j])
         for i in range(len(names))

@@ -1,4 +1,4 @@
-"""What a diagnosis found, how sure it is, what it could have seen, and what to do next: sections of the report."""
+"""Sections of the report: the finding, its confidence, the detection limits, and what to do next."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def finding_section(
 
 
 def sure_words(answer: Mapping[str, Any]) -> list[str]:
-    """Sentences about how sure the answer is, from the keys of verdict.json that say so."""
+    """Sentences about the confidence of the answer, from the keys of verdict.json."""
     words = []
     explained = answer.get("explained")
     if explained:
@@ -66,7 +66,7 @@ def sure_words(answer: Mapping[str, Any]) -> list[str]:
 
 
 def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
-    """The credible set, the laws proposed for what has no name, and the smallest effects that would have been seen."""
+    """The credible set, the laws proposed after an unknown, and the detection limits."""
     found = []
     sets = answer.get("sets") or []
     if sets:
@@ -121,7 +121,7 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
 
 
 def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
-    """What was noted, and what to do next as commands that can be copied; links to the files beside the report."""
+    """Remarks, the next steps as commands that can be copied, and links to the files beside the report."""
     commands = [(f"{words} (in the folder of this report):", line) for words, line in local_commands(diagnosis)]
     tables = []
     files = ANSWER_FILES
@@ -134,7 +134,7 @@ def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
 
 
 def local_commands(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """What each does, and the line, for this verdict."""
+    """The commands for this verdict: what each does, and its line."""
     look = ("Look at it in time", "tentacle view session.rrd")
     use = ("Find the gait that swims best with this model", "tentacle optimise model.toml --out gait")
     rig = "tentacle rig record rig.toml next_experiment.toml --seconds 30 --out next.rrd"
