@@ -113,7 +113,7 @@ def optimise(
 ) -> Swimming:
     """The base motion (eq. 20) that swims best within a hobby servo's limits.
 
-    objective: "thrust", "speed" or "transport" (energy per way). method: "cmaes", "ga" (the paper's),
+    objective: "thrust", "speed" or "transport" (distance per energy). method: "cmaes", "ga" (the paper's),
     "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
     from affine_model.swim import OBJECTIVES, SearchPlan, trial_of

@@ -158,10 +158,11 @@ class Diagnosis:
             error += ", on held-out data." if self.held_out else ", on the data that were fitted."
         names = " + ".join(self.effects)
         sentence = {
-            "nothing_missing": "Nothing that these data can show is missing from the declared model.",
+            "nothing_missing": "The declared model explains these data: no missing effect can be detected.",
             "effect": f"The declared model lacks {names}.",
             "group": f"The declared model lacks one of {' / '.join(self.effects)}; these data cannot tell which.",
-            "unknown": "The declared model lacks something that the catalogue has not, or that these data cannot name.",
+            "unknown": "The declared model lacks an effect that is not in the catalogue, or that these data cannot "
+            "identify.",
         }[self.verdict]
         return sentence + error
 

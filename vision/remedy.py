@@ -24,7 +24,7 @@ def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[
     try:
         seen = propose_arm(image)
     except InputError:
-        return ["nothing slender stands out from its ground in this picture: more light, or a plainer ground"]
+        return ["no slender body has contrast with the ground in this picture: more light, or a plainer ground"]
     words = []
     u, v = seen.base_px
     off = np.array(seen.base_px) - geometry.base
@@ -36,7 +36,7 @@ def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[
         )
     if abs(seen.length_px / geometry.length - 1.0) > ANOTHER_SCALE:
         words.append(
-            f"it is {seen.length_px:.0f} px long, declared {geometry.length:.0f} px: look at m_per_px and length_m,"
+            f"it is {seen.length_px:.0f} px long, declared {geometry.length:.0f} px: check m_per_px and length_m,"
             " or a part of it is hidden"
         )
     if servo and np.arccos(np.clip(np.array(seen.arm_px) @ geometry.arm, -1.0, 1.0)) > TURNED:

@@ -166,8 +166,8 @@ def _slowed(again: int, shape: ShapeTrack) -> tuple[str, ...]:
     if again <= SHOWN_AGAIN * count:
         return ()
     return (
-        f"{again} of {count} pictures show the one before again: the film was slowed or filled up; its true rate is"
-        f" about {(count - again) / count:.2f} of the file's, and a shape is as often told as its picture is shown",
+        f"{again} of {count} pictures repeat the one before: the film was slowed or converted; its true frame rate is"
+        f" about {(count - again) / count:.2f} of the file's, and each shape occurs as often as its picture",
     )
 
 
@@ -179,8 +179,8 @@ def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ..
     more, length = "longer" if off > 0 else "shorter", declaration.specimen.length
     measured = f"the arm measures {abs(off):.2%} {more} than declared (+- {shape.scale_sigma:.2%})"
     return (
-        f"{measured}, {1e3 * abs(off) * length:.1f} mm: look at m_per_px, and whether length_m reaches the very"
-        " tip of the silicone, its rounding included",
+        f"{measured}, {1e3 * abs(off) * length:.1f} mm: check m_per_px, and whether length_m includes the"
+        " rounded tip of the silicone",
     )
 
 
@@ -198,6 +198,6 @@ def _remarks(seen: list[TrackedFrame], pooled: Pooled) -> tuple[str, ...]:
     left = pooled.evidence.get(pooled.order, 0.0)
     if left > COORDINATE_PENALTY * (len(seen[0].x) - 1 - pooled.order):
         remarks.append(
-            f"order {pooled.order} leaves curvature that the video shows: chi-square {left:.0f} a frame above it"
+            f"the video shows more curvature than order {pooled.order} can follow: chi-square {left:.0f} per frame"
         )
     return tuple(remarks)

@@ -27,8 +27,8 @@ from tentacle.gait import Gait
 from tentacle.notebook import html_paragraph, html_table
 
 _SURE_SECONDS, _SURE_STEP = 300.0, 2e-3  # a gait of three frequencies beats: its largest angle may come late
-_RISE = 0.01  # share by which the search's best must have risen before it is climbed from again
-_MILESTONE = 1250  # evaluations after which the search's best is climbed from in any case, and after 4 times as many
+_RISE = 0.01  # relative rise of the search's best before the next climb
+_MILESTONE = 1250  # evaluations after which a climb starts in any case, and after 4 times as many
 ORIGINS = ("best sine", "single wave", "search")  # in the order of judgement: one gait, two, and all others
 
 
@@ -51,7 +51,7 @@ class Promise:
 class Swimming:
     """The result: the gait and the best sine, the prediction for each, and the course of the search.
 
-    origin: what the gait was climbed from (ORIGINS). gain: the objective's value over the sine's, on the fine trial.
+    origin: start of the climb to this gait (ORIGINS). gain: the objective's value over the sine's, on the fine trial.
     evaluations (G,) and best (G,): the search's course; value, sine_value and best in the objective's unit. peaks (3,):
     largest |theta|, |theta'|, |theta''| of the gait in 300 s.
     """

@@ -73,7 +73,8 @@ def answer_summary(tables: dict[str, Any]) -> list[str]:
     search, promise, sine = tables["search"], tables["promise"], tables["sine"]["promise"]
     lines = [
         f"{search['objective']}: {search['gain']:.2f} times the best sine that this servo can follow "
-        f"({search['evaluations']} gaits, {search['method']}, seed {search['seed']}; climbed from: {search['origin']})",
+        f"({search['evaluations']} gaits, {search['method']}, seed {search['seed']}; "
+        f"start of the climb: {search['origin']})",
         f"thrust {1e3 * promise['thrust_n']:.1f} mN (sine {1e3 * sine['thrust_n']:.1f}), "
         f"speed {100 * promise['speed_m_s']:.2f} cm/s (sine {100 * sine['speed_m_s']:.2f}), "
         f"power {1e3 * promise['power_w']:.1f} mW (sine {1e3 * sine['power_w']:.1f})",

@@ -102,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         (folder / "calibration.toml").write_text(calibration.toml())
         write_report(blind_trials_page(outcomes, refused, origin, sections), folder / "report.html")
     for name, value in figures(outcomes).items():
-        print(f"{name:30s} {'no trial tells' if value is None else format(value, '.3f')}")
+        print(f"{name:30s} {'no trials' if value is None else format(value, '.3f')}")
     print(f"report: {arguments.out / 'report.html'}")
     return 0
 

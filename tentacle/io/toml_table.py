@@ -111,7 +111,7 @@ class Table:
             return self._values[key]
         if default is _MISSING:
             close = get_close_matches(key, [k for k in self._values if k not in self._asked], n=1, cutoff=0.7)
-            problem = f"missing (there is {close[0]}: a slip of the pen?)" if close else "missing"
+            problem = f"missing (there is {close[0]}: misspelled?)" if close else "missing"
             raise self.error(problem, key, expected)
         return default
 

@@ -81,9 +81,9 @@ def _score_section(found: Scores) -> ReportSection:
     ]
     words = (
         "R is the rms of the residual that refitting the base parameters cannot absorb, in standard deviations of the "
-        "noise. A plant is a simulator with its own laws; the plant reference is the chain that the loop knows. "
+        "noise. A plant is a simulator with its own laws; the plant reference is the chain that the loop uses. "
         "Median time of a diagnosis: "
-        f"{number(found.seconds)} s of a processor."
+        f"{number(found.seconds)} s of processor time."
     )
     header = ("trials", "share", "95 % interval", "count", "target")
     return ReportSection("Scores", [words], [ReportTable("Asked and measured", header, rows, numeric=(1, 2, 3))])
@@ -121,13 +121,14 @@ def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance:
         [
             f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points (expected by chance if "
             f"every confidence were true: {100 * by_chance:.0f}); with the map of "
-            "calibration.toml fitted to one half of these trials and tried on the other, "
+            "calibration.toml fitted to one half of these trials and tested on the other, "
             f"{100 * calibration_gap(crossed):.0f} points."
         ],
         [ReportTable("Reliability", header, rows, numeric=(1, 2, 3, 4))],
         [
             Picture(
-                picture, "A bin a point, with its number of trials; on the line the stated confidence is the hit rate."
+                picture,
+                "One point per bin, with its number of trials; on the line the stated confidence equals the hit rate.",
             )
         ],
     )

@@ -69,7 +69,15 @@ def _promise_table(tables: dict[str, Any]) -> ReportTable:
         for name, prefix in zip(NAMES, ("", "sine_"), strict=True):
             thrust, speed = 1e3 * measured[f"{prefix}thrust_n"], 100 * measured[f"{prefix}speed_m_s"]
             rows.append((name, "MuJoCo", f"{thrust:.2f}", f"{speed:.2f}", "-", "-", "-"))
-    header = ("motion", "by", "thrust [mN]", "speed [cm/s]", "power [mW]", "peak torque [mN m]", "energy per way [J/m]")
+    header = (
+        "motion",
+        "by",
+        "thrust [mN]",
+        "speed [cm/s]",
+        "power [mW]",
+        "peak torque [mN m]",
+        "energy per distance [J/m]",
+    )
     return ReportTable(
         "Forward thrust with the base clamped; all else swimming on the rail.", header, rows, (2, 3, 4, 5, 6)
     )
@@ -88,10 +96,10 @@ def _limits_words(trial: GaitTrial, found: Swimming) -> tuple[str, ...]:
 
 def _search_words(found: Swimming) -> tuple[str, ...]:
     return (
-        f"First a grid of sines and one of single waves (one term of eq. 20, bent by its phase) that close in on their "
-        f"best; then {found.evaluations[-1]} gaits by {found.method}, seed {found.seed}. The best wave, and the search "
-        "wherever it rises above it, are climbed from by a quasi-Newton method.",
-        f"Judged on a trial with a third of the step, the winner was climbed from: {found.origin}.",
+        "First grids of sines and of single waves (one term of eq. 20 with its phase), refined around their best; then "
+        f"{found.evaluations[-1]} gaits by {found.method}, seed {found.seed}. A quasi-Newton method starts at the best "
+        "wave, and at the search's best when it exceeds all earlier results.",
+        f"The winner was chosen with a third of the step. Start of its climb: {found.origin}.",
     )
 
 
