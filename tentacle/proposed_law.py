@@ -56,7 +56,7 @@ class ProposedLaw:
         if not wide:
             return ""
         ends = " and ".join(f"{name} from {low:.3g} to {high:.3g} m" for name, (low, high) in wide.items())
-        return f"The recordings do not fix its place: they allow {ends} (95 %, were the law true)."
+        return f"The recordings do not determine its place: they allow {ends} (95 %, if the law is true)."
 
     @property
     def numbers(self) -> str:

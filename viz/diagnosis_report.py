@@ -40,7 +40,7 @@ def error_section(diagnosis: Diagnosis) -> ReportSection:
     after, floor = diagnosis.after.midline_mm, diagnosis.floor.midline_mm
     if after is not None and floor is not None and after < floor:
         paragraph += (
-            f" Here the error after, {number(after)} mm, is below the floor, {number(floor)} mm. The floor includes the "
+            f" Here the error after, {number(after)} mm, is below the floor, {number(floor)} mm. The floor has the "
             "reduction's error in the reference simulation, and in this arm that error is smaller. The model is as "
             "good as these data can show."
         )

@@ -104,7 +104,10 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
             for law in laws
         ]
         header = ("law", "acts on", "place", "evidence [nat]", "judged error [mm]", "file")
-        words = "No effect of the catalogue explains the residual. These laws were fitted to it; they are proposals to test."
+        words = (
+            "No effect of the catalogue explains the residual. These laws were fitted to it; they are proposals to be "
+            "tested."
+        )
         found.append(ReportSection("Laws proposed", [words], [ReportTable("Proposals", header, rows, numeric=(3, 4))]))
     limits = answer.get("detection_limits") or {}
     if limits:
