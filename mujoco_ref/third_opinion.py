@@ -30,7 +30,7 @@ def first_frequency(specimen: Specimen, modulus: float, guess: float, elements: 
     """First natural frequency [Hz] of the clamped cone, Young's modulus [Pa], from a small free swing of five periods.
 
     guess [Hz] sets how long it swings, and where the fit of three sines starts. ImportError where PyElastica is not
-    installed, ValueError for a section that is no cone.
+    installed, ValueError for a section that is no cone, ArithmeticError if the fit does not converge.
     """
     if not isinstance(specimen.section, Cone):
         raise ValueError("PyElastica's rods are round")
@@ -78,4 +78,7 @@ def _lowest_sine(t: np.ndarray, x: np.ndarray, guess: float) -> float:
         columns = np.concatenate([np.cos(phases), np.sin(phases)], axis=1)
         return (columns @ np.linalg.lstsq(columns, x, rcond=None)[0] - x) / np.std(x)
 
-    return float(np.min(least_squares(misfit, guess * np.array([1.0, 2.5, 4.9])).x))
+    found = least_squares(misfit, guess * np.array([1.0, 2.5, 4.9]))
+    if not found.success:
+        raise ArithmeticError(f"the fit of three sines did not converge: {found.message}")
+    return float(np.min(found.x))

@@ -208,13 +208,19 @@ def run_ladder(model: Model, amplitude: float, frequency: float | None = None) -
 
 
 def third_opinion(model: Model, guess: float) -> float | None:
-    """First frequency in air [Hz] by PyElastica; None where it is not installed, or the arm is no cone of one
-    material."""
+    """First frequency in air [Hz] by PyElastica; None if it is not installed, if the arm is not a cone of one material,
+    or if the fit of the frequency does not converge.
+    """
     from mujoco_ref.third_opinion import first_frequency, is_installed
 
     elasticity = model.parameters.get("elasticity", {})
     plain = isinstance(model.specimen.section, Cone) and model.specimen.tip_mass == 0.0 and set(elasticity) == {"E"}
-    return first_frequency(model.specimen, elasticity["E"].value, guess) if plain and is_installed() else None
+    if not plain or not is_installed():
+        return None
+    try:
+        return first_frequency(model.specimen, elasticity["E"].value, guess)
+    except ArithmeticError:
+        return None
 
 
 def _motion_rung(name: str, model: Model, wave, duration: float, start: np.ndarray) -> Rung:

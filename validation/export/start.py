@@ -97,7 +97,7 @@ def start_of(model: Model, recording: Recording) -> Started:
 
 
 def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
-    """The shape of the first frame, its points fitted alone."""
+    """The shape of the first frame, fitted to its points alone: a start for the fit of the run."""
     first = shown.xy[0]
     usable = np.isfinite(first).all(axis=1)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,8 @@ from validation.trials.rounds import ROUND
 from validation.trials.scores import Share
 
 CONFIDENCE_BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
-
-
+LOG_TEMPERATURES = (-2.0, 4.0)  # a temperature from .14 to 55
+AT_END = 1e-2  # of the logarithm: nearer to an end the likelihood has no maximum between them
 LEAST = 1e-6  # a posterior mass nearer to 0 or 1 has no meaning beyond rounding
 IMAGINED_TRIALS = 4.0  # imagined trials that were right as often as stated: the prior of a verdict's map
 
@@ -95,10 +96,12 @@ def temperature_cost(outcomes: Sequence[Outcome], temperature: float) -> float:
     return -float(np.sum(log_expit(np.where([o.hit for o in outcomes], odds, -odds))))
 
 
-def fit_temperature(outcomes: Sequence[Outcome]) -> float:
-    """The likeliest temperature of the confidence."""
-    found = minimize_scalar(lambda log: temperature_cost(outcomes, float(np.exp(log))), bounds=(-2.0, 4.0))
-    return float(np.exp(found.x))
+def fit_temperature(outcomes: Sequence[Outcome]) -> float | None:
+    """The likeliest temperature of the confidence; None if the trials do not determine one within LOG_TEMPERATURES."""
+    low, high = LOG_TEMPERATURES
+    found: Any = minimize_scalar(lambda log: temperature_cost(outcomes, float(np.exp(log))), bounds=LOG_TEMPERATURES)
+    inside = found.success and low + AT_END < found.x < high - AT_END
+    return float(np.exp(found.x)) if inside else None
 
 
 def fit_calibration(outcomes: Sequence[Outcome], made: str = "") -> Calibration:
