@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy
 
-from affine_model.effect import ARM_QUANTITIES, NODE_QUANTITIES, STATE_QUANTITIES, Effect
+from affine_model.effect import QUANTITIES, Effect
 from affine_model.effects import catalogue
 from affine_model.kernel.trace import symbols_for, traced
 
@@ -70,8 +70,7 @@ def catalogue_page() -> str:
         "| quantity | meaning |",
         "|---|---|",
     ]
-    for quantities in (NODE_QUANTITIES, ARM_QUANTITIES, STATE_QUANTITIES):
-        text += [f"| {name} | {words} |" for name, words in quantities.items()]
+    text += [f"| {name} | {words} |" for name, words in QUANTITIES.items()]
     text.append("")
     for effect in catalogue().values():
         text += _section(effect)
