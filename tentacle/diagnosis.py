@@ -212,7 +212,7 @@ class Diagnosis:
         }
 
     def _repr_html_(self) -> str:
-        """The headline, the errors and what was found, for notebooks."""
+        """The headline, the confidence, the errors and the parameters found, for notebooks."""
 
         def row(name: str, unit: str, values: Iterable[float | None]) -> tuple[str, ...]:
             return (name, unit, *("-" if value is None else f"{value:.3g}" for value in values))
@@ -226,7 +226,8 @@ class Diagnosis:
             for effect, values in self.parameters.items()
             for name, e in values.items()
         ]
-        html = html_paragraph(self.headline) + html_table(("rms error", "unit", "before", "after", "floor"), rows)
+        html = html_paragraph(self.headline) + html_paragraph(f"Confidence {self.confidence:.2f}.")
+        html += html_table(("rms error", "unit", "before", "after", "floor"), rows)
         if found:
             html += html_table(("effect", "parameter", "value", "95 % interval", "unit"), found)
         return html

@@ -70,7 +70,7 @@ class Ladder:
     third_opinion: float | None = None
 
     def _repr_html_(self) -> str:
-        """The relative error of each order, or the absolute one with its unit, rung by rung."""
+        """The relative error of each order, or the absolute one with its unit, for each quantity."""
         orders = sorted(self.affine)
         rows = [
             (
@@ -79,7 +79,7 @@ class Ladder:
             )
             for rung in self.rungs
         ]
-        return html_table(("rung", *(f"error of order {order}" for order in orders)), rows)
+        return html_table(("quantity", *(f"error of order {order}" for order in orders)), rows)
 
 
 def in_air(model: Model, gravity: Gravity) -> Model:
