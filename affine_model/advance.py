@@ -1,9 +1,10 @@
-"""One call of the compiled kernel on raw arrays: a state goes in, the course and the state after it come out.
+"""One call of the compiled kernel on raw arrays.
 
-simulate (numpy) and torch_operator (torch) both stand on this. The state of B individuals is four arrays: u and u_rate
-(n + 2, B), the curvatures in Legendre coordinates, the base angle [rad] and the rail [m]; past (2 n + 5, B), the mean
-accelerations of the last step and of the one before (the predictor's), and the integral of the servo's error; store
-(S, N, B), a memory [rad] for every effect that remembers and every node.
+It takes a state, and returns the course of the motion and the state at its end. Both simulate (numpy) and
+torch_operator (torch) call it. The state of B individuals is four arrays: u and u_rate (n + 2, B), the curvatures in
+Legendre coordinates, the base angle [rad] and the rail [m]; past (2 n + 5, B), the mean accelerations of the last two
+steps, from which the next is predicted, and the integral of the servo's error; store (S, N, B), the memory [rad] of
+every effect that has one, at every node.
 """
 
 from __future__ import annotations
@@ -74,8 +75,8 @@ PRESCRIBED = Drive()
 @dataclass(frozen=True)
 class Pace:
     """How a batch is stepped: step [s]; stride: every stride-th state is kept, 0 keeps none; average_from: the first
-    step of the means; iterations: Newton corrections a step; age: steps that were taken before this call (the first two
-    have no prediction and take three corrections more); complete: past and store are kept as well.
+    step of the means; iterations: Newton corrections a step; age: number of steps before this call (the first two steps
+    have no prediction, so they make three more corrections); complete: past and store are kept too.
     """
 
     step: float
@@ -161,7 +162,7 @@ def advance(arm: Arm, drive: Drive, parameters: Array, base: Array, start: tuple
 
 @lru_cache(maxsize=64)
 def arm_arrays(arm: Arm, drive: Drive) -> dict[str, Any]:
-    """What the kernels know of arm and drive, under the names that their text uses."""
+    """The numbers of arm and drive, under the names that the kernels' text uses."""
     angle, curvature, end = _columns(arm)
     at_nodes, at_tip = _levers(arm)
     length, rule = arm.specimen.length, arm.rule

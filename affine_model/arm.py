@@ -1,6 +1,4 @@
-"""The arm made ready for computing: sections at the quadrature nodes, curvature bases,
-the effects' parameters in a row.
-"""
+"""The arm prepared for computing: sections at quadrature nodes, curvature bases, the vector of all parameters."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from tentacle.specimen import Fluid, Gravity, Specimen, declared_effects
 
 @dataclass(frozen=True)
 class ParameterRow:
-    """Where one parameter stands in the row of all parameters of all effects."""
+    """One entry of the vector of all parameters of all effects."""
 
     effect: str
     parameter: Parameter
@@ -49,7 +47,7 @@ def neutral_parameters() -> Array:
 
 
 def declared_parameters(specimen: Specimen, fluid: Fluid) -> Array:
-    """The vector (R,) of an arm as declared: neutral, but for what [fluid] added_mass brings."""
+    """The vector (R,) of an arm as declared: all effects absent, except the added mass that [fluid] declares."""
     values = neutral_parameters()
     for effect, parameters in declared_effects(specimen, fluid).items():
         for name, value in parameters.items():
@@ -72,7 +70,7 @@ def parameter_vector(model: Model) -> Array:
 
 @dataclass(frozen=True)
 class Arm:
-    """Geometry, surroundings, number of coordinates and quadrature nodes; all that does not change along a batch."""
+    """Geometry, surroundings, numbers of coordinates and quadrature nodes: the same for all individuals of a batch."""
 
     specimen: Specimen
     fluid: Fluid = Fluid()

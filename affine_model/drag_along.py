@@ -1,4 +1,4 @@
-"""The water's drag along an arm that moves as drawn: the fluid's force laws, evaluated at the sections."""
+"""The water's drag along an arm with a prescribed motion: the force laws of the fluid, evaluated at the sections."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from tentacle.midline_motion import midline_motion
 def drag_along(arm: Arm, parameters: Array, t: Array, s: Array, xy: Array) -> Array:
     """Drag per length (T, P, 2) [N/m] in the base frame, of a midline xy (T, P, 2) [m] at t (T,) [s] and s (P,).
 
-    parameters (R,) as in arm.parameter_vector. What the effects call force (eq. 15 and what stands beside it), relative
-    to the water of the effects that move it; the reaction of added mass is not among it. NaN where the motion is.
+    parameters (R,) as in arm.parameter_vector. It is the sum of the `force` laws (eq. 15 and the other drag laws) at
+    the velocity relative to the moving water, without the reaction of added mass. NaN where the motion is NaN.
     """
     motion = midline_motion(t, s, xy)
     section = arm.specimen.section

@@ -1,8 +1,8 @@
-"""The equations of motion, assembled from effects in readable form; numpy or torch, after the arrays it is given.
+"""The equations of motion, assembled from effects in readable form. They work on numpy arrays and on torch tensors.
 
-Generalised coordinates u = (z_1 .. z_n, theta, y_base): curvature, base angle, base position on a rail along y. For
-every section: virtual work of f and couple, minus that of inertia, minus that of the bending moment (eq. 8, 16). The
-compiled kernel (affine_model.kernel) does the same in another order and is tested against this to 1e-10.
+Generalised coordinates u = (z_1 .. z_n, theta, y_base): curvature, base angle, base position on a rail along y. Each
+section adds the virtual work of f and couple, minus that of inertia, minus that of the bending moment (eq. 8, 16). The
+compiled kernel (affine_model.kernel) computes the same in another order; a test compares both to 1e-10.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ BODY_ADDED_MASS = 0.5  # of a compact body, over the water that it displaces: a 
 class Balance:
     """mass_matrix (..., D, D) and force (..., D) with M u'' = force + external, D = n + 2 (curvatures, theta, rail).
 
-    fluid_force (..., 2) [N] is what the water does to the arm without the reaction to acceleration (eq. 17 where only
-    drag acts); with it, fluid_force - fluid_mass @ u'', fluid_mass (..., 2, D). Of a sum of effects, so every part is
-    a sum.
+    fluid_force (..., 2) [N] is the water's force on the arm without the reaction to acceleration (eq. 17 if only drag
+    acts). With this reaction it is fluid_force - fluid_mass @ u'', fluid_mass (..., 2, D). Each part is a sum over the
+    effects.
     """
 
     mass_matrix: Any
@@ -38,8 +38,9 @@ class Balance:
 
 @dataclass(frozen=True)
 class Instant:
-    """Time t [s], one or (..., 1), and the memories (..., S, N) then: a slot for each of remembering(effects), all 0 if
-    None. travel (..., 6): x, y [m] of a base that travels, their rates and accelerations (None: it stands).
+    """Time t [s], one or (..., 1), and the memories (..., S, N) at that time: one slot for each of
+    remembering(effects), all 0 if None. travel (..., 6): x, y [m] of a base that travels, their rates and accelerations
+    (None: it stands).
     """
 
     t: Any = 0.0
@@ -82,7 +83,7 @@ def _travelled(travel: Any) -> tuple[Any, Any, Any]:
 
 
 def _last(of_sections: Any) -> Any:
-    """What holds for the last section (..., 2)."""
+    """The values of the last section (..., 2)."""
     return of_sections if isinstance(of_sections, float) else of_sections[..., -1, :]
 
 
@@ -189,7 +190,7 @@ def balance(
     fluid_mass = xp.einsum("i,...i,...ix,...ij->...xj", w, normal_inertia, normal, projected)
     fluid_mass = fluid_mass + xp.einsum("i,...i,...ixj->...xj", w, carried_water, jacobian)
 
-    # Compact bodies at the tip: the payload, and what hangs there undeclared.
+    # Compact bodies at the tip: the payload, and an undeclared body.
     end_columns = xp.concatenate([end + 0 * z, xp.ones_like(theta)], -1)
     end_phi, end_rate = theta[..., 0] + z @ end, theta_rate[..., 0] + z_rate @ end
     end_normal = xp.stack([xp.cos(end_phi), xp.sin(end_phi)], -1)
@@ -249,7 +250,7 @@ def advanced_memory(
     """Memory (..., S, N), a slot for each of remembering(effects), after `duration` [s] at the rates of curvature
     c_rate (..., N).
 
-    Of a Maxwell branch as laws.relaxed; of a friction element memory' = c', held at the yield curvature.
+    A Maxwell branch follows laws.relaxed. A friction element follows memory' = c', cut at the yield curvature.
     """
     xp = sys.modules[type(c_rate).__module__.split(".")[0]]
     x = SimpleNamespace(**arm.arm_quantities)

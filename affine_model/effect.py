@@ -10,9 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from affine_model.curvature import Array
+
 Law = Callable[[Any, Any], Any]
 PairLaw = Callable[[Any, Any], tuple[Any, Any]]
 BodyLaw = Callable[[Any, Any], tuple[Any, Any, Any, Any]]
+BaseLaw = Callable[[Array, float, Any], Array]  # (table, step [s], p) -> table
 
 # What a law sees at each section. Per node of the arm:
 NODE_QUANTITIES = {
@@ -81,36 +84,39 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Effect:
-    """One physical effect: what it adds to the equations of motion, or how it bends the base or the measurement.
+    """One physical effect: what it adds to the equations of motion, or how it changes the base motion or what is seen.
 
-    Laws along the arm, per length and at each section:
-    stiffness [N m/rad], stiffness_share (its relative change), natural_curvature [rad] (of the unloaded arm):
-    the elastic moment is k(s, t) c, k(s, t) = sum of stiffness * product of (1 + stiffness_share), c the curvature
-    beyond the natural one. Every other law sees this k as x.stiffness and this c as x.c, so that whatever is elastic
-    softens, and rests, with the arm.
-    bending_moment [N m] (conjugate to c, so Q_j = -int m dc/dq_j ds, as in eq. 12-14),
-    drag_coefficient (adds to C_perp; force laws see the sum as x.drag_coefficient),
+    Laws per length, at each section of the arm:
+    stiffness [N m/rad], stiffness_share (relative change of the stiffness), natural_curvature [rad] (of the unloaded
+    arm). The elastic moment is k(s, t) c, where k(s, t) = sum of stiffness * product of (1 + stiffness_share), and c is
+    the curvature beyond the natural one. Every other law gets this k as x.stiffness and this c as x.c.
+    bending_moment [N m] (conjugate to c, so that Q_j = -int m dc/dq_j ds, as in eq. 12-14),
+    drag_coefficient (adds to C_perp; force laws get the sum as x.drag_coefficient),
     force (normal, tangential) [N/m] of the fluid, couple [N] (moment per length),
-    line_inertia [kg/m] (of the arm), carried_water [kg/m] (water carried every way: it feels the water's own
-    acceleration), normal_inertia [kg/m] (water carried along the normal only),
-    rotary_inertia [kg m], weight [kg/m] (mass per length on which gravity acts, buoyancy already taken off),
+    line_inertia [kg/m] (of the arm), carried_water [kg/m] (water that moves with the arm in every direction: the
+    water's own acceleration acts on it), normal_inertia [kg/m] (water that moves with the arm along the normal only),
+    rotary_inertia [kg m], weight [kg/m] (mass per length on which gravity acts, buoyancy already subtracted),
     water_velocity (x, y) [m/s] in the base frame.
-    At the tip: hung_mass, a compact body (mass [kg], reach [m] beyond s = 1 along the tangent, drop [m] along the
-    normal, density [kg/m^3]: it displaces water, and carries half of that as a sphere does), and tip_force (normal,
-    tangential) [N], whose x holds the tip's own place, angle and velocity and the arm's quantities; payload_shift
-    (along the tangent, along the normal) [m]: how far the declared payload's centre lies from where it is declared. For
-    all: gravity_tilt [rad]. relaxation_time [s] or yield_curvature [rad], one of them: gives the law x.memory, the
-    curvature of a spring in series with a dashpot, or with a slip at that size. Outside the equations of motion: base
-    ("lag" or "backlash" of the base angle), measurement ("time_offset", "roll", "scale"), extra_order (curvature
-    coordinates added). family "option": another form of a base law, which a model may choose and the loop does not
-    search.
+
+    Laws at the tip:
+    hung_mass, a compact body: mass [kg], reach [m] beyond s = 1 along the tangent, drop [m] along the normal, density
+    [kg/m^3]. It displaces water, and water of half the displaced mass moves with it, as with a sphere.
+    tip_force (normal, tangential) [N]; its x holds position, angle and velocity of the tip.
+    payload_shift (along the tangent, along the normal) [m]: from the declared to the true centre of the payload.
+
+    For the whole arm: gravity_tilt [rad].
+    Memory: relaxation_time [s] or yield_curvature [rad], not both. The law gets x.memory, the curvature of a spring
+    in series with a dashpot, or with an element that slips at that curvature.
+    Outside the equations of motion: base (the table (3, S) of the base angle and its derivatives behind the effect),
+    measurement (formula of what is measured), extra_order (number of curvature coordinates added).
+    family "option": another form of a base law. A model may choose it; the search does not try it.
     """
 
     name: str
     title: str
     parameters: tuple[Parameter, ...]
     source: str
-    family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement", "option", "rest"]
+    family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement", "option"]
     dissipative: bool = False
     stiffness: Law | None = None
     stiffness_share: Law | None = None
@@ -131,8 +137,8 @@ class Effect:
     gravity_tilt: Law | None = None
     relaxation_time: Law | None = None
     yield_curvature: Law | None = None
-    base: Literal["lag", "backlash"] | None = None
-    measurement: Literal["time_offset", "roll", "scale"] | None = None
+    base: BaseLaw | None = None
+    measurement: str | None = None
     extra_order: int = 0
 
     @property

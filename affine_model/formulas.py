@@ -1,10 +1,10 @@
-"""The catalogue in words and formulas, printed from the very laws that are computed (docs/catalogue.md)."""
+"""The catalogue in words and formulas, printed from the laws that the program computes (docs/catalogue.md)."""
 
 from __future__ import annotations
 
 import sympy
 
-from affine_model.effect import ARM_QUANTITIES, NODE_QUANTITIES, STATE_QUANTITIES, Effect
+from affine_model.effect import QUANTITIES, Effect
 from affine_model.effects import catalogue
 from affine_model.kernel.trace import symbols_for, traced
 
@@ -46,11 +46,11 @@ def _section(effect: Effect) -> list[str]:
     text = [f"## {effect.name}", "", f"{effect.title} ({effect.family}). Source: {effect.source}.", ""]
     text += [f"- {words}: `{formula}`" for words, formula in formulas(effect)]
     outside = {
-        "the base's signal": effect.base,
-        "the measurement": effect.measurement,
-        "curvature coordinates added": effect.extra_order or None,
+        "base angle, u before and theta behind the effect": effect.base and effect.base.__doc__,
+        "measurement": effect.measurement,
     }
-    text += [f"- {words}: {value}" for words, value in outside.items() if value is not None]
+    text += [f"- {words}: `{value}`" for words, value in outside.items() if value is not None]
+    text += [f"- curvature coordinates added: {effect.extra_order}"] * (effect.extra_order > 0)
     if effect.parameters:
         text += ["", "| parameter | unit | nominal | bounds | meaning |", "|---|---|---|---|---|"]
     for q in effect.parameters:
@@ -70,8 +70,7 @@ def catalogue_page() -> str:
         "| quantity | meaning |",
         "|---|---|",
     ]
-    for quantities in (NODE_QUANTITIES, ARM_QUANTITIES, STATE_QUANTITIES):
-        text += [f"| {name} | {words} |" for name, words in quantities.items()]
+    text += [f"| {name} | {words} |" for name, words in QUANTITIES.items()]
     text.append("")
     for effect in catalogue().values():
         text += _section(effect)

@@ -6,7 +6,7 @@ import numpy as np
 
 from affine_model.advance import PRESCRIBED, Drive
 from affine_model.arm import arm_of, parameter_vector, refuse_soft_sections
-from affine_model.base_signal import Servo, Steps, base_table
+from affine_model.base_signal import Steps, base_table
 from affine_model.simulate import STRAIGHT, Batch, Start, Timing, simulate
 from tentacle.model import Model
 from tentacle.waveform import Waveform
@@ -30,9 +30,8 @@ def simulate_model(
     """
     arm, parameters = arm_of(model), parameter_vector(model)
     refuse_soft_sections(arm, parameters)
-    base = base_table(
-        waveform, Steps(start.t0, timing.step, round(duration / timing.step)), Servo.of(parameters[:, None])
-    )
+    steps = Steps(start.t0, timing.step, round(duration / timing.step))
+    base = base_table(waveform, steps, parameters[:, None])
     q, rate, memory = (
         None if value is None else np.asarray(value, dtype=float)[:, None]
         for value in (start.q, start.q_rate, start.memory)

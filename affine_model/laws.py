@@ -1,7 +1,7 @@
 """The functions that an effect's law may use besides + - * / **.
 
-A law is written once. Called with arrays it computes (numpy or torch, chosen by its argument); called with symbols
-(sympy) it becomes the formula from which the compiled kernels and the documentation are generated.
+A law is written once. With arrays as arguments it computes (numpy or torch). With symbols (sympy) as arguments it gives
+the formula from which the compiled kernels and the documentation are generated.
 """
 
 from __future__ import annotations

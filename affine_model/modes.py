@@ -50,8 +50,8 @@ def linearised(arm: Arm, parameters: Array, z: Array, theta: float = 0.0) -> tup
 def modes(arm: Arm, parameters: Array, theta: float = 0.0) -> Modes:
     """Modes about the equilibrium under these parameters (R,), base held at theta [rad].
 
-    The stiffness matrix is symmetrised: exact where no steady current bends the arm. Drag, quadratic in speed, does
-    not damp small motions in still water. ArithmeticError where there is no equilibrium.
+    The stiffness matrix is made symmetric, which is exact if no steady current bends the arm. Drag is quadratic in the
+    speed, so it does not damp small motions in still water. ArithmeticError if there is no equilibrium.
     """
     q = equilibrium(arm, parameters, theta)
     mass, damping, stiffness = linearised(arm, parameters, arm.from_monomial @ q, theta)

@@ -1,4 +1,4 @@
-"""Forces on both models' arms, worked out for the eye once a run is judged."""
+"""Forces on the arms of both models, computed for the pictures after a run was compared."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 def with_forces(runs: Sequence[RunComparison], base: Model, augmented: Model) -> tuple[RunComparison, ...]:
-    """The runs with drag_base and drag_augmented (in water, where the midline is seen), and with both thrusts less
-    what each model weighs at rest, as a load cell that was tared reads them.
+    """The runs with drag_base and drag_augmented (in water, for frames with a midline). The two thrusts are given minus
+    each model's reading at rest, like those of a tared load cell.
     """
     return tuple(
         replace(
@@ -33,7 +33,7 @@ def _tared(thrust: Array | None, model: Model) -> Array | None:
 
 
 def rest_load(model: Model) -> float:
-    """Force [N] along +y on the mount that carries the straight arm at rest: weight less buoyancy, and a current's."""
+    """Force [N] along +y of the straight arm at rest on its mount: weight minus buoyancy, plus a current's force."""
     import numpy as np
 
     from affine_model.arm import active_effects, arm_of, parameter_vector

@@ -22,11 +22,11 @@ class Batch:
 
     t (T,) [s]; q, q_rate (T, n, B) the paper's coordinates; theta, theta_rate (T, B); rail, rail_rate (T, B) [m];
     force_t (T-1,) [s], the middles of the output intervals, and over each the means of: fluid_force (T-1, 2, B) [N],
-    load (T-1, B) [N] (what a load cell at the base feels along y, inertia and weight included), torque (T-1, B) [N m]
+    load (T-1, B) [N] (the force on a load cell at the base along y, with inertia and weight), torque (T-1, B) [N m]
     of the servo. mean_thrust (B,) [N] is the y component of eq. 17 averaged from average_from on (added mass's reaction
-    to acceleration included, as in fluid_force); mean_power (B,) [W] = torque times base rate; diverged (B,) [s]: when
-    an individual left all bounds, NaN where it did not; its means are NaN. The trajectory arrays are empty (T = 0)
-    where none were asked for.
+    to acceleration included, as in fluid_force); mean_power (B,) [W] = torque times base rate; diverged (B,) [s]: the
+    time at which an individual left all bounds, NaN if it did not; its means are NaN. The trajectory arrays are empty
+    (T = 0) if stride is 0.
     """
 
     t: Array
@@ -117,7 +117,9 @@ def simulate(
 
 
 def _start(arm: Arm, base: Array, step: float, start: Start, count: int) -> State:
-    """The state before the first step; the base where the first middle says, to second order, as the kernel goes on."""
+    """The state before the first step. The base's state follows from that at the middle of the first step, to second
+    order.
+    """
     n, state = arm.order, at_rest(arm, count)
     if start.q is not None:
         state.u[:n] = arm.from_monomial @ start.q

@@ -71,7 +71,7 @@ def equilibrium(
         values = forces(z + offsets)
         slope = (values[: arm.order] - values[arm.order :]).T / (2.0 * DIFFERENCE)
         step = -np.linalg.solve(slope, force)
-        step *= min(1.0, 2.0 / np.max(np.abs(step)))  # one turn of two radians at most: forces are periodic in angles
+        step *= min(1.0, 2.0 / np.max(np.abs(step)))  # two radians at most: forces are periodic in angles
         for _ in range(12):
             tried = forces(z + step)
             if np.linalg.norm(tried) < np.linalg.norm(force):
@@ -80,7 +80,7 @@ def equilibrium(
         else:
             break
         z, force = z + step, tried
-    if np.max(np.abs(force)) <= 1e-9 * scale:  # rounding is all that keeps the forces from falling
+    if np.max(np.abs(force)) <= 1e-9 * scale:  # only rounding prevents smaller forces
         return arm.to_monomial @ z
     raise ArithmeticError(
         f"no equilibrium found at theta = {theta:.3g} rad: forces of {np.max(np.abs(force)):.2g} remain"

@@ -1,14 +1,14 @@
-"""The gradient of a simulation, right for what was computed: reverse accumulation over the kernel's own steps.
+"""The gradient of the computed simulation, by reverse accumulation over the kernel's own steps.
 
-One step maps (state, parameters, base) to (state, forces). Its Jacobian J_k is taken by central differences of that one
-step, for all steps, directions and individuals in a few batches of the kernel; then, from the last step to the first,
+One step maps (state, parameters, base) to (state, forces). Its Jacobian J_k comes from central differences of that one
+step, for all steps, directions and individuals in a few batches of the kernel. Then, from the last step to the first,
 
     lambda_k = J_k' (lambda_(k+1), d L / d forces_k) + d L / d state_k        (discrete adjoint)
 
-The implicit function theorem would be exact only where Newton has converged. At the default of one correction a step
-it is off by several per cent of the gradient; the steps' own Jacobian is not. A difference over one smooth step loses
-about 1e-9 of the Jacobian; no difference is taken over the whole simulation. Across a kink (a servo at its limit, a
-friction element that yields) the difference gives a value between the two slopes.
+The implicit function theorem would be exact only where Newton has converged. With the default of one correction a step
+it is wrong by several per cent of the gradient; the Jacobian of the computed steps is not. A difference over one smooth
+step loses about 1e-9 of the Jacobian; no difference is taken over the whole simulation. Across a kink (a servo at its
+limit, a friction element that yields) the difference gives a value between the two slopes.
 """
 
 from __future__ import annotations
@@ -135,16 +135,17 @@ def _jacobians(run: AdjointRun, arm: Arm, drive: Drive, given: _Inputs, columns:
 
 
 @dataclass(frozen=True)
-class Asked:
+class WantedGradients:
     """Gradients of a loss by the outputs of advance, and whether its gradient by the parameters and by the base is
-    asked for."""
+    asked for.
+    """
 
     gradients: Sequence[Tensor | None]
     inputs: tuple[bool, bool]
 
 
 def pulled_back(
-    run: AdjointRun, arm: Arm, drive: Drive, tensors: Sequence[Tensor], pace: Pace, asked: Asked
+    run: AdjointRun, arm: Arm, drive: Drive, tensors: Sequence[Tensor], pace: Pace, wanted: WantedGradients
 ) -> tuple[Tensor | None, ...]:
     """Gradients of parameters, base, times (None), u, u_rate, past and store from those of advance's outputs.
 
@@ -158,8 +159,8 @@ def pulled_back(
     later = torch.cat([whole[0][1:], whole[1][1:], whole[3], whole[4].flatten(1, 2)], 1)
     states = torch.cat([first[None], later]).movedim(0, 1)  # (X, S + 1, B)
     rows = states.shape[0]
-    columns = _columns(arm, drive, parameters, *asked.inputs)
-    pull = _Pull(pace, steps, size, asked.gradients, whole[5][4] < 0.0)
+    columns = _columns(arm, drive, parameters, *wanted.inputs)
+    pull = _Pull(pace, steps, size, wanted.gradients, whole[5][4] < 0.0)
     adjoint = pull.at_end(parameters.new_zeros(rows, count))
     of_parameters, of_base = torch.zeros_like(parameters), parameters.new_zeros(3, steps, count)
     table = base.expand(3, steps, count)
@@ -184,8 +185,8 @@ def pulled_back(
     adjoint = adjoint + pull.at_state(0, adjoint)
     of_base = of_base if base.shape[2] == count else of_base.sum(2, keepdim=True)
     return (
-        of_parameters if asked.inputs[0] else None,
-        of_base if asked.inputs[1] else None,
+        of_parameters if wanted.inputs[0] else None,
+        of_base if wanted.inputs[1] else None,
         None,
         *_split(arm, adjoint),
     )
@@ -200,8 +201,8 @@ def _pieces(steps: int, size: int, age: int) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class _Pull:
-    """How the loss pulls at each step: gradients of the outputs (u, u_rate, force, past, store, summary); individuals
-    that diverged (not sound) pull at nothing.
+    """Gradients of the loss by the outputs of each step (u, u_rate, force, past, store, summary); zero for individuals
+    that diverged (not sound).
     """
 
     pace: Pace

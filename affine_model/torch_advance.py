@@ -15,7 +15,7 @@ from torch import Tensor
 
 from affine_model.advance import Drive, Pace, Rail, Servo, State, advance
 from affine_model.arm import Arm
-from affine_model.torch_adjoint import Asked, numbers_of, pulled_back
+from affine_model.torch_adjoint import WantedGradients, numbers_of, pulled_back
 from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Specimen
 
 Outputs = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
@@ -121,10 +121,9 @@ def _backward(ctx: Any, *gradients: Tensor) -> tuple[Any, ...]:
     def run(parameters: Tensor, base: Tensor, start: list[Tensor], pace: list[float]) -> Outputs:
         return _advance([arm, drive], parameters, base, start, pace)
 
-    wanted = (ctx.needs_input_grad[1], ctx.needs_input_grad[2])
     with torch.no_grad():
-        asked = Asked(gradients, wanted)
-        found = pulled_back(run, arm_from_row(arm), drive_from_row(drive), tensors, pace_of(ctx.pace), asked)
+        wanted = WantedGradients(gradients, (ctx.needs_input_grad[1], ctx.needs_input_grad[2]))
+        found = pulled_back(run, arm_from_row(arm), drive_from_row(drive), tensors, pace_of(ctx.pace), wanted)
     of_parameters, of_base, *of_start = found
     return [None, None], of_parameters, of_base, of_start, None
 

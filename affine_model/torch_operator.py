@@ -1,4 +1,4 @@
-"""The mean thrust of a batch as one differentiable function of tensors, for an optimiser that asks for nothing else."""
+"""The mean thrust of a batch as one differentiable function of tensors, for optimisers that need only this number."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from affine_model.effects import catalogue
 from affine_model.simulate import STRAIGHT, Start, Timing
 from affine_model.torch_advance import advanced
 
-DIVERGED_THRUST = -1.0  # N, thousand times what an arm can push: stands for the mean thrust of a diverged individual
+DIVERGED_THRUST = -1.0  # N, a thousand times the thrust of an arm: the mean thrust given for a diverged individual
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def torch_simulate(
     to_legendre = torch.as_tensor(arm.from_monomial).to(parameters)
     to_monomial = torch.as_tensor(arm.to_monomial).to(parameters)
     none, still = parameters.new_zeros(n, count), parameters.new_zeros(1, count)
-    # From the first middle back to the start, to second order, as the kernel goes on.
+    # From the middle of the first step back to its start, to second order.
     angle = (base[0, :1] - 0.5 * timing.step * base[1, :1] + 0.125 * timing.step**2 * base[2, :1]).expand(1, count)
     angle_rate = (base[1, :1] - 0.5 * timing.step * base[2, :1]).expand(1, count)
     u = torch.cat([none if start.q is None else to_legendre @ start.q, angle, still])

@@ -1,4 +1,4 @@
-"""Kernels compiled before they are needed: in a process of its own, while this one reads and tracks."""
+"""Compiles kernels before they are needed, in a separate process, while this one reads and tracks."""
 
 from __future__ import annotations
 

@@ -24,37 +24,22 @@ from affine_model.swim.search import SearchPlan
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from affine_model.arm import Arm, neutral_parameters, parameter_index  # noqa: E402
+from affine_model.arm import Arm, parameter_index  # noqa: E402
 from affine_model.simulate import simulate  # noqa: E402
 from affine_model.swim.limits import GaitLimits, search_box  # noqa: E402
 from affine_model.swim.objectives import weighted  # noqa: E402
 from affine_model.swim.search import search  # noqa: E402
 from affine_model.swim.trial import GaitTrial  # noqa: E402
+from benchmarks._affine_arm import ARM, SPECIMEN, STEP, TRUTH, parameters  # noqa: E402
+from benchmarks._identification import identification  # noqa: E402
 from benchmarks._other_simulators import OTHERS, environment, run  # noqa: E402
 from benchmarks.mujoco_chain import chain_model, roll  # noqa: E402
-from inference.experiment import Experiment  # noqa: E402
-from inference.measured_shapes import from_track  # noqa: E402
-from inference.trajectory import Problem, fit  # noqa: E402
-from tentacle.signals import Array, ShapeTrack  # noqa: E402
-from tentacle.specimen import WATER, Cone, Gravity, Specimen  # noqa: E402
-from tentacle.waveform import Chirp  # noqa: E402
+from tentacle.signals import Array  # noqa: E402
+from tentacle.specimen import WATER, Gravity  # noqa: E402
 
-SPECIMEN = Specimen(Cone(0.0125, 0.001), 0.14, 1070.0)
-ARM = Arm(SPECIMEN, WATER, Gravity(0.0), order=2, nodes=6)
-STEP = 1 / 150  # s: the coarsest at which the median mean thrust is right to 0.1 % (thrust_error below)
-FIT_STEP = 1 / 1000  # s: its error moves the estimates by 0.1 of their standard error (at 1/500 by 0.4)
 MUJOCO_STEP = 2e-3  # s: 10 ms is stable too; both are printed with their errors
-FREE = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"), ("added_mass", "C_a"))
-TRUTH = (2.0e5, 2.0e3, 1.1, 1.0)
 OWN_CORES = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else range(os.cpu_count() or 1)
 CORES = len(OWN_CORES)
-
-
-def parameters() -> Array:
-    vector = neutral_parameters()
-    for (effect, name), value in zip(FREE, TRUTH, strict=True):
-        vector[parameter_index(effect, name)] = value
-    return vector
 
 
 def motions(count: int, seconds: float, step: float) -> Array:
@@ -245,53 +230,6 @@ def own_peak() -> float:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
     (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
     return int(line.split()[1]) * 1024 / 1e9
-
-
-def recorded(seconds: float, fps: float, seed: int) -> tuple[Problem, tuple[Array, ...]]:
-    """A video's shape track of the model's own motion with the vision's noise, and where a fit of it starts."""
-    wave = Chirp(0.5, 0.3, 2.0, seconds)
-    stride = 160
-    h = 1.0 / (fps * stride)  # the truth's own error must be far below the fit's
-    base = wave((np.arange(round(seconds / h)) + 0.5) * h)
-    clean = simulate(ARM, parameters()[:, None], base[:, :, None], Timing(h, stride))
-    sigma = np.array([1e-3, 1.7e-3, 6.0e-3])
-    link = np.array([[1, 0, 0], [0, 1, -0.987], [0, -0.987, 1.0]])
-    covariance = link * np.outer(sigma, sigma)
-    noise = np.random.default_rng(seed).multivariate_normal(np.zeros(3), covariance, clean.t.size)
-    coefficients = np.concatenate([np.zeros((clean.t.size, 1)), clean.q[:, :, 0]], axis=1) + noise
-    track = ShapeTrack(
-        clean.t, coefficients, np.tile(covariance, (clean.t.size, 1, 1)), np.ones(clean.t.size, bool),
-        ("",) * clean.t.size, 1.0, 1e-3, np.zeros(2),
-    )  # fmt: skip
-    observation = from_track(track, wave(clean.t)[0], SPECIMEN.length)
-    used = np.ones(clean.t.size, bool)
-    gain = np.ones(observation.coefficients.shape[1])
-    experiment = Experiment("own", observation, wave, 0.0, seconds, None, used, gain)
-    given = parameters()
-    for (effect, name), factor in zip(FREE, (0.7, 1.5, 0.8, 0.7), strict=True):
-        given[parameter_index(effect, name)] *= factor
-    nuisances = np.zeros(len(experiment.nuisance_names(ARM.order)))
-    nuisances[: ARM.order] = ARM.from_monomial @ coefficients[0, 1:]
-    return Problem(ARM, (experiment,), FREE, given, FIT_STEP), (nuisances,)
-
-
-def identification(short: bool, figures: dict[str, float]) -> None:
-    """Time of a fit of 39 s at 25 fps, and how often its 95 % intervals hold the truth."""
-    problem, nuisances = recorded(8.0 if short else 39.0, 25.0, 0)
-    fit(problem, nuisances)
-    start = time.perf_counter()
-    found = fit(problem, nuisances)
-    figures["identify_s"] = time.perf_counter() - start
-    print(f"identification: {figures['identify_s']:.2f} s, {found.evaluations} evaluations")
-    for (effect, name), value, truth in zip(FREE, found.values, TRUTH, strict=True):
-        print(f"  {effect}.{name} {value:.5g}, truth {truth:g}")
-    inside, seeds = 0, 5 if short else 200
-    for seed in range(seeds):
-        found = fit(*recorded(12.0, 25.0, 100 + seed))
-        away = np.abs(found.values - np.array(TRUTH)) / np.sqrt(np.diag(found.covariance))
-        inside += int(np.sum(away < 1.96))
-    figures["coverage_95"] = inside / (seeds * len(FREE))
-    print(f"95 % intervals hold the truth in {figures['coverage_95']:.1%} of {seeds} x {len(FREE)}")
 
 
 def main() -> int:

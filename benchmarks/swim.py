@@ -72,7 +72,7 @@ def measure_time(figures: dict[str, float], evaluations: int) -> None:
     figures["optimise_cpu_s"] = time.process_time() - cpu
     print(
         f"one arm, {evaluations} gaits: {figures['optimise_s']:.2f} s, {figures['optimise_cpu_s']:.2f} s of processor "
-        f"time; {found.gain:.3f} times the best sine's thrust, climbed from: {found.origin}"
+        f"time; {found.gain:.3f} times the best sine's thrust, start of the climb: {found.origin}"
     )
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from affine_model.arm import Arm, parameter_index, parameter_rows
-from affine_model.base_signal import Servo, Steps, base_table
+from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant
 from affine_model.effects import catalogue
@@ -223,9 +223,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     steps = int(np.ceil(experiment.duration / step)) + 1
     steps += steps % 2
     start = experiment.t0 if experiment.release is None else experiment.release
-    base = base_table(
-        experiment.base, Steps(start, step, steps), Servo.of(parameters), known_from=experiment.base_known_from
-    )
+    base = base_table(experiment.base, Steps(start, step, steps), parameters, known_from=experiment.base_known_from)
     middles = Steps(start, step, steps).middles[:, None]
     base = _with_travel(base, experiment, seen_times(middles, value["offset"], value["drift"]))
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)

@@ -26,7 +26,7 @@ SMALLEST_MASS = 1e-12
 
 @dataclass(frozen=True)
 class Mount:
-    """What holds the clamp: mass [kg] that moves with it on the rail, hub inertia [kg m^2] that turns with it."""
+    """The clamp's mount: mass [kg] that moves on the rail, hub inertia [kg m^2] that turns with the clamp."""
 
     mass: float = 1e-3
     hub_inertia: float = 1e-6
@@ -53,7 +53,7 @@ class Chain:
     """A compiled chain of `links` hinges and the geometry that the water needs.
 
     model: MuJoCo's, complete in itself (stiffness, damping, weight, buoyancy as gravcomp). Per link (n + 1,): start and
-    length [m] along the arm, mass [kg]. bodies (2, 4): of the payload and what hangs beside it, see Hung.row.
+    length [m] along the arm, mass [kg]. bodies (2, 4): the payload and the undeclared body, see Hung.row.
     hinge_s (n,), stiffness (n,) [N m/rad of hinge angle], damping (n,) [N m s/rad].
     """
 
@@ -125,7 +125,7 @@ def build_spec(
     hung: tuple[Hung, ...],
     mount: Mount,
 ) -> Any:
-    """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for the eye: they carry no mass."""
+    """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for pictures: they have no mass."""
     links = flexure.stiffness.size
     spec = mujoco.MjSpec()
     spec.modelname = "tentacle"
@@ -180,8 +180,8 @@ def build_chain(
 ) -> Chain:
     """Compile the chain; stiffness k and damping d (n,) at the hinges in the paper's units (per unit curvature c).
 
-    A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. hung: what the tip
-    carries beside the specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
+    A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. hung: a body at the tip besides
+    the specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
     """
     links = flexure.stiffness.size
     if links < 2:

@@ -1,4 +1,4 @@
-"""Where a chain is."""
+"""The state of a chain."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from tentacle.signals import Array
 
 @dataclass
 class ChainState:
-    """Where a chain is: positions, rates and last accelerations (n + 3,), and the memories of hinges, base and written
-    laws (laws, n; empty: nothing remembered). Mutable."""
+    """The state of a chain: positions, rates and last accelerations (n + 3,), and the memories of hinges, base and
+    written laws (laws, n; empty if none has a memory). Mutable.
+    """
 
     q: Array
     v: Array

@@ -1,4 +1,4 @@
-"""The reference's drag along a prescribed midline, to be shown beside the arm."""
+"""The reference's drag along a prescribed midline, for pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MuJoCo, in a version that the reference is tested against. Its Python module has no types: here it is Any."""
+"""MuJoCo, in a version with which the reference was tested. Its Python module has no types: here it is Any."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Moments of the material at the hinges: elastic, viscous, a Maxwell branch, and dry friction (compiled).
 
 Each law gives its moment at the middle of a step and its slope there, so that the step can be implicit in it. Dry
-friction is a spring that yields (an elastoplastic bristle): rate-independent, with hysteresis, and without a smoothed
-sign.
+friction is a spring that yields (an elastoplastic bristle): independent of the rate, with hysteresis.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ PRESLIDING = 0.25  # of c_f, where no slip is given: the bristle must be stiff a
 
 
 def soft_spot(parameters: Parameters, s: Array) -> Array:
-    """Factor on k(s): 1 less a Gaussian dip around s0."""
+    """Factor on k(s): 1 minus a Gaussian dip around s0."""
     depth, place = value(parameters, "soft_spot", "depth"), value(parameters, "soft_spot", "s0", 0.3)
     return 1.0 - depth * np.exp(-0.5 * ((s - place) / SOFT_SPOT_WIDTH) ** 2)
 
@@ -39,8 +38,6 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made["stiffness"], made["damping"] = chain.stiffness, chain.damping
     uneven = 1.0 + value(parameters, "intrinsic_curvature", "slope") * (chain.hinge_s - 0.5)
     made["rest"] = value(parameters, "intrinsic_curvature", "c0") * uneven / chain.links
-    made["stiff_tip"] = value(parameters, "unnamed", "stiff_tip") * chain.hinge_s
-    made["set_tip"] = value(parameters, "unnamed", "set_tip") * chain.hinge_s / chain.links
     made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.links**2
     c_f = value(parameters, "dry_friction", "c_f")
     sliding = value(parameters, "dry_friction", "sliding")
@@ -52,8 +49,6 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made["maxwell"] = value(parameters, "viscoelasticity", "g") * chain.stiffness
     made["relaxation"] = value(parameters, "viscoelasticity", "tau", 0.3)
     made["bent_loss"] = value(parameters, "amplitude_damping", "b") * chain.links**2
-    made["loss"] = value(parameters, "unnamed", "slow_tip") * chain.hinge_s
-    made["one_sided"] = value(parameters, "unnamed", "one_sided") * chain.links
     return made
 
 
@@ -102,10 +97,9 @@ def hinge_moments(course: Midpoint, hinges: Fields, memory: Array, now: Now, equ
         i = j + 3
         angle = middle[i] - hinge.rest
         stiffness = softening * hinge.stiffness
-        moment = stiffness * (angle * (1.0 + hinge.stiff_tip) + hinge.cubic * angle**3)
-        moment += stiffness * (hinge.set_tip + hinge.one_sided * angle**2)
-        slope = stiffness * (1.0 + hinge.stiff_tip + 3.0 * hinge.cubic * angle**2 + 2.0 * hinge.one_sided * angle)
-        damping = hinge.damping + stiffness * (hinge.loss + hinge.bent_loss * angle**2)
+        moment = stiffness * (angle + hinge.cubic * angle**3)
+        slope = stiffness * (1.0 + 3.0 * hinge.cubic * angle**2)
+        damping = hinge.damping + stiffness * hinge.bent_loss * angle**2
         if hinge.maxwell != 0.0:
             turned = (middle[i] - start[i]) / half
             stretch = relaxed(start[i] - memory[j, DASHPOT], turned, half, hinge.relaxation)

@@ -1,4 +1,5 @@
-"""What acts on the chain, as numbers: records that the compiled kernels read. A field that is zero has no effect.
+"""All influences on the chain as numbers, in records that the compiled kernels read. A field that is zero has no
+effect.
 
 The parameters of the catalogue's effects keep their names and units (docs/catalogue.md); each is turned here into the
 quantities of this room's own physics. Influences outside the catalogue have fields of their own.
@@ -26,7 +27,7 @@ WATER_RECORD = np.dtype(
         ("C_perp", _F),  # normal drag coefficient on the width, eq. 15
         ("C_t", _F),  # skin friction coefficient on the wetted perimeter
         ("C_a", _F),  # added mass over the water in a circle of the width
-        ("tangential", _F),  # that along the tangent, over that along the normal
+        ("tangential", _F),  # added mass along the tangent, over that along the normal
         ("convective", _F),  # share of Kirchhoff's convective terms; 0: Morison's normal acceleration alone
         ("c_n", _F),  # linear drag along the normal [Pa s]; half of it along the tangent
         ("U_x", _F),  # steady current [m/s]
@@ -36,9 +37,9 @@ WATER_RECORD = np.dtype(
         ("slosh_f", _F),
         ("second_cos", _F),  # the second standing wave over the first, of sqrt(3) times its frequency
         ("second_sin", _F),
-        ("wall_B", _F),  # what the wall does, over what is published of a smooth cylinder
+        ("wall_B", _F),  # the wall's strength, over the published one of a smooth cylinder
         ("wall_x", _F),  # where the wall stands [m]
-        ("wall_carried", _F),  # share of the published added mass that it has
+        ("wall_carried", _F),  # share of the published added mass that acts
         ("suction_U", _F),  # a port at the clamp draws water along x: velocity [m/s], frequency [Hz], reach [m]
         ("suction_f", _F),
         ("suction_reach", _F),
@@ -67,24 +68,11 @@ TIP = np.dtype(
         ("magnet_strength", _F),
     ]
 )
-REST = np.dtype(  # what has no name: forces along the normal, per mass of the arm
-    [
-        ("push", _F),  # [m/s^2], towards the tip
-        ("tether", _F),  # [1/s^2], back to the straight line
-        ("tip_tether", _F),  # [1/s^2], the same, towards the tip
-        ("bowed_tether", _F),  # [1/(m s^2)], with the square of the way
-        ("tip_brake", _F),  # [1/s], per velocity through the water, towards the tip
-        ("density", _F),  # of the arm [kg/m^3]
-        ("acts", _F),  # 1 where any of them does
-    ]
-)
 HINGE = np.dtype(
     [
         ("stiffness", _F),  # [N m/rad of hinge angle]
         ("damping", _F),  # [N m s/rad]
         ("rest", _F),  # hinge angle at rest [rad]
-        ("stiff_tip", _F),  # relative change of stiffness
-        ("set_tip", _F),  # moment over stiffness [rad]
         ("cubic", _F),  # beta n^2: relative change of stiffness per squared hinge angle [1/rad^2]
         ("yield_moment", _F),  # dry friction [N m]
         ("yield_angle", _F),  # hinge angle at which it yields [rad]
@@ -93,8 +81,6 @@ HINGE = np.dtype(
         ("sliding_rate", _F),  # rate of the hinge angle at which it is 3/4 of that [rad/s]
         ("relaxation", _F),  # its relaxation time [s]
         ("bent_loss", _F),  # damping over stiffness, per squared hinge angle [s/rad^2]
-        ("loss", _F),  # damping over stiffness [s]
-        ("one_sided", _F),  # relative change of stiffness per hinge angle [1/rad]
     ]
 )
 BASE_RECORD = np.dtype(
@@ -155,17 +141,6 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "intrinsic_curvature": ("c0", "slope"),
     "viscoelasticity": ("g", "tau"),
     "amplitude_damping": ("b",),
-    "unnamed": (
-        "push",
-        "tether",
-        "tip_tether",
-        "bowed_tether",
-        "tip_brake",
-        "set_tip",
-        "stiff_tip",
-        "one_sided",
-        "slow_tip",
-    ),
     "dry_friction": ("c_f", "slip", "sliding", "rate"),
     "soft_spot": ("depth", "s0"),
     "stiffness_drift": ("rate", "settling"),
@@ -205,7 +180,7 @@ def value(parameters: Parameters, effect: str, name: str, default: float = 0.0) 
 
 
 def water_record(parameters: Parameters, density: float, length: float, gravity: tuple[float, float]) -> Record:
-    """The water around the arm. The distance of the wall is in arm lengths (catalogue), length [m]."""
+    """The water around the arm of that length [m]; the catalogue gives the wall's distance in arm lengths."""
 
     def take(effect: str, name: str, default: float = 0.0) -> float:
         return value(parameters, effect, name, default)
@@ -245,14 +220,6 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         gravity_x=gravity[0],
         gravity_y=gravity[1],
     )
-
-
-def rest_record(parameters: Parameters, length: float, density: float) -> Record:
-    """The forces without a name, on an arm of that length [m] and density [kg/m^3]."""
-    names = ("push", "tether", "tip_tether", "bowed_tether", "tip_brake")
-    numbers = {name: value(parameters, "unnamed", name) for name in names}
-    numbers["bowed_tether"] /= length
-    return make_record(REST, **numbers, density=density, acts=float(any(numbers.values())))
 
 
 def tip_record(parameters: Parameters, length: float) -> Record:

@@ -1,4 +1,4 @@
-"""From link directions to the arm's smooth midline: the tangent angle is known at s = k/n, and is splined between."""
+"""From link directions to the arm's smooth midline: the tangent angle is known at s = k/n, with a spline between."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""The motor's motion: a waveform that swells from nothing, behind the servo's lag and a coupling that gives.
+"""The motor's motion: a waveform with a smooth start, behind the servo's lag and an elastic coupling.
 
     (period / 2 pi)^2 y'' + delay y' + y = u
 
-A stiff coupling's play is part of the mount (mujoco_ref.mount). Where the coupling gives, the arm's load on it is
-left out: the clamp follows what the play leaves of the motor's motion.
+A stiff coupling's play is part of the mount (mujoco_ref.mount). With an elastic coupling the arm's load on it is
+neglected: the clamp follows the motor's motion behind the play.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tentacle.waveform import Waveform
 def motor_signal(waveform: Waveform, times: Array, parameters: Parameters, lead_in: float) -> Array:
     """Angle, rate and acceleration (3, N) at times (N,), evenly spaced, behind the servo where it lags or has play.
 
-    Through lead_in [s], before t = 0, the motion swells from nothing, with two continuous derivatives.
+    During lead_in [s], before t = 0, the motion grows from rest, with two continuous derivatives.
     """
     wave = np.asarray(waveform(times), dtype=float)
     if lead_in > 0.0:
@@ -45,7 +45,7 @@ def motor_signal(waveform: Waveform, times: Array, parameters: Parameters, lead_
 
 
 def sprung(parameters: Parameters) -> bool:
-    """Whether the coupling behind the play gives."""
+    """Whether the coupling behind the play is elastic."""
     return any(value(parameters, "backlash", name) > 0.0 for name in ("delay", "period"))
 
 

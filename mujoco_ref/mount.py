@@ -1,4 +1,4 @@
-"""Forces at the base: the servo or the coupling that turns theta, a springy stand, a rail with friction (compiled)."""
+"""Forces at the base: the servo or the coupling that turns theta, an elastic stand, a rail with friction (compiled)."""
 
 from __future__ import annotations
 
@@ -52,8 +52,9 @@ class MountRail:
 def base_record(
     parameters: Parameters, servo: MountServo | None, rail: MountRail | None, arm_mass: float
 ) -> tuple[Record, Mount]:
-    """How the base is held, and the mass and inertia that move with it. Without servo, rail or an influence it is
-    rigid."""
+    """The base's mechanics, with the mass and inertia that move with it. Without servo, rail or an influence it is
+    rigid.
+    """
     fields: dict[str, float] = {}
     mass, inertia = 1e-3, 1e-6
     if servo is not None:

@@ -1,4 +1,4 @@
-"""The water round one section (compiled): its own motion, and what drag, a wall and vortices do there, per length."""
+"""The water around one section (compiled): its own motion, and the forces per length of drag, a wall and vortices."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ SECOND_WAVE = 1.7320508075688772  # of a deep tank's odd standing waves: frequen
 
 @njit(cache=True)
 def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, float, float, float]:
-    """Velocity and acceleration of the undisturbed water at (x, y): current, swaying, and the draw of a suction
-    port."""
+    """Velocity and acceleration of the undisturbed water at (x, y): current, sloshing, and the flow into a suction
+    port.
+    """
     omega = 2.0 * np.pi * water.slosh_f
     cos, sin = np.cos(omega * t), np.sin(omega * t)
     ux = water.U_x + water.U_cos * cos + water.U_sin * sin
@@ -40,8 +41,8 @@ def beside_wall(
 ) -> tuple[float, float, float, float]:
     """What a wall at wall_x adds: drag coefficient, inertia along the normal [kg/m], force along n and t [N/m].
 
-    direction: cosine and sine of the section's angle; speed: along its normal and tangent [m/s]. The
-    forces are those by which a body whose added mass grows towards the wall is drawn to it, and slowed.
+    direction: cosine and sine of the section's angle; speed: along its normal and tangent [m/s]. The forces follow from
+    an added mass that grows towards the wall: they draw the body to the wall and slow it.
     """
     cosine, sine = direction
     u_n, u_t = speed
@@ -59,8 +60,9 @@ def beside_wall(
 
 @njit(cache=True)
 def felt_speed(speed: float, u_n: float, width: float, coefficient: float, water: Fields) -> float:
-    """The speed that the normal drag follows, beside u_n: eq. 15's, |u_n| (cross-flow), or more at small Reynolds
-    numbers, as a smooth cylinder's; what a wall adds to the coefficient follows eq. 15."""
+    """The speed that multiplies u_n in the normal drag: |u| (eq. 15) or |u_n| (cross-flow), times the growth of a
+    smooth cylinder's coefficient at small Reynolds numbers. A wall's additional drag follows eq. 15.
+    """
     if coefficient == 0.0 or (water.cross_flow == 0.0 and water.reynolds == 0.0):
         return speed
     own = water.C_perp / coefficient

@@ -16,7 +16,7 @@ import numpy as np
 from mujoco_ref.chain import Flexure, Hung, build_chain, flexural, hinge_positions
 from mujoco_ref.chain_state import ChainState
 from mujoco_ref.hinges import Drift, hinge_records, soft_spot
-from mujoco_ref.influence import Parameters, refuse_unknown, rest_record, tip_record, value, water_record
+from mujoco_ref.influence import Parameters, refuse_unknown, tip_record, value, water_record
 from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.motor import motor_signal
 from mujoco_ref.mount import MountRail, MountServo, base_record
@@ -32,7 +32,7 @@ from tentacle.waveform import Waveform
 
 DEFAULT_LINKS = 20
 LONGEST_STEP = 4e-3  # [s]; halving it moves the tip of a usual arm by 1 micrometre (tests/mujoco_ref/test_step.py)
-MOST_HALVINGS = 3  # of the step, where an arm is too lively for it
+MOST_HALVINGS = 3  # of the step, for an arm whose motion is too fast for it
 LARGEST_HINGE_ANGLE = np.pi  # [rad]; hinges of real arms bend by a fraction of a turn
 # Silicones reach from 10 kPa to some MPa; beyond these bounds the unit is wrong (Pa, not MPa).
 SOFTEST, STIFFEST = 1e3, 1e9
@@ -62,7 +62,7 @@ class Clock:
 
 @dataclass(frozen=True)
 class Simulation:
-    """What the reference did, at the frames.
+    """The reference's motion and forces at the frames.
 
     t (F,) [s]; command, theta (F,) [rad] the motor's angle and the clamp's; angles (F, n + 1) tangent angle at s = k/n
     [rad];
@@ -95,7 +95,7 @@ class Initial:
 
 @dataclass(frozen=True)
 class Setup:
-    """What a run stands on. links: hinges of the chain. The base is prescribed or turned by a servo; it is fixed or on
+    """The set-up of a run. links: hinges of the chain. The base is prescribed or turned by a servo; it is fixed or on
     a rail along y, or travels: x, y [m], rates and accelerations (6, ...) over time [s]. s (P,): where the midline is
     sampled (None: 41 points). lead_in [s]: the arm moves for that long before the first frame, the motion swelling from
     nothing. longest_step [s].
@@ -115,7 +115,7 @@ USUAL_SETUP = Setup()
 
 
 def plain_parameters(model: Model) -> dict[str, dict[str, float]]:
-    """A model's parameters as plain numbers, above those that its declaration brings."""
+    """A model's parameters as plain numbers, which override those of its declaration."""
     own = {effect: {name: e.value for name, e in values.items()} for effect, values in model.parameters.items()}
     return merged(declared_effects(model.specimen, model.fluid), own)
 
@@ -141,7 +141,7 @@ def make_stepper(
     servo: MountServo | None = None,
     rail: MountRail | None = None,
 ) -> Stepper:
-    """The chain of a model, with hidden effects acting beside the model's own, ready to be stepped.
+    """The chain of a model, with the model's own effects and the hidden ones.
 
     InputError where an effect or parameter is unknown, k(s) <= 0 somewhere, links < 2, or a unit is plainly wrong.
     """
@@ -172,10 +172,9 @@ def make_stepper(
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)
     drift = Drift(value(parameters, "stiffness_drift", "rate"), value(parameters, "stiffness_drift", "settling"))
-    rest = rest_record(parameters, specimen.length, declared.density)
     acting = acting_laws(parameters)
     written = WrittenLaws(acting, chain, water, gravity.magnitude) if acting else None
-    return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, rest, base), drift, written)
+    return Stepper(chain, Laws(hinge_records(chain, parameters), water, tip, base), drift, written)
 
 
 def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array | None = None) -> ChainState:
@@ -199,7 +198,7 @@ def simulate(
     hidden: Mapping[str, Mapping[str, float]] | None = None,
     setup: Setup = USUAL_SETUP,
 ) -> Simulation:
-    """Simulate `duration` [s] of a model's arm whose motor follows the waveform, and look at it `fps` times a second.
+    """Simulate `duration` [s] of a model's arm whose motor follows the waveform, with `fps` frames a second.
 
     Deterministic: nothing here is random. hidden: effects (name -> parameter -> value) that act beside the model's own.
     InputError for an unusable duration, fps or model.
@@ -251,7 +250,7 @@ def simulate(
 
 
 def rest_reading(stepper: Stepper, state: ChainState) -> Array:
-    """What the load cell carries where the chain stands still: the arm's force on the mount (2,) [N]."""
+    """The load cell's reading at rest: the arm's force on the mount (2,) [N]."""
     return stepper.residual(state)[:2].copy()
 
 

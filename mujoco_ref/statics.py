@@ -1,4 +1,4 @@
-"""Static shape: where the chain hangs under its weight, its buoyancy, a current and what pulls at its tip."""
+"""Static shape of the chain under its weight, its buoyancy, a current and forces at its tip."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ _BIGGEST_CHANGE = 0.5  # [rad] the hinges may turn together in one iteration: Ne
 
 
 def chain_equilibrium(stepper: Stepper, theta: float, tolerance: float = 1e-10, iterations: int = 200) -> ChainState:
-    """The state at rest with the base at theta [rad]; found from the straight arm, so of several shapes a near one.
+    """The state at rest with the base at theta [rad], by Newton's method from the straight arm. If there are several
+    such states, it is one near the straight arm.
 
     tolerance: largest hinge moment left unbalanced over the largest that acts. InputError where none is found.
     """

@@ -1,9 +1,9 @@
 """One step of time: the implicit midpoint rule on MuJoCo's mass matrix and bias forces.
 
 MuJoCo's own integrators are of first order here (`discrete`: 2.3 % of tip amplitude at 10 ms) and cannot
-carry the anisotropic added mass. So MuJoCo gives kinematics, M(q) and M a + C v + g at the middle of the step, and one
-Newton correction from the previous step's acceleration solves for the new one; elasticity, damping and drag are in its
-matrix, so the step is set by accuracy: second order, stable at 10 ms.
+carry the anisotropic added mass. So MuJoCo gives kinematics, M(q) and M a + C v + g at the middle of the step. One
+Newton correction, from the previous step's acceleration, gives the new acceleration. Elasticity, damping and drag are
+in its matrix, so accuracy and not stability limits the step: second order, stable at 10 ms.
 """
 
 from __future__ import annotations
@@ -24,13 +24,7 @@ from mujoco_ref.written_laws import Bending, WrittenLaws
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
-STEEP = (
-    "yield_moment",
-    "sliding_moment",
-    "cubic",
-    "bent_loss",
-    "one_sided",
-)  # hinge laws with a corner or a steep curve
+STEEP = ("yield_moment", "sliding_moment", "cubic", "bent_loss")  # hinge laws with a corner or a steep curve
 Plain = tuple[Any, ...]  # the fields of a NamedTuple of step_arguments
 
 
@@ -55,8 +49,9 @@ def _predict(state: Plain, held: Array, motor: Array, step: float, middle: Array
 def _add_tension(motion: Array, body: Body, water: Fields, scale: float, matrix: Array) -> None:
     """Add scale times the stiffness that weight and inertial forces give the joints: a heavy tip tightens the chain.
 
-    A change of joint j turns all beyond it, and so the lever of their forces about the joints from the base to j.
-    Explicit, it would limit the step: a payload of a tenth of the arm's mass needs 40 links and 4 ms.
+    A change of joint j turns all links beyond it, and with them the levers of their forces about the joints from the
+    base to j. An explicit term would limit the step: with a payload of a tenth of the arm's mass, 40 links and 4 ms
+    must be stable.
     """
     links, bodies, gravity = body.links, body.bodies, body.gravity
     count = links.shape[0]
@@ -143,7 +138,7 @@ def _correct(moving: Plain, workspace: Plain, chain: tuple[Plain, Plain], held: 
     torque = base_forces(course, motor, base, state.base_memory, now.step, equation)
     change = np.empty(size)
     _solve(matrix, force, held, change)
-    # What holds the mount: the balance of its rows that the held coordinates leave.
+    # The force that holds the mount: the residual of the rows of the held coordinates.
     for i in range(3):
         reaction = -force[i]
         for j in range(size):
@@ -179,14 +174,14 @@ def _finish(moving: Plain, held: Array, motor: Array, laws: tuple[Record, Record
 
 
 class Stepper:
-    """Steps one chain in time. All arrays are its own: one Stepper per thread.
+    """Steps one chain in time. It owns all its arrays: use one Stepper per thread.
 
-    A step's reading, in `reading` (5,): fluid force x, y [N] (eq. 17); what holds the mount, force x, y [N] and torque
-    about z [N m], all at the middle of the step.
+    A step's reading, in `reading` (5,): fluid force x, y [N] (eq. 17); the force x, y [N] and the torque about z [N m]
+    that hold the mount, all at the middle of the step.
     """
 
     def __init__(self, chain: Chain, laws: Laws, drift: Drift, written: WrittenLaws | None = None) -> None:
-        """drift: of the stiffness of all that is elastic; written: laws of effect files that act too."""
+        """drift: of all elastic stiffnesses; written: laws of effect files."""
         self.chain, self.laws, self.drift, self.written = chain, laws, drift, written
         self.data = mujoco.MjData(chain.model)
         base = laws.base[0]
@@ -233,8 +228,8 @@ class Stepper:
         state.t += step
 
     def _written(self, state: ChainState, t: float, step: float) -> Array:
-        """Put what the written laws do at MuJoCo's present state into its bias force, and the slopes of their moments
-        over a step into its mass matrix, which becomes Newton's; the forces' sum (2,) [N].
+        """Add the written laws' forces at MuJoCo's present state to its bias force, and the slopes of their moments
+        over a step to its mass matrix, which is then Newton's matrix. Returns the forces' sum (2,) [N].
         """
         if self.written is None:
             return np.zeros(2)
@@ -254,7 +249,7 @@ class Stepper:
     def residual(self, state: ChainState) -> Array:
         """Generalised force (n + 3,) that is not balanced where the chain stands still in this state, at its time.
 
-        Bristles and dashpots are slack at rest: friction holds nothing, a Maxwell branch has relaxed.
+        At rest bristles and dashpots carry no force: friction is zero and Maxwell branches have relaxed.
         """
         memory = np.stack([np.zeros(self.chain.links), state.q[3:]], axis=1)
         zeros = np.zeros(self.chain.links + 3)

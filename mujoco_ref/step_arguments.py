@@ -1,4 +1,4 @@
-"""What the compiled functions of one step take, grouped: tuples of arrays, which numba reads without copying."""
+"""The arguments of the compiled functions of one step: tuples of arrays, which numba reads without copying."""
 
 from __future__ import annotations
 
@@ -20,12 +20,11 @@ class Body(NamedTuple):
 
 
 class Laws(NamedTuple):
-    """The records of what acts: hinges (n,), and one each of water, tip, rest and base."""
+    """The records of all influences: hinges (n,), and one each of water, tip and base."""
 
     hinges: Record
     water: Record
     tip: Record
-    rest: Record
     base: Record
 
 
@@ -68,8 +67,9 @@ class Midpoint(NamedTuple):
 
 
 class Equation(NamedTuple):
-    """What the laws add to: force (n + 3,), matrix (n + 3, n + 3); sums (4,): fluid force without the reaction to
-    acceleration (eq. 17) x, y [N], the rest of what the surroundings pull, x, y [N]."""
+    """The arrays to which the laws add: force (n + 3,), matrix (n + 3, n + 3); sums (4,): fluid force without the
+    reaction to acceleration (eq. 17) x, y [N], and all other external forces, x, y [N].
+    """
 
     force: Array
     matrix: Array

@@ -1,4 +1,4 @@
-"""A third opinion, where it is installed: the first frequency of an arm in air by PyElastica's Cosserat rod.
+"""A third value of the first frequency of an arm in air, by PyElastica's Cosserat rod (if it is installed).
 
 That rod shears and has rotary inertia, so it lies between Timoshenko's and Euler-Bernoulli's beam.
 """
@@ -17,11 +17,11 @@ from tentacle.specimen import Cone, Specimen
 
 ROD_STEP = 2e-5  # s: under the rod's fastest shear wave, from 1 mm of radius up
 SHEAR_OVER_YOUNG = 1.0 / 3.0  # incompressible
-TIP_NUDGE = 0.01  # m/s at the tip: a swing of a third of a millimetre
+TIP_NUDGE = 0.01  # m/s at the tip, which then swings by a third of a millimetre
 
 
 def is_installed() -> bool:
-    """Whether PyElastica can be asked. (A folder of caches, which an uninstalled one leaves behind, has no origin.)"""
+    """Whether PyElastica is installed. (After an uninstall a folder of caches can remain; it has no origin.)"""
     spec = find_spec("elastica")
     return spec is not None and spec.origin is not None
 
@@ -30,7 +30,7 @@ def first_frequency(specimen: Specimen, modulus: float, guess: float, elements: 
     """First natural frequency [Hz] of the clamped cone, Young's modulus [Pa], from a small free swing of five periods.
 
     guess [Hz] sets how long it swings, and where the fit of three sines starts. ImportError where PyElastica is not
-    installed, ValueError for a section that is no cone.
+    installed, ValueError for a section that is no cone, ArithmeticError if the fit does not converge.
     """
     if not isinstance(specimen.section, Cone):
         raise ValueError("PyElastica's rods are round")
@@ -78,4 +78,7 @@ def _lowest_sine(t: np.ndarray, x: np.ndarray, guess: float) -> float:
         columns = np.concatenate([np.cos(phases), np.sin(phases)], axis=1)
         return (columns @ np.linalg.lstsq(columns, x, rcond=None)[0] - x) / np.std(x)
 
-    return float(np.min(least_squares(misfit, guess * np.array([1.0, 2.5, 4.9])).x))
+    found = least_squares(misfit, guess * np.array([1.0, 2.5, 4.9]))
+    if not found.success:
+        raise ArithmeticError(f"the fit of three sines did not converge: {found.message}")
+    return float(np.min(found.x))

@@ -1,9 +1,9 @@
 """Forces of the water on the links, and forces at the tip, projected on the joints (compiled).
 
-Section forces stand at Gauss points of the links, so they converge with the number of links; MuJoCo's own fluid models
-do not, and know no added mass. Added mass is Kirchhoff's for a body that carries fluid along its normal only: momentum
-P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body); or, as far as `convective` is less than 1,
-Morison's, the normal acceleration alone.
+Section forces act at Gauss points of the links, so they converge with the number of links. MuJoCo's own fluid models do
+not converge and have no added mass of this kind. Added mass is Kirchhoff's for a body that carries fluid along its
+normal only: momentum P = m u_n n, force -dP/dt, couple -u x P (Lighthill 1960 for a slender body). With `convective`
+less than 1 it is partly Morison's, the normal acceleration alone.
 """
 
 from __future__ import annotations
@@ -95,11 +95,11 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
     """Add the water's generalised force to force (n + 3,), and to matrix (n + 3, n + 3) its added mass plus
     half_step times its resistance: what an implicit step needs. Writes sums.
 
-    motion as from link_motion, with the accelerations of the prediction: the added mass reacts to them here, and
-    only their change is left to the matrix.
+    motion as from link_motion, with the predicted accelerations. The reaction of the added mass to them is in force;
+    the matrix gives the reaction to their correction.
     """
     links, nodes, bodies = body.links, body.nodes, body.bodies
-    water, tip, rest = laws.water[0], laws.tip[0], laws.rest[0]
+    water, tip = laws.water[0], laws.tip[0]
     force, matrix, sums = equation.force, equation.matrix, equation.sums
     count = links.shape[0]
     composite = np.zeros(6)
@@ -107,7 +107,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
     fx, fy, moment = 0.0, 0.0, 0.0
     sums[:] = 0.0
     end = motion[count]
-    # The tip's own forces: a thread that only pulls, a magnet beside the tank.
+    # Forces at the tip: a thread (tension only), a magnet beside the tank.
     if tip.thread_stiffness != 0.0:
         dx, dy = tip.thread_x - end[0], tip.thread_y - end[1]
         distance = np.sqrt(dx * dx + dy * dy)
@@ -121,7 +121,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
         sums[2] += pull * dx
         sums[3] += pull * dy
     if water.shed != 0.0 and water.density > 0.0:
-        # What leaves a tip with an edge takes its momentum along: Lighthill 1971.
+        # Water that leaves a tip with an edge takes its momentum with it: Lighthill 1971.
         wx, wy, _, _ = water_motion(end[0], end[1], t, water)
         ux, uy, c, s = end[2] - wx, end[3] - wy, np.cos(end[6]), np.sin(end[6])
         u_n, u_t = ux * c + uy * s, -ux * s + uy * c
@@ -155,12 +155,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
             gx, gy = gx + flow_x - carries * ax, gy + flow_y - carries * ay
             fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
             _add_tensor(composite, (px, py), (carries, carries, 0.0), (c, s))
-    length = 0.0
-    for k in range(count):
-        length += links[k, LENGTH]
-    reached = length
     for k in range(count - 1, -1, -1):
-        reached -= links[k, LENGTH]
         x0, y0, vx0, vy0, ax0, ay0, phi, rate, acceleration = motion[k]
         c, s = np.cos(phi), np.sin(phi)
         if wet:
@@ -194,7 +189,7 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
                 if water.vortex_C_L != 0.0:
                     beat = np.sin(2.0 * np.pi * water.vortex_f * t)
                     f_n += 0.5 * water.density * width * water.vortex_C_L * speed**2 * beat
-                # Froude-Krylov: the pressure gradient that accelerates the water accelerates what displaces it.
+                # Froude-Krylov: the pressure gradient that accelerates the water also acts on the body in its place.
                 displaced = water.density * nodes[k, g, AREA]
                 gx, gy = weight * (f_n * c - f_t * s + displaced * wax), weight * (f_n * s + f_t * c + displaced * way)
                 sums[0] += gx
@@ -239,20 +234,6 @@ def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: flo
                 fx, fy = fx + gx, fy + gy
                 moment += px * gy - py * gx + turned * u_n * u_t - turning * acceleration
                 _add_tensor(composite, (px, py), (carried, round_it, turning), (c, s))
-        if rest.acts != 0.0:
-            for g in range(nodes.shape[1]):
-                reach = nodes[k, g, ALONG]
-                px, py = x0 - reach * s, y0 + reach * c
-                wx, wy, _, _ = water_motion(px, py, t, water)
-                u_n = (vx0 - reach * rate * c - wx) * c + (vy0 - reach * rate * s - wy) * s
-                towards = ((reached + reach) / length) ** 3
-                per_mass = rest.push * towards + px * (rest.tether + rest.tip_tether * towards)
-                per_mass += rest.bowed_tether * px * px + rest.tip_brake * u_n * towards
-                f_n = -rest.density * nodes[k, g, AREA] * nodes[k, g, WEIGHT] * per_mass
-                gx, gy = f_n * c, f_n * s
-                sums[0] += gx
-                sums[1] += gy
-                fx, fy, moment = fx + gx, fy + gy, moment + px * gy - py * gx
         force[2 + k] += moment - (x0 * fy - y0 * fx)
         if wet:
             # Rows of the composite's matrix for the joint at (x0, y0): arms p' = (-y, x).

@@ -1,4 +1,4 @@
-"""The MuJoCo arm as the emulated rig's plant: a process that keeps step with the board's core over a pipe.
+"""The MuJoCo arm as the emulated rig's plant: a process in step with the board's core through a pipe.
 
 python -m rig.arm_plant FD_IN FD_OUT MODEL.toml [HIDDEN.json]: it reads (to_s, command_rad, armed) and answers with
 angle, force, current and 24 midline points, as in firmware/host/plant.hpp. HIDDEN holds effects that the model's
@@ -24,7 +24,7 @@ from tentacle.io.model_file import read_model
 from tentacle.model import Model
 from tentacle.signals import Array
 
-PLANT_STEP = 0.002  # s; half of mujoco_ref.simulate.LONGEST_STEP: a servo that is told a step jerks the arm
+PLANT_STEP = 0.002  # s; half of mujoco_ref.simulate.LONGEST_STEP: a step of the command jerks the arm
 PLANT_LINKS = 12
 SERVO_PACE = 25.0  # 1/s: a critically damped position servo, as the built-in stand-in has it
 SERVO_SPEED = 12.0  # rad/s, of a fast waterproof servo
@@ -32,7 +32,7 @@ _REQUEST, _ANSWER = struct.Struct("<3d"), struct.Struct(f"<{3 + 2 * ARM_POINTS}d
 
 
 class ServoMotion:
-    """A critically damped second-order servo with a speed limit: angle, rate, acceleration (3,) as time goes on."""
+    """A critically damped second-order servo with a speed limit: angle, rate, acceleration (3,) over time."""
 
     def __init__(self) -> None:
         self.state = np.zeros(3)
@@ -94,7 +94,7 @@ class ArmPlant:
 
 
 def main(words: list[str]) -> int:
-    """Answers until the pipe closes: Ctrl-C is for the emulator, which then closes it."""
+    """Answers until the pipe closes; on Ctrl-C the emulator closes it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     read_end, write_end = int(words[0]), int(words[1])
     hidden = json.loads(Path(words[3]).read_text()) if len(words) > 3 else {}

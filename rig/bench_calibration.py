@@ -1,6 +1,5 @@
-"""Calibrations that a person takes part in: masses hung on the load cell, angles measured, a lamp or taps filmed.
-
-Each gives the setup with the new calibration. `say` shows a line, `ask` puts a question and returns the answer.
+"""Calibrations with a person: masses hung on the load cell, angles measured, a lamp or taps filmed. Each returns the
+setup with the new calibration. `say` shows a line, `ask` asks a question and returns the answer.
 """
 
 from __future__ import annotations

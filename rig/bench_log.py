@@ -19,7 +19,7 @@ GRAM_FORCE = 1e-3 * STANDARD_GRAVITY  # N
 
 @dataclass(frozen=True)
 class BenchLog:
-    """t (N,) [s], counts (N,), force (N,) [N] as its own rig calibrated it, None where the log has no such column."""
+    """t (N,) [s], counts (N,), force (N,) [N] by that rig's own calibration, None if the log has no such column."""
 
     file: Path
     t: Array
@@ -40,7 +40,7 @@ class BenchLog:
 
 @dataclass(frozen=True)
 class LogColumns:
-    """Which columns of the CSV hold what; grams [gf] is optional."""
+    """Names of the columns in the CSV; grams [gf] is optional."""
 
     time: str = "timestamp_s"
     counts: str = "thrust_raw"
@@ -71,5 +71,5 @@ def calibration_of(log: BenchLog) -> LineFit:
 
 
 def load_cell_signal(log: BenchLog, calibration: LoadCellCalibration) -> LoadCellSignal:
-    """The log's counts as thrust [N] by a calibration of ours."""
+    """The log's counts as thrust [N] by this calibration."""
     return LoadCellSignal(log.t - log.t[0], np.asarray(calibration.to_newtons(log.counts), dtype=float))

@@ -15,7 +15,7 @@ from tentacle.recording import Recording
 
 @dataclass(frozen=True)
 class LogOptions:
-    """declaration: the recording.toml of what hung on the load cell; columns: names of time, counts and grams.
+    """declaration: the recording.toml of the specimen on the load cell; columns: names of time, counts and grams.
 
     calibration: offset [counts] and counts per newton; None: from the column of grams.
     """
@@ -26,7 +26,7 @@ class LogOptions:
 
 
 def bench_recording(log_file: Path, options: LogOptions) -> tuple[Recording, str]:
-    """The recording, and what was found in the log as a sentence."""
+    """The recording, and a sentence about the log."""
     if options.declaration is None:
         raise InputError("is missing", field="--declare", expected="the recording.toml of what hung on the load cell")
     if options.columns is not None and len(options.columns) not in (2, 3):

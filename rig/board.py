@@ -1,8 +1,6 @@
-"""The board as the host sees it: commands with bounded retry, samples in order, the clock, and coming back after a
-loss.
-
-One thread does all of it: while `service` is called the board hears from the host; a host that hangs is a silent host,
-and the board's watchdog then takes the arm to neutral. That is meant.
+"""The board, seen from the host: commands with bounded retries, samples in order, the clock, and recovery after a loss.
+One thread does all of it: the host sends pings while `service` is called. If the host hangs it is silent, and the
+board's watchdog takes the arm to neutral. This is intended.
 """
 
 from __future__ import annotations
@@ -36,10 +34,10 @@ from rig.sequence import SampleSequence
 
 SLOWEST_BOARD = 0.01  # s to answer a command, beside the line's own time
 MOST_TRIES = 40
-BACK_OFF, LONGEST_WAIT = 1.15, 0.08  # each try waits longer than the last, up to so many seconds: 2.5 s in all
+BACK_OFF, LONGEST_WAIT = 1.15, 0.08  # s, longest wait of one try; each try waits longer than the last, 2.5 s in all
 PING_EVERY = 0.05  # s; five within the board's watchdog
-PING_EVERY_BAD_LINE = 0.02  # s; where 3 % of bytes are damaged five pings are all lost once in 350 times, twelve never
-CLEAN_LINE = 3  # damaged frames and retries, no more than which a line is taken as good
+PING_EVERY_BAD_LINE = 0.02  # s; with 3 % of damaged bytes five pings are all lost once in 350 times, twelve never
+CLEAN_LINE = 3  # largest number of damaged frames and retries on a good line
 LONGEST_NEGLECT = 2.0  # s; the board holds its samples for 7 s, at an emulator's double rate for half as long
 BOOT_WITHIN = 6.0  # s; a Due that is opened resets and starts within 2 s
 
@@ -114,7 +112,7 @@ class Board:
         self._counters = replace(self._counters, reconnects=self._counters.reconnects + 1)
 
     def close(self) -> None:
-        """Sends the arm to neutral if the link still stands, and closes it."""
+        """Sends the arm to neutral if the link still works, and closes it."""
         if self.link.is_open:
             try:
                 self.command(Type.NEUTRAL)
@@ -139,7 +137,9 @@ class Board:
         raise Fault("no_answer", f"the board did not answer {kind.name} in {MOST_TRIES} tries")
 
     def post(self, kind: Type, body: bytes = b"", *, again: int | None = None) -> int:
-        """Sends a command once and does not wait for its answer. The number it has, `again` where it had one."""
+        """Sends a command once without waiting for its answer. Returns its number, which is `again` if that
+        is given.
+        """
         number = self._numbered() if again is None else again
         counted = self._counters
         if again is None:
@@ -164,12 +164,12 @@ class Board:
 
     @property
     def neglected(self) -> bool:
-        """Whether it was not served for so long that what it said meanwhile is lost: it must be greeted anew."""
+        """Whether it was not served for so long that its messages are lost: it must be greeted again."""
         return time.monotonic() - self._serviced_at > LONGEST_NEGLECT
 
     @property
     def line_is_good(self) -> bool:
-        """Whether enough has been said over the line, and hardly any of it twice."""
+        """Whether there were enough messages over the line, with hardly any repetition."""
         counters = self.counters
         bad = counters.host_bad_frames + counters.board_bad_frames + counters.retries
         return counters.commands > 20 and bad <= CLEAN_LINE
@@ -196,7 +196,7 @@ class Board:
         self._inbox += self._sequence.give_up()
 
     def take(self) -> list[Sample]:
-        """The samples that have come since the last call, in order, each once."""
+        """The samples received since the last call, in order, each once."""
         samples, self._inbox = self._inbox, []
         return samples
 
@@ -212,7 +212,7 @@ class Board:
         return self.clock.fit()
 
     def catch_up(self, within: float = 1.0) -> None:
-        """Waits until every sample that the board has made is here, or given up; at most `within` real seconds."""
+        """Waits until every sample of the board has arrived or is given up; at most `within` real seconds."""
         until = time.monotonic() + within
         before = self.pong
         self._pinged_at = -1e9
@@ -243,7 +243,7 @@ class Board:
 
     @property
     def _board_bad_frames(self) -> int:
-        """How many frames the board got damaged since it was first heard; it counts from its start."""
+        """Number of damaged frames at the board since the first contact; the board counts from its start."""
         if self.pong is None or self._board_bad_before is None:
             return 0
         return self.pong.bad_frames - self._board_bad_before

@@ -1,6 +1,6 @@
 """Compiles the board's core for this computer, once, into the user's cache; named by a hash of its sources.
 
-A program whose own hash does not agree with the one beside it was torn, and is compiled anew.
+A program whose hash does not agree with the stored one is damaged, and is compiled again.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ WORST_RMS = 0.03  # of the range; a load cell of the cheapest kind is within 0.1
 class LineFit:
     """value = (reading - offset) / slope, with standard deviations; residuals (N,) and rms in the value's unit.
 
-    outliers counts what was left out: beyond 6 robust standard deviations.
+    outliers: number of points left out, beyond 6 robust standard deviations.
     """
 
     offset: float

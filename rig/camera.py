@@ -1,4 +1,6 @@
-"""The camera: frames with the host time of their arrival, from a webcam, a file standing in, or the emulated tank."""
+"""The camera: frames with the host time of their arrival, from a webcam, from a video file, or from the
+emulated tank.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ from tentacle.signals import Array
 Image = NDArray[np.uint8]
 JPEG_QUALITY = 92
 THUMBNAIL = (16, 12)  # pixels, for finding the flash
-MOST_FRAMES = 600  # that wait to be taken; between runs nobody takes them
+MOST_FRAMES = 600  # waiting frames, at most; between runs nobody takes them
 STALLED_AFTER = 0.5  # s without a frame
 
 
@@ -36,7 +38,7 @@ class CameraFrame:
 
 
 class FrameSource(Protocol):
-    """Where pictures come from. `read` blocks until the next one: (image, host_s of arrival), None at the end."""
+    """A source of pictures. `read` blocks until the next one: (image, host_s of arrival), None at the end."""
 
     def read(self) -> tuple[Image, float] | None:
         """The next picture."""
@@ -72,7 +74,7 @@ class WebcamSource:
 
 
 class FileSource:
-    """A video file played at its own pace, in a camera's place."""
+    """A video file played at its own pace, instead of a camera."""
 
     def __init__(self, path: Path, host_time: HostTime) -> None:
         self._time = host_time

@@ -1,4 +1,4 @@
-"""How much later a frame arrives than it was exposed: from flashes (or servo taps) whose board time is known."""
+"""The delay from a frame's exposure to its arrival, from flashes (or servo taps) with a known board time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from scipy.special import ndtr
 from rig.fault import Fault
 from tentacle.signals import Array
 
-JITTER_FLOOR = 5e-4  # s; no camera's stamps are better than that
+JITTER_FLOOR = 5e-4  # s; no camera's time stamps are better than this
 LARGEST_OFFSET = 0.5  # s
 COARSE = 0.01  # s, steps of the delay while the lamp is looked for
 FOLLOWS = 0.7  # least correlation of a lamp's pixel with the flashes; frames lit in part cost a lamp 0.1 at most
@@ -28,9 +28,8 @@ class CameraOffset:
 
 def lit_frames(thumbnails: Array, frame_times: Array, on: Array, off: Array) -> np.ndarray:
     """Which frames (N, h, w), arrived at frame_times (N,) [s], show the light: bool (N,). on, off (F,): the flashes.
-
-    The pixel that follows the flashes best, at whatever delay, is the lamp: an arm that moves switches pixels too, but
-    not in step with them. Fault("camera") where no pixel follows.
+    The lamp is the pixel with the highest correlation with the flashes at any delay. A moving arm changes pixels too,
+    but not in step with the flashes. Fault("camera") where no pixel follows.
     """
     frame_times, on, off = (np.asarray(x, dtype=float) for x in (frame_times, on, off))
     flashes = min(on.size, off.size)
@@ -60,9 +59,9 @@ def lit_frames(thumbnails: Array, frame_times: Array, on: Array, off: Array) -> 
 def estimate_offset(frame_times: Array, lit: np.ndarray, on: Array, off: Array) -> CameraOffset:
     """frame_times (N,) [s] of arrival, lit (N,) bool, and the flashes' true begins and ends (F,) [s], one time base.
 
-    A frame is lit when the middle of its exposure lies within a flash: each edge says that it fell between two
-    frames, less the offset. Their product, over a grid, is the offset's distribution; frames' jitter softens the
-    walls. Fault("camera") where fewer than two edges can be told apart.
+    A frame is lit if the middle of its exposure lies within a flash. So each edge of a flash lies between two frames,
+    minus the offset. The product over all edges, on a grid, is the distribution of the offset; the jitter of the frames
+    smooths it. Fault("camera") where fewer than two edges can be told apart.
     """
     frame_times, lit = np.asarray(frame_times, dtype=float), np.asarray(lit, dtype=bool)
     period = float(np.median(np.diff(frame_times)))
@@ -92,7 +91,9 @@ def estimate_offset(frame_times: Array, lit: np.ndarray, on: Array, off: Array) 
 
 
 def combined(now: CameraOffset, calibrated: CameraOffset | None) -> CameraOffset:
-    """This run's estimate and the calibrated one, weighted; this run's alone where they contradict (3 sigma)."""
+    """The weighted mean of this run's estimate and the calibrated one; this run's alone if they contradict each other
+    (3 sigma).
+    """
     if calibrated is None or abs(now.offset - calibrated.offset) > 3.0 * np.hypot(now.sigma, calibrated.sigma):
         return now
     weight = np.array([now.sigma, calibrated.sigma]) ** -2.0

@@ -15,8 +15,8 @@ from rig.protocol import BoardEvent, EventCode
 from rig.setup_file import CameraSettings
 
 FLASH_MS = 120
-FLASH_EVERY = (0.3, 0.5)  # s, at random in between: flashes must not keep step with the frames
-WORST_SIGMA = 0.01  # s; flashes that say no more than that say nothing
+FLASH_EVERY = (0.3, 0.5)  # s, at random in between: flashes must not be synchronous with the frames
+WORST_SIGMA = 0.01  # s; with a larger standard deviation the flashes are useless
 
 
 class Flashes:
@@ -60,7 +60,7 @@ class CameraWatch:
     def take(self) -> list[CameraFrame]:
         """The frames that have come since the last call.
 
-        A stalled camera does not end a run, since motor and load cell are whole: the gap is written down.
+        A stalled camera does not end a run, because motor and load cell are complete; the gap is recorded.
         """
         frames = self._camera.take()
         if self._flashes is not None:
@@ -79,17 +79,17 @@ class CameraWatch:
             self._flashes.add_event(event)
 
     def synchronise(self, fit: ClockFit) -> None:
-        """The flashes are over: what they say of the camera's delay, weighed with its calibration."""
+        """After the flashes: the camera's delay from them, combined with its calibration."""
         assert self._flashes is not None
         known = CameraOffset(self._settings.offset, self._settings.sigma, 0) if self._settings.sigma > 0 else None
         try:
             self._offset = combined(self._flashes.offset(fit), known)
         except Fault:
-            self._offset = None  # the lamp is out of sight: the calibrated offset stands, and the record says so
+            self._offset = None  # the lamp is not visible: the calibrated offset is used, and the record says so
         self._flashes = None
 
     def record(self) -> dict[str, Any]:
-        """For the stop record: the delay and where it is from, and the gaps [s] of host time."""
+        """For the stop record: the delay and its source, and the gaps [s] of host time."""
         offset, sigma, source = self._settings.offset, self._settings.sigma, "calibrated"
         if self._offset is not None:
             offset, sigma, source = self._offset.offset, self._offset.sigma, "flashes of this run"

@@ -1,4 +1,6 @@
-"""What `tentacle rig check` finds out about a rig, without moving the arm: is it fit to measure, and how well."""
+"""The checks of `tentacle rig check`, without moving the arm: whether the rig is ready to measure, and how
+accurately.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ from rig.setup_file import RigSetup
 
 @dataclass(frozen=True)
 class CheckItem:
-    """One finding: value in unit, whether it is good enough, and what to do where it is not."""
+    """One finding: value in unit, whether it is good enough, and what to do if it is not."""
 
     name: str
     value: float
@@ -59,7 +61,7 @@ def _line(board: Board) -> list[CheckItem]:
 
 
 def _limits(setup: RigSetup, board: Board) -> list[CheckItem]:
-    """The board must refuse a set point beyond the limits: it is asked to take one, at neutral, without a run."""
+    """The board must refuse a set point beyond the limits. The check sends one, at neutral, without a run."""
     board.command(Type.CLEAR)
     beyond = round(1e6 * setup.limits.max_angle) + 10_000
     try:

@@ -1,4 +1,4 @@
-"""Host time and board time on one line: a regression over round trips, of which the quickest say the most."""
+"""Host time against board time: a regression over round trips, of which the quickest are the most accurate."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LONGEST_MEMORY = 2400  # round trips: two minutes at 20 Hz, over which a crystal
 class ClockFit:
     """host = host_zero + (1 + skew) (board - board_zero), all in seconds; sigma [s] of a converted time.
 
-    round_trip [s] is the quickest seen: half of it bounds what an unequal way there and back can hide.
+    round_trip [s] is the quickest one; half of it is the largest error from unequal delays in the two directions.
     """
 
     host_zero: float
@@ -56,8 +56,8 @@ class ClockEstimator:
     def fit(self) -> ClockFit:
         """The regression; ValueError before the first round trip.
 
-        The skew is drawn to 0 with SKEW_SIGMA: over a few seconds the round trips' jitter says less than the crystals
-        do.
+        The skew has a prior of 0 +- SKEW_SIGMA, because over a few seconds the round trips determine it less well than
+        the crystals.
         """
         if not self._trips:
             raise ValueError("no round trip yet: the board has not answered a ping")
@@ -69,7 +69,7 @@ class ClockEstimator:
         x, y = board - board_zero, (host - host_zero) - (board - board_zero)
         weight = np.ones_like(x)
         offset = skew = spread = 0.0
-        floor = max(float(trip.min()) / 4.0, 2e-5)  # the least spread that a round trip can promise
+        floor = max(float(trip.min()) / 4.0, 2e-5)  # the smallest possible spread of a round trip
         for _ in range(10):
             spread = max(float(np.sqrt(np.average((y - offset - skew * x) ** 2, weights=weight))), floor)
             prior = (spread / SKEW_SIGMA) ** 2

@@ -1,4 +1,4 @@
-"""Whether a run was measured all along: readings that are missing for long make it another outcome than complete."""
+"""Checks that a run was measured without gaps: with a long gap in the readings its outcome is not complete."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rig.play import PlayEnd
 
 LONGEST_SILENCE = 1.0  # s without a reading; the cell's chip takes half of it to be started again after a bad read
 SHORT_GAP = 0.2  # s; two conversions of the load cell at its slow rate
-MOST_MISSING = 0.25  # of a run, in short gaps: a cell that saturates at each stroke loses the strokes' peaks
+MOST_MISSING = 0.25  # of a run, sum of short gaps: a load cell that saturates in each stroke loses the peaks
 
 
 def told_gaps(end: PlayEnd, load_us: Sequence[int], servo_us: Sequence[int], seconds: float) -> PlayEnd:
@@ -23,7 +23,7 @@ def told_gaps(end: PlayEnd, load_us: Sequence[int], servo_us: Sequence[int], sec
         words = f"{name} gave no reading for {short:.2f} of {seconds:.2f} s"
         if long > 0.0 or short > MOST_MISSING * seconds:
             return PlayEnd("load_cell" if name == "the load cell" else "no_answer", words, end.start_us)
-        if short > 0.0:  # the run is complete, and whoever reads it knows what is not there
+        if short > 0.0:  # the run is complete, and its record states the gaps
             end = PlayEnd(end.outcome, "; ".join(filter(None, (end.words, words))), end.start_us)
     return end
 

@@ -1,4 +1,4 @@
-"""What touches a run's file does so in a thread of its own: a disk that stands still must not keep the board waiting.
+"""All access to a run's file is in a separate thread, so that a hanging disk does not keep the board waiting.
 
 The thread is a daemon: a disk that never answers does not keep the program from ending.
 """
@@ -29,9 +29,8 @@ class DiskWriter:
         threading.Thread(target=self._run, name="recorder", daemon=True).start()
 
     def begin(self, job: Callable[[], None]) -> bool:
-        """Begins a job and does not wait for it; False where the one before is still under way.
-
-        Fault("disk") where that one has failed, or takes too long.
+        """Begins a job without waiting for it; False if the previous job is still running. Fault("disk") if that job
+        has failed, or takes too long.
         """
         if self._under_way is not None:
             if not self._under_way.done():
@@ -45,7 +44,7 @@ class DiskWriter:
         return True
 
     def wait(self) -> None:
-        """Until what is under way is done. Fault("disk") where it fails, or takes too long."""
+        """Until the running job is done. Fault("disk") if it fails, or takes too long."""
         under_way, self._under_way = self._under_way, None
         if under_way is None:
             return

@@ -1,4 +1,4 @@
-"""A camera in front of the emulated tank: exposure, latency, jitter and the flash, all with a truth to compare with."""
+"""A camera in front of the emulated tank, with exposure, latency, jitter and flash; the truth is known."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class EmulatedOptics:
 
     @property
     def offset(self) -> float:
-        """What a perfect calibration would find: arrival after the middle of exposure [s]."""
+        """The true offset for a calibration: arrival after the middle of exposure [s]."""
         return self.latency + 0.5 * self.declaration.exposure
 
 

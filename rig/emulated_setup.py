@@ -55,7 +55,7 @@ def emulated_setup(
 
 
 def seconds_behind(running: Emulator) -> float:
-    """How far the emulated board is behind its own clock [s of it]; 0 where it cannot be told."""
+    """Delay of the emulated board behind its own clock [s of it]; 0 if unknown."""
     try:
         truth = running.truth()
     except InputError:

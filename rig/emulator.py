@@ -28,7 +28,7 @@ Said = Literal["unplug", "replug", "reset", "line", "mute", "cell_off", "cell_gl
 
 @dataclass(frozen=True)
 class Truth:
-    """What truly is, at board_us [us]: the clock's zero and rate, the last flash, the pin, and the plant.
+    """The true state at board_us [us]: the clock's zero and rate, the last flash, the pin, and the plant.
 
     angle [rad], force [N], current [mA], points (24, 2) [m] in the base frame, base to tip.
     """
@@ -64,9 +64,8 @@ def read_truth(path: Path) -> Truth:
 
 
 def read_past(path: Path, board_s: float) -> Array:
-    """Where the arm's points (24, 2) [m] truly were at board time `board_s` [s], less than half a second ago.
-
-    InputError where that is longer ago, or still to come.
+    """True places of the arm's points (24, 2) [m] at board time `board_s` [s], less than half a second ago. InputError
+    if that is longer ago, or in the future.
     """
     data = np.frombuffer(_at_rest(path, _STATE.size + 8 * _PAST[0] * _PAST[1])[_STATE.size :]).reshape(_PAST)
     data = data[data[:, 0] >= 0]
@@ -94,7 +93,7 @@ def _at_rest(path: Path, size: int) -> bytes:
 
 @dataclass(frozen=True)
 class EmulatorSettings:
-    """What the emulated rig is like. seed: of noise, faults and boot ids; rate: emulated seconds per real second;
+    """Settings of the emulated rig. seed: of noise, faults and boot ids; rate: emulated seconds per real second;
     skew_ppm: of the board's crystal; boot_s: the board's clock at the start; load cell: period [s], offset [counts],
     slope [counts/N], noise [counts]; plant: "paddle" (two links, built in) or "arm" (MuJoCo); plant_options: for "arm".
     """
@@ -180,7 +179,7 @@ class Emulator:
         self._board.wait()
 
     def truth(self) -> Truth:
-        """What truly is, now."""
+        """The true state now."""
         return read_truth(self.trace)
 
     def exit_status(self) -> int | None:

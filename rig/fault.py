@@ -1,4 +1,4 @@
-"""What goes wrong on a rig while it runs. Bad input is tentacle.errors.InputError; this is the world's doing."""
+"""Faults of a running rig. Bad input is a different error, tentacle.errors.InputError."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FaultKind = Literal[
 
 
 class Fault(RuntimeError):  # noqa: N818 (the rig has faults; an error is the input's)
-    """A fault of the rig, by kind; the message is one line that says what to look at."""
+    """A fault of the rig, by kind; the message is one line that says what to check."""
 
     def __init__(self, kind: FaultKind, message: str) -> None:
         self.kind: FaultKind = kind

@@ -1,4 +1,4 @@
-"""Periodic gaits to choose from on the rig: every point of the space is within the servo's limits, by construction."""
+"""The space of periodic gaits on the rig: every point is within the servo's limits by construction."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class GaitSpace:
 
 @dataclass(frozen=True)
 class TrialPlan:
-    """How one gait is tried: periods run, of which the first `transient` are not counted."""
+    """The test of one gait: number of periods, of which the first `transient` are not counted."""
 
     periods: int = 6
     transient: int = 2

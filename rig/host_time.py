@@ -1,4 +1,4 @@
-"""The host's clock. On hardware it is the monotonic clock; beside an emulator that runs faster, it runs as fast."""
+"""The host's clock. On hardware it is the monotonic clock. With an emulator at another rate it has the same rate."""
 
 from __future__ import annotations
 

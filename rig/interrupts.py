@@ -9,7 +9,7 @@ from types import FrameType
 
 
 class Interrupts:
-    """Counts SIGINT while used as a context manager; say is told what each one does.
+    """Counts SIGINT while used as a context manager; `say` reports the effect of each.
 
     SIGTERM, and SIGHUP of a terminal that was closed, count as two.
     """
@@ -48,7 +48,7 @@ class Interrupts:
     def _heard(self, number: int, _frame: FrameType | None) -> None:
         self._last = signal.Signals(number)
         self._count += 1 if number == signal.SIGINT else 2
-        with suppress(OSError, RuntimeError):  # the terminal may be what has gone
+        with suppress(OSError, RuntimeError):  # the terminal itself may be closed
             if self._count == 1:
                 self._say("pausing after this run; Ctrl-C again stops the motor now")
             else:

@@ -1,4 +1,4 @@
-"""The journal of a study on the rig: whole, or made again from the recordings, which are what was measured."""
+"""The journal of a study on the rig. If it is damaged, it is made again from the recordings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rig.run_file import Run, read_run
 from tentacle.errors import InputError
 
 JOURNAL = "study.journal"
-RECORDING = "recording"  # the attribute of a trial that names its file, where that is not of the trial's number
+RECORDING = "recording"  # attribute of a trial with its file name, if that is not from the trial's number
 
 
 def recording_path(folder: Path, number: int, attributes: Mapping[str, object]) -> Path:
@@ -22,7 +22,7 @@ def recording_path(folder: Path, number: int, attributes: Mapping[str, object]) 
 
 
 def set_aside(path: Path) -> Path:
-    """Moves a file to a name that is free, and never over another; where it is now."""
+    """Moves a file to a free name, never over another file; returns the new path."""
     number = 1
     while (aside := path.with_name(f"{path.stem}.unfinished-{number}{path.suffix}")).exists():
         number += 1
@@ -50,7 +50,9 @@ def recover(
     bounds: Mapping[str, tuple[float, float]],
     value_of: Callable[[Run, float], float],
 ) -> int:
-    """Puts the folder's complete recordings into a study that knows of none; how many. value_of: (run, frequency)."""
+    """Adds the folder's complete recordings to a study that has none; returns their number. value_of: (run,
+    frequency).
+    """
     count = 0
     distributions = {name: FloatDistribution(*pair) for name, pair in bounds.items()}
     for path in sorted(folder.glob("trial-*.rrd")):
@@ -74,7 +76,9 @@ def recover(
 
 
 def cut_torn_line(journal: Path) -> int:
-    """Cuts what follows the last newline: a line torn by a crash would make every later start fail. Bytes cut."""
+    """Removes the text after the last newline, because an incomplete line from a crash would make every later start
+    fail. Returns the number of bytes removed.
+    """
     if not journal.exists():
         return 0
     data = journal.read_bytes()

@@ -1,4 +1,4 @@
-"""What the line between host and board has cost."""
+"""Errors and repetitions on the line between host and board."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LineCounters:
-    """What the line has cost so far; written into every recording."""
+    """Errors and repetitions so far; written into every recording."""
 
     commands: int = 0
     retries: int = 0

@@ -1,4 +1,4 @@
-"""One class for every way to a board: a serial port, a pty, loop://, socket://HOST:PORT, rfc2217://HOST:PORT."""
+"""One class for all connections to a board: a serial port, a pty, loop://, socket://HOST:PORT, rfc2217://HOST:PORT."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tentacle.errors import InputError
 
 BAUD = 115200
 SCHEMES = ("socket", "rfc2217", "loop")
-READ_PATIENCE = 0.002  # s a read waits; set once, for a port over rfc2217:// negotiates every change with its server
+READ_PATIENCE = 0.002  # s, time-out of a read; set once: over rfc2217:// every change is negotiated with the server
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def serial_ports() -> list[PortFound]:
 
 
 def require_scheme(url: str) -> None:
-    """InputError where a port's scheme is not one of SCHEMES: pyserial knows others, one of which writes a file."""
+    """InputError if a port's scheme is not one of SCHEMES: pyserial has others, one of which writes a file."""
     scheme, separator, _ = url.partition("://")
     if separator and scheme.lower() not in SCHEMES:
         known = ", ".join(f"{one}://" for one in SCHEMES)
@@ -78,7 +78,7 @@ class Link:
 
     @property
     def bad_frames(self) -> int:
-        """How many frames came damaged, over all openings."""
+        """Number of damaged frames, over all openings."""
         return self._bad_before + self._parser.bad
 
     @property
@@ -104,7 +104,7 @@ class Link:
         self.bytes_written += len(data)
 
     def receive(self, wait: float) -> list[WireFrame]:
-        """The frames that have come, after at most `wait` real seconds."""
+        """The received frames, after at most `wait` real seconds."""
         port = self._require()
         data = b""
         until = time.monotonic() + wait

@@ -1,6 +1,5 @@
-"""What a viewer is shown of a run while it lasts: the signals as they come, and the camera's picture, small and seldom.
-
-A stream of its own beside the file's: a viewer that is slow, or is closed, costs the recording nothing.
+"""The live view of a run: the signals at once, and small pictures of the camera at a low rate. It has a separate
+stream, so that a slow or closed viewer does not disturb the recording.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ PREVIEW = "/rig/preview"
 PREVIEW_EVERY = 0.25  # s
 PREVIEW_WIDTH = 320  # px, at most
 PREVIEW_QUALITY = 70
-CLOSE_WITHIN = 1.0  # s; then what a viewer has not taken is let go
+CLOSE_WITHIN = 1.0  # s; after that, data that the viewer has not taken are dropped
 
 
 class LiveFeed:
@@ -47,11 +46,11 @@ class LiveFeed:
         self._stream.log(entity, rr.TextLog(words, level="INFO"))
 
     def clock(self, fit: ClockFit) -> None:
-        """By which frames are placed on the board's time from now on."""
+        """The clock fit for placing frames on the board's time from now on."""
         self._fit = fit
 
     def frames(self, frames: Sequence[CameraFrame]) -> None:
-        """Shows one of them now and then, at the time of its arrival."""
+        """Shows one of them from time to time, at the time of its arrival."""
         if self._fit is None or not frames or frames[-1].host_s < self._shown_at + PREVIEW_EVERY:
             return
         self._shown_at = frames[-1].host_s
@@ -60,7 +59,7 @@ class LiveFeed:
         self._stream.log(PREVIEW, rr.EncodedImage(contents=preview(frames[-1].jpeg), media_type="image/jpeg"))
 
     def close(self) -> None:
-        """Lets the viewer go; it keeps what it was shown."""
+        """Disconnects from the viewer, which keeps its data."""
         with suppress(Exception):  # of undocumented kinds: a viewer that was closed is no fault
             self._stream.flush(timeout_sec=CLOSE_WITHIN)
         # Rerun tries for seconds to reach a viewer that is gone; nobody waits for that.

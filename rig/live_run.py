@@ -1,4 +1,4 @@
-"""A run while it lasts: settle, flash for the camera's clock, play, and hand everything to the recorder."""
+"""A live run: settle, flash for the camera's clock, play, and pass everything to the recorder."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Progress = Callable[[str, float], None]  # is told a phase, and the share of it 
 
 
 class LiveRun:
-    """The state of one run. count: samples so far; rest [N]: what the load cell read before it."""
+    """The state of one run. count: samples so far; rest [N]: the load cell's reading before it."""
 
     def __init__(
         self,
@@ -55,7 +55,7 @@ class LiveRun:
         self._clocked_at = -1e9
 
     def perform(self, recorder: Recorder) -> PlayEnd:
-        """Settles and plays. Fault where it did not come to playing; what happens later is the end's outcome."""
+        """Settles and plays. Fault if the run does not start to play; a later fault is the outcome of the end."""
         self._settle(recorder)
         end: PlayEnd | None = None
         begun = self.board.time.now()
@@ -104,7 +104,7 @@ class LiveRun:
             self._watch.synchronise(self.board.clock.fit())
 
     def _flash(self) -> bool:
-        """Whether the lamp was lit; not so while it still is, on a board that is late."""
+        """Whether the lamp was switched on; False if it is still on because the board is late."""
         try:
             self.board.command(Type.FLASH, command_bodies.flash(FLASH_MS))
         except Fault as fault:
@@ -142,7 +142,7 @@ class LiveRun:
             self.board.command(Type.NEUTRAL)
 
     def mean_thrust(self, end: PlayEnd) -> float:
-        """Mean force over the waveform [N], less what the cell read at rest; NaN where the run is not complete."""
+        """Mean force over the waveform [N], minus the reading at rest; NaN if the run is not complete."""
         if end.outcome != "complete":
             return float("nan")
         begin = end.start_us + 1e6 * self.motion.lead
@@ -151,7 +151,7 @@ class LiveRun:
         return float(self.setup.load_cell.to_newtons(np.mean(counts)) - self.rest) if counts else float("nan")
 
     def stop_record(self, end: PlayEnd) -> dict[str, Any]:
-        """What is known after the run, as plain data."""
+        """The stop record as plain data."""
         fit = self.board.clock.fit() if len(self.board.clock) else None
         return {
             "words": end.words,

@@ -1,4 +1,4 @@
-"""The gaits that a model holds to be best: they are what the rig tries first."""
+"""The best gaits of a model, which the rig tries first."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A motion of the base as the rig plays it: set points within the limits, and where in them the waveform begins."""
+"""A motion of the base for the rig: set points within the limits, and the index at which the waveform begins."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from tentacle.waveform import Waveform
 
 @dataclass(frozen=True)
 class RigMotion:
-    """What the base is to do: set points (N,) [rad] every `period` [s]; zero_index, where the waveform's time 0 is;
-    description, plain data for the start record.
+    """The planned motion: set points (N,) [rad] every `period` [s]; zero_index, the waveform's time 0; description,
+    plain data for the start record.
     """
 
     points: Array

@@ -2,8 +2,9 @@
 moment.
 
 A study is a folder: study.journal (every step, fsynced), trial-0000.rrd and so on (each trial's recording, and the
-source of its value). Killed at any point, the next start cuts a torn last line, fails what was running and tries it
-again. A damaged journal is set aside and made again from the recordings; no recording is ever overwritten.
+source of its value). After a kill at any point, the next start removes an incomplete last line, marks the running trial
+as failed and tries it again. A damaged journal is set aside and made again from the recordings; no recording is ever
+overwritten.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from tentacle.waveform import Waveform
 NAME = "gaits"
 STARTUP = 8  # trials before the Gaussian process proposes
 STEP_FROM_BEST = 0.04  # of the space's width, standard deviation of a step from the best
-FAULTS_IN_A_ROW = 3  # then someone has to look at the rig
+FAULTS_IN_A_ROW = 3  # after that a person must check the rig
 
 
 # Tries a gait for so many seconds and records it at the path, with the description in the start record. It raises
@@ -55,7 +56,9 @@ class RigTrial:
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """How long, and how. trials: finished ones in all; reidentify_every: 0 for never; seed: of the sampler."""
+    """The plan of a study. trials: number of finished trials in all; reidentify_every: 0 for never; seed: of the
+    sampler.
+    """
 
     space: GaitSpace
     trials: int
@@ -92,7 +95,7 @@ def optimise_on_rig(
 ) -> Iterator[RigTrial]:
     """Runs trials until `study.trials` are finished, yielding each; those of an earlier start are yielded first.
 
-    told hears of a journal that had to be made again. Fault after
+    told is called if the journal had to be made again. Fault after
     FAULTS_IN_A_ROW trials that did not complete; InputError
     where the folder is in use or holds another study.
     """
@@ -235,11 +238,11 @@ def _enqueue_proposals(opened: optuna.Study, propose: Proposer, recordings: Sequ
 
 
 def _enqueue_near_best(opened: optuna.Study, study: StudyPlan, done: int) -> None:
-    """A step from the best trial so far: of 30 trials in four coordinates the Gaussian process spends nearly all in
-    corners that it knows nothing of, and so never improved on a model's best gait.
+    """A step from the best trial so far. In 30 trials with four coordinates the Gaussian process explores mostly
+    unknown corners, and never improved on a model's best gait.
     """
     if opened.get_trials(deepcopy=False, states=(TrialState.WAITING,)):
-        return  # proposals of a model, or what is to be tried again, come first
+        return  # proposals of a model, and trials to be repeated, come first
     source = np.random.default_rng((study.seed, done))
     point = {
         name: float(np.clip(opened.best_params[name] + STEP_FROM_BEST * (high - low) * source.normal(), low, high))

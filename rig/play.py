@@ -1,4 +1,4 @@
-"""A run on the board: set points streamed ahead of time, samples handed on as they come, and how it ended."""
+"""A run on the board: set points streamed ahead of time, samples passed on at once, and the end of the run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tentacle.signals import Array
 
 LONGEST_AHEAD = 2.0  # s
 RECONNECT_WITHIN = 5.0  # s
-OVERDUE = 5.0  # s after which a run whose end was not heard of is given up
+OVERDUE = 5.0  # s after which a run without an end message is given up
 _ENDS: dict[int, FaultKind] = {
     EventCode.UNDERRUN: "underrun",
     EventCode.WATCHDOG: "watchdog",
@@ -37,7 +37,7 @@ class PlayStart:
 
 @dataclass(frozen=True)
 class PlayEnd:
-    """How a run ended: outcome "complete", "interrupted" or a Fault's kind; start_us, board time of set point 0."""
+    """The end of a run: outcome "complete", "interrupted" or a Fault's kind; start_us, board time of set point 0."""
 
     outcome: str
     words: str
@@ -47,7 +47,7 @@ class PlayEnd:
 def arm_board(board: Board, limits: SafetyLimits, servo: ServoCalibration) -> None:
     """Hands the limits to the board and waits until it is ready at neutral.
 
-    A latch of an earlier fault is cleared: to start a program again is deliberate.
+    A latch of an earlier fault is cleared, because a person has started the program again.
     """
     assert board.boot is not None
     check_limits(limits, servo, board.boot)
@@ -78,8 +78,8 @@ def play(
 ) -> Iterator[Sequence[Sample] | PlayStart | PlayEnd]:
     """Plays set points (N,) [rad], one every `period` [s], on an armed board.
 
-    Yields a PlayStart, batches of samples in order as they come, and a PlayEnd at last. Nothing is raised for a fault
-    of the rig: it is the PlayEnd's outcome, after what could still be had from the board was yielded. The arm ends at
+    Yields a PlayStart, batches of samples in order as they come, and a PlayEnd at last. A fault of the rig raises
+    nothing: it is the PlayEnd's outcome, after the remaining samples of the board were yielded. The arm ends at
     neutral.
     """
     check_set_points(points, period, limits)
@@ -131,7 +131,7 @@ def _begin(board: Board, urad: list[int], period: float) -> tuple[Upload, int, i
             late = 1e6 * clock.to_board(board.time.now()) > start_us
             if fault.kind != "refused" or not late or ahead > LONGEST_AHEAD:
                 raise
-            ahead *= 2  # the command came after the time it named: a busy computer, or a bad line
+            ahead *= 2  # the command arrived after its start time: a busy computer, or a bad line
             continue
         return upload, round(1e6 * asked) - 50_000, start_us
 
@@ -174,13 +174,13 @@ def _after(board: Board, fault: Fault, start_us: int) -> Iterator[Sequence[Sampl
 
 
 def _rearm(board: Board) -> None:
-    """A board that has started anew leaves the servo limp: greeted and armed again, it holds it at neutral."""
+    """After a restart the board leaves the servo off. Greet and arm it again, so that it holds neutral."""
     try:
         board.connect()
         board.command(Type.LIMITS, board.limits)
         board.command(Type.STREAM, command_bodies.stream(True))
     except Fault:
-        pass  # it stays limp, which is safe; the run's outcome is the reset all the same
+        pass  # the servo stays off, which is safe; the run's outcome is still the reset
 
 
 def _rest(board: Board) -> Iterator[Sequence[Sample]]:

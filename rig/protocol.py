@@ -1,6 +1,6 @@
 """The wire between computer and board, version 1: messages, CRC-32, COBS frames (docs/protocol.md).
 
-A frame is COBS(type, sequence, body, CRC-32 of these) and a zero. What is not exactly a known message is not accepted.
+A frame is COBS(type, sequence, body, CRC-32 of these) and a zero. Only exact, known messages are accepted.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Type(IntEnum):
 
 
 class Reason(IntEnum):
-    """Why the board refused a command."""
+    """Reasons of the board for refusing a command."""
 
     UNKNOWN_TYPE = 1
     BAD_LENGTH = 2
@@ -58,7 +58,7 @@ class Reason(IntEnum):
 
 
 class BoardState(IntEnum):
-    """What the board is doing; it is RETURNING to neutral after every run, whatever ended it.
+    """State of the board; it is RETURNING to neutral after every run, for every kind of end.
 
     LATCHED: the servo is off after a fault, until CLEAR and LIMITS. UNKNOWN: a newer board's state.
     """
@@ -73,7 +73,7 @@ class BoardState(IntEnum):
 
 
 class EventCode(IntEnum):
-    """What happened on the board; WATCHDOG carries the silence in ms, CELL_ERROR the error's number."""
+    """Events of the board; WATCHDOG has the silence in ms, CELL_ERROR the error's number."""
 
     STARTED = 1
     COMPLETE = 2
@@ -232,7 +232,7 @@ def decode_frame(encoded: bytes) -> WireFrame | None:
 
 
 class Parser:
-    """Bytes in, checked frames out. `bad` counts what lay between zeros and was no frame."""
+    """Turns bytes into checked frames. `bad` counts the byte sequences between zeros that were no frame."""
 
     def __init__(self) -> None:
         self._rest = b""

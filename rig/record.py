@@ -139,7 +139,7 @@ def _start_record(setup: RigSetup, board: Board, motion: RigMotion, name: str) -
 
 
 def add_film(recorder: Recorder, path: Path, stop: dict[str, Any]) -> None:
-    """The frames of the run as one video with true times, so that tracking can read it; the frames themselves stay.
+    """Add the frames of the run as one video with true times, for tracking; the frames themselves stay.
 
     They pass one at a time from the file into the encoder: an hour's film takes no more memory than a minute's.
     """

@@ -1,4 +1,6 @@
-"""Limits of the arm and the servo. They have no defaults, are checked here before a run and again on the board."""
+"""Limits of the arm and the servo. They have no defaults. They are checked here before a run, and again on
+the board.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ NEUTRAL_WITHIN = 0.5  # s from the host's death to the arm at neutral
 
 @dataclass(frozen=True)
 class SafetyLimits:
-    """What the servo may do: angles [rad] around neutral (0), speed [rad/s], current [A], all positive but
+    """Limits of the servo: angles [rad] around neutral (0), speed [rad/s], current [A], all positive but
     min_angle.
     """
 

@@ -1,4 +1,4 @@
-"""Puts the board's numbered samples in order: drops doubles, asks again for missing ones, counts the lost."""
+"""Puts the board's numbered samples in order: removes duplicates, requests missing ones again, counts lost ones."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 from rig.protocol import Sample
 
-ASK_AFTER = 0.02  # s; a missing number's successor has overtaken nothing: frames keep their order on the line
+ASK_AFTER = 0.02  # s; frames keep their order on the line, so a number without its predecessor shows a loss
 ASK_AGAIN = 0.04  # s
 MOST_RESENDS = 60  # 2.4 s of asking; the board holds its samples for 7 s
 MAX_ASKED = 16  # samples in one request
 MAX_REQUESTS = 6  # at once
-FARTHEST_NUMBER = 4096  # numbers ahead that are still believed; the board holds 1024
+FARTHEST_NUMBER = 4096  # largest plausible jump of the number; the board holds 1024
 
 
 @dataclass
@@ -43,7 +43,7 @@ class SampleSequence:
         return self._in_order()
 
     def expect(self, end: int, now: float) -> None:
-        """The board has made all numbers below `end` (a pong says so): those not here yet are missing."""
+        """The board has sent all numbers below `end` (stated by a pong): those not here yet are missing."""
         known = self.next_number if self._known_end is None else self._known_end
         if known < end <= self.next_number + FARTHEST_NUMBER:
             for number in range(known, end):
@@ -72,9 +72,8 @@ class SampleSequence:
         return [(first, count) for first, count in found]
 
     def give_up(self, gone: tuple[int, int] = (0, 0)) -> list[Sample]:
-        """Counts what was asked for too often, and what the board says is gone (first, count), as lost.
-
-        Returns the samples that are in order once these are no longer waited for.
+        """Counts as lost: samples requested too often, and samples that the board no longer has (first, count). Returns
+        the samples that are then in order.
         """
         hopeless = [n for n, (tries, _) in self._missing.items() if tries >= MOST_RESENDS]
         hopeless += [n for n in range(gone[0], gone[0] + gone[1]) if n in self._missing]

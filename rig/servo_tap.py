@@ -1,8 +1,7 @@
-"""The camera's delay from servo taps: where no LED can be in the picture, the arm itself is the signal.
-
-The base is turned to and fro; the arm's root, as the camera sees it, turns with the servo and lags behind by the
-camera's delay alone. The root alone, and slowly: what bends farther out lags too, by as much as the camera, and a
-shape fitted to the whole arm, or a quick motion, carries some of that into the base angle.
+"""The camera's delay from servo taps: without an LED in the picture, the arm itself is the signal. The base is turned
+to and fro. In the film the arm's root turns with the servo, later by the camera's delay. Only the root is used, and a
+slow motion: the outer parts of the arm bend and lag by as much as the camera, and a shape of the whole arm, or a fast
+motion, would add some of this lag to the base angle.
 """
 
 from __future__ import annotations
@@ -24,12 +23,12 @@ from tentacle.signals import Array
 from tentacle.waveform import Multisine
 
 TAP_SECONDS = 8.0
-TAP_FREQUENCIES = (0.4, 0.65, 0.9)  # Hz, no multiples of one another: no delay looks like another
+TAP_FREQUENCIES = (0.4, 0.65, 0.9)  # Hz, no multiples of each other, so that the delay is unique
 TAP_SWING = 0.16  # rad, each
-LEAST_SWING = 0.02  # rad rms that the camera must see
+LEAST_SWING = 0.02  # rad rms, least motion in the film
 FEWEST_TAP_FRAMES = 30
-ROOT = (0.04, 0.25)  # of the length: where the root's direction is read
-BEND = 1e-3  # s; what the root of a soft cone in water bends by looks like so much delay (1.2 ms at worst, MuJoCo)
+ROOT = (0.04, 0.25)  # of the length: the part that gives the root's direction
+BEND = 1e-3  # s; error from the bending of the root of a soft cone in water (1.2 ms at worst, MuJoCo)
 BESIDE = 3.0  # root half thicknesses to either side
 LEAST_GREY_STEP = 25.0  # grey levels between arm and ground
 
@@ -59,7 +58,7 @@ def root_angle(image: Image, declared: Declaration, about: float = 0.0) -> float
 
 
 def delay(frame_times: Array, seen: Array, servo_times: Array, servo: Array) -> CameraOffset:
-    """How much later angles seen (N,) [rad] at frame_times (N,) [s] are than the servo's (M,), on the same time base.
+    """Delay of the measured angles (N,) [rad] at frame_times (N,) [s] against the servo's (M,), on the same time base.
 
     Least squares of seen = a + b servo(t - delay) over a, b and the delay: the camera may be turned or mirrored.
     Fault("camera") where the arm is not seen to follow the servo.

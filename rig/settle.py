@@ -1,4 +1,4 @@
-"""The paper's rule: the water has settled when the load cell's readings scatter no more than a threshold (section
+"""The paper's rule: the water is at rest if the scatter of the load cell's readings is below a threshold (section
 III-A).
 """
 
@@ -50,7 +50,7 @@ class Settling:
 
     @property
     def level(self) -> float:
-        """Mean of the window [N]: what the cell reads at rest."""
+        """Mean of the window [N]: the reading at rest."""
         return float(np.mean(self._window)) if self._window else np.nan
 
     @property

@@ -1,4 +1,4 @@
-"""rig.toml: where the board is, its limits, its calibration, its camera, and what hangs in the tank."""
+"""rig.toml: the board's port, its limits, its calibration, its camera, and the specimen in the tank."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks that files are as they were written: recordings, a rig's runs, stored results, declarations."""
+"""Checks that files are unchanged since they were written: recordings, a rig's runs, stored results, declarations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tentacle.runner import check_result
 
 @dataclass(frozen=True)
 class Finding:
-    """A file, whether it is sound, and in a line what it holds or what is wrong."""
+    """A file, whether it is sound, and one line about its content or its error."""
 
     file: Path
     sound: bool
@@ -59,7 +59,7 @@ def _finding(file: Path) -> Finding:
 
 
 def _words(file: Path) -> str:
-    """What a sound file holds; InputError where it is not sound, or not whole."""
+    """The content of a sound file; InputError if it is not sound, or not complete."""
     if file.is_dir():
         return summarise(read_recording(file))["recording"]
     require_plain(file)

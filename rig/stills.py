@@ -1,4 +1,4 @@
-"""Stills from a camera, as JPEG, made into one video in which each keeps its own time."""
+"""Makes one video of JPEG pictures from a camera; each picture keeps its own time."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def encode_video(stills: Iterable[tuple[float, bytes]], path: Path) -> int:
     spacing = float(np.median(np.diff([t for t, _ in head]))) if len(head) > 1 else 1.0
     count, last = 0, -1
     with av.open(str(path), mode="w") as container:
-        # x264 spends the fewer bits on a frame the more there are a second: by this nominal rate, not by the stamps.
+        # x264 uses fewer bits for a frame at a higher frame rate; it goes by this nominal rate, not by the stamps.
         stream = container.add_stream("libx264", rate=min(max(round(1.0 / max(spacing, 1e-3)), 1), 1000))
         stream.options = {"crf": "10", "preset": "veryfast"}
         stream.codec_context.time_base = stream.time_base = TICK

@@ -1,7 +1,6 @@
-"""How a run ended, beside its file: NAME.rrd.stop.json, until the file itself holds it.
-
-A small file of zeros keeps the room for it from the start of the run on. The document is written when the arm is at
-neutral; then the film is made, which takes long. The document stays if the file cannot take its stop record.
+"""The stop document of a run beside its file, NAME.rrd.stop.json, until the file itself has it. A small file of zeros
+reserves its space from the start of the run. The document is written when the arm is at neutral; then the film is made,
+which takes long. The document stays if the file cannot take its stop record.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Set points on their way to the board: several POINTS under way at once, each sent again until it is acknowledged."""
+"""The upload of set points to the board: several POINTS at once, each sent again until it is acknowledged."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rig.fault import Fault
 from rig.protocol import Type
 
 QUEUED_AHEAD = 150  # set points kept on the board: 3 s at 50 Hz; it holds 2048
-BYTES_UNDER_WAY = 256  # bytes under way: 22 ms of the line, no more, for samples and pings share it
+BYTES_UNDER_WAY = 256  # unacknowledged bytes, at most: 22 ms of the line, because samples and pings share it
 SHORT = 4  # points a frame on a bad line: of 4 k + 13 bytes, (1 - b)^(4 k + 13) get through; at b = 3 % four are best
 
 
@@ -45,7 +45,7 @@ class Upload:
 
     @property
     def arrived(self) -> int:
-        """How many set points from the first on are acknowledged."""
+        """Number of set points, from the first one, that are acknowledged."""
         return self._flying[0].index if self._flying else self._next
 
     def service(self) -> None:

@@ -7,8 +7,8 @@
     model = tentacle.identify(recording)
     found = tentacle.diagnose([recording], baseline=[...])
 
-Each function has the name of a verb of the command line and does what that verb does. A notebook shows each result as a
-table. `import tentacle` loads nothing else: a function loads its room when it is called.
+Each function has the name of a verb of the command line and does the same. A notebook shows each result as a table.
+`import tentacle` loads no other room: a function loads its room when it is called.
 """
 
 from __future__ import annotations

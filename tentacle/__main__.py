@@ -5,7 +5,7 @@ import sys
 
 
 def main() -> int:
-    """The exit code. Until the command line takes signals over, Ctrl-C ends this as it ends any program: in silence."""
+    """The exit code. Before the command line handles signals, Ctrl-C ends the program without a message."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     from tentacle import cli

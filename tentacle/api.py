@@ -1,4 +1,4 @@
-"""The public functions of `import tentacle`: one a verb of the command line, with the same names and defaults."""
+"""The public functions of `import tentacle`: one for each verb of the command line, with the same name and defaults."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ def identify(
 ) -> Identification:
     """The declared model's parameters with 95 % intervals, fitted to the recordings.
 
-    check: recordings that judge the fit and are not fitted. order: number of curvature coordinates; by default the data
-    decide.
+    check: recordings on which the fit is tested; they are not fitted. order: number of curvature coordinates; by
+    default the data decide.
     """
     from inference.identify import identify as fit
 
@@ -61,8 +61,9 @@ def diagnose(
 ) -> Diagnosis:
     """The effect that the declared model lacks, and the error with and without it.
 
-    baseline: recordings whose declaration is complete; the base parameters come from there and stay. held_out:
-    recordings that judge and are not fitted; without any, a third of each recording judges.
+    baseline: recordings with a complete declaration; the base parameters are fitted to them too. held_out: recordings
+    on which the errors are measured; they are not fitted. Without any, the errors are measured on a third of each
+    recording.
     """
     from discovery.diagnose import diagnose as trace
 
@@ -82,7 +83,7 @@ def simulate(
     """A recording made by the high-order reference (MuJoCo): the base follows the waveform for `duration` seconds.
 
     hide: effects that act and that the recording does not declare, name -> "visible", "faint" or {parameter: value}.
-    seed: of the measurement noise and of what is drawn.
+    seed: of the measurement noise and of all other random choices.
     """
     from mujoco_ref.undeclared import Scenario, make_recording
 
@@ -91,7 +92,8 @@ def simulate(
 
 
 def compare(model: Model | Identification, *, amplitude: float = 0.4, frequency: float | None = None) -> Ladder:
-    """The reduced model (orders 2, 3, 4) against the reference, from theory over free motion to mean thrust.
+    """The reduced model (orders 2, 3, 4) against the reference: frequencies, shape at rest, release, driven motion,
+    thrust.
 
     amplitude [rad] and frequency [Hz] of the driven motion; by default 0.6 of the first mode's frequency.
     """
@@ -111,7 +113,7 @@ def optimise(
 ) -> Swimming:
     """The base motion (eq. 20) that swims best within a hobby servo's limits.
 
-    objective: "thrust", "speed" or "transport" (energy per way). method: "cmaes", "ga" (the paper's),
+    objective: "thrust", "speed" or "transport" (distance per energy). method: "cmaes", "ga" (the paper's),
     "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
     from affine_model.swim import OBJECTIVES, SearchPlan, trial_of
@@ -125,7 +127,7 @@ def optimise(
 
 
 def seen(recording: Recording) -> Recording:
-    """The recording with the shapes of its video, where it has no shapes, midline or markers yet."""
+    """The recording; its video is tracked if it has no shapes, midline or markers yet."""
     measured = recording.midline or recording.markers or recording.shape
     return recording if measured is not None or recording.video is None else replace(recording, shape=track(recording))
 

@@ -1,11 +1,11 @@
-"""The base's motion from samples of the servo angle: a quintic spline with as many knots as the samples can bear.
+"""The base's motion from samples of the servo angle: a quintic spline whose number of knots the samples decide.
 
 The arm is driven by theta's acceleration, and a second difference of samples is mostly noise. So theta is the quintic
 spline of least squares (three continuous derivatives more than the arm needs) on knots spread evenly over the samples.
-How many knots is chosen by generalised cross-validation (Craven and Wahba 1979): too few bend the motion, too many
-follow the noise. Where even the most knots do best, the samples are clean and are interpolated. On a multisine at 50 to
-1000 Hz with 1e-5 to 5e-3 rad of noise the acceleration's error was within 1.5 times that of the best number of knots;
-smoothing splines of the same degree, their weight by restricted likelihood, were 3 to 60 times off.
+Generalised cross-validation (Craven and Wahba 1979) chooses the number of knots: too few knots distort the motion, too
+many follow the noise. If the largest number is best, the samples have no noise and are interpolated. On a multisine at
+50 to 1000 Hz with 1e-5 to 5e-3 rad of noise the acceleration's error was within 1.5 times that of the best number of
+knots; smoothing splines of the same degree, their weight by restricted likelihood, were 3 to 60 times off.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from tentacle.signals import Array, BaseTravel, MotorSignal
 from tentacle.waveform import Waveform
 
 SPLINE_DEGREE = 5
-REST_MARGIN = 1.0  # s beyond the first and last sample, in which the base comes to rest: room for a time offset
+REST_MARGIN = 1.0  # s beyond the first and last sample in which the base comes to rest, for a time offset
 STOPPING = 0.05  # s, the time constant of that
 FEWEST_INTERVALS = 2
-INTERVAL_RATIO = 1.15  # from one number of knot intervals tried to the next
-SAMPLES_PER_INTERVAL = 2  # at the finest; finer is interpolation
+INTERVAL_RATIO = 1.15  # factor between the numbers of knot intervals that are tried
+SAMPLES_PER_INTERVAL = 2  # the finest one before interpolation
 
 
 @dataclass(frozen=True)
@@ -87,13 +87,13 @@ class Travel:
 
 
 def fit_travel(travel: BaseTravel) -> Travel:
-    """The motion behind a base's measured path; InputError with fewer samples than a quintic needs (6)."""
+    """The motion fitted to a base's measured path; InputError with fewer samples than a quintic needs (6)."""
     x, y = (fit_samples(travel.t, travel.xy[:, axis]) for axis in range(2))
     return Travel(x, y, float(travel.t[0]), float(travel.t[-1]))
 
 
 def seen_from_base(recording: Recording, travel: Travel | None) -> Recording:
-    """The recording with its points counted from the base, where that travels and they are counted from the ground."""
+    """The recording with its points counted from the base, if the base travels and they are counted from the ground."""
     if travel is None or recording.declaration.seen_from == "base":
         return recording
     midline, markers = recording.midline, recording.markers
@@ -106,12 +106,12 @@ def seen_from_base(recording: Recording, travel: Travel | None) -> Recording:
 
 
 def fit_base_motion(motor: MotorSignal) -> BaseMotion:
-    """The motion behind the measured angle; InputError with fewer samples than a quintic needs (6)."""
+    """The motion fitted to the measured angle; InputError with fewer samples than a quintic needs (6)."""
     return fit_samples(motor.t, motor.angle)
 
 
 def fit_samples(t: Array, angle: Array) -> BaseMotion:
-    """The motion behind samples at rising times t (N,) [s], angle (N,) [rad]; InputError with fewer than 6."""
+    """The motion fitted to samples at rising times t (N,) [s], angle (N,) [rad]; InputError with fewer than 6."""
     if len(t) <= SPLINE_DEGREE:
         raise InputError(f"{len(t)} samples", field="motor", expected=f"at least {SPLINE_DEGREE + 1}")
     start, stop = float(t[0]), float(t[-1])
@@ -134,7 +134,7 @@ def _interval_counts(samples: int) -> NDArray[np.int64]:
 
 
 def _knots(t: Array, intervals: int) -> Array:
-    """Knots evenly spread over the samples, not over time: so every interval holds some, whatever the gaps."""
+    """Knots evenly spread over the samples, not over time, so that every interval has samples even with gaps."""
     inner = np.interp(np.linspace(0, len(t) - 1, intervals + 1)[1:-1], np.arange(len(t)), t)
     return np.concatenate([np.full(SPLINE_DEGREE + 1, t[0]), inner, np.full(SPLINE_DEGREE + 1, t[-1])])
 

@@ -1,11 +1,10 @@
 """numba's njit, with a cache on disk that is checked before it is used.
 
-numba unpickles what lies in its cache and runs it. A file that a full disk or a power cut tore then ends every later
-run with a traceback, or worse. Here each cache file ends with the SHA-256 of its name and content; one that does not
-agree is compiled anew. Where nothing can be written, the function is compiled in every process.
-
-numba looks for a change in the function's own file alone, and keeps what it took in from other files. Here a change in
-any file of the room compiles its functions anew.
+numba unpickles and runs the files of its cache. A file damaged by a full disk or a power cut would end every later run
+with a traceback, or do worse. Here each cache file ends with the SHA-256 of its name and content; one that does not
+agree is compiled anew. If the cache cannot be written, the function is compiled in every process. numba checks only the
+function's own file for changes, although the compiled code includes functions of other files. Here a change in any file
+of the room compiles its functions again.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ class CheckedCacheFile(IndexDataCacheFile):
         return super()._load_data(name)
 
     def save(self, key: Any, data: Any) -> None:
-        """Keeps what was compiled; a full or read-only disk is no reason to end a run."""
+        """Stores the compiled code; a full or read-only disk does not end the run."""
         with suppress(OSError):
             super().save(key, data)
 
@@ -72,7 +71,7 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]
 
 @lru_cache
 def room_digest(folder: Path) -> str:
-    """SHA-256 of a room's files; nothing of a folder that is no room, whose files know nothing of each other."""
+    """SHA-256 of a room's files; empty for a folder that is not a room, whose files are independent."""
     if not (folder / "__init__.py").exists():
         return ""
     files = sorted(folder.glob("*.py"))

@@ -1,4 +1,4 @@
-"""What a declaration does not know exactly: a number with a standard deviation, or a range.
+"""Uncertain numbers of a declaration: a number with a standard deviation, or a range.
 
     value ~ N(value, sd^2)   or   value ~ U(low, high),   cut at what is physically possible
 
@@ -30,7 +30,7 @@ SPECIMEN_FIELDS = {
     "width_m": "section_width",
     "height_m": "height",
 }
-NORMAL_REACH = 6.0  # standard deviations: beyond, a normal number is never looked for (2e-9 of its probability)
+NORMAL_REACH = 6.0  # standard deviations within which a normal number is searched (2e-9 of its probability lies beyond)
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Uncertain:
     """One declared number that is not known exactly.
 
     field: its dotted name; value: the mean, or the middle of the range; sd: the standard deviation, None for a range;
-    low, high: the range, or what is physically possible of a normal number. only_in: the one recording that states it
-    so (empty: all recordings of the arm share it).
+    low, high: the range, or the physical limits of a normal number. only_in: the one recording with this statement
+    (empty: all recordings of the arm share it).
     """
 
     field: str
@@ -61,7 +61,7 @@ class Uncertain:
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Where the number may lie: the range, or REACH standard deviations within what is possible."""
+        """Limits of the number: the range, or REACH standard deviations within the physical limits."""
         if self.sd is None:
             return self.low, self.high
         return max(self.low, self.value - NORMAL_REACH * self.sd), min(self.high, self.value + NORMAL_REACH * self.sd)

@@ -1,4 +1,4 @@
-"""What the loop answers: a verdict, its evidence, and the comparison run by run. Plain data, no logic of a room."""
+"""The answer of the loop: a verdict, its evidence, and the comparison run by run. Plain data, no logic of a room."""
 
 from __future__ import annotations
 
@@ -158,10 +158,11 @@ class Diagnosis:
             error += ", on held-out data." if self.held_out else ", on the data that were fitted."
         names = " + ".join(self.effects)
         sentence = {
-            "nothing_missing": "Nothing that these data can show is missing from the declared model.",
+            "nothing_missing": "The declared model explains these data: no missing effect can be detected.",
             "effect": f"The declared model lacks {names}.",
             "group": f"The declared model lacks one of {' / '.join(self.effects)}; these data cannot tell which.",
-            "unknown": "The declared model lacks something that the catalogue has not, or that these data cannot name.",
+            "unknown": "The declared model lacks an effect that is not in the catalogue, or that these data cannot "
+            "identify.",
         }[self.verdict]
         return sentence + error
 
@@ -211,7 +212,7 @@ class Diagnosis:
         }
 
     def _repr_html_(self) -> str:
-        """The headline, the errors and what was found, for notebooks."""
+        """The headline, the confidence, the errors and the parameters found, for notebooks."""
 
         def row(name: str, unit: str, values: Iterable[float | None]) -> tuple[str, ...]:
             return (name, unit, *("-" if value is None else f"{value:.3g}" for value in values))
@@ -225,7 +226,8 @@ class Diagnosis:
             for effect, values in self.parameters.items()
             for name, e in values.items()
         ]
-        html = html_paragraph(self.headline) + html_table(("rms error", "unit", "before", "after", "floor"), rows)
+        html = html_paragraph(self.headline) + html_paragraph(f"Confidence {self.confidence:.2f}.")
+        html += html_table(("rms error", "unit", "before", "after", "floor"), rows)
         if found:
             html += html_table(("effect", "parameter", "value", "95 % interval", "unit"), found)
         return html

@@ -35,5 +35,7 @@ class InputError(ValueError):
 
 
 def printable(text: str) -> str:
-    """Text without what a terminal would obey: control characters are written out (a name can hold an escape)."""
+    """Text with control characters written out, because a terminal would execute them (a name can contain an
+    escape).
+    """
     return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)

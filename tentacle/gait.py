@@ -1,9 +1,10 @@
 """The nine-parameter gait of eq. 20 as a base motion: a sine, a square wave and a saw-tooth, five terms each.
 
-The print sums infinitely many terms, whose acceleration has no limit. Here the first five of each series are taken, and
-harmonics fade out towards the servo's bandwidth: harmonic n >= 2 of a fundamental f is weighed by
-cos^2(pi/2 n f / bandwidth), zero from there on, so that the motion is smooth in time and in its parameters. As printed,
-a phase is added to every harmonic alike: alpha_8 and alpha_9 bend the square and the saw-tooth rather than shift them.
+The paper sums infinitely many terms, and the sum's acceleration is unbounded. Here the first five of each series are
+taken, and harmonics fade out towards the servo's bandwidth: harmonic n >= 2 of a fundamental f is weighed by cos^2(pi/2
+n f / bandwidth), zero from there on, so that the motion is smooth in time and in its parameters. As in the paper, the
+same phase is added to every harmonic, so alpha_8 and alpha_9 change the shape of the square wave and the saw-tooth and
+do not shift them.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ GAIT_PARAMETERS = 9
 
 
 def harmonic_weights(fundamental: ArrayLike, bandwidth: float) -> Array:
-    """How much of every harmonic (H, ...) stays, for fundamentals (3, ...) [Hz] of the three terms and a bandwidth
+    """Weight of every harmonic (H, ...) for fundamentals (3, ...) [Hz] of the three terms and a bandwidth
     [Hz].
     """
     frequency = np.abs(np.asarray(fundamental, dtype=float))[TERM]

@@ -1,4 +1,4 @@
-"""How a drawn midline moves: its velocity and the frame of its sections, from positions over time."""
+"""The motion of a midline: its velocity and the frame of its sections, from positions over time."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The plane in which a spatial arm moves, and how much of its motion is out of it.
+"""The plane in which a spatial arm moves, and the share of its motion out of it.
 
-A planar model serves a spatial arm as far as its points stay in one plane. The plane holds the direction of the arm at
+A planar model is valid for a spatial arm if its points stay in one plane. The plane holds the direction of the arm at
 rest; its normal in the arm's cross-section is the principal axis of the points' displacements.
 """
 
@@ -36,7 +36,7 @@ class Plane:
 def plane_of_motion(displacement: Array, along: Array) -> Plane:
     """The plane of displacements (..., 3) [m] from rest of an arm that lies along a direction (3,) then.
 
-    The normal points to where the points begin: to the side of the first displacement.
+    The normal points to the side of the first displacement.
     """
     along = along / np.linalg.norm(along)
     flat = displacement.reshape(-1, 3)

@@ -1,4 +1,6 @@
-"""Folders in the user's cache: his alone (0700, owner checked), or a temporary one where none can be written."""
+"""Folders in the user's cache, private to this user (0700, owner checked), or a temporary one if the cache cannot be
+written.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ def cache_folder(name: str, *settings: str) -> Path:
     """The cache folder `name`, made where it is missing.
 
     It lies in the folder that the first set one of these variables names: settings, TENTACLE_CACHE; else in
-    tentacle-twin in the user's cache folder. InputError where it belongs to another user: what lies there is run.
+    tentacle-twin in the user's cache folder. InputError if it belongs to another user, because its content is executed.
     """
     base = next((found for key in (*settings, "TENTACLE_CACHE") if (found := os.environ.get(key))), None)
     if base is None:

@@ -1,4 +1,4 @@
-"""How work that takes long says what it is at, to whoever asked for it."""
+"""Progress reports of long work to its caller."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from typing import Protocol
 
 
 class Stage(Protocol):
-    """Told what begins, in words, and how much of that stage is done."""
+    """Called with the name of a stage, and with the share of it that is done."""
 
     def __call__(self, words: str, done: float = 0.0) -> None:
         """The words name a stage by their beginning; done is 0 to 1 within it."""
 
 
 def silent(words: str, done: float = 0.0) -> None:
-    """Nobody asked."""
+    """No report."""

@@ -1,4 +1,4 @@
-"""What is said of a missing force after an unknown: where and when it acts, and laws that would explain it."""
+"""The missing force after an unknown: where and when it acts, and laws that would explain it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from tentacle.law.written_law import WrittenLaw
 from tentacle.signals import Array
 
-UNPLACED = 0.1  # arm lengths: a 95 % interval of a place that is wider does not fix it
+UNPLACED = 0.1  # arm lengths: with a wider 95 % interval a place counts as not determined
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class ForceMap:
 class ProposedLaw:
     """A law that explains the missing force. law: with the fitted values as nominal ones; values: of its parameters;
     evidence [nats] over no law, on the frames that were fitted; held_out_midline_mm: error of the model with it, on
-    frames that the search did not use; unexplained: share of the missing force's effect that it leaves, 0 .. 1;
-    deviations: standard deviations of its shapes, were the law true; length [m] of the arm.
+    frames that the search did not use; unexplained: share of the missing force's effect that it does not explain, 0 ..
+    1; deviations: standard deviations of its shapes, if the law is true; length [m] of the arm.
     """
 
     law: WrittenLaw
@@ -44,19 +44,19 @@ class ProposedLaw:
 
     @property
     def region(self) -> dict[str, tuple[float, float]]:
-        """The 95 % interval of each coordinate of its place, were the law true."""
+        """The 95 % interval of each coordinate of its place, if the law is true."""
         names = [name for name in ("at_x", "at_y", "edge") if name in self.values and name in self.deviations]
         half = {name: 1.96 * self.deviations[name] for name in names}
         return {name: (self.values[name] - half[name], self.values[name] + half[name]) for name in names}
 
     @property
     def region_words(self) -> str:
-        """What the recordings allow for its place, where they do not fix it; else empty."""
+        """A sentence about its place if the recordings do not determine it; else empty."""
         wide = {name: ends for name, ends in self.region.items() if ends[1] - ends[0] > UNPLACED * self.length}
         if not wide:
             return ""
         ends = " and ".join(f"{name} from {low:.3g} to {high:.3g} m" for name, (low, high) in wide.items())
-        return f"The recordings do not fix its place: they allow {ends} (95 %, were the law true)."
+        return f"The recordings do not determine its place: they allow {ends} (95 %, if the law is true)."
 
     @property
     def numbers(self) -> str:
@@ -73,7 +73,7 @@ class ProposedLaw:
 
     @property
     def place(self) -> str:
-        """The point in space from where it acts; without one, where on the arm."""
+        """The point in space from which it acts, or else its place on the arm."""
         if "at_x" in self.values:
             return f"x = {self.values['at_x']:.4g} m, y = {self.values['at_y']:.4g} m"
         return "tip" if self.law.acts == "tip" else "along the arm"
@@ -99,8 +99,8 @@ class ProposedLaw:
 
 @dataclass(frozen=True)
 class MissingForce:
-    """All that is said of it: maps, laws (best first), and (a kind of law, share that the best of it leaves) rows;
-    next_motion: the table of a base motion that would split the best law from its rivals.
+    """The results about it: maps, laws (best first), and rows (a kind of law, share that its best law does not
+    explain); next_motion: the table of a base motion that would separate the best law from its rivals.
     """
 
     maps: tuple[ForceMap, ...] = ()

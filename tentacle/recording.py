@@ -1,4 +1,4 @@
-"""A recording: what was declared about a run, and what was measured in it."""
+"""A recording: the declaration of a run, and its measured signals."""
 
 from __future__ import annotations
 
@@ -46,11 +46,12 @@ class Camera:
 
 @dataclass(frozen=True)
 class Declaration:
-    """What is believed to be in a recording (recording.toml). release_t [s]: held still until then (a free decay).
+    """The declaration of a recording (recording.toml): arm, fluid, gravity, camera. release_t [s]: held still until
+    then (a free decay).
 
     seen_from: of a base that travels, whether positions are counted from the ground or from the base itself.
     out_of_plane: rms share of a spatial arm's motion that leaves the plane of the recorded points (None: not known).
-    uncertain: the numbers among these that are not known exactly; each stands in its place with its mean.
+    uncertain: the numbers that are not known exactly; the other fields have their means.
     """
 
     specimen: Specimen
@@ -66,7 +67,7 @@ class Declaration:
 
 @dataclass(frozen=True)
 class Recording:
-    """A run: its declaration and every signal that was measured; what was not measured is None."""
+    """A run: its declaration and every measured signal; None for a signal that was not measured."""
 
     name: str
     declaration: Declaration
@@ -80,7 +81,7 @@ class Recording:
     notes: dict[str, str] = field(default_factory=dict)
 
     def _repr_html_(self) -> str:
-        """What was measured, for notebooks: each signal with its samples and the time that it spans."""
+        """The measured signals, for notebooks: each with its number of samples and its time span."""
         rows = []
         for signal in ("motor", "travel", "load_cell", "midline", "markers", "shape"):
             measured = getattr(self, signal)

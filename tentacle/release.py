@@ -1,9 +1,10 @@
-"""When a body that is held was let go, out of its own path: it swings away about where it will come to rest.
+"""The time at which a held body was released, from its own path: it swings away about its later position of rest.
 
     |x(t) - x_held| = D sin^2(omega (t - t_r) / 2),   so   asin(sqrt(|x - x_held| / D)) = omega (t - t_r) / 2
 
-D is the largest distance, half a period later. That line is fitted from where the path has left its own noise up to
-SHARE of D. Its regression's standard error is the release's own: a hand that lets go over some frames bends the line.
+D is the largest distance, half a period later. That line is fitted from the end of the noise up to SHARE of D. The
+regression's standard error is that of the release; it is larger if a hand lets go over some frames, because the line is
+then curved.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from scipy.stats import median_abs_deviation
 
 from tentacle.signals import Array
 
-NOISE_DEVIATIONS = 5.0  # deviations of the path while it is held: farther out it moves
-SHARE = 0.3  # of the largest distance: beyond, damping and higher modes bend the line
+NOISE_DEVIATIONS = 5.0  # standard deviations of the held path: beyond them the body moves
+SHARE = 0.3  # of the largest distance: beyond it damping and higher modes distort the line
 FEWEST_LINE_FRAMES = 4  # frames of a line with a standard error
 
 
@@ -29,7 +30,7 @@ class Release:
 
 
 def find_release(t: Array, path: Array) -> Release | None:
-    """The release of a path (T, K) [m] that begins at rest, at times t (T,) [s]; None where it never leaves it."""
+    """The release of a path (T, K) [m] that begins at rest, at times t (T,) [s]; None if it stays at rest."""
     reached = int(np.argmax(_distance(path, path[0]) > 0.5 * SHARE * _distance(path, path[0]).max()))
     held = path[: max(int(0.9 * reached) - FEWEST_LINE_FRAMES, 3)]
     away = _distance(path, np.median(held, axis=0))

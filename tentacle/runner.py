@@ -1,8 +1,9 @@
-"""Many runs of one function: on this machine's processes or a Dask cluster, stored as they finish, never done twice.
+"""Many runs of one function, on this machine's processes or a Dask cluster; each result is stored at once and never
+computed twice.
 
 A task is plain data (what JSON holds), a result plain data and arrays. A result's file is named by the hash of the
-function's name, its version and the task, and appears whole or not at all: after a kill -9 the same call goes on where
-it was. Files are JSON, or NPZ without pickle where there are arrays.
+function's name, its version and the task, and is complete or absent. After a kill -9 the same call continues. Files are
+JSON, or NPZ without pickle where there are arrays.
 """
 
 from __future__ import annotations
@@ -46,11 +47,9 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 
 @dataclass(frozen=True)
 class Runner:
-    """Where tasks run and results lie.
-
-    folder: of the result files; workers: processes (None: one a core); scheduler: address of a Dask scheduler instead
-    ("tcp://127.0.0.1:8786"), whose workers must have the project installed; quiet: no progress bar, which only a
-    terminal is shown anyway.
+    """The place of tasks and results. folder: of the result files; workers: processes (None: one per core); scheduler:
+    address of a Dask scheduler instead ("tcp://127.0.0.1:8786"), whose workers must have the project installed; quiet:
+    no progress bar (only terminals have one).
     """
 
     folder: Path
@@ -62,7 +61,8 @@ class Runner:
         """The results in the order of the tasks.
 
         work: a function at a module's top level; version: to be changed when what it computes changes; words: beside
-        the progress bar. What a task raises is raised here, after the others that were under way are stored.
+        the progress bar. An exception of a task is raised here, after the results of the other running tasks are
+        stored.
         """
         if self.workers is not None and self.workers < 1:
             raise InputError(f"{self.workers} is too few", field="--workers", expected="1 or more")
@@ -88,12 +88,12 @@ class Runner:
         return self.folder / hashlib.sha256(text.encode()).hexdigest()[:32]
 
     def _on_processes(self, work: Work, tasks: Mapping[Path, Task]) -> Iterator[None]:
-        """Something for every task that is stored. The workers store: this process has nothing to do but wait."""
+        """Yields once for every stored task. The workers store the results; this process only waits."""
         cores = os.cpu_count() or 1
         workers = min(self.workers or cores, len(tasks))
         others = active_children()
         with _threads_of_children(max(1, cores // workers)):
-            # spawn, not fork: a forked child inherits the locks of numba's and Rerun's threads and can stand still
+            # spawn, not fork: a forked child inherits the locks of numba's and Rerun's threads and can hang
             pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin_worker)
             try:
                 with _interrupts_held():
@@ -108,13 +108,15 @@ class Runner:
                 ) from None
             except (KeyboardInterrupt, GeneratorExit):
                 for process in set(active_children()).difference(others):
-                    process.terminate()  # what is stored is stored; what was under way is begun again next time
+                    process.terminate()  # stored results stay; interrupted tasks start again next time
                 raise
             finally:
                 pool.shutdown(wait=True, cancel_futures=True)
 
     def _on_dask(self, work: Work, tasks: Mapping[Path, Task]) -> Iterator[None]:
-        """Something for every task that is stored, here: a cluster's workers need not see this disk."""
+        """Yields once for every task; the results are stored here, so that a cluster's workers need no access to this
+        disk.
+        """
         try:
             import distributed
         except ImportError:
@@ -137,7 +139,7 @@ class Runner:
                     under_way = {key for keys in client.processing().values() for key in keys}
                     client.cancel([other for other in futures if not other.done() and other.key not in under_way])
             if failed is not None:
-                failed.result()  # raises what the task raised, now that its neighbours are stored
+                failed.result()  # raises the task's exception, after the other results are stored
 
 
 def progress_bar(console: Console, quiet: bool = False, clock: Callable[[], float] | None = None) -> Progress:
@@ -169,8 +171,9 @@ def _threads_of_children(count: int) -> Iterator[None]:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C waits for the end of this block, and never reaches a process that was started in it: one that is not up
-    yet would end with a traceback of its own."""
+    """Ctrl-C waits for the end of this block and does not reach a process started in it, which would end with its own
+    traceback while it is starting.
+    """
     if sys.platform == "win32":  # it has no mask of signals; a child's traceback on Ctrl-C harms nothing
         yield
         return
@@ -182,7 +185,9 @@ def _interrupts_held() -> Iterator[None]:
 
 
 def _begin_worker() -> None:
-    """Ctrl-C reaches every process of a terminal: the first one decides. Where that one is killed, its workers end."""
+    """Ctrl-C reaches every process of a terminal, but only the first one reacts. If that process is killed, its workers
+    end.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
@@ -191,7 +196,7 @@ def _end_with_parent() -> None:
     parent = parent_process()
     if parent is not None:
         parent.join()
-        os._exit(1)  # what it was computing is stored by nobody, and begun again next time
+        os._exit(1)  # its unfinished task is not stored, and starts again next time
 
 
 def _work_and_store(work: Work, task: Task, file: Path) -> None:
@@ -199,7 +204,7 @@ def _work_and_store(work: Work, task: Task, file: Path) -> None:
 
 
 def is_stored(file: Path) -> bool:
-    """Whether a sound result lies beside `file`; one that was torn is removed, and so computed again."""
+    """Whether a sound result is beside `file`; a damaged one is removed and therefore computed again."""
     for suffix in (".json", ".npz"):
         stored = file.with_name(file.name + suffix)
         if not stored.exists():
@@ -244,7 +249,7 @@ def store_result(result: Result, file: Path) -> Path:
 
 
 def load_result(file: Path) -> Result:
-    """The result stored beside `file`; FileNotFoundError where there is none, ValueError where it was torn."""
+    """The result stored beside `file`; FileNotFoundError if there is none, ValueError if it is damaged."""
     plain, arrays = file.with_name(file.name + ".json"), file.with_name(file.name + ".npz")
     if plain.exists():
         text, _, sha256 = plain.read_text(encoding="utf-8").partition("\n")

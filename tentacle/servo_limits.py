@@ -1,4 +1,4 @@
-"""What a servo can do: angle, speed and acceleration, and whether a base motion asks for more."""
+"""Limits of a servo: angle, speed and acceleration, and the check of a base motion against them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a recording measures: motor, load cell, midline, markers, video. Arrays in SI units, times in seconds.
+"""The signals of a recording: motor, load cell, midline, markers, video. Arrays in SI units, times in seconds.
 
 All positions are in the base frame: origin at the clamp, x along the normal n, y along the straight arm at
 theta = 0. It stands still in the laboratory: when the servo turns the base by theta, the arm turns in this frame.
@@ -37,7 +37,7 @@ class LoadCellSignal:
 
 @dataclass(frozen=True)
 class BaseTravel:
-    """Where a moving base is: times (N,) [s], xy (N, 2) [m] in the frame that stands still."""
+    """The path of a moving base: times (N,) [s], xy (N, 2) [m] in the laboratory's frame."""
 
     t: Array
     xy: Array
@@ -79,13 +79,13 @@ class Video:
 
 @dataclass(frozen=True)
 class ShapeTrack:
-    """What vision measured: per frame, shape coefficients with their full covariance.
+    """Shapes measured by vision: for each frame, coefficients with their full covariance.
 
     t (T,) [s]; coefficients (T, K): [base angle offset, q1 .. q_(K-1)] in the paper's monomial coordinates [rad],
     so that phi(s) = theta + offset + sum_j q_j s^j / j; covariance (T, K, K); accepted (T,) bool, False where the
     frame could not be trusted (then the row is NaN); reason (T,) one short phrase, "" where accepted. scale is the
     measured length over the declared one (1 = as declared) and scale_sigma its standard deviation; base_shift (2,) [m]
-    is how far the clamp lies from where the declaration puts it.
+    is the clamp's place minus the declared one.
     """
 
     t: Array
@@ -98,7 +98,7 @@ class ShapeTrack:
     base_shift: Array
 
     def _repr_html_(self) -> str:
-        """How many frames were accepted, and each coordinate's range and standard deviation, for notebooks."""
+        """The number of accepted frames, and each coordinate's range and standard deviation, for notebooks."""
         kept = np.flatnonzero(self.accepted)
         names = ("base angle offset", *(f"q{k}" for k in range(1, self.coefficients.shape[1])))
         rows = [

@@ -1,11 +1,11 @@
 """Slips of sign, unit and order in a recording, found before anything slow begins.
 
-What the arm must do is compared with what was handed over: its root points along the base, so that
+The recording is compared with the motion that every arm must have. The root points along the base, so that
 
     direction of the root = theta + a constant near 0,   turning with the servo by .35 to 1.5 rad a radian,
 
-and a marker of arc length s lies within s L of the clamp. A slip that leaves no other reading is an error. One that a
-peculiar set-up could explain is advice, with the numbers that led to it.
+and a marker of arc length s lies within s L of the clamp. A slip without any other explanation is an error. If an
+unusual set-up could explain it, it is advice, with the numbers behind it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tentacle.recording import Recording
 from tentacle.signals import Array
 
 NEAR_ROOT = 0.15  # of the arm: within, the midline's direction is the base's to some degrees
-SLOWEST = 1.0  # s between pictures: no soft arm's motion can be followed so
+SLOWEST = 1.0  # s between pictures: too long for the motion of a soft arm
 LEAST_SERVO_TURN = 0.05  # rad of the servo, below which its sign and unit cannot be seen
 ONE_DEGREE = np.pi / 180.0
 MARKER_REACH = 1.15  # of s L: how far a marker may lie from the clamp, for roughly declared lengths and shifted clamps
@@ -50,14 +50,14 @@ class Slip:
 
 
 def refuse_slips(recording: Recording) -> None:
-    """InputError for the first slip that leaves no other reading."""
+    """InputError for the first slip without another explanation."""
     for slip in find_slips(recording):
         if slip.certain:
             raise InputError(slip.seen, file=f"{recording.name}/{slip.file}", field=slip.field, expected=slip.remedy)
 
 
 def find_slips(recording: Recording) -> list[Slip]:
-    """All slips of a recording; none where too little was measured to tell."""
+    """All slips of a recording; none if too little was measured."""
     if recording.travel is not None:
         recording = seen_from_base(recording, fit_travel(recording.travel))
     found = [_slow_clock(recording), *_log_clocks(recording), _picture_slip(recording)]
@@ -97,7 +97,7 @@ def _log_clocks(recording: Recording) -> list[Slip]:
 
 
 def _seen_for(recording: Recording) -> float | None:
-    """How long the arm is seen [s]: by midline or markers, else by the film's own header; None where neither says."""
+    """Duration [s] for which the arm is seen: from midline or markers, else from the film's header; None if unknown."""
     pictures, video, camera = recording.midline or recording.markers, recording.video, recording.declaration.camera
     if pictures is not None:
         return float(np.ptp(pictures.t)) if len(pictures.t) >= 3 else None
@@ -157,8 +157,8 @@ def marker_direction(recording: Recording) -> tuple[Array, Array, float] | None:
 
 
 def root_turning(theta: Array, direction: Array) -> float | None:
-    """How far the root turns for a radian of the servo, d direction / d theta: 1 as declared, 0 in a frame that turns
-    with the servo, -1 where the two count in opposite senses. None where the servo hardly turns or few frames tell.
+    """Rotation of the root per radian of the servo, d direction / d theta: 1 as declared, 0 in a frame that turns with
+    the servo, -1 if the two have opposite signs. None if the servo hardly turns or there are few frames.
     """
     if theta.size < 10 or np.ptp(theta) < LEAST_SERVO_TURN:
         return None
@@ -199,7 +199,7 @@ def _servo_slip(recording: Recording, t: Array, direction: Array) -> Slip | None
 
 
 def _length_slip(recording: Recording) -> Slip | None:
-    """A midline whose own length is not the declared one."""
+    """A midline with another length than the declared one."""
     midline, length = recording.midline, recording.declaration.specimen.length
     if midline is None or len(midline.s) < 6:
         return None

@@ -148,7 +148,7 @@ class Specimen:
 class Fluid:
     """The fluid around the arm; density [kg/m^3], 0 means air (no fluid force).
 
-    added_mass: what the declared model holds of the water that the arm carries. "none": nothing (the paper's model);
+    added_mass: the declared added mass of the arm. "none": nothing (the paper's model);
     "section": C_a of the section, known; "fit": C_a is fitted with the base parameters.
     """
 
@@ -188,9 +188,9 @@ HANGING_DOWN = Gravity()
 
 
 def declared_effects(specimen: Specimen, fluid: Fluid) -> dict[str, dict[str, float]]:
-    """Effects that the declaration itself brings into the model: name -> parameter -> value (to begin from, if fitted).
+    """Effects in the model because of the declaration: name -> parameter -> value (the start, if it is fitted).
 
-    Kirchhoff's water is carried along the normal alone.
+    Added mass acts along the normal only (Kirchhoff).
     """
     if fluid.density <= 0.0 or fluid.added_mass == "none":
         return {}

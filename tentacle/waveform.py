@@ -86,7 +86,7 @@ class Ramped:
     """A waveform that starts from rest at theta = 0: multiplied by 10 x^3 - 15 x^4 + 6 x^5, x = t / duration [s].
 
     The factor has two continuous derivatives, 0 before t = 0 and 1 after the duration; so theta, its rate and its
-    acceleration start at 0 and the arm is not kicked.
+    acceleration start at 0, without a jump.
     """
 
     waveform: Waveform

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
-from affine_model.base_signal import Servo, Steps, base_table
+from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import midline
 from affine_model.simulate import Timing, simulate
 from inference.base_fit import Setting, fit_base
@@ -53,7 +53,7 @@ def record_declared(declaration: Declaration, hidden: Mapping[tuple[str, str], f
     for (effect, parameter), value in {**TRUTH, **hidden}.items():
         parameters[parameter_index(effect, parameter)] = value
     steps = round(run.seconds / STEP)
-    base = base_table(run.wave, Steps(0.0, STEP, steps), Servo.of(parameters[:, None]))
+    base = base_table(run.wave, Steps(0.0, STEP, steps), parameters[:, None])
     batch = simulate(arm, parameters[:, None], base, Timing(STEP, round(1.0 / STEP / FPS)))
     theta = run.wave(batch.t)[0]  # as commanded
     points = midline(batch.q[:, :, 0], batch.theta[:, 0], arm.specimen.length, S)

@@ -1,4 +1,4 @@
-"""Whether to believe models and loop: blind trials, the ladder, the validity map, the paper's arms.
+"""Tests of the models and of the loop: blind trials, the ladder, the validity map, the paper's arms.
 
-It stands above discovery and the reference, and nothing stands on it but the command line.
+It uses discovery and the reference; only the command line uses it.
 """

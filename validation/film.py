@@ -1,4 +1,4 @@
-"""A recording's midline filmed: a rendered video in its place, and the camera declared."""
+"""A recording's midline replaced by a rendered video, with the camera declared."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 # The arm hangs from a little below the upper edge, and fills this share of the height.
 ARM_SHARE, BASE_SHARE = 0.66, 0.14
-MUJOCO = "mujoco"  # the look that MuJoCo's own camera gives
+MUJOCO = "mujoco"  # the look of MuJoCo's own camera
 CRF = 6  # of H.264: half the lossless file; from 12 on the tracker loses edges to compression
 
 

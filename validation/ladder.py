@@ -1,5 +1,4 @@
-"""The ladder: from what theory gives, over both models at rest and in small motions, to release, driven motion and
-thrust."""
+"""The ladder of comparisons: frequencies and shape at rest (also from theory), a release, driven motion, and thrust."""
 
 from __future__ import annotations
 
@@ -48,7 +47,9 @@ class Rung:
 
     @property
     def spread(self) -> float:
-        """What the most links still leave: a third of the last change, as the reference is of second order in 1/n."""
+        """Error of the reference with the most links: a third of the last change, because it is of second order in
+        1/n.
+        """
         fewer, most = sorted(self.reference)[-2:]
         apart = abs(self.reference[fewer] - self.reference[most]) / 3.0
         return apart if self.absolute else apart / abs(self.best)
@@ -56,9 +57,9 @@ class Rung:
 
 @dataclass(frozen=True)
 class Ladder:
-    """All rungs of one model, and the driven motion for the eye: the reference, then the reduced model by order.
+    """All rungs of one model, and the driven motion for pictures: the reference, then the reduced model by order.
 
-    third_opinion: first frequency in air [Hz] by PyElastica, where it is installed and knows such an arm.
+    third_opinion: first frequency in air [Hz] by PyElastica, if it is installed and can represent the arm.
     """
 
     rungs: tuple[Rung, ...]
@@ -69,7 +70,7 @@ class Ladder:
     third_opinion: float | None = None
 
     def _repr_html_(self) -> str:
-        """The relative error of each order, or the absolute one with its unit, rung by rung."""
+        """The relative error of each order, or the absolute one with its unit, for each quantity."""
         orders = sorted(self.affine)
         rows = [
             (
@@ -78,7 +79,7 @@ class Ladder:
             )
             for rung in self.rungs
         ]
-        return html_table(("rung", *(f"error of order {order}" for order in orders)), rows)
+        return html_table(("quantity", *(f"error of order {order}" for order in orders)), rows)
 
 
 def in_air(model: Model, gravity: Gravity) -> Model:
@@ -87,7 +88,7 @@ def in_air(model: Model, gravity: Gravity) -> Model:
 
 
 def theory_frequencies(model: Model) -> tuple[float, float] | None:
-    """Two natural frequencies in air [Hz] by Euler-Bernoulli, where the section is one of those with a known answer."""
+    """Two natural frequencies in air [Hz] by Euler-Bernoulli's theory, for sections with a known solution."""
     specimen, elasticity = model.specimen, model.parameters.get("elasticity", {})
     modulus = elasticity["E"].value if "E" in elasticity else 0.0
     if specimen.tip_mass > 0.0 or modulus <= 0.0 or any(elasticity[k].value for k in ("k0", "k1") if k in elasticity):
@@ -111,7 +112,7 @@ def affine_frequencies(model: Model, order: int) -> np.ndarray:
 
 
 def affine_tip(model: Model, order: int) -> np.ndarray:
-    """Where the reduced model's tip hangs at rest (2,) [m]."""
+    """Place of the reduced model's tip at rest (2,) [m]."""
     from affine_model.arm import arm_of, parameter_vector
     from affine_model.curvature import midline
     from affine_model.statics import equilibrium
@@ -121,7 +122,7 @@ def affine_tip(model: Model, order: int) -> np.ndarray:
 
 
 def reference_tip(model: Model, links: int) -> np.ndarray:
-    """Where the reference's tip hangs at rest (2,) [m]."""
+    """Place of the reference's tip at rest (2,) [m]."""
     from mujoco_ref.midline import chain_midline_points
     from mujoco_ref.simulate import make_stepper
     from mujoco_ref.statics import chain_equilibrium
@@ -207,13 +208,19 @@ def run_ladder(model: Model, amplitude: float, frequency: float | None = None) -
 
 
 def third_opinion(model: Model, guess: float) -> float | None:
-    """First frequency in air [Hz] by PyElastica; None where it is not installed, or the arm is no cone of one
-    material."""
+    """First frequency in air [Hz] by PyElastica; None if it is not installed, if the arm is not a cone of one material,
+    or if the fit of the frequency does not converge.
+    """
     from mujoco_ref.third_opinion import first_frequency, is_installed
 
     elasticity = model.parameters.get("elasticity", {})
     plain = isinstance(model.specimen.section, Cone) and model.specimen.tip_mass == 0.0 and set(elasticity) == {"E"}
-    return first_frequency(model.specimen, elasticity["E"].value, guess) if plain and is_installed() else None
+    if not plain or not is_installed():
+        return None
+    try:
+        return first_frequency(model.specimen, elasticity["E"].value, guess)
+    except ArithmeticError:
+        return None
 
 
 def _motion_rung(name: str, model: Model, wave, duration: float, start: np.ndarray) -> Rung:

@@ -1,5 +1,4 @@
-"""Both models of one arm under one base motion, from the same start: what `compare` and `reproduce` hold side by
-side."""
+"""Both models of one arm under one base motion, from the same start, for `compare` and `reproduce`."""
 
 from __future__ import annotations
 
@@ -24,9 +23,8 @@ class Twin:
     """One model's motion: t (T,) [s], theta (T,) [rad], xy (T, 41, 2) [m], q (T, 2) [rad], load (T,) [N] at the base
     along +y.
 
-    q: the two coordinates nearest to the angle along the arm (eq. 2), whatever number the model has.
-
-    load is less its reading at rest; over whole periods its mean is the mean thrust (eq. 17).
+    q: the two coordinates nearest to the angle along the arm (eq. 2), for any number of coordinates of the model. load
+    is counted from its reading at rest; over whole periods its mean is the mean thrust (eq. 17).
     """
 
     t: Array
@@ -50,7 +48,7 @@ def reference_twin(
     initial = np.zeros(2) if start is None else start
     run = simulate(model, waveform, duration, fps, setup=Setup(links=links, s=S, initial=Initial(initial)))
     q = reduced(run.angles - run.theta[:, None])
-    # Whatever shape it started from, the load is told less that of the straight arm at rest.
+    # For every start the load is counted from that of the straight arm at rest.
     return Twin(run.t, run.theta, run.midline.xy, q, run.load_cell)
 
 
@@ -66,7 +64,7 @@ def affine_twin(
 ) -> Twin:
     """The reduced model with that many coordinates, from the same start."""
     from affine_model.arm import arm_of, parameter_vector
-    from affine_model.base_signal import Servo, Steps, base_table
+    from affine_model.base_signal import Steps, base_table
     from affine_model.curvature import midline
     from affine_model.simulate import simulate
 
@@ -75,7 +73,7 @@ def affine_twin(
     stride = int(np.ceil(1.0 / (fps * AFFINE_STEP) - 1e-9))
     step = 1.0 / (fps * stride)
     steps = (int(np.floor(duration * fps + 1e-9)) + 1) * stride
-    base = base_table(waveform, Steps(0.0, step, steps), Servo.of(parameters[:, None]))
+    base = base_table(waveform, Steps(0.0, step, steps), parameters[:, None])
     q = np.zeros((order, 1))
     if start is not None:
         q[: min(order, start.size), 0] = start[:order]
@@ -91,7 +89,7 @@ def affine_twin(
 
 
 def net_weight(model: Model) -> float:
-    """Weight less buoyancy along +y [N], which a load cell at the base carries at rest."""
+    """Weight minus buoyancy along +y [N], the reading of a load cell at the base at rest."""
     specimen, fluid = model.specimen, model.fluid
     carried = specimen.mass * (1.0 - fluid.density / specimen.density) + specimen.tip_mass
     return float(carried * model.gravity.magnitude * np.cos(model.gravity.angle))

@@ -1,4 +1,4 @@
-"""The paper's arms as far as it states them, and what had to be chosen where it does not."""
+"""The paper's arms, with the values that the paper does not state."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 
 BASE_RADIUS = 0.0125  # m: the specimens are 25 mm thick at the base (Fig. 5)
-TIP_RADIUS = 0.001  # m: chosen; the print has a cone that ends in a point, a cast one does not
-# The paper names the silicones; what they are like is in affine_model.swim.silicones. The paper gives k0 and k1 of a
-# single arm, whose unit is a misprint: E I0/L of Dragon Skin 10 at 140 mm is 36 mN m.
+TIP_RADIUS = 0.001  # m: chosen; the paper's cone ends in a point, which cannot be cast
+# The paper names the silicones; their properties are in affine_model.swim.silicones. The paper gives k0 and k1 of a
+# single arm, with a misprint in the unit: E I0/L of Dragon Skin 10 at 140 mm is 36 mN m.
 PAPER_SILICONES = {
     "Eco-Flex": TABLE["ecoflex-00-30"],
     "Dragon Skin 10": TABLE["dragon-skin-10"],

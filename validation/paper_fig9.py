@@ -40,18 +40,18 @@ class ThrustMaps:
 
     @property
     def ranks(self) -> list[float]:
-        """Spearman's rank correlation of the two maps, an arm each."""
+        """Spearman's rank correlation of the two maps, one for each arm."""
         return [rank_correlation(r.ravel(), a.ravel()) for r, a in zip(self.reference, self.affine, strict=True)]
 
     @property
     def errors(self) -> list[float]:
-        """Mean |error| over mean |thrust|, an arm each."""
+        """Mean |error| over mean |thrust|, one for each arm."""
         apart = np.abs(self.affine - self.reference).sum(axis=(1, 2))
         return (apart / np.abs(self.reference).sum(axis=(1, 2))).tolist()
 
     @property
     def lines(self) -> list[str]:
-        """One sentence an arm: agreement, and where the reference thrusts most."""
+        """One sentence for each arm: agreement, and the sine with the most thrust in the reference."""
         lines = []
         for length, rank, error, r, a in zip(
             FIG9_LENGTHS, self.ranks, self.errors, self.reference, self.affine, strict=True

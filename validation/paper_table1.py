@@ -1,5 +1,6 @@
-"""Table I: fifteen arms identified from rendered video, and how far the identified model is from what the camera
-saw."""
+"""Table I: fifteen arms identified from rendered video, and the error of each identified model against the tracked
+shapes.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +32,9 @@ TABLE1_HEADER = (
 
 @dataclass(frozen=True)
 class Table1:
-    """Columns for the CSV (name -> an arm each), rows of texts under HEADER, and what the table shows in sentences."""
+    """Columns for the CSV (name -> one value for each arm), rows of texts under HEADER, and the results in
+    sentences.
+    """
 
     columns: Mapping[str, Any]
     rows: Sequence[tuple[str, ...]]
@@ -80,7 +83,7 @@ def _row(task: Mapping[str, Any], result: Mapping[str, Any], paper: Sequence[flo
 
 
 def _words(columns: Mapping[str, Any]) -> tuple[str, ...]:
-    """What the table shows, what differs from the paper's and why."""
+    """Results of the table, with the differences from the paper and their reasons."""
 
     def rank(ours: str, theirs: str) -> float:
         """Spearman's correlation."""

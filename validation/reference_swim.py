@@ -1,4 +1,4 @@
-"""Gaits on the MuJoCo reference: what an optimum of the reduced model is checked by."""
+"""Gaits on the MuJoCo reference, to check an optimum of the reduced model."""
 
 from __future__ import annotations
 
@@ -31,3 +31,17 @@ def reference_thrust(model: Model, gait: Gait) -> float:
     """Mean forward thrust [N] of the MuJoCo reference under a gait, base clamped (eq. 17 averaged)."""
     run = simulate(model, gait, SETTLE_S + WINDOW_S, FPS, setup=Setup(lead_in=LEAD_IN_S))
     return -float(np.mean(run.thrust[round(SETTLE_S * FPS) :]))
+
+
+def reference_gains(model: Model, gait: Gait, sine: Gait) -> dict[str, float]:
+    """A gait beside a sine on the MuJoCo reference: speeds [m/s] on the rail, mean thrusts [N] clamped, both ratios."""
+    speed, sine_speed = reference_speed(model, gait), reference_speed(model, sine)
+    thrust, sine_thrust = reference_thrust(model, gait), reference_thrust(model, sine)
+    return {
+        "speed_m_s": speed,
+        "sine_speed_m_s": sine_speed,
+        "speed_gain": speed / sine_speed,
+        "thrust_n": thrust,
+        "sine_thrust_n": sine_thrust,
+        "thrust_gain": thrust / sine_thrust,
+    }

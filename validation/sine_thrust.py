@@ -1,4 +1,4 @@
-"""Fig. 9: mean thrust of sines over amplitude and frequency, the model's and what a load cell measured."""
+"""Fig. 9: mean thrust of sines over amplitude and frequency, from the model and from a load cell."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class SineThrust:
 def sine_thrust(model: Model, recordings: Sequence[SineRun]) -> SineThrust:
     """On the grid that the recordings' sines span; without recordings 0.1 to 0.7 rad and 0.3 to 1.8 Hz.
 
-    The signs of the fluid's force and of the load cell (tared) are turned, because both read along +y.
+    Force and load cell (tared) change their sign, because both are positive along +y.
     """
     amplitude, frequency, measured = np.linspace(0.1, 0.7, 5), np.linspace(0.3, 1.8, 6), None
     if recordings:

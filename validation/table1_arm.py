@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 AMPLITUDE, FREQUENCY = np.pi / 6, 24.0 / 39.0  # [rad], [Hz]: 24 cycles in 39 s (II-B; not the 3 Hz printed)
 TABLE1_FRAME_RATE = 25.0
 SIZE = (640, 480)
-# The chirp that the paper learns from is not described: this one passes the first mode of most of its arms.
+# The paper does not describe the chirp of its fits: this one passes the first mode of most of the arms.
 CHIRP_S, CHIRP_FROM, CHIRP_TO = 12.0, 0.3, 2.0
 
 
@@ -68,7 +68,7 @@ def arm_result(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _film(task: Mapping[str, Any], wave: Waveform, seconds: float, file: Path) -> tuple[Recording, dict[str, Any]]:
-    """A video of the reference's arm under that base motion, and what is known about it."""
+    """A video of the reference's arm under that base motion, as a recording."""
     from mujoco_ref.undeclared import Noise, Scenario, make_recording
     from validation.film import filmed
     from validation.paper_arms import paper_arm

@@ -1,5 +1,6 @@
-"""The validity map: where, over frequency, amplitude, taper and slenderness, the reduced model stands for the
-reference."""
+"""The validity map: the reduced model's error against the reference over frequency, amplitude, taper and
+slenderness.
+"""
 
 from __future__ import annotations
 
@@ -47,13 +48,13 @@ class Validity:
 
     @property
     def label(self) -> str:
-        """The arm's own groups, in words."""
+        """The arm's dimensionless groups, in words."""
         return f"taper {self.taper:.3g}, L/r0 {self.slenderness:.3g}"
 
     def reach(self, order: int, level: float, amplitude: int, errors: Array | None = None) -> float:
-        """The largest frequency ratio up to which the shape error stays under level; 0 where it never does.
+        """The largest frequency ratio up to which the shape error stays below level; 0 if there is none.
 
-        errors (O, A, F): of something else than the shape; where it is unknown it counts as small.
+        errors (O, A, F): other errors than the shape's; NaN counts as small.
         """
         row = (self.shape if errors is None else errors)[MAP_ORDERS.index(order), amplitude]
         bad = np.flatnonzero(~(row <= level) if errors is None else row > level)
@@ -104,7 +105,7 @@ def own_slenderness(model: Model) -> float:
 def variants(model: Model, tapers: Sequence[float], slendernesses: Sequence[float]) -> list[Model]:
     """The model, then it with each of the other tapers, then with each of the other L / r0 (cones only).
 
-    Fewer or more slender arms keep their length.
+    All keep their length.
     """
     section, length = model.specimen.section, model.specimen.length
     if not isinstance(section, Cone):

@@ -11,7 +11,9 @@ Item = TypeVar("Item")
 
 
 def read_ahead(items: Iterable[Item], count: int = 4) -> Iterator[Item]:
-    """Yield items in order, up to count of them fetched ahead; an error of theirs is raised here, in its place."""
+    """Yield items in order, with up to `count` of them fetched ahead; an error of the source is raised here,
+    in order.
+    """
     waiting: Queue[tuple[bool, Item | BaseException | None]] = Queue(count)
     stopped = threading.Event()
 

@@ -1,4 +1,4 @@
-"""An arm's two ends, looked for along it: where they lie, and whether the sides beside them agree."""
+"""The two ends of an arm, searched along its course: their places, and whether the sides agree with them."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from vision.motion import Sweep
 from vision.robust import MISFIT
 
 NARROW = 2.5  # px, reach of a profile about an end
-CONTRADICTED = 2.0  # px that an end may lie from the expected place without a look at what lies between
+CONTRADICTED = 2.0  # px: an end farther than this from the expected place is checked against the sides in between
 SIDEWAYS = 1.0  # of the radius there, that an end may move sideways in an exposure; its middle half is looked at
 
 
 @dataclass(frozen=True)
 class EndSearch:
-    """How an end is looked for: up to reach [px] along the arm, with the profile's usual rms [grey] of the sides."""
+    """Parameters of the search for an end: reach [px] along the arm, and the usual rms [grey] of a side's profile."""
 
     optics: Optics
     sight: EdgeLook
@@ -32,8 +32,9 @@ class EndSearch:
 def arm_end(
     image: NDArray[np.uint8], expected: Outline, kind: int, find: EndSearch, swept: Sweep
 ) -> tuple[NDArray[np.intp], Array]:
-    """Indices of an end's edges, and their offsets [px]; 0 where it does not look as the sides do (a
-    clamp hides it), or moves sideways (its corners pass)."""
+    """Indices of an end's edges, and their offsets [px]; 0 for edges that do not look like the sides (a clamp hides
+    them) or that move sideways (the end's corners pass over them).
+    """
     optics, sight = find.optics, find.sight
     index = np.flatnonzero(expected.kind == kind)
     names = ("points", "normals", "depth", "jacobian", "s", "kind", "bulge", "span")
@@ -59,9 +60,10 @@ def arm_end(
 
 
 def agrees_with_sides(expected: Outline, end: NDArray[np.intp], offset: Array, carries: NDArray[np.bool_]) -> bool:
-    """Whether an end that lies short of its expected place leaves no sides beyond it: an arm has none where it is not.
+    """Whether an end found before its expected place is real: beyond a real end there are no sides.
 
-    Where the arm bends away from its expected course, the line on which its end is looked for leaves it by its flank.
+    If the arm bends away from its expected course, the line of the search leaves the arm at its flank, which looks like
+    an end.
     """
     seen = offset[offset != 0.0]
     short = -float(np.median(seen)) if len(seen) else 0.0

@@ -1,4 +1,6 @@
-"""Many videos in one call: each tracked in a process of its own, stored as it ends, never done twice; one table."""
+"""Many videos in one call: each is tracked in its own process and stored when it is done, so that none is tracked
+twice; one table.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ SUMMARY_COLUMNS = ("source", "frames", "accepted", "repeats", "scale", "problem"
 
 @dataclass(frozen=True)
 class TrackingBatch:
-    """What all videos have in common: the arm's numbers, curvature coordinates, the lens' file, where results go."""
+    """Settings common to all videos: the arm's numbers, curvature coordinates, the lens file, the folder of the
+    results.
+    """
 
     numbers: DeclaredNumbers
     order: int | None
@@ -33,9 +37,10 @@ class TrackingBatch:
 
 
 def sources_of(paths: Sequence[Path]) -> list[Path]:
-    """The videos and recordings that paths mean: a folder that is no recording means those in it.
+    """The videos and recordings at the given paths.
 
-    A folder of pictures is a video. Raises InputError where a folder holds neither.
+    A folder that is not a recording stands for the videos and recordings in it. A folder of pictures is a video. Raises
+    InputError where a folder holds neither.
     """
     found: list[Path] = []
     for path in paths:
@@ -48,9 +53,10 @@ def sources_of(paths: Sequence[Path]) -> list[Path]:
 
 
 def track_all(sources: Sequence[Path], batch: TrackingBatch, workers: int | None = None) -> list[Mapping[str, Any]]:
-    """Track all, in parallel; rows of COLUMNS in the sources' order, which are also written to out/summary.csv.
+    """Track all, in parallel.
 
-    What is stored in out/done is not tracked again, unless the video, its proofreading or an option has changed.
+    Returns rows of COLUMNS in the sources' order, and writes them to out/summary.csv. A result in out/done is used
+    again unless the video, its proofreading or an option has changed.
     """
     batch.out.mkdir(parents=True, exist_ok=True)
     names = _names(sources)
@@ -74,7 +80,7 @@ def track_all(sources: Sequence[Path], batch: TrackingBatch, workers: int | None
 
 
 def track_one(task: Mapping[str, Any]) -> dict[str, Any]:
-    """One video's row; NAME.csv and NAME.midline.csv are written beside it. A bad video is a row with its problem."""
+    """Track one video: its row; writes NAME.csv and NAME.midline.csv. For a bad video the row states the problem."""
     source, out, name = Path(task["source"]), Path(task["out"]), task["name"]
     row: dict[str, Any] = dict.fromkeys(SUMMARY_COLUMNS, "") | {"source": str(source)}
     try:
@@ -106,7 +112,7 @@ def track_one(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _names(sources: Sequence[Path]) -> list[str]:
-    """A name of its own for each source's results."""
+    """A unique name for each source's results."""
     names: list[str] = []
     for source in sources:
         name, count = source.stem, 2

@@ -9,7 +9,7 @@ from scipy.special import ndtr
 
 from tentacle.compiled import njit
 
-TABLE_END, TABLE_STEPS = 5.0, 100  # of the normal distribution: to so many sigmas, so many steps a sigma
+TABLE_END, TABLE_STEPS = 5.0, 100  # table of the normal distribution: its extent in sigmas, steps per sigma
 STEP_TABLE = ndtr(np.linspace(-TABLE_END, TABLE_END, round(2 * TABLE_END * TABLE_STEPS) + 1))
 
 
@@ -58,13 +58,13 @@ def step_softening(d: float, blur: float, half: float) -> float:
 
 @njit(cache=True, inline="always")
 def bar_is_thin(depth: float, blur: float, half: float) -> bool:
-    """Whether a bar's other edge reaches into an edge's profile."""
+    """Whether the other edge of a bar lies within an edge's profile."""
     return depth < 2.0 * (2.0 * blur + half) + 2.0
 
 
 @njit(cache=True, inline="always")
 def bar_share(d: float, depth: float, blur: float, half: float, thin: bool) -> float:
-    """Share of the ground's grey at distance d; where the bar is thin, its other edge is near."""
+    """Share of the ground's grey at distance d, with the other edge of a thin bar."""
     c = rise(d, blur, half)
     if thin:
         c += rise(-d - depth, blur, half)

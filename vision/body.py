@@ -1,4 +1,4 @@
-"""Midlines of a free, slender body through a recording, from silhouettes: coils are flagged, a bad fit is said."""
+"""Midlines of a free, slender body in a recording, from silhouettes: coiled frames are rejected with a reason."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ HOLE = 0.02  # of the body's area
 class BodyTrack:
     """t (T,) [s]; midline (T, P, 2) and width (T, P) [px], NaN where not accepted; reason (T,), "" where accepted.
 
-    affine_rms (T,) [px]: what an affine curvature, free in place, heading and length, leaves of the midline; the same
-    for curvature of fourth order in quartic_rms.
+    affine_rms (T,) [px]: distance of the midline from the best curve of affine curvature, with free place, heading and
+    length; quartic_rms: the same for a curvature of fourth order.
     """
 
     t: Array
@@ -51,10 +51,10 @@ class BodyTrack:
 
 
 def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTrack:
-    """Midline of the largest body in each frame; accepted where its length and width are the recording's own.
+    """Midline of the largest body in each frame; accepted if its length and width are usual for the recording.
 
-    A body that touches itself has a hole in its silhouette, or a length or width that it never has when it lies open.
-    Dirt that touches it, or nearly does at an end, is told by body_evidence.
+    A body that touches itself has a hole in its silhouette, or an unusual length or width. body_evidence finds dirt
+    that touches the body, or nearly touches one of its ends.
     """
     times, axes, reasons = [], [], []
     for frame in frames:

@@ -1,4 +1,4 @@
-"""Scale and lens from a ChArUco board in the arm's plane, in the water: refraction is then part of the lens."""
+"""Scale and lens from a ChArUco board in the arm's plane, in the water; the lens then includes the refraction."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class CharucoBoard:
 
     @property
     def markers(self) -> int:
-        """How many there are: one in each white square."""
+        """Number of markers: one in each white square."""
         return self.across * self.down // 2
 
     def charuco(self) -> cv2.aruco.CharucoBoard:
@@ -141,7 +141,7 @@ def _homography(board_points: Array, picture: Array) -> Array:
 
 
 def _scale_and_tilt(h: Array, board_points: Array) -> tuple[float, float]:
-    """px per metre at the board's middle (mean of both directions), and the tilt that its anisotropy b / a tells."""
+    """px per metre at the board's middle (mean of both directions), and the tilt from its anisotropy b / a."""
     middle = board_points.mean(axis=0)
     w = h[2, :2] @ middle + h[2, 2]
     seen = (h[:2, :2] @ middle + h[:2, 2]) / w

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tentacle.compiled import njit
 
 Array = NDArray[np.float64]
-FINE_PIXELS = 3  # fine pixels to a pixel's side, where a blur acts before the pixels do
+FINE_PIXELS = 3  # fine pixels per pixel side, on which the blur acts
 
 
 @njit(cache=True)
@@ -69,8 +69,8 @@ def polygon_coverage(polygon: Array, size: tuple[int, int]) -> Array:
 def blurred_coverage(polygons: list[Array], size: tuple[int, int], blur: float) -> Array:
     """Mean coverage (height, width) by polygons (P, 2) [px], seen through a normal blur of that many px.
 
-    A lens blurs the light before the pixels collect it. To blur the pixels' values instead would move an edge that runs
-    along a row by up to 0.01 px, to and fro with its place in the pixel: so the blur acts on finer pixels here.
+    A lens blurs the light before the pixels collect it. A blur of the pixels' values would move an edge along a row by
+    up to 0.01 px, depending on its place in the pixel. Therefore the blur acts on finer pixels here.
     """
     coverage = np.zeros(size[::-1])
     margin = int(4.0 * blur) + 2

@@ -1,4 +1,4 @@
-"""What is tracked: a recording as it lies on the disk, or a plain video with the arm's numbers beside it."""
+"""The input of tracking: a recording on the disk, or a plain video with the arm's numbers."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from vision.frames import read_frames
 from vision.guess import guess_camera
 from vision.lens import Lens
 
-WATER_DENSITY = 1000.0  # kg/m3; the density plays no part in tracking
+WATER_DENSITY = 1000.0  # kg/m3; tracking does not use the density
 
 
 @dataclass(frozen=True)
 class DeclaredNumbers:
-    """What a user states of a plain video; None where he does not. Lengths in m, base_px (u, v), fps in 1/s."""
+    """The numbers that a user gives for a plain video; None for the others. Lengths in m, base_px (u, v), fps
+    in 1/s.
+    """
 
     length: float | None = None
     base_radius: float | None = None

@@ -1,4 +1,4 @@
-"""How an arm's edges look: what stays the same from frame to frame."""
+"""The look of an arm's edges: properties that are the same in all frames."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import numpy as np
 
 from tentacle.signals import Array
 
-KNOTS = 8  # stretches of the arm, whose usual contrast is known
-MANY = 10  # edges that tell a stretch's contrast
-FAINTEST = 0.2  # of the arm's contrast, that a stretch's is taken as
+KNOTS = 8  # stretches of the arm with their own usual contrast
+MANY = 10  # fewest edges for a stretch's contrast
+FAINTEST = 0.2  # of the arm's contrast: the smallest contrast of a stretch
 
 
 @dataclass(frozen=True)
 class EdgeLook:
-    """What stays the same from frame to frame: how edges look. blur [px], polarity (+1 dark arm), contrast [grey].
+    """Properties of edges that are the same in all frames. blur [px], polarity (+1 dark arm), contrast [grey]. along
+    (KNOTS,): contrast from base to tip, as shares of contrast; a thin tip lets light through.
 
-    along (KNOTS,): the contrast's course from base to tip, as shares of contrast; a thin tip lets light through.
-    wider (width.KNOTS,) [px]: by how much the arm usually looks wider than the fitted radius says (width.usual_widths).
+    wider (width.KNOTS,) [px]: usual excess of the arm's width over the fitted one (width.usual_widths).
     """
 
     blur: float

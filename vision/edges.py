@@ -1,4 +1,4 @@
-"""Where the picture's edges lie about the expected outline: searched for, fitted each by itself, or all together."""
+"""Edges in the picture near the expected outline: searched, fitted one by one, or fitted together."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from vision.robust import AROUND, PLAIN, neighbours_mean
 
 LONGEST_PROFILE = 256  # samples that a searched profile may have
 STRANGE_EDGE = 4.0  # times the usual rms of a profile's residual
-FEW = 0.05  # of the places: that noise alone may put in contradiction to the light
-LEVEL_REACH = 4.0  # px beyond the blur from which the greys beside an edge are told; a mirror image is often near
+FEW = 0.05  # share of the places that noise alone may bring into contradiction with the light
+LEVEL_REACH = 4.0  # px beyond the blur that give the greys beside an edge; a mirror image is often near
 
 
 @dataclass(frozen=True)
 class Edges:
-    """What the profiles say, one entry per edge of the outline.
+    """Results of the profiles, one entry per edge of the outline.
 
-    offset (E,) [px]: how far outward of the expected place the edge lies. level (E,): grey inside. contrast (E,):
+    offset (E,) [px]: distance of the edge outward from the expected place. level (E,): grey inside. contrast (E,):
     outside minus inside grey. information (E,): 1/px^2 per squared grey level of noise. misfit (E,): rms of the
-    profile's residual [grey]. found (E,): a profile with both of its sides in the picture and an edge within reach.
-    softer (E, 2): right and left side of each edge's normal equation for how much more blurred it is than expected
-    [px]; 0 where not measured. plateaus (E, 2, 3): profiles.plateaus; no pixels where not measured.
+    profile's residual [grey]. found (E,): a profile with both sides in the picture and an edge within reach. softer (E,
+    2): right and left side of each edge's normal equation for the additional blur [px]; 0 if not measured. plateaus (E,
+    2, 3): profiles.plateaus; no pixels where not measured.
     """
 
     offset: Array
@@ -47,7 +47,7 @@ class Edges:
 
 @dataclass(frozen=True)
 class Optics:
-    """How edges look in the picture: the lens, its and the pixel's blur [px], polarity (+1 for an arm darker than its
+    """The optics of edges: the lens, the blur [px] of lens and pixel, polarity (+1 for an arm darker than its
     ground, -1 for a lighter one)."""
 
     lens: Lens
@@ -57,8 +57,9 @@ class Optics:
 
 @dataclass(frozen=True)
 class Before:
-    """What is known of the edges: alone, each fitted by itself; sound (E,), those of them that tell the greys; light,
-    what earlier pictures told of them."""
+    """Earlier results about the edges: alone, each fitted by itself; sound (E,), those usable for the greys; light, the
+    greys from earlier pictures.
+    """
 
     alone: Edges
     sound: NDArray[np.bool_]
@@ -85,9 +86,8 @@ def search_edges(image: NDArray[np.uint8], expected: Outline, lens: Lens, reach:
 
 
 def fit_edges(image: NDArray[np.uint8], expected: Outline, optics: Optics, reach: float, swept: Sweep) -> Edges:
-    """Each edge to a part of a pixel with its own greys; right where it is within about 2 px of its place.
-
-    swept tells how the edges move while the shutter is open.
+    """Fit each edge with its own greys, to a fraction of a pixel; valid for edges within about 2 px of their expected
+    place. swept: motion of the edges while the shutter is open.
     """
     bars = Bars(expected.depth, optics.blur, 0.5 * swept.width)
     fitted = fit_profiles(_pixels(image, expected, optics.lens, bars, reach), bars, float(reach))
@@ -110,7 +110,9 @@ def measure_edges(
     swept: Sweep,
     before: Before,
 ) -> Edges:
-    """Each edge about a place that is right to a small part of the blur, its greys from its neighbours' pixels."""
+    """Fit each edge about a place with an error of a small part of the blur, with the greys from its neighbours'
+    pixels.
+    """
     count = len(expected.points)
     alone, sound, light = before.alone, before.sound, before.light
     bars = Bars(expected.depth, optics.blur, 0.5 * swept.width)
@@ -144,7 +146,7 @@ def measure_edges(
 def _beside_something(
     pixels: Pixels, bars: Bars, expected: Outline, alone: Edges, sound: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Edges (E,) that are sound, but with a bubble close by: within the pixels that would tell the greys."""
+    """Sound edges (E,) with a bubble among the pixels that would give their greys."""
     if not sound.any():
         return ~sound
     weight = sound.astype(float)
@@ -155,12 +157,12 @@ def _beside_something(
 
 
 def _not_measured(count: int) -> tuple[Array, Array]:
-    """softer and plateaus of edges that are only searched for, or fitted each by itself."""
+    """Empty softer and plateaus, for edges that are only searched or fitted one by one."""
     return np.zeros((count, 2)), np.zeros((count, 2, 3))
 
 
 def _inward(expected: Outline, blur: float) -> Array:
-    """What blur takes from a bulging edge (E,) [px]: its half-way grey lies further in."""
+    """Shift [px] (E,) of a convex edge by the blur: its half-way grey lies further inside."""
     return 0.5 * expected.bulge * blur**2
 
 

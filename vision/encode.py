@@ -20,10 +20,10 @@ TICKS_A_SECOND = 1_000_000  # time stamps to the microsecond
 def write_video(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable[float], crf: int = 0) -> int:
     """Write grey (H, W) or RGB (H, W, 3) frames with time stamps [s] to path; gives the number of frames.
 
-    A path that ends in .mp4 (.mkv, .avi) is H.264, lossless at crf 0; one without a suffix is a folder of numbered
-    PNGs, which keeps no times. H.264 needs an even width and height: an odd one repeats its last column or row. A
-    video appears under its name only when it is whole. Raises InputError where frames and times differ in number, or
-    times go back.
+    A path that ends in .mp4 (.mkv, .avi) is H.264, lossless at crf 0. A path without a suffix is a folder of numbered
+    PNGs, which has no times. H.264 needs an even width and height: an odd one repeats its last column or row. A video
+    appears under its name only when it is whole. Raises InputError where frames and times differ in number, or times go
+    back.
     """
     path = Path(path)
     if path.suffix == "":

@@ -1,4 +1,4 @@
-"""A grey that changes smoothly over the picture: bilinear between a grid's nodes, told by greys at places."""
+"""A grey that changes smoothly over the picture: bilinear between the nodes of a grid, fitted to greys at places."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from tentacle.compiled import njit
 from tentacle.signals import Array
 
 NODES, FINEST = 40, 6.0  # along the picture's longer side; px between two of a small picture
-SMOOTH = (25.0, 1e5, 1.6e6)  # pixels of information on the second differences: as the light needs, or even light
-EMPTY = 1e-6  # information on each node, so that those that nothing tells are finite
+SMOOTH = (25.0, 1e5, 1.6e6)  # prior information on the second differences, in pixels: for uneven and for even light
+EMPTY = 1e-6  # prior information on each node, so that nodes without data stay finite
 TOLD = ("normal", "right", "count", "power")
 
 
@@ -21,9 +21,9 @@ TOLD = ("normal", "right", "count", "power")
 class Field:
     """Nodes (columns x rows, a column's nodes in a row) cell [px] apart, the first at (0, 0).
 
-    smooth: how much it is held smooth, one of SMOOTH. grey (N,): the field as it was last settled. count (N,): pixels
-    that told each node. normal (rows + 2, N), right (N,), power: the least squares' normal equations, the matrix by its
-    lower diagonals, and the greys' sum of squares.
+    smooth: its smoothness, one of SMOOTH. grey (N,): the field at the last solution. count (N,): number of pixels at
+    each node. normal (rows + 2, N), right (N,), power: the least squares' normal equations, the matrix by its lower
+    diagonals, and the greys' sum of squares.
     """
 
     cell: float
@@ -38,7 +38,7 @@ class Field:
 
     @staticmethod
     def over(size: tuple[int, int]) -> Field:
-        """A field that nothing has told, over pictures of a size (width, height) [px]."""
+        """A field without data, over pictures of a size (width, height) [px]."""
         cell = max(max(size) / (NODES - 1.0), FINEST)
         columns, rows = (max(int(np.ceil(side / cell)) + 1, 3) for side in size)
         nothing = np.zeros(columns * rows)
@@ -46,30 +46,32 @@ class Field:
         return Field(cell, columns, rows, SMOOTH[0], nothing, nothing, normal, nothing, 0.0)
 
     def fading(self, share: float) -> Field:
-        """Of what was told, a share is kept."""
+        """The field with its data weighted by a share (forgetting)."""
         told = {name: share * getattr(self, name) for name in TOLD}
         return replace(self, **told)
 
     def adding(self, place: Array, grey: Array, pixels: Array) -> Field:
-        """Told by greys (P,) at places (P, 2) [px] too, each the mean of so many pixels (P,); not yet settled."""
+        """The field with further data: greys (P,) at places (P, 2) [px], each the mean of a number of pixels (P,); not
+        yet solved.
+        """
         normal, right, count = self.normal.copy(), self.right.copy(), self.count.copy()
         _add(self._grid, (np.ascontiguousarray(place), grey, pixels), (normal, right, count))
         return replace(self, normal=normal, right=right, count=count, power=self.power + float(pixels @ grey**2))
 
     def joined(self, other: Field) -> Field:
-        """Told by what told the other too; not yet settled."""
+        """The field with the data of both; not yet solved."""
         told = {name: getattr(self, name) + getattr(other, name) for name in TOLD}
         return replace(self, **told)
 
     def settled(self) -> Field:
-        """With the greys that fit best."""
+        """The field with the greys that fit the data best."""
         matrix = self.smooth * _second_differences(self.columns, self.rows)
         matrix[0] += EMPTY
         matrix[: len(self.normal)] += self.normal
         return replace(self, grey=np.asarray(solveh_banded(matrix, self.right, lower=True, check_finite=False)))
 
     def chosen(self, noise: float) -> Field:
-        """As smooth as what was told allows, by Akaike's criterion, and settled. noise: of a pixel [grey]."""
+        """The field with the smoothness of the best Akaike criterion, solved. noise: of a pixel [grey]."""
         ways = [replace(self, smooth=smooth).settled() for smooth in SMOOTH]
         return min(ways, key=lambda way: way.misfit() / noise**2 + 2.0 * way.freedom())
 
@@ -82,7 +84,7 @@ class Field:
         return float(self.power - 2.0 * self.right @ grey + fitted)
 
     def freedom(self) -> float:
-        """How many numbers the field may choose: about the trace of its influence matrix, were it told evenly."""
+        """Effective number of parameters: about the trace of its influence matrix, for evenly spread data."""
         told = self.count > 0.0
         if not told.any():
             return 0.0
@@ -95,7 +97,7 @@ class Field:
         return _values(*self._grid, self.grey, np.ascontiguousarray(place))
 
     def told(self, place: Array) -> Array:
-        """Pixels (P,) that told the nodes about places (P, 2) [px]."""
+        """Number of pixels (P,) at the nodes around places (P, 2) [px]."""
         return _values(*self._grid, self.count, np.ascontiguousarray(place))
 
     @property

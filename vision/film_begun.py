@@ -1,4 +1,4 @@
-"""A film put where a recording begins, and the camera that its first picture proposes."""
+"""Begins a recording from a film: copies it into the folder and proposes the camera from its first picture."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vision.propose import propose_arm
 
 
 def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
-    """The answers with a camera where one can be proposed, and what to say of it; the film copied into the folder."""
+    """The answers with a camera, if one can be proposed, and a sentence about it; copies the film into the folder."""
     if film.suffix.lower() not in VIDEO_SUFFIXES:
         raise InputError("not a film that is known", file=film, field="--video", expected=" ".join(VIDEO_SUFFIXES))
     if not film.is_file():

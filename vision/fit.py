@@ -1,4 +1,4 @@
-"""One frame's shape: Gauss-Newton on the edges' offsets, robust, first wide and then narrow."""
+"""One frame's shape: robust Gauss-Newton on the edges' offsets, first with long profiles, then with short ones."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from vision.robust import PLAIN, disturbed, neighbours_mean, normal_matrix, robu
 from vision.usual_bend import usual_bend
 from vision.width import another_width
 
-BIWEIGHT = 1.27  # what the biweight takes from the variance of normal residuals (.758), and adds to the estimate's own
+BIWEIGHT = 1.27  # factors of the biweight on the variance of normal residuals (.758), and on the estimate's variance
 LEAST_EDGE_CONTRAST = 0.35  # of the median contrast: a fainter edge is another edge
 NARROW = 2.5  # px
-FINAL = 1.2  # px: a short profile sees least of what else is near
-END_PIXELS = 8.0  # px along the arm within which its ends are looked for, once the recording's scale is known
-TRUST_STRETCH = 10  # stations to either side whose mean information a cap is put on
+FINAL = 1.2  # px: a short profile contains the fewest other objects
+END_PIXELS = 8.0  # px along the arm: range of the search for its ends, once the recording's scale is known
+TRUST_STRETCH = 10  # stations to either side over which the information is averaged and limited
 END_ERROR = 1.0  # variance of an end's common error, over that of one edge
-SIDE_ERROR = 0.3  # px: an edge's error, about which what is usual is weighed
-COARSE_STEP = np.array([1.0, 3.0, 8.0, 20.0, 20.0, 20.0])  # rad: how far a first step goes where few edges tell
+SIDE_ERROR = 0.3  # px: typical error of an edge, for the prior on the usual bend
+COARSE_STEP = np.array([1.0, 3.0, 8.0, 20.0, 20.0, 20.0])  # rad: prior size of the first step, if few edges are found
 MOST_TURN = 3.0 * np.pi  # rad from base to tip
 MOST_BEND = 2.5  # curvature times the half thickness
-SLOW = slice(8, 25)  # cosine orders along the arm: slower than any profile's surroundings, faster than any q
+SLOW = slice(8, 25)  # cosine orders along the arm: longer than a profile's surroundings, shorter than the shapes of q
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,9 @@ class FrameFit:
 
 @dataclass(frozen=True)
 class Exposure:
-    """A picture whose middle of exposure is at t [s]: over span [s] the motion smears the edges, and the profile that
-    is looked for is smeared alike. light: as earlier frames told it."""
+    """A picture with the middle of its exposure at t [s]. Over span [s] the motion smears the edges, and the expected
+    profile is smeared too. light: from earlier frames.
+    """
 
     image: NDArray[np.uint8]
     t: float
@@ -75,7 +76,7 @@ class TrackedArm:
     shared: Array
 
     def outline(self, x: Array, stride: int = 1) -> Outline:
-        """The edges that a shape has."""
+        """The expected edges of a shape."""
         return outline(self.geometry, self.theta, x, self.shared, stride)
 
 
@@ -89,7 +90,7 @@ def refine(
 ) -> FrameFit | None:
     """Fit x from a start that is within about the first reach [px]; None where too few edges are found.
 
-    ends [px]: how far along the arm its two ends are looked for.
+    ends [px]: range of the search for the two ends along the arm.
     """
     image, geometry = picture.image, arm.geometry
     optics = Optics(geometry.lens, sight.blur, sight.polarity)
@@ -110,7 +111,7 @@ def refine(
     sound, first = np.zeros(0, dtype=np.bool_), None
     total = x + arm.theta * (np.arange(order) == 0)
     expected = arm.outline(x)
-    # swept once: the second time the place differs by far too little to be swept otherwise
+    # the sweep is computed once: the later change of place is too small to change it
     swept = sweep(geometry, total, arm.shared, expected, picture.motion.at(picture.t, total), picture.span)
     for reach in (NARROW, FINAL):
         expected = expected if first is None else arm.outline(x)
@@ -133,7 +134,7 @@ def refine(
                 end, offset = arm_end(image, expected, kind, find, swept)
                 if not agrees_with_sides(expected, end, offset, weight > 0):
                     offset = np.zeros(len(end))
-                # A real end is no perfect cut: all of its edges together weigh no more than their common error allows.
+                # A real end is not a perfect cut: the common error of its edges limits their total weight.
                 weight[end] = most * (offset != 0.0) / (1.0 + np.count_nonzero(offset) * END_ERROR)
                 edges.offset[end] = offset
             fit = _summary(x + step, expected, edges, weight, step)
@@ -145,9 +146,9 @@ def refine(
 
 
 def _wild(geometry: Geometry, x: Array) -> bool:
-    """Whether a step has left all shapes that an arm can have: it turns too far, or bends into its own thickness.
+    """Whether a step has reached a shape that an arm cannot have: it turns too far, or bends into its own thickness.
 
-    An edge on the inside of such a bend stands for a stretch without end, and the work on it would have none either.
+    On the inside of such a bend an edge would stand for an unbounded stretch, and so would the work on it.
     """
     s = np.linspace(0.0, 1.0, 41)
     bend = sum((x[k] * s ** (k - 1) for k in range(1, len(x))), np.zeros(len(s)))
@@ -157,7 +158,9 @@ def _wild(geometry: Geometry, x: Array) -> bool:
 
 
 def _usable(edges: Edges, expected: Outline, sight: EdgeLook) -> NDArray[np.bool_]:
-    """Side edges (E,) that are there and stand out; the ends move with the recording's parameters, hardly with x."""
+    """Side edges (E,) that were found with enough contrast. (The ends depend on the recording's parameters, hardly on
+    x.)
+    """
     return (
         edges.found
         & (sight.polarity * edges.contrast > LEAST_EDGE_CONTRAST * sight.contrast_at(expected.s))
@@ -166,7 +169,7 @@ def _usable(edges: Edges, expected: Outline, sight: EdgeLook) -> NDArray[np.bool
 
 
 def _clear_of_ends(geometry: Geometry, shared: Array, expected: Outline, swept: Sweep) -> NDArray[np.bool_]:
-    """Edges (E,) that no end of the arm slips over during the exposure."""
+    """Edges (E,) over which no end of the arm moves during the exposure."""
     away = np.minimum(expected.s, 1.0 - expected.s) * geometry.length * (1.0 + shared[2])
     return away > CORNER_PIXELS - 1.0 + 0.5 * swept.slip
 
@@ -177,7 +180,9 @@ def ordinary_misfit(edges: Edges, usable: NDArray[np.bool_]) -> float:
 
 
 def _trust(edges: Edges, kind: Array, usable: NDArray[np.bool_]) -> Array:
-    """Weights (E,) by what each profile tells; the best quarter's stretches count alike: noise is not all its error."""
+    """Weights (E,) by the information of each profile, limited to that of the best quarter, because noise is not the
+    only error.
+    """
     around, _ = neighbours_mean(kind, edges.information, usable.astype(float), TRUST_STRETCH)
     told = around[usable]
     top = max(float(np.partition(told, (3 * len(told)) // 4)[(3 * len(told)) // 4]), 1e-12)
@@ -185,7 +190,7 @@ def _trust(edges: Edges, kind: Array, usable: NDArray[np.bool_]) -> Array:
 
 
 def _summary(x: Array, expected: Outline, edges: Edges, weight: Array, step: Array) -> FrameFit:
-    """Normal equations in (x, g), with weights by what each profile tells and by how well it fits."""
+    """Normal equations in (x, g), with weights by the information and the misfit of each profile."""
     order = len(x)
     residual = edges.offset - expected.jacobian[:, :order] @ step
     information, gradient = normal_matrix(expected.jacobian, weight, residual)
@@ -210,9 +215,9 @@ def _summary(x: Array, expected: Outline, edges: Edges, weight: Array, step: Arr
 
 
 def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
-    """Where both sides of a station are seen: what their residuals say about its centre (S,), 0 elsewhere.
+    """Residual of a station's centre (S,) from its two sides, 0 if a side is not seen.
 
-    What widens both sides alike (a wrong blur, a shadow) does not move the centre, so it is no part of the noise in q.
+    An error that widens both sides alike (a wrong blur, a shadow) does not move the centre, so it does not act on q.
     """
     left, right = kind == 0, kind == 1
     both = (weight[left] > 0) & (weight[right] > 0)
@@ -222,7 +227,8 @@ def _sway(whitened: Array, weight: Array, kind: Array) -> Array:
 def _waves(sway: Array) -> Array:
     """Slow waves of the sway (cosine orders 8 to 24) over the root of its mean power.
 
-    Slower waves are the fit's own. What smooth light, or bubbles, add to the noise in q shows in the next ones.
+    Slower waves are absorbed by the fit. Smooth errors of light, or bubbles, show in these orders, and add to the error
+    of q.
     """
     waves = np.asarray(dct(sway, norm="ortho"), dtype=float)
     return waves[SLOW] / np.sqrt(max(float(np.mean(waves**2)), 1e-12))

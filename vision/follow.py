@@ -1,4 +1,4 @@
-"""Following one arm through a video, frame by frame, as the frames come: live, or from a file."""
+"""Follows one arm through a video, frame by frame: live, or from a file."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ from vision.width import usual_widths
 LEAST_COARSE_SCORE = 0.45  # of a coarse find
 BLURS = (0.7, 0.85, 1.0, 1.2, 1.5, 1.9, 2.5)  # px
 BLUR_LIMITS = (0.5, 4.0)  # px
-SLOWLY = 0.05  # share of a frame's own contrast and blur that is taken over
+SLOWLY = 0.05  # weight of a frame's own contrast and blur in the running mean
 STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are not yet known
 LOOK_AGAIN = 5  # frames between searches for a lost arm
-END_SHARE = 0.03  # of a short arm, as far as its ends are looked for: the reach tells its length that well
-SIDES_SHARE = 5e-4  # of what the sides tell of g is believed at the start, while their shape is told but roughly
-NEAREST_FRAMES = 3  # frames: a neighbour further off says nothing of a speed
+END_SHARE = 0.03  # of a short arm: range of the search for its ends, because the reach gives its length this well
+SIDES_SHARE = 5e-4  # weight of the sides' information on g at the start, while the shape is known only roughly
+NEAREST_FRAMES = 3  # frames: a neighbour farther away gives no speed
 
 
 class Follower:
@@ -69,7 +69,7 @@ class Follower:
         self._latest: NDArray[np.uint8] | None = None
 
     def remedies(self) -> list[str]:
-        """What may be wrong in the declaration, by the last picture that was looked at; [] before the first."""
+        """Possible errors of the declaration, from the last picture that was checked; [] before the first."""
         return [] if self._latest is None else remedies(self._latest, self.geometry, self._theta is not None)
 
     def theta(self, t: float) -> float:
@@ -96,7 +96,7 @@ class Follower:
         index, where = int(found[0]), found[1]
         self.sight = EdgeLook(blur=1.2, polarity=where.polarity, contrast=8.0)
         begin = self._filled(where.x)
-        # outward from the frame where the arm was found, so that each start is near
+        # forward and backward from the frame where the arm was found, so that each start is near
         walk = [range(index, len(frames)), range(index - 1, -1, -1)]
         shapes: dict[int, Array] = {index: begin}
         reaches = (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, *STARTING)
@@ -107,7 +107,7 @@ class Follower:
                     near = shapes.get(k, shapes.get(k - way.step))
                     if near is None:
                         continue
-                    ends = 0.0 if sweep < 2 else self._ends  # the length is told by the reach first
+                    ends = 0.0 if sweep < 2 else self._ends  # the length comes from the reach first
                     motion = self._among(frames, shapes, k) if sweep > 0 else ShapeMotion()
                     fit = self._fit(frames[k], near, motion, reaches if sweep == 0 else STARTING, ends)
                     if fit is not None and fit.sigma < 3.0:
@@ -129,11 +129,11 @@ class Follower:
             if sweep == 2:
                 for k in sorted(fits):
                     self._learn(frames[k], fits[k])
-        # so that the very first frames' motion is known too, from those that follow
+        # so that the motion of the first frames is known too, from the later ones
         self._history = [(frames[k].t, shapes[k] + self._turn(frames[k].t)) for k in (2, 1) if k in shapes]
 
     def _among(self, frames: list[Frame], shapes: dict[int, Array], k: int) -> ShapeMotion:
-        """Frame k's motion, by the shapes of the two nearest frames."""
+        """Motion in frame k, from the shapes of the two nearest frames."""
         near = sorted((other for other in shapes if other != k), key=lambda other: abs(other - k))[:2]
         return ShapeMotion(
             tuple((frames[i].t, shapes[i] + self._turn(frames[i].t)) for i in near if abs(i - k) <= NEAREST_FRAMES)
@@ -159,7 +159,7 @@ class Follower:
         return refine(picture, arm, x, self.sight, reaches, self._ends if ends is None else ends)
 
     def _learn(self, frame: Frame, fit: FrameFit) -> None:
-        """What a fitted frame tells of the light."""
+        """Add a fitted frame to the knowledge of the light."""
         if self._light is None:
             height, width = frame.image.shape
             self._light = Light((width, height))
@@ -171,13 +171,13 @@ class Follower:
         self._light.learn(frame.t, frame.image, self.geometry.lens, sides, (told[:, 0], told[:, 1]), noise)
 
     def _reach(self, image: NDArray[np.uint8], t: float, fit: FrameFit) -> float:
-        """Share of the arm's length up to which a picture shows it."""
+        """Share of the arm's length that a picture shows."""
         assert self.sight is not None
         course = self.geometry.midline(self.theta(t), fit.x, self.shared)
         return seen_reach(image, self.geometry, course, self.shared, self.sight)[0]
 
     def _look_at_edges(self, frame: Frame, x: Array, motion: ShapeMotion, fits: list[FrameFit]) -> None:
-        """Choose contrast and blur as the edges show them."""
+        """Choose contrast and blur from the edges."""
         assert self.sight is not None
         polarity = self.sight.polarity
         contrast = np.median([np.median((polarity * f.edges.contrast)[f.weight > 0.1]) for f in fits])
@@ -195,7 +195,7 @@ class Follower:
         self.sight = chosen
 
     def _sharpen(self, fits: list[FrameFit], gain: float = 1.0) -> None:
-        """A step of the blur towards what the fits' edges have; to two thirds or three halves of itself at most."""
+        """One step of the blur towards that of the fitted edges, by a factor between two thirds and three halves."""
         assert self.sight is not None
         used = [fit.edges.softer[(fit.weight > 0) & (fit.expected.kind < 2)] for fit in fits]
         right, left = np.concatenate(used).sum(axis=0)
@@ -248,7 +248,9 @@ class Follower:
         )
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, ShapeMotion, tuple[float, ...]]]:
-        """Where to begin: constant velocity, then the last shape with a wider reach, then a search of the picture."""
+        """Starts of the fit: constant velocity, then the last shape with longer profiles, then a search of the
+        picture.
+        """
         assert self.sight is not None
         others = [entry for entry in self._history if entry[0] != frame.t][-2:]
         if others and self._lost < LOOK_AGAIN:

@@ -1,4 +1,4 @@
-"""The frames of a film in turn: some are gathered for a start, then each gives its result as it comes."""
+"""The loop over a film's frames: the first ones are collected for a start, then each gives its result at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FIRST_LOOK_FRAMES = 16  # frames from which the recording's parameters are first
 
 
 def follow_frames(frames: Iterable[Frame], follower: Follower) -> Iterator[TrackedFrame]:
-    """Start on the first frames, then yield every frame's result as it comes."""
+    """Start on the first frames, then yield the result of every frame."""
     waiting: list[Frame] = []
     started = False
     for frame in frames:

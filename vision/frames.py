@@ -22,7 +22,7 @@ from tentacle.io.plain_file import require_plain
 from tentacle.io.video_file import check_png
 
 Grey = NDArray[np.uint8]
-# a look at seconds of the stream before the first frame would run to a growing file's end, and take it for the last
+# do not read seconds of the stream before the first frame: in a growing file this would reach the end of the file
 AT_ONCE = {"analyzeduration": "0", "fpsprobesize": "0"}
 POLL = 0.01  # s between looks at a file that grows
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
@@ -39,12 +39,11 @@ class Frame:
 def read_frames(path: Path, fps: float | None = None, patience: float = 0.0) -> Iterator[Frame]:
     """Yield the frames of a video, or of a folder of numbered pictures (then frame k is at k / fps).
 
-    A camera device (/dev/video0) is a video without an end, its times from its first frame. patience [s]: a file is
-    still being written (mkv, ts, avi: formats that need no index); its end is where nothing has come for so long.
-
-    Colour becomes luma, 16 bit becomes 8, an alpha channel is laid over black, and a rotation that the file declares is
-    carried out. A video that breaks off gives what stands before the break. Raises InputError where nothing can be
-    read: no such file, an empty one, no video in it, an unknown codec, a folder without pictures or without fps.
+    A camera device (/dev/video0) is a video without an end, its times from its first frame. patience [s]: for a file
+    that is still being written (mkv, ts, avi: formats without an index): the end is reached if nothing comes for that
+    long. Colour becomes luma, 16 bit becomes 8, an alpha channel is put over black, and a declared rotation is applied.
+    A truncated video gives the frames before the break. Raises InputError where nothing can be read: no such file, an
+    empty one, no video in it, an unknown codec, a folder without pictures or without fps.
     """
     path = Path(path)
     if path.is_dir():
@@ -72,7 +71,7 @@ class _Growing:
         self._file, self._patience, self._over = path.open("rb"), patience, False
 
     def read(self, size: int) -> bytes:
-        """Up to size bytes; none, and then none ever, where nothing came for as long as patience lasts."""
+        """Up to size bytes; none if nothing comes during patience, and none after that."""
         waited = 0.0
         while not (data := self._file.read(size)) and not self._over:
             time.sleep(POLL)
@@ -98,7 +97,9 @@ def _read_video(path: Path, patience: float) -> Iterator[Frame]:
 
 
 def _stamped(container: InputContainer, path: Path, device: bool) -> Iterator[Frame]:
-    """Frames with their times [s]; a camera's count from its first, as its own clock started with the machine."""
+    """Frames with their times [s]; a camera's times count from its first frame, because its clock started with the
+    machine.
+    """
     if not container.streams.video:
         raise InputError("there is no video stream in it", file=path, expected="a video")
     stream = container.streams.video[0]
@@ -108,7 +109,7 @@ def _stamped(container: InputContainer, path: Path, device: bool) -> Iterator[Fr
     last, first = -np.inf, None
     for picture in _pictures(container, stream):
         stamp = picture.time
-        if stamp is None or stamp <= last:  # without a usable stamp a frame says nothing
+        if stamp is None or stamp <= last:  # a frame without a usable stamp is useless
             continue
         last = float(stamp)
         if first is None:
@@ -117,7 +118,7 @@ def _stamped(container: InputContainer, path: Path, device: bool) -> Iterator[Fr
 
 
 def _pictures(container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
-    """The decoded pictures: a broken packet costs its own, and a file that breaks off costs what comes after."""
+    """The decoded pictures; a broken packet loses its own pictures, and a truncated file those after the break."""
     packets = container.demux(stream)
     while True:
         try:
@@ -129,13 +130,13 @@ def _pictures(container: InputContainer, stream: VideoStream) -> Iterator[VideoF
         except FFmpegError:
             continue
     try:
-        yield from stream.codec_context.decode(None)  # what the decoder's threads still hold
+        yield from stream.codec_context.decode(None)  # pictures still in the decoder's threads
     except (FFmpegError, EOFError):
         return
 
 
 def _luma(picture: VideoFrame) -> Grey:
-    """The luma plane as it stands, where there is one (its range does not matter for edges), turned as declared."""
+    """The luma plane if there is one (its range does not matter for edges), rotated as declared."""
     if picture.format.name.startswith(("yuv420p", "yuv422p", "yuv444p", "yuvj", "gray", "nv12")) and (
         picture.format.components[0].bits == 8
     ):
@@ -184,7 +185,7 @@ def read_picture(path: Path) -> Grey:
 
 
 def _over_black(picture: Grey) -> Grey:
-    """Grey of a picture (H, W, 2 or 4) whose last channel is its opacity, what shows through it black."""
+    """Grey of a picture (H, W, 2 or 4) whose last channel is its opacity, over black."""
     alpha = picture[:, :, -1:].astype(float) / 255.0
     shown = np.rint(picture[:, :, :-1] * alpha).astype(np.uint8)
     grey = cv2.cvtColor(shown, cv2.COLOR_BGR2GRAY) if shown.shape[2] == 3 else shown[:, :, 0]

@@ -1,4 +1,4 @@
-"""What an edge's pixels say of the greys beside it: normal equations of its levels, and its plateaus."""
+"""Greys beside an edge from its pixels: normal equations of its levels, and its plateaus."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tentacle.signals import Array
 from vision.blurred_step import bar_is_thin, bar_share, steepness
 from vision.profiles import Bars, Pixels
 
-BEYOND = 2.0  # blurs from an edge to where its plateaus begin
+BEYOND = 2.0  # distance from an edge to its plateaus, in blurs
 
 
 @njit(cache=True, nogil=True)
@@ -18,9 +18,9 @@ def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array) -> Array
     """Normal equations of each edge's greys about its expected place, packed for levels.side_greys: (E, 16).
 
     Unknowns: grey inside and outside at the edge, slope of the ground outward [grey/px] (inside it is ratio times
-    that), and contrast times a shift, so that a place that is a little wrong does not bend the greys. inside (E, 2):
-    grey and slope of the arm that are taken off first. Packed: lower triangle of the matrix (10), right side (4), sum
-    of squares, number of pixels.
+    that), and contrast times a shift, so that a small error of the place does not bias the greys. inside (E, 2): grey
+    and slope of the arm that are subtracted first. Packed: lower triangle of the matrix (10), right side (4), sum of
+    squares, number of pixels.
     """
     start, grey, place = pixels
     depth, blur, half = bars
@@ -46,10 +46,10 @@ def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array) -> Array
 
 @njit(cache=True, nogil=True)
 def plateaus(pixels: Pixels, bars: Bars, contrast: Array, tell: NDArray[np.bool_]) -> Array:
-    """What the edges that tell (E,) have inside and outside, beyond the blur: (E, 2, 3).
+    """Inside and outside of the selected edges (E,), beyond the blur: (E, 2, 3).
 
-    Number of pixels, mean grey, mean distance outward [px]; what the blur still brings over, by contrast (E,) [grey],
-    is taken off.
+    Number of pixels, mean grey, mean distance outward [px]. The remaining influence of the blur, from contrast (E,)
+    [grey], is subtracted.
     """
     start, grey, place = pixels
     depth, blur, half = bars

@@ -1,4 +1,4 @@
-"""A camera for a plain video: where the arm's base is and how large the arm is, from its silhouette in one frame."""
+"""A camera for a plain video: place of the arm's base and scale, from the silhouette in one frame."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vision.locate import locate
 from vision.silhouette import Silhouette, find_ends, mean_axis, silhouette
 
 LEAST_GUESS_SCORE = 0.45
-LEAST_ASPECT = 2.5  # length over width of what may be an arm
+LEAST_ASPECT = 2.5  # least length over width of an arm
 OTHER_BODY = 0.4  # of the arm's area: a second slender body of that size is another arm
 
 
@@ -56,7 +56,7 @@ def _even_light(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _camera_of(seen: Silhouette, specimen: Specimen, fps: float, exposure: float) -> Camera | None:
-    """The tip is the sharper end; half the perimeter from it lies the middle of the base."""
+    """The tip is the sharper end; the middle of the base lies half the perimeter away from it."""
     contour = seen.contour
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(np.vstack([contour, contour[:1]]), axis=0), axis=1))])
     best: tuple[float, Camera] | None = None
@@ -82,7 +82,7 @@ def _camera_of(seen: Silhouette, specimen: Specimen, fps: float, exposure: float
 
 
 def _width_misfit(width: Array, length: float, specimen: Specimen) -> float:
-    """How far the silhouette's width, base to tip, is from the declared one, relative to it."""
+    """Relative difference of the silhouette's width, base to tip, from the declared one."""
     s = np.linspace(0.0, 1.0, len(width))[5:-5]
     declared = 2.0 * specimen.section.half_thickness(s) * length / specimen.length
     return float(np.mean(np.abs(width[5:-5] - declared)) / np.mean(declared))

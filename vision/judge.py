@@ -1,4 +1,4 @@
-"""Whether a fitted frame can be trusted: silhouette re-rendered against the picture, lost edges, coils, the border."""
+"""Checks of a fitted frame: the rendered silhouette against the picture, lost edges, coils, the border."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from vision.kinematics import Geometry, Outline
 from vision.reach import seen_reach
 
 LEAST_FOUND = 0.5  # share of the side edges that must carry weight
-STRETCHES, TIP_SEEN = 20, 0.85  # of the arm; the share up to which its sides are seen where its tip is
+STRETCHES, TIP_SEEN = 20, 0.85  # of the arm: share up to which the sides must be seen if the tip is seen
 MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
 MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
-LAST, LEAST_TIP = 0.08, 0.35  # of the arm: there the tip's contrast is looked at, and what share of the usual it has
+LAST, LEAST_TIP = 0.08, 0.35  # of the arm: place of the check of the tip's contrast; its least share of the usual
 INSIDE_PROBES = np.array([-0.6, 0.0, 0.6])  # of the radius: probes inside
-TIP_OFF, LEAST_TIP_OFF = 0.025, 2.0  # of the arm, px: further beside the fit no tip is seen
-GOES_ON, LEAST_ON = 0.03, 4.0  # of the arm, px: further beyond the fit's end no arm is seen
+TIP_OFF, LEAST_TIP_OFF = 0.025, 2.0  # of the arm, px: range beside the fit in which a tip is searched
+GOES_ON, LEAST_ON = 0.03, 4.0  # of the arm, px: range beyond the fit's end in which the arm is searched
 MARGINS = np.array([4.0, 7.0])  # px beyond the edge: probes outside
 _MIDDLES = (np.arange(STRETCHES) + 0.5) / STRETCHES
 
@@ -28,7 +28,7 @@ _MIDDLES = (np.arange(STRETCHES) + 0.5) / STRETCHES
 def why_rejected(
     image: NDArray[np.uint8], geometry: Geometry, theta: float, shared: Array, fit: FrameFit, sight: EdgeLook
 ) -> str:
-    """One short phrase why the frame cannot be trusted, "" where it can."""
+    """The reason of a rejection in a short phrase, "" for an accepted frame."""
     height, width = image.shape
     centre, phi = geometry.midline(theta, fit.x, shared)
     radius = geometry.radius_at(shared)
@@ -36,7 +36,7 @@ def why_rejected(
     carries = fit.weight > 0.05
     sides = expected.kind < 2
     there = _seen_stretches(expected, sides, sides & carries)
-    until = float(np.flatnonzero(there)[-1] + 1) / len(there) if there.any() else 0.0  # beyond it all is extrapolated
+    until = float(np.flatnonzero(there)[-1] + 1) / len(there) if there.any() else 0.0  # beyond it: extrapolated
     reach, off = seen_reach(image, geometry, (centre, phi), shared, sight)
     beyond = (reach - 1.0) * geometry.length
     seen = geometry.lens.bend(centre)
@@ -79,7 +79,7 @@ def _seen_stretches(expected: Outline, sides: NDArray[np.bool_], carry: NDArray[
 def _tip_contrast(
     image: NDArray[np.uint8], geometry: Geometry, centre: Array, phi: Array, radius: Array, sight: EdgeLook
 ) -> float:
-    """Contrast of the arm's last stretch with what lies beside it, over that which is usual for so thin a stretch."""
+    """Contrast of the arm's last stretch with its surroundings, over the usual one of such a thin stretch."""
     pick = np.unique(np.linspace((1.0 - LAST) * (len(centre) - 1), len(centre) - 2, 16).astype(int))
     normals = np.cos(phi[pick])[:, None] * geometry.normal + np.sin(phi[pick])[:, None] * geometry.arm
     aside = (radius[pick] + MARGINS[0])[:, None] * normals
@@ -122,18 +122,18 @@ def _disagreement(
     distance = np.concatenate([within, beyond, -beyond], axis=1)
     probes = (centre[pick, None] + distance[:, :, None] * normals[:, None]).reshape(-1, 2)
     grey = sight.polarity * grey_at(image, geometry.lens.packed, np.ascontiguousarray(probes)).reshape(distance.shape)
-    whole = np.isfinite(grey).all(axis=1)  # a station at the picture's border tells too little
+    whole = np.isfinite(grey).all(axis=1)  # a station at the picture's border has too few pixels
     if np.count_nonzero(whole) < 20:
         return 1.0
     grey, radius = grey[whole], radius[pick][whole]
     middle = np.median(grey[:, : len(INSIDE_PROBES)], axis=1)
     outside = np.median(grey[:, len(INSIDE_PROBES) :], axis=1)
-    # the light changes slowly along the arm: a wide median, which a hidden part cannot pull along
+    # the light changes slowly along the arm: a wide median is not biased by a hidden part
     middles = np.arange(5, len(grey), 10)
     half_way = 0.5 * (middle + outside)
     wide = [np.median(half_way[max(i - 15, 0) : i + 16]) for i in middles]
     threshold = np.interp(np.arange(len(grey)), middles, wide)
     wrong_inside = grey[:, : len(INSIDE_PROBES)] > threshold[:, None]
     wrong_outside = grey[:, len(INSIDE_PROBES) :] < threshold[:, None]
-    wrong_inside &= radius[:, None] > 2.0  # a thinner tip's grey is mixed
+    wrong_inside &= radius[:, None] > 2.0  # at a thinner tip arm and ground mix in one pixel
     return float(np.concatenate([wrong_inside, wrong_outside], axis=1).mean())

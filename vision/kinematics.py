@@ -18,7 +18,7 @@ from tentacle.specimen import Specimen
 from vision.lens import Lens
 
 SHARED = 6  # number of the recording's parameters g
-CORNER_PIXELS = 3.0  # px next to the arm's ends where a side profile sees the corner
+CORNER_PIXELS = 3.0  # px next to the arm's ends in which a side profile contains the corner
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Geometry:
 
     @staticmethod
     def declared(specimen: Specimen, camera: Camera, lens: Lens | None = None) -> Geometry:
-        """As the camera's declaration says; one station a px of length, 80 to 1200."""
+        """The geometry from the declaration; one station per px of length, 80 to 1200."""
         arm = np.array(camera.arm_px, dtype=float)
         length = specimen.length / camera.metres_per_px
         s = np.linspace(0.0, 1.0, int(np.clip(length, 80, 1200)) + 1)

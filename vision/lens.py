@@ -1,4 +1,6 @@
-"""The lens, and the water and glass before it, as one radial term: where an ideal picture's point is really seen."""
+"""The lens, with the water and glass in front of it, as one radial term: it maps points of an ideal picture to the real
+one.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from tentacle.signals import Array
 class Lens:
     """A point at distance r from the centre (u, v) [px] is seen at r (1 + k1 x + k2 x^2), x = (r / reference)^2.
 
-    The default bends nothing. `tentacle calibrate` measures it from a board that stands in the arm's plane, in the
+    The default has no distortion. `tentacle calibrate` measures it from a board that stands in the arm's plane, in the
     water, so that refraction is part of it. metres_per_px is the board's scale in that plane, None where not measured.
     """
 
@@ -30,7 +32,7 @@ class Lens:
         return np.array([*self.centre, 1.0 / self.reference**2, self.k1, self.k2])
 
     def bend(self, px: Array) -> Array:
-        """Points (..., 2) of the ideal picture to where they are seen [px]."""
+        """Map points (..., 2) of the ideal picture to the real picture [px]."""
         offset = np.asarray(px, dtype=float) - self.centre
         x = np.sum(offset**2, axis=-1, keepdims=True) / self.reference**2
         return np.asarray(self.centre) + offset * (1.0 + x * (self.k1 + x * self.k2))
@@ -38,7 +40,7 @@ class Lens:
 
 @njit(cache=True, inline="always")
 def bend_point(u: float, v: float, lens: Array) -> tuple[float, float]:
-    """One point through the packed lens."""
+    """Map one point by the packed lens."""
     x, y = u - lens[0], v - lens[1]
     r = (x * x + y * y) * lens[2]
     factor = 1.0 + r * (lens[3] + r * lens[4])

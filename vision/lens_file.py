@@ -38,7 +38,7 @@ def _number(table: dict[str, Any], name: str, path: Path) -> float:
 
 
 def format_lens(lens: Lens, **remarks: float) -> str:
-    """The file's text, every digit kept; remarks are further numbers for the reader."""
+    """The file's text with all digits; remarks are further numbers for the reader."""
     lines = [
         "[lens]",
         f"centre_px = [{lens.centre[0]!r}, {lens.centre[1]!r}]",

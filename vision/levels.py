@@ -1,11 +1,11 @@
 """The greys beside the arm's edges, from all pixels of a stretch of one side together.
 
-Light that changes across the edge changes arm and ground in proportion: one slope serves both. With two free slopes the
-edge's place would lose three quarters of what the pixels say of it. Likewise one slope along the edge: beside a gap,
-where a stretch lies to one side of its middle, changing light would else move the edge.
+A gradient of the light across the edge changes arm and ground in proportion, so one slope is used for both. Two free
+slopes would cost three quarters of the information on the edge's place. There is also one slope along the edge. Without
+it, uneven light would move an edge beside a gap, because there the stretch lies to one side of its middle.
 
-A long stretch tells them best, a short one follows uneven light. Lepski's rule chooses, place by place: the longest
-stretch that puts the edge where the shorter ones put it, but for what noise explains (Lepski 1991).
+A long stretch has less noise, a short one follows uneven light. Lepski's rule chooses the length at each place: the
+longest stretch whose edge agrees with those of the shorter ones within their noise (Lepski 1991).
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from vision.profiles import Bars, Pixels
 
 STRETCHES = np.array([16, 45, 130, 400])  # stations to either side
 DIFFERENT = 2.0  # standard deviations
-BELIEVED = 4.0  # standard deviations that the light may be off the picture
+BELIEVED = 4.0  # standard deviations by which light and picture may differ
 LEAST_EDGES = 4  # in a stretch
-KNOT = 8  # stations between two places where the greys are told; straight lines between
-SUMS_KEPT = 24  # that are kept along a side
-UNKNOWN_PRIOR = 1e-6  # prior information on each unknown, so that a stretch without an outside has an answer
-TAKEN = 1e9  # prior information on the grey inside where it is taken off
+KNOT = 8  # stations between two places with greys; linear in between
+SUMS_KEPT = 24  # number of sums along a side
+UNKNOWN_PRIOR = 1e-6  # prior information on each unknown, so that a stretch without an outside has a solution
+TAKEN = 1e9  # prior information on the grey inside if it is subtracted
 
 
 class KnownLight(NamedTuple):
-    """Greys (E, 4) beside the edges as earlier pictures tell them, and where they do (E,)."""
+    """Greys (E, 4) beside the edges from earlier pictures, and for which edges they are known (E,)."""
 
     greys: Array
     known: NDArray[np.bool_]
@@ -38,8 +38,9 @@ class KnownLight(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def count_strange(pixels: Pixels, bars: Bars, inside: Array, outside: Array, limit: float) -> NDArray[np.int64]:
-    """How many of each edge's pixels (E,), those within the blur apart, differ by more than limit from inside and
-    outside (E,) [grey]."""
+    """Number of each edge's pixels (E,), except those within the blur, that differ by more than limit from inside and
+    outside (E,) [grey].
+    """
     start, grey, place = pixels
     _, blur, half = bars
     strange = np.zeros(len(start) - 1, dtype=np.int64)
@@ -57,10 +58,10 @@ def side_greys(
 ) -> tuple[Array, NDArray[np.bool_], float]:
     """Greys (E, 4) along both sides, at the edge: inside, outside, slopes outward of ground and arm; which are known.
 
-    packed (E, 16): profiles.level_sums; the sound edges (E,) tell. ratio: the arm's grey over the ground's. known: the
-    same greys as earlier pictures tell them; packed_outside (E, 16): sums without the arm's grey that they tell, or
-    (0, 16), because they are used only where the picture contradicts them: in a share of the places, which is returned
-    too.
+    packed (E, 16): profiles.level_sums of the sound edges (E,). ratio: the arm's grey over the ground's. known: the
+    same greys from earlier pictures; packed_outside (E, 16): sums minus the known grey of the arm, or (0, 16). The
+    picture's own greys are used only at places where it contradicts the known ones; the share of such places is
+    returned too.
     """
     lit, known_light = known
     count, contradicted, places = len(kind), 0, 1
@@ -97,7 +98,7 @@ def side_greys(
             contradicted += 1
             if not without:
                 continue
-            # something stands beside the arm, as a mirror image does: the arm's own grey is known all the same
+            # something is beside the arm, such as a mirror image: the arm's own grey is still known
             found, half_way, _ = _longest(outside, k, 0.0, TAKEN, noise, answer)
             if found and (half_way + 0.5 * lit[e, 0] - middle) ** 2 <= BELIEVED**2 * noise * variance:
                 told[knot, 0], told[knot, 1:3], told[knot, 3] = lit[e, 0], answer[1:3], lit[e, 3]
@@ -112,7 +113,7 @@ def side_greys(
 
 @njit(cache=True, nogil=True)
 def _running_sums(index: NDArray[np.int64], sound: NDArray[np.bool_], packed: Array, ratio: float) -> Array:
-    """Running sums (stations + 1, SUMS) of packed along a side, of the sound edges, and of what has a slope."""
+    """Running sums (stations + 1, SUMS) along a side: packed of the sound edges, and the terms with a slope."""
     total, row = np.zeros((len(index) + 1, SUMS_KEPT)), np.zeros(SUMS_KEPT)
     for k in range(len(index)):
         e = index[k]
@@ -128,9 +129,9 @@ def _running_sums(index: NDArray[np.int64], sound: NDArray[np.bool_], packed: Ar
 
 @njit(cache=True, nogil=True)
 def _longest(total: Array, k: int, ratio: float, held: float, noise: float, answer: Array) -> tuple[bool, float, float]:
-    """Into answer (6,) what the longest stretch about station k says that the shorter ones do not contradict.
+    """Write into answer (6,) the result of the longest stretch about station k that agrees with the shorter ones.
 
-    Returns whether any stretch has edges enough, the half-way grey, its variance per squared grey of noise.
+    Returns whether any stretch has enough edges, the half-way grey, and its variance per squared grey of noise.
     """
     stations = total.shape[0] - 1
     there, middle, variance = False, 0.0, np.inf

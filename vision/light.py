@@ -1,9 +1,9 @@
-"""The light in the tank, learnt from all pictures: the greys of arm and ground at any place.
+"""The light in the tank, learnt from all pictures: the greys of arm and ground at every place.
 
-One picture tells the greys beside an edge by a few pixels; but lamps stand still, so all pictures together tell them
-far better. The arm's grey is told by what lies inside its edges, wherever they came by. The ground's is the median over
-pictures taken seconds apart, away from the arm: what moves (a mirror image, bubbles, specks) is left out by that. Where
-such a light contradicts a picture, the picture is believed (levels.side_greys).
+In one picture only a few pixels give the greys beside an edge. The lamps do not move, so all pictures together give
+them far better. The arm's grey comes from the pixels inside its edges. The ground's grey is the median over pictures
+taken seconds apart, away from the arm; the median removes what moves (a mirror image, bubbles, specks). If this light
+contradicts a picture, the picture's own greys are used (levels.side_greys).
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from vision.field import Field
 from vision.lens import Lens
 
 BLOCKS = 4  # of the picture, in a cell of the field
-BLOCKS_ABOUT_ARM = 3  # blocks about the arm that are not ground
-EARLY, OFTEN, SELDOM = 32, 2, 8  # of the first pictures every second one is kept for the ground; later every eighth
-PICTURES, RARELY = 32, 4  # are kept; after so many new ones their medians are taken again
-PICTURE_MEMORY = 1000.0  # pictures after which what an edge told has faded
-HUBER = 2.0  # standard deviations beyond which a grey inside the arm tells less (Huber 1964)
-STRANGE_OUTSIDE = 4.0  # standard deviations of a grey outside that is not the ground's
-CLAMP_REACH = 3.5  # half widths about the base where a clamp may stand
-LEAST_PIXELS = 30.0  # pixels that must have told a place
-ROUGH = 1.5  # grey that a block of smooth ground may be off: a bubble's, a speck's or a wall's are further
-SMOOTH_SHARE = 0.5  # of the blocks about a node that must lie on the field for it to be believed
-SIFTS = 6  # rounds in which blocks that are further off lose their say
-SLOPE = 3.0  # px to either side, over which a slope is taken
+BLOCKS_ABOUT_ARM = 3  # blocks around the arm that do not count as ground
+EARLY, OFTEN, SELDOM = 32, 2, 8  # every second of the first pictures is kept for the ground; later every eighth
+PICTURES, RARELY = 32, 4  # pictures kept; new ones after which the medians are computed again
+PICTURE_MEMORY = 1000.0  # pictures after which the data of an edge are forgotten
+HUBER = 2.0  # standard deviations beyond which a grey inside the arm has less weight (Huber 1964)
+STRANGE_OUTSIDE = 4.0  # standard deviations beyond which a grey outside is not the ground's
+CLAMP_REACH = 3.5  # half widths around the base in which a clamp may be
+LEAST_PIXELS = 30.0  # fewest pixels of data at a place
+ROUGH = 1.5  # grey: largest deviation of a block of smooth ground; a bubble, a speck or a wall deviates more
+SMOOTH_SHARE = 0.5  # least share of the blocks around a node that agree with the field
+SIFTS = 6  # rounds in which blocks with larger deviations lose weight
+SLOPE = 3.0  # px to either side for the slope
 
 
 class Light:
@@ -55,8 +55,8 @@ class Light:
     ) -> None:
         """Add what a picture of time t [s] shows; a time that is not later than the last is left out.
 
-        sides: the arm's outline in the ideal picture, (N, 2) [px] each from base to tip. told, inside and outside:
-        (E, 4), number of pixels beside each edge, their mean grey, their mean place (u, v) in the ideal picture. noise:
+        sides: the arm's outline in the ideal picture, (N, 2) [px] each from base to tip. told, inside and outside: (E,
+        4), number of pixels beside each edge, their mean grey and mean place (u, v) in the ideal picture. noise:
         standard deviation of one pixel [grey].
         """
         if t <= self._until:
@@ -66,7 +66,7 @@ class Light:
         off = _sigmas(self._arm, place, grey, pixels, noise)
         self._arm = _faded(self._arm).adding(place, grey, np.minimum(1.0, HUBER / off) * pixels)
         place, grey, pixels = _seen(told[1], lens)
-        # beside the edge may be what moves with the arm; where the pictures tell the ground, they know better
+        # beside the edge something may move with the arm; if the pictures give the ground, they are more reliable
         off = _sigmas(self._ground, place, grey, pixels, noise)
         trust = np.where(self._beheld.told(place) > LEAST_PIXELS, off < STRANGE_OUTSIDE, 1.0)
         self._edged = _faded(self._edged).adding(place, grey, trust * pixels)
@@ -83,7 +83,9 @@ class Light:
         self._ground = ground.chosen(noise) if again else ground.settled()
 
     def beside(self, points: Array, normals: Array, lens: Lens) -> tuple[Array, NDArray[np.bool_]]:
-        """Greys (E, 4) at edges' points (E, 2): inside, outside, slopes outward of ground and arm; which are known."""
+        """Greys (E, 4) at edges' points (E, 2): inside, outside, slopes outward of ground and arm; and which
+        are known.
+        """
         place, out, back = (lens.bend(points + step * normals) for step in (0.0, SLOPE, -SLOPE))
         slopes = [(field.at(out) - field.at(back)) / (2.0 * SLOPE) for field in (self._ground, self._arm)]
         greys = np.column_stack([self._arm.at(place), self._ground.at(place), *slopes])
@@ -108,7 +110,7 @@ class Light:
         return blocks
 
     def _medians(self) -> Field:
-        """The ground by the pictures' medians, without blocks that stand out."""
+        """The ground from the pictures' medians, without blocks that deviate."""
         stack = np.sort(np.stack(self._pictures, axis=-1), axis=-1)  # NaN last
         times = np.count_nonzero(np.isfinite(stack), axis=-1)
         middle = [np.maximum(times - 1, 0) // 2, times // 2]
@@ -129,13 +131,13 @@ class Light:
 
 
 def _seen(told: Array, lens: Lens) -> tuple[Array, Array, Array]:
-    """Places (P, 2) in the picture, greys (P,), pixels (P,) of the edges that tell."""
+    """Places (P, 2) in the picture, greys (P,), numbers of pixels (P,) of the edges with data."""
     some = told[told[:, 0] > 0]
     return lens.bend(some[:, 2:]), some[:, 1], some[:, 0]
 
 
 def _sigmas(field: Field, place: Array, grey: Array, pixels: Array, noise: float) -> Array:
-    """How far greys (P,) are off a field, in their own standard deviations; next to nothing where it is not told."""
+    """Deviation of greys (P,) from a field, in their own standard deviations; 1e-9 where the field has no data."""
     off = np.abs(grey - field.at(place)) * np.sqrt(pixels) / noise
     return np.where(field.told(place) > LEAST_PIXELS, off, 0.0) + 1e-9
 

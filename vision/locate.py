@@ -1,4 +1,4 @@
-"""Finding the arm without a frame before: a coarse search over shapes, scored by local contrast on both sides."""
+"""Finds the arm without an earlier frame: a coarse search over shapes, scored by local contrast on both sides."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from vision.kinematics import Geometry
 from vision.lens import bend_point
 from vision.trace import Reduced, trace
 
-COARSE_LENGTH = 120.0  # px that the arm is long in the reduced picture
+COARSE_LENGTH = 120.0  # px, length of the arm in the reduced picture
 LOCATED_STATIONS = 20
 END_ANGLES = np.linspace(-2.4, 2.4, 17)  # rad, alpha(1) = q1 + q2/2
 BENDS = np.linspace(-6.0, 6.0, 11)  # rad, q2
 KNOWN_OFFSETS = np.linspace(-0.4, 0.4, 9)  # rad about the motor's angle
-CERTAIN = 0.9  # score of offset, q1 and q2 above which nothing better is looked for
+CERTAIN = 0.9  # score of offset, q1 and q2 above which the search ends
 ANY_OFFSETS = np.arange(60) * (2.0 * np.pi / 60) - np.pi
 
 
@@ -50,7 +50,7 @@ class View(NamedTuple):
 
 @njit(cache=True)
 def _score(view: View, shape: Array, scale: float, polarity: float) -> float:
-    """Mean over stations of the weaker side's contrast, each squashed by tanh; and of the ground beyond the tip."""
+    """Mean over stations of tanh of the weaker side's contrast, with the ground beyond the tip."""
     image, shrink, lens, base, normal, arm, length, radius, theta = view
     height, width = image.shape
     count = radius.shape[0]
@@ -59,7 +59,7 @@ def _score(view: View, shape: Array, scale: float, polarity: float) -> float:
     step = length / count
     for i in range(count + 1):
         s = (i + 0.5) / count if i < count else 1.0
-        half = (i + 0.25) / count  # mid angle of the step that leads here
+        half = (i + 0.25) / count  # angle at the middle of the step to this station
         angle, middle, power, half_power = theta + shape[0], theta + shape[0], 1.0, 1.0
         for k in range(1, len(shape)):
             power, half_power = power * s, half_power * half
@@ -116,11 +116,10 @@ def locate(
     polarities: tuple[float, ...] = (1.0, -1.0),
     coordinates: int = 3,
 ) -> Located:
-    """The best coarse shape of an arm whose base is known; theta None: it may point anywhere.
+    """The best coarse shape of an arm with a known base; theta None: every direction is possible. coordinates: number
+    for a course traced from the base, which is used if it explains the picture better than offset, q1 and q2.
 
-    coordinates: of x, where the course that is traced from the base explains the picture better than offset, q1 and q2.
-
-    The score says how far to trust it: above about 0.5 both sides stand out against the ground along most of the arm.
+    With a score above about 0.5, both sides have contrast with the ground along most of the arm.
     """
     shrink = max(geometry.length / COARSE_LENGTH, 1.0)
     size = (max(int(image.shape[1] / shrink), 1), max(int(image.shape[0] / shrink), 1))

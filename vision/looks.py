@@ -1,4 +1,4 @@
-"""What a test video looks like: light, dirt, lens and camera faults, as named presets."""
+"""Named presets of test videos: light, dirt, lens and camera faults."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ class Look:
 
     arm_level, ground_level: grey of arm and ground. noise: standard deviation of a pixel [grey]. blur: standard
     deviation of the lens' point spread [px]. unevenness: how much darker the light gets from one corner to the other.
-    bubbles, edge_bubbles, specks: how many are afloat, sit on the arm's outline, drift. reflection: strength of the
-    mirror image in the glass. lens, refraction: relative radial displacement at half the picture's diagonal (negative:
-    barrel). jpeg_quality: 0 compresses nothing. dropped, duplicated: share of the frames. clamp, wall: drawn or not.
+    bubbles, edge_bubbles, specks: numbers of rising bubbles, of bubbles on the arm's outline, of drifting specks.
+    reflection: strength of the mirror image in the glass. lens, refraction: relative radial displacement at half the
+    picture's diagonal (negative: barrel). jpeg_quality: 0 compresses nothing. dropped, duplicated: share of the frames.
+    clamp, wall: drawn or not.
     """
 
     name: str

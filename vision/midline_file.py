@@ -18,7 +18,7 @@ from tentacle.specimen import Specimen
 
 MIDLINE_FILE_POINTS = 41
 FINE_STEPS = 8  # steps of the quadrature between two points
-LEAST_SIGMA = 1e-9  # m: at the base, whose place is the frame's origin, but for the shift of all frames alike
+LEAST_SIGMA = 1e-9  # m: at the base, which is the frame's origin up to a shift common to all frames
 
 
 def midline_columns(
@@ -26,8 +26,8 @@ def midline_columns(
 ) -> dict[str, Array]:
     """Each column (T, points) of the file; theta (T,) [rad] is the motor's angle at the track's times.
 
-    The angle of the midline is phi = theta + offset + sum_j q_j s^j / j (eq. 2), its length the declared one times the
-    scale that was seen, its base where it was seen. sigma follows from the coefficients' covariance.
+    The angle of the midline is phi = theta + offset + sum_j q_j s^j / j (eq. 2), its length is the declared one times
+    the measured scale, its base is at the measured place. sigma follows from the coefficients' covariance.
     """
     count = shape.coefficients.shape[1]
     fine = np.linspace(0.0, 1.0, FINE_STEPS * (points - 1) + 1)
@@ -62,7 +62,7 @@ def midline_columns(
 
 
 def write_midline(shape: ShapeTrack, theta: Array, specimen: Specimen, path: Path) -> None:
-    """Write path, .csv or .h5, whole or not at all. HDF5 holds each column (T, points), t_s and reason (T,)."""
+    """Write path, .csv or .h5, completely or not at all. HDF5 has each column (T, points), t_s and reason (T,)."""
     path = Path(path)
     columns = midline_columns(shape, theta, specimen)
     with written_file(path) as partial:

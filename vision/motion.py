@@ -1,9 +1,9 @@
-"""What the arm's motion does to its edges while the shutter is open: how far each is swept, and where its middle lies.
+"""Effect of the arm's motion on its edges while the shutter is open: width of the smear, and shift of its middle.
 
-To first order an edge is smeared evenly to both sides of where it is at mid exposure. To second order its mean place is
-another one, since a bent arm turns as it moves along itself, and gains speed: some 0.01 px in a tank at 4 ms, which is
-three times the error that a whole arm's edges leave in a shape. So the outline is laid out at two instants beside the
-middle (Gauss's two points, exact to the third order in time), and its crossings with each profile are told.
+To first order an edge is smeared evenly to both sides of where it is at mid exposure. To second order its mean place
+shifts, because a bent arm turns as it moves along itself, and accelerates. In a tank at 4 ms the shift is about 0.01
+px, three times the error of a shape from all edges of an arm. Therefore the outline is computed at two instants beside
+the middle (Gauss's two points, exact to the third order in time), and intersected with each profile.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class ShapeMotion:
     known: tuple[tuple[float, Array], ...] = ()
 
     def at(self, t: float, x: Array) -> tuple[Array, Array]:
-        """Speed and acceleration (K,) at time t, where the shape is x: of the parabola, or the line, through all."""
+        """Speed and acceleration (K,) at time t with shape x, from the parabola or the line through all shapes."""
         chords = [((x - other) / (t - when), t - when) for when, other in self.known if when != t]
         if not chords:
             return np.zeros(len(x)), np.zeros(len(x))
@@ -39,8 +39,9 @@ class ShapeMotion:
 
 @dataclass(frozen=True)
 class Sweep:
-    """What each edge (E,) does in an exposure [px]: width across itself, shift of its mean place outward from that at
-    mid exposure, and slip, how far along the edge its points move."""
+    """Motion of each edge (E,) during an exposure [px]: width of the smear across the edge, outward shift of the mean
+    place from that at mid exposure, and slip, the motion along the edge.
+    """
 
     width: Array
     shift: Array
@@ -75,10 +76,9 @@ def sweep(
 
 @njit(cache=True, nogil=True)
 def _crossings(points: Array, normals: Array, bulge: Array, then: Array, turned: Array) -> tuple[Array, Array]:
-    """Where a moved edge crosses each profile (E,) [px outward], and how far its own point has moved along the edge.
-
-    then, turned (E, 2): the moved edge's points and normals; beside its point it bends away by bulge / 2 times the
-    distance squared.
+    """Intersection of a moved edge with each profile (E,) [px outward], and the motion of its own point along the edge.
+    then, turned (E, 2): the moved edge's points and normals; beside its point the edge deviates from the tangent by
+    bulge / 2 times the distance squared.
     """
     count = len(bulge)
     crossing, slip = np.empty(count), np.empty(count)

@@ -1,4 +1,4 @@
-"""What was tracked, drawn over the video: the fitted outline, or in words why a frame was rejected."""
+"""The tracked shape drawn over the video: the fitted outline, or the reason of a rejection."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The paper's image analysis (Fig. 3): binarise, largest contour, mean axis, least squares over a grid of (q1, q2).
 
-The baseline that the edge fit is shown beside. It states no uncertainty and trusts every frame with a contour.
+It is the baseline for the edge fit. It states no uncertainty and accepts every frame with a contour.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Q2_GRID = np.linspace(-6.0, 6.0, 241)  # rad: steps of 50 mrad
 
 @dataclass(frozen=True)
 class PaperSteps:
-    """What the method makes of one frame: image and binary (H, W) uint8, contour (C, 2) [px], axis and fitted
+    """The steps of the method for one frame: image and binary (H, W) uint8, contour (C, 2) [px], axis and fitted
     (AXIS_POINTS, 2) [m] in the base frame, and q (2,) [rad] of the fit.
     """
 

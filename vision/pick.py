@@ -1,4 +1,6 @@
-"""A plain video becomes a recording: what the film shows of the arm, written to recording.toml after a look at it."""
+"""Makes a recording of a plain video: the arm's geometry from the film, written to recording.toml after the user has
+seen it.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ from vision.encode import write_picture
 from vision.frames import read_frames
 from vision.propose import ArmProposal, picture, propose_arm
 
-LEAST_RADIUS = 1e-4  # m: a tip thinner than that is a picture's, not silicone's
+LEAST_RADIUS = 1e-4  # m: thinner silicone tips do not exist; a thinner one in a picture is an error
 
 
 @dataclass(frozen=True)
@@ -32,10 +34,10 @@ class Picked:
 
 
 def pick(video: Path, numbers: DeclaredNumbers) -> Picked:
-    """Find the arm in a video, draw it into VIDEO.pick.png, and say what would be declared.
+    """Find the arm in a video, draw it into VIDEO.pick.png, and propose the declaration. numbers.length [m] gives the
+    scale, because a film alone shows only lengths in px.
 
-    numbers.length [m] gives the scale: from a film alone only lengths in px can be told; radii that are not stated
-    follow from the widths. Raises InputError where nothing is found, or the length is missing.
+    Radii that are not given follow from the widths. Raises InputError where nothing is found, or the length is missing.
     """
     if numbers.length is None:
         raise InputError("a film tells no metres", field="--length", expected="the arm's length from base to tip [m]")
@@ -75,7 +77,9 @@ def write_pick(video: Path, picked: Picked) -> Path:
 
 
 def _suffix(video: Path) -> str:
-    """The suffix under which an import folder finds a video; a container is told by its content, not by its name."""
+    """The suffix under which an import folder finds a video; the container is recognised by its content, not by its
+    name.
+    """
     suffix = video.suffix.lower()
     return suffix if suffix in VIDEO_SUFFIXES else ".mkv"
 

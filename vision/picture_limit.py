@@ -1,8 +1,8 @@
 """The Cramer-Rao limit of a rendered picture: every pixel's information on the shape, smear, light and JPEG included.
 
-What is known to it: light, reflection, bubbles, radius. Base, base angle offset and length are known too, or are
-constants of the recording that its frames must tell. A bubble hides what lies behind it. JPEG rounds each block's
-cosine coefficients; a normal coefficient that is seen rounded to steps tells sum (dP)^2 / P over the steps.
+Light, reflection, bubbles and radius are known. Base, base angle offset and length are known too, or are constants that
+the frames must show. A bubble hides what lies behind it. JPEG rounds each block's cosine coefficients; a normal
+coefficient rounded to steps has the information sum (dP)^2 / P over the steps.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ LUMA = np.array(  # ITU-T T.81, Table K.1: JPEG's steps at quality 50
 
 
 def picture_information(scene: Scene, look: Look, seed: int, order: int, frames: range) -> Array:
-    """What each of some frames says (F, order + 4, order + 4) of its q, and of the recording's offset, base and length.
+    """Fisher information (F, order + 4, order + 4) of each frame on its q and on the recording's offset, base and
+    length.
 
     Per rad, px, px and relative length; by central differences of the mean pictures.
     """
@@ -61,17 +62,17 @@ def picture_information(scene: Scene, look: Look, seed: int, order: int, frames:
 
 
 def pose_known_limit(information: Array, order: int) -> Array:
-    """Root mean square (order,) over the frames of the least standard deviations of q [rad], all else known."""
+    """Root mean square (order,) over the frames of the least standard deviations of q [rad], if all else is known."""
     variance = np.linalg.inv(information[:, :order, :order])
     return np.sqrt(np.mean(np.diagonal(variance, axis1=1, axis2=2), axis=0))
 
 
 def recording_limit(information: Array, order: int, count: int) -> Array:
-    """As pose_known_limit, where offset, base and length are constants that the recording's count frames must tell.
+    """As pose_known_limit, but offset, base and length are unknown constants of the recording's `count` frames.
 
-    The constants' information is the sum over the frames of what each says of them once its q is free (Schur
-    complement), the frames given standing for all count; their covariance G leans on q by L = -A^-1 B, so that the
-    variance of q is A^-1 + L G L'.
+    The constants' information is the sum over the frames of each frame's information with q free (Schur complement);
+    the given frames represent all `count`. Their covariance G acts on q through L = -A^-1 B, so that the variance of q
+    is A^-1 + L G L'.
     """
     within, across = information[:, :order, :order], information[:, :order, order:]
     covariance = np.linalg.inv(within)
@@ -94,7 +95,7 @@ def _renderer(scene: Scene, q: Array, look: Look, seed: int, changes: Mapping[st
 
 def _information(mean: Array, slopes: Array, look: Look) -> Array:
     """Fisher information (order, order) from slopes (order, H, W) of the mean picture (H, W)."""
-    variance = look.noise**2 + 1.0 / 12.0  # the rounding to whole greys
+    variance = look.noise**2 + 1.0 / 12.0  # rounding to whole greys
     if not look.jpeg_quality:
         return np.einsum("iab,jab->ij", slopes, slopes) / variance
     spread = np.sqrt(variance)
@@ -119,7 +120,7 @@ def jpeg_steps(quality: int) -> Array:
 
 
 def _blocks(picture: Array) -> Array:
-    """Orthonormal cosine coefficients of 8 x 8 blocks; what does not fill a block at the picture's edge is left out."""
+    """Orthonormal cosine coefficients of 8 x 8 blocks; incomplete blocks at the picture's edge are left out."""
     height, width = (size // BLOCK_PIXELS for size in picture.shape)
     whole = picture[: height * BLOCK_PIXELS, : width * BLOCK_PIXELS].reshape(height, BLOCK_PIXELS, width, BLOCK_PIXELS)
     return np.asarray(dctn(whole, axes=(1, 3), norm="ortho")).transpose(0, 2, 1, 3)

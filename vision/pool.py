@@ -1,9 +1,9 @@
-"""What all frames say together: the recording's parameters, a common base angle offset, the order that the data need.
+"""Joint estimate from all frames: the recording's parameters, a common base angle offset, the order that the data need.
 
-Each accepted frame gives x = x_f + dx_dg (g - g0) with covariance C_f, and what it says about g. The base angle offset
-is modelled as mean + random deviation of variance tau^2, estimated from the frames (empirical Bayes): a rigid mounting
-gives tau = 0, and then the offset is known from all frames; a base that moves unseen gives a large tau, and each frame
-keeps its own. A coordinate that is dropped is one whose value is held at zero. So both are the same linear update.
+Each accepted frame gives x = x_f + dx_dg (g - g0) with covariance C_f, and its information on g. The base angle offset
+is modelled as mean + random deviation of variance tau^2, estimated from the frames (empirical Bayes). A rigid mounting
+gives tau = 0, and all frames share one offset. A base with an unmeasured motion gives a large tau, and each frame keeps
+its own offset. To drop a coordinate is to hold its value at zero, so both are the same linear update.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from vision.kinematics import SHARED
 from vision.settle import PRIOR
 from vision.tracked_frame import TrackedFrame
 
-LEAST_SPREAD = 3e-4  # rad: a base angle that moves by less than any servo's encoder resolves is an error of the edges
+LEAST_SPREAD = 3e-4  # rad, below the resolution of servo encoders: a smaller apparent motion is an error of edges
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
-CONTRADICTION = 9.0  # chi-square: a length that far off the one that is seen is none
-TURNS_FREELY = 3.0  # rad, spread of a base angle of which nothing is known
-COORDINATE_PENALTY = 5.0  # per coordinate and frame; Akaike's 2 takes a bubble that sits on the arm for a coordinate
+CONTRADICTION = 9.0  # chi-square above which two lengths contradict each other
+TURNS_FREELY = 3.0  # rad, prior spread of an unknown base angle
+COORDINATE_PENALTY = 5.0  # per coordinate and frame; with Akaike's 2 a bubble on the arm would give a false coordinate
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class Pooled:
     """x (T, K) and covariance (T, K, K) of the accepted frames, K = order + 1; NaN rows elsewhere.
 
     shared (G,) with shared_covariance (G, G). offset_mean, offset_spread [rad]: mean and tau of the base angle offset.
-    evidence[n]: chi-square per frame that order n leaves in the coordinates above it (about their number when they are
-    noise). inflation, staying: by how much the slow waves in the edges' errors widen the variance of a frame's x, and
-    by how much more that of what all frames share.
+    evidence[n]: chi-square per frame of the coordinates above order n (about their number if they are noise).
+    inflation, staying: factors from the slow waves in the edges' errors, on the variance of a frame's x, and further on
+    that of the shared parameters.
     """
 
     x: Array
@@ -48,8 +48,9 @@ class Pooled:
 
 @dataclass(frozen=True)
 class KnownBefore:
-    """What is known beside the frames: information (G, G) and gradient (G,) on g at the g that they used, and whether
-    the base angle offset is one of a rigid mounting: where no log tells the base's own turning, it is not."""
+    """Knowledge besides the frames: information (G, G) and gradient (G,) on g at the g that the frames used, and
+    whether the mounting is rigid. It is not rigid if no log gives the base's rotation.
+    """
 
     information: Array
     gradient: Array
@@ -112,7 +113,7 @@ def pool(
     chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
     if chosen not in solutions:
         solutions[chosen] = _solve(stack, chosen, start, prior)
-    # coordinates held at zero that only another length bears are none to hold
+    # do not hold coordinates at zero if this needs another length
     while order is None and chosen < fitted and _believed(solutions[chosen], known) < 1.0:
         chosen += 1
     believed = _believed(solutions[chosen], known)
@@ -124,7 +125,8 @@ def pool(
     solution = _solve(stack, chosen, start, prior)
     solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
-    # what the coordinates above hold beyond their noise is error, in a coordinate left out or in the edges: state it
+    # an excess in the coordinates above over their noise is an error, of a coordinate left out or of the edges: state
+    # it
     dropped = fitted - chosen
     if dropped:
         covariance = covariance * max(evidence.get(chosen, 0.0) / dropped, 1.0)
@@ -146,10 +148,10 @@ def pool(
 
 
 def _believed(solution: _Solution, known: KnownBefore) -> float:
-    """Share of the frames' information that is believed: 1 where their length agrees with the one known beside them.
+    """Weight of the frames' information: 1 if their length agrees with the known one.
 
-    Else the error that they do not state is what makes both agree: v / (d^2 - r^2), with d the lengths' difference, v
-    and r^2 their variances.
+    Otherwise their unstated error is assumed to explain the difference: v / (d^2 - r^2), with d the difference of the
+    lengths, v and r^2 their variances.
     """
     information = known.information[2, 2]
     if not information > 0.0:
@@ -160,13 +162,13 @@ def _believed(solution: _Solution, known: KnownBefore) -> float:
 
 
 def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
-    """How much wider the variance of q, and then that of what all frames share, is than independent edges make it.
+    """Factors on the variance of q, and further on that of the shared parameters, over that for independent edges.
 
-    Both at least 1, both from the slow waves in the edges' errors: their power over all frames, and the share of it
-    that stays from frame to frame (a bubble that sits, a mirror image that stands), which no number of frames averages.
-    Of the latter the root is used: what stays with the arm errs in every x alike, and reaches what is told by the arm's
-    turning in part only. In rendered tanks the whole of it stated errors 1.8 times too large, none of it up to 1.7
-    times too small.
+    Both are at least 1 and come from the slow waves in the edges' errors: their power over all frames, and the share of
+    it that persists from frame to frame (a bubble on the arm, a mirror image) and that does not average out. The root
+    of the second factor is used, because a persistent error is common to all x and acts only in part on parameters that
+    the arm's rotation shows. In rendered tanks the full factor gave stated errors 1.8 times too large, no factor up to
+    1.7 times too small.
     """
     waves = np.array([frame.waves for frame in good])
     power = float(np.mean(waves**2))
@@ -175,7 +177,7 @@ def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
 
 
 def _rows(stack: _Stack, order: int) -> list[int]:
-    """The coordinates that the pooling acts on: the offset, and those above the order."""
+    """The coordinates that the pooling changes: the offset, and those above the order."""
     return [0, *range(order + 1, stack.x.shape[1])]
 
 
@@ -214,7 +216,7 @@ def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
     chi_square = float(np.einsum("tr,trs,ts->", residual, weight, residual))
     g = solution[:SHARED]
     shared_cost = float(g @ stack.information @ g - 2.0 * g @ stack.gradient)
-    # the likelihood of the offset alone is common to all orders up to tau: compare what is held at zero beyond it
+    # the likelihood of the offset is common to all orders up to tau: compare the coordinates held at zero beyond it
     alone = stack.covariance[:, 0, 0] + tau**2
     objective = chi_square - float(np.sum(residual[:, 0] ** 2 / alone)) + shared_cost
     return _Solution(g, covariance, float(solution[-1]), tau, objective)
@@ -230,7 +232,7 @@ def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:
         weight, log_size = _weights(stack, rows, float(tau))
         cost.append(np.einsum("tr,trs,ts->", residual, weight, residual) + log_size.sum())
     best = int(np.argmin(cost))
-    # a rigid mounting is the simpler reading, and a spread that noise alone feigns would cost q1 and q2 dearly
+    # prefer a rigid mounting: a spread from noise alone would make q1 and q2 much less accurate
     real = grid[best] > LEAST_SPREAD and cost[0] - cost[best] > MOUNTING
     return float(grid[best]) if real else 0.0
 
@@ -245,7 +247,7 @@ def _update(stack: _Stack, solution: _Solution, order: int) -> tuple[Array, Arra
     innovation[:, 0] += solution.mean
     x = free + np.einsum("tkr,tr->tk", gain, innovation)
     covariance = stack.covariance - gain @ np.swapaxes(stack.covariance[:, :, rows], 1, 2)
-    # how x leans on the common unknowns (g, mean), whose own covariance adds to every frame
+    # derivative of x by the common unknowns (g, mean), whose covariance adds to every frame
     common = np.zeros((*stack.x.shape, SHARED + 1))
     common[:, :, :SHARED] = stack.dx_dg - gain @ stack.dx_dg[:, rows]
     common[:, :, SHARED] = gain[:, :, 0]

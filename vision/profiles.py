@@ -1,4 +1,4 @@
-"""Pixels across the expected outline, each given to one edge only, and what a blurred step's fit to them says."""
+"""Pixels across the expected outline, each assigned to one edge, and the fit of a blurred step to them."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from tentacle.signals import Array
 from vision.blurred_step import bar_is_thin, bar_share, steepness, step_softening
 from vision.lens import bend_point
 
-MOST_PIXELS = 160  # that one edge may have
-CHORD = 4.0  # px over which the lens is taken as straight
+MOST_PIXELS = 160  # largest number of pixels of one edge
+CHORD = 4.0  # px over which the lens is linearised
 
 
 class Stations(NamedTuple):
@@ -28,8 +28,9 @@ class Stations(NamedTuple):
 
 
 class Bars(NamedTuple):
-    """How each edge looks: depth (E,) [px] to the opposite edge, blur [px] of the lens, half (E,) [px] the width of the
-    smear."""
+    """Look of each edge: depth (E,) [px] to the opposite edge, blur [px] of the lens, half (E,) [px], half the smear's
+    width.
+    """
 
     depth: Array
     blur: float
@@ -37,7 +38,9 @@ class Bars(NamedTuple):
 
 
 class Pixels(NamedTuple):
-    """Each edge's pixels, rows start (E + 1,) into grey (N,) and place (N,) [px], how far outward of it they lie."""
+    """Each edge's pixels: rows start (E + 1,) into grey (N,) and place (N,) [px], their distance outward from
+    the edge.
+    """
 
     start: NDArray[np.int64]
     grey: Array
@@ -69,11 +72,11 @@ class EdgeMeasurement(NamedTuple):
 
 @njit(cache=True, nogil=True)
 def gather(image: NDArray[np.uint8], lens: Array, stations: Stations, bars: Bars, reach: float) -> Pixels:
-    """Each edge's pixels, up to reach [px] beyond its blur.
+    """Collect each edge's pixels, up to reach [px] beyond its blur.
 
-    A pixel belongs to the edge whose stretch of the outline, span (E,) [px] to either side, faces it: none is counted
-    twice, and each stands at its true distance, so that noise stays independent from edge to edge. An edge with a part
-    of its profile outside the picture has none.
+    A pixel belongs to the edge whose stretch of the outline, span (E,) [px] to either side, faces it. No pixel is
+    counted twice and each has its true distance, so that the noise of different edges is independent. An edge whose
+    profile leaves the picture has no pixels.
     """
     points, normals, span, bulge = stations
     depth, blur, half = bars
@@ -86,7 +89,7 @@ def gather(image: NDArray[np.uint8], lens: Array, stations: Stations, bars: Bars
     for e in range(count):
         fuzzy = 2.0 * blur + half[e]
         outer = reach + fuzzy
-        inner = min(reach + fuzzy, max(0.5 * depth[e], 1.0))  # beyond the middle it is the other side's
+        inner = min(reach + fuzzy, max(0.5 * depth[e], 1.0))  # beyond the middle a pixel belongs to the other side
         # through the lens: the edge's place, and a px outward, as a chord of the profile
         u, v = bend_point(points[e, 0], points[e, 1], lens)
         a, b = bend_point(points[e, 0] + CHORD * normals[e, 0], points[e, 1] + CHORD * normals[e, 1], lens)
@@ -189,11 +192,11 @@ def fit_profiles(pixels: Pixels, bars: Bars, reach: float) -> Fitted:
 
 @njit(cache=True, nogil=True)
 def measure_profiles(pixels: Pixels, bars: Bars, greys: Array, reach: float) -> EdgeMeasurement:
-    """How far each edge lies outward of its expected place, by one linear step with the greys beside it known.
+    """Distance of each edge outward from its expected place, by one linear step with known greys beside it.
 
-    greys (E, 4): inside and outside at the edge, the slopes outward of ground and arm. Pixels further than reach [px]
-    beyond the blur are left out. The step is linear because the expected place is right to a small part of the blur: so
-    a faint edge's noise is not bent.
+    greys (E, 4): inside and outside at the edge, the slopes outward of ground and arm. Pixels farther than reach [px]
+    beyond the blur are left out. One linear step is enough because the expected place is right to a small part of the
+    blur; it adds no bias to the noise of a faint edge.
     """
     start, grey, place = pixels
     depth, blur, half = bars

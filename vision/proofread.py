@@ -1,7 +1,7 @@
-"""What a person decided of single frames, kept in a file beside the video, so that a second run gives the same.
+"""A person's decisions on single frames, kept in a file beside the video, so that the next run repeats them.
 
 The file VIDEO.proofread.toml holds reject and accept, each a list of frame numbers and ranges ("120-131"); frames count
-from 0 in the order of the file. The latest word on a frame holds.
+from 0 in the order of the file. The latest decision on a frame counts.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 
 
 def parse_frames(words: str, field: str) -> list[int]:
-    """Frame numbers of words like "7,120-131". InputError where they are no such list."""
+    """Frame numbers of a text like "7,120-131". InputError if it is no such list."""
     frames: list[int] = []
     for part in words.split(","):
         match = _RANGE.fullmatch(part.strip())
@@ -34,12 +34,12 @@ def parse_frames(words: str, field: str) -> list[int]:
 
 
 def file_beside(video: Path) -> Path:
-    """Where the decisions on a video lie."""
+    """The file of the decisions on a video."""
     return video.with_name(video.name + ".proofread.toml")
 
 
 def read_verdicts(video: Path) -> dict[int, bool]:
-    """Frames that a person decided: True accepted, False rejected; {} where there is no file."""
+    """A person's decisions by frame: True accepted, False rejected; {} if there is no file."""
     file = file_beside(video)
     if not file.exists():
         return {}
@@ -69,7 +69,7 @@ def write_verdicts(video: Path, verdicts: Mapping[int, bool]) -> Path:
 
 
 def decided(video: Path, reject: Sequence[str], accept: Sequence[str]) -> dict[int, bool]:
-    """The decisions on a video with new ones added, which are then kept."""
+    """The decisions on a video with new ones added; the file is updated."""
     verdicts = read_verdicts(video)
     for words, field, value in ((reject, "--reject", False), (accept, "--accept", True)):
         for part in words:
@@ -82,8 +82,8 @@ def decided(video: Path, reject: Sequence[str], accept: Sequence[str]) -> dict[i
 def most_doubtful(seen: Sequence[TrackedFrame], count: int = 9) -> list[int]:
     """Accepted frames to look at, the most doubtful first.
 
-    Doubt is how far a frame's edges scatter over what is usual, and how far its shape lies from the line between its
-    accepted neighbours in time, over the usual distance; the larger of the two.
+    The doubt is the larger of two ratios: the scatter of a frame's edges over the usual one, and the distance of its
+    shape from the line between its accepted neighbours in time, over the usual one.
     """
     index = np.array([k for k, frame in enumerate(seen) if frame.accepted])
     if len(index) < 3:
@@ -94,7 +94,7 @@ def most_doubtful(seen: Sequence[TrackedFrame], count: int = 9) -> list[int]:
     t = np.array([seen[k].t for k in index])
     share = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
     off = np.zeros(len(index))
-    # where the tip points tells of all coordinates together
+    # the tip's direction depends on all coordinates
     tip = shapes @ np.array([1.0, *(1.0 / j for j in range(1, shapes.shape[1]))])
     off[1:-1] = np.abs(tip[1:-1] - (tip[:-2] + share[:, 0] * (tip[2:] - tip[:-2])))
     doubt = np.maximum(sigma / np.median(sigma), off / max(float(np.median(off)), 1e-6) / 3.0)

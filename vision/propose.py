@@ -1,7 +1,7 @@
-"""Where an arm is in a film, from the film alone: base, tip, widths and length in px, to be confirmed by a person.
+"""Finds an arm in a film without other knowledge: base, tip, widths and length in px, to be confirmed by a person.
 
-What stands out against its own slow ground, is slender, and moves, is the arm. The end that stays is the base's; there,
-whatever is wider than the arm's own taper (a clamp, a fish's trunk) is left out.
+The arm is the slender body that has contrast with its smooth ground and moves. Its base is the end that does not move;
+there a part that is wider than the arm's taper (a clamp, a fish's trunk) is cut off.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from vision.silhouette import Axis, find_ends, mean_axis
 
 LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
 FINE_BELOW = 480  # px; smaller pictures are enlarged
-STANDING_OUT = 5.0  # times the ground's own scatter
-HALF_WAY, CONTRAST = 0.45, 0.8  # of the arm's contrast, which is this quantile of what stands out
-LEAST_SLENDERNESS = 3.0  # length over width of what may be an arm
+STANDING_OUT = 5.0  # least contrast, in units of the ground's scatter
+HALF_WAY, CONTRAST = 0.45, 0.8  # of the arm's contrast, which is this quantile of the foreground's
+LEAST_SLENDERNESS = 3.0  # least length over width of an arm
 SHORTEST_ARM = 20.0  # px of length
-STILL, ALWAYS = 0.1, 0.9  # weight of what does not move; share of the pictures in which it then is
-TAPER = slice(0.35, 0.9)  # of the length: there the arm's own widths are told
-WIDER = 1.35  # times the arm's own width: a clamp's, or a trunk's
-CORNER_ANGLE = 0.7  # rad that a flat end's contour turns at least
+STILL, ALWAYS = 0.1, 0.9  # weight of a body that does not move; the share of the pictures in which it is found
+TAPER = slice(0.35, 0.9)  # of the length: range in which the arm's own widths are measured
+WIDER = 1.35  # times the arm's own width: beyond it is a clamp or a trunk
+CORNER_ANGLE = 0.7  # rad, least turn of the contour at a flat end
 CONTOUR_POINTS = 120
 
 
@@ -40,7 +40,7 @@ class ArmProposal:
     """base_px, tip_px (u, v); arm_px: unit vector along the mean arm; width_px: full width at base and tip; length_px.
 
     polarity: +1 an arm darker than its ground, -1 lighter. score: share of the pictures in which it was found. axis_px
-    (P, 2): the midline in the first of them, base to tip. words: what a person should look at.
+    (P, 2): the midline in the first of them, base to tip. words: what a person should check.
     """
 
     base_px: tuple[float, float]
@@ -124,7 +124,7 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
 
 
 def picture(image: Grey, proposal: ArmProposal) -> NDArray[np.uint8]:
-    """An RGB picture (H, W, 3) with base, midline and tip drawn in, at least 640 px wide, to be confirmed."""
+    """An RGB picture (H, W, 3) with base, midline and tip, at least 640 px wide, for confirmation."""
     grow = max(round(640 / image.shape[1]), 1)
     shown = cv2.resize(image, None, fx=grow, fy=grow, interpolation=cv2.INTER_NEAREST)
     shown = np.repeat(shown[:, :, None], 3, axis=2)
@@ -143,14 +143,14 @@ def picture(image: Grey, proposal: ArmProposal) -> NDArray[np.uint8]:
 
 
 def _arms(pictures: Sequence[Grey], polarity: float) -> list[_Body | None]:
-    """In each picture the slender body that stands out most and moves, or None."""
+    """In each picture the moving slender body with the most contrast, or None."""
     masks = [_mask(picture, polarity) for picture in pictures]
     always = np.mean(masks, axis=0) > ALWAYS if len(masks) > 3 else np.zeros(masks[0].shape, dtype=bool)
     return [_most_like_an_arm(mask, always, pictures[0].shape) for mask in masks]
 
 
 def _mask(image: Grey, polarity: float) -> NDArray[np.bool_]:
-    """What stands out against the slow ground, in a picture that is enlarged where it is small."""
+    """Mask of the foreground against the smooth ground; small pictures are enlarged first."""
     grow = _enlarged(image.shape)
     shrink = max(max(image.shape) // 160, 1)
     small = cv2.resize(image, None, fx=1.0 / shrink, fy=1.0 / shrink, interpolation=cv2.INTER_AREA)
@@ -189,7 +189,7 @@ def _most_like_an_arm(mask: NDArray[np.bool_], always: NDArray[np.bool_], shape:
 
 
 def _axis(contour: Array, first: int, last: int) -> Axis | None:
-    """Mean axis between two of the contour's points; None of what is no slender body after all."""
+    """Mean axis between two points of the contour; None if the body is not slender."""
     if first == last:
         return None
     axis = mean_axis(contour, first, last, points=CONTOUR_POINTS)
@@ -200,8 +200,8 @@ def _axis(contour: Array, first: int, last: int) -> Axis | None:
 def _opposite(contour: Array, tip: Array) -> tuple[int, int]:
     """Indices of the contour's point in the middle of the base's flat end, and of the tip.
 
-    Half the perimeter from the tip lies the base; of a bent arm, whose sides differ in length, not its middle. So the
-    two corners about it are looked for; the middle is as far from one as from the other.
+    The base lies half the perimeter from the tip. The sides of a bent arm differ in length, so this point is not the
+    middle of the base. Therefore the two corners near it are found; the middle of the base is half way between them.
     """
     at = int(np.argmin(np.linalg.norm(contour - tip, axis=1)))
     closed = np.concatenate([contour, contour[:1]])
@@ -227,7 +227,7 @@ def _opposite(contour: Array, tip: Array) -> tuple[int, int]:
 
 
 def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
-    """Axes from the base on: of the two ends the one that stays, or, where neither moves, the wider one."""
+    """Axes that begin at the base: the end that moves less or, if neither moves, the wider end."""
     points = [axes[0].points]
     for axis in axes[1:]:
         same = np.linalg.norm(axis.points - points[-1], axis=1).mean()
@@ -253,7 +253,7 @@ def _reversed(axis: Axis) -> Axis:
 
 
 def _widths(axis: Axis) -> tuple[Array, Array]:
-    """Widths at the axis' points (P,), and those that the taper of its free part (P,) would have."""
+    """Widths at the axis' points (P,), and the widths there by the taper of the free part."""
     s = np.linspace(0.0, 1.0, len(axis.points))
     width = np.interp(s, np.linspace(0.0, 1.0, len(axis.width)), axis.width)
     free = (s > TAPER.start) & (s < TAPER.stop)
@@ -262,7 +262,7 @@ def _widths(axis: Axis) -> tuple[Array, Array]:
 
 
 def _held(axis: Axis) -> int:
-    """Index of the axis' point where what holds the arm ends; 0 where nothing does."""
+    """Index of the axis' point where the clamp ends; 0 without a clamp."""
     width, taper = _widths(axis)
     wide = np.flatnonzero((width > WIDER * taper + 0.5)[: len(width) // 2])
     return int(wide[-1]) + 1 if len(wide) > 2 else 0

@@ -1,8 +1,8 @@
-"""How far an arm is seen to reach: along its fitted course, and on beyond it on arcs that its tip may take.
+"""The visible length of an arm, along its fitted course and beyond it along possible arcs of the tip.
 
-An arm's sides hardly tell its length, for a curve's coordinates may be counted from anywhere; its tip tells it. Of arcs
-that leave the fitted course shortly before its end, that one is taken along which most contrast is gathered above half
-of the usual, sum (contrast / usual - HALF) ds; the arm is seen up to where that sum is greatest.
+The sides hardly determine the length, because the coordinates of a curve can be counted from any point; the tip
+determines it. Several arcs leave the fitted course shortly before its end. The arc with the largest sum (contrast /
+usual - HALF) ds is taken, and the arm ends where this sum is largest.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from vision.edge_look import EdgeLook
 from vision.edges import grey_at
 from vision.kinematics import Geometry
 
-FROM, AHEAD, STEPS = 0.82, 0.4, 40  # share of the arm from which it is looked for, how far on, in how many steps
+FROM, AHEAD, STEPS = 0.82, 0.4, 40  # start of the search, its length beyond the end (of the arm), steps
 HEADINGS = np.linspace(-0.3, 0.3, 5)  # rad by which an arc may leave the fitted course
 BENDS = np.linspace(-6.0, 6.0, 17)  # rad per arm's length: the arcs' curvature
-BORDER = 4  # steps beyond the end, that must be in the picture
-HALF = 0.45  # of the usual contrast: less of it is ground
-MARGIN = 4.0  # px beyond the sides, where the ground is looked at
+BORDER = 4  # steps beyond the end that must be in the picture
+HALF = 0.45  # of the usual contrast: less counts as ground
+MARGIN = 4.0  # px beyond the sides: place of the ground's grey
 
 
 def seen_reach(
@@ -32,9 +32,8 @@ def seen_reach(
     sight: EdgeLook,
     begin_at: float = FROM,
 ) -> tuple[float, float]:
-    """Share of its length up to which an arm is seen, and how far [px] the fitted course is off there.
-
-    It is looked for from the share begin_at on. Both NaN where the picture's border is too near to tell.
+    """Share of its length up to which an arm is seen, and the distance [px] of the fitted course there. The search
+    begins at the share begin_at. Both are NaN if the picture's border is too near.
 
     course: the fitted centre points (S + 1, 2) [px] and headings (S + 1,) [rad].
     """

@@ -1,4 +1,4 @@
-"""Why an arm is not found, or lost in most frames: what the picture shows, beside what was declared."""
+"""Reasons why an arm is not found, or lost in most frames: differences between the picture and the declaration."""
 
 from __future__ import annotations
 
@@ -9,20 +9,22 @@ from tentacle.errors import InputError
 from vision.kinematics import Geometry
 from vision.propose import propose_arm
 
-ANOTHER_PLACE = 0.12  # of the arm's length: a base further off is another place
-ANOTHER_SCALE = 0.12  # relative: a length further off is another scale
+ANOTHER_PLACE = 0.12  # of the arm's length: a larger distance of the base is reported
+ANOTHER_SCALE = 0.12  # relative: a larger difference of the length is reported
 TURNED = 1.2  # rad
-WATCHED = 30  # frames without repeats, after which a loss is told
+WATCHED = 30  # frames without repeats, after which a loss is reported
 LOST = 0.5  # share of them
-SLOW, LATE = 1.0, 4.0  # s a frame, and since the start, that are too slow to say nothing
+SLOW, LATE = 1.0, 4.0  # s a frame, and s since the start: slower than this is reported
 
 
 def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[str]:
-    """What to change in the declaration, in words; [] where the picture agrees with it. servo: its angle is known."""
+    """Proposed changes of the declaration, in words; [] if the picture agrees with it. servo: whether its angle is
+    known.
+    """
     try:
         seen = propose_arm(image)
     except InputError:
-        return ["nothing slender stands out from its ground in this picture: more light, or a plainer ground"]
+        return ["no slender body has contrast with the ground in this picture: more light, or a plainer ground"]
     words = []
     u, v = seen.base_px
     off = np.array(seen.base_px) - geometry.base
@@ -34,7 +36,7 @@ def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[
         )
     if abs(seen.length_px / geometry.length - 1.0) > ANOTHER_SCALE:
         words.append(
-            f"it is {seen.length_px:.0f} px long, declared {geometry.length:.0f} px: look at m_per_px and length_m,"
+            f"it is {seen.length_px:.0f} px long, declared {geometry.length:.0f} px: check m_per_px and length_m,"
             " or a part of it is hidden"
         )
     if servo and np.arccos(np.clip(np.array(seen.arm_px) @ geometry.arm, -1.0, 1.0)) > TURNED:
@@ -43,16 +45,16 @@ def remedies(image: NDArray[np.uint8], geometry: Geometry, servo: bool) -> list[
 
 
 class Watch:
-    """Says once, early, that a track is slow or loses most of its frames."""
+    """Reports once, early, that tracking is slow or loses most of its frames."""
 
     def __init__(self) -> None:
         self._began: float | None = None
         self._frames, self._lost, self._said = 0, 0, False
 
     def look(self, now: float, reason: str) -> str:
-        """What is wrong, or "": at now [s] on any clock, after a frame with that reason of rejection.
+        """The report, or "": at now [s] on any clock, after a frame with that reason of rejection.
 
-        Time counts from the first frame: what comes before is the compiler's work, once.
+        Time counts from the first frame, because before it the code is compiled once.
         """
         if self._began is None:
             self._began = now

@@ -1,4 +1,4 @@
-"""Test videos of a tentacle in a tank, rendered from a midline. No code is shared with the fit, which they check.
+"""Test videos of a tentacle in a tank, rendered from a midline. They share no code with the fit that they test.
 
 The outline is that of eq. (4), the midline plus and minus the half thickness along its normal, with a flat end.
 Coverage is exact on the pixel grid, smear is the mean over the exposure: a frame's truth is known far below 0.01 px.
@@ -22,10 +22,8 @@ from vision.coverage import blurred_coverage
 from vision.looks import Look
 from vision.scenery import Scenery, frame_faults
 
-OPTICAL_BLUR_SHARE = (
-    0.5  # px, the share of the lens' blur that acts on the arm before the pixels do; the rest comes after
-)
-SMEAR_STEP = 0.7  # px that the fastest outline point may move between two instants of one exposure
+OPTICAL_BLUR_SHARE = 0.5  # px, part of the lens' blur that acts on the arm before the pixels; the rest acts after them
+SMEAR_STEP = 0.7  # px, largest motion of an outline point between two instants of one exposure
 
 
 def frame_times(t: Array, look: Look, seed: int) -> Array:
@@ -34,7 +32,7 @@ def frame_times(t: Array, look: Look, seed: int) -> Array:
 
 
 def bend_by_lens(px: Array, size: tuple[int, int], look: Look) -> Array:
-    """Where lens and water put the points px (..., 2) of an ideal picture: one radial term, r (1 + k (r/R)^2)."""
+    """The points px (..., 2) of an ideal picture, moved by lens and water: one radial term, r (1 + k (r/R)^2)."""
     centre = 0.5 * (np.array(size, dtype=float) - 1.0)
     offset = px - centre
     relative = np.sum(offset**2, axis=-1, keepdims=True) / np.sum((0.5 * np.array(size, dtype=float)) ** 2)
@@ -116,7 +114,7 @@ class RenderSettings:
 
 
 class Renderer:
-    """Arm and tank together: what a frame shows on average, and what noise and coding make of it.
+    """Arm and tank together: the mean picture of a frame, and the frame with noise and coding.
 
     Arguments as those of render.
     """
@@ -133,9 +131,8 @@ class Renderer:
         return self._arm.coverage(time)[0]
 
     def mean(self, time: float, shown: Array | None = None) -> Array:
-        """A frame without noise: ground, what floats behind, arm, clamp, what sits in front, light, the lens' blur.
-
-        shown: another coverage in the arm's place, while bubbles and mirror image stay where the arm's own are.
+        """A frame without noise: ground with specks, arm, clamp, bubbles in front, light, the lens' blur. shown:
+        another coverage instead of the arm's, with bubbles and mirror image of the arm itself.
         """
         look, scenery = self.look, self._scenery
         covered, clamped = self._arm.coverage(time)
@@ -167,8 +164,9 @@ def render(
 
     midline is the truth, in the base frame; theta (T,) [rad] turns the clamp (absent: the
     clamp follows the midline's first tangent). A frame's time is the middle of its
-    exposure. A duplicated frame shows the one before under its own time stamp. The same seed gives the same frames,
-    each of its own stream. Raises InputError on a midline with gaps or one that does not reach from base to tip.
+    exposure. A duplicated frame shows the one before under its own time stamp. The same seed gives the same frames;
+    each frame has its own random stream. Raises InputError on a midline with gaps or one that does not reach from base
+    to tip.
     """
     renderer = Renderer(midline, specimen, camera, RenderSettings(filming.size, filming.look, filming.seed), theta)
     dropped, duplicated = frame_faults(len(midline.t), filming.look, filming.seed)

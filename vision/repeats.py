@@ -1,4 +1,4 @@
-"""Pictures that show the one before again, as a slowed film or a filled-up stream has them."""
+"""Pictures that repeat the one before, as in a slowed film or a stream with filled gaps."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-REPEAT, USUAL = 0.1, 31  # a repeat's share of the usual change, which is the median over so many pictures
+REPEAT, USUAL = 0.1, 31  # largest change of a repeat over the usual change; pictures for that median
 
 
 class Repeats:
-    """How much a film's pictures usually change. again: how many of those looked at showed the one before again."""
+    """The usual change between a film's pictures. again: number of pictures so far that repeat the one before."""
 
     def __init__(self) -> None:
         self.again = 0
@@ -24,10 +24,10 @@ class Repeats:
         self._changes = [_change(a, b) for a, b in pairwise(pictures)]
 
     def repeats(self, picture: NDArray[np.uint8]) -> bool:
-        """Whether a picture is the one before again: it changes far less than pictures here do.
+        """Whether a picture repeats the one before: its change is far below the usual one.
 
-        Noise, or the moving arm, changes every picture; a copy is changed by its coding alone. Where nothing has moved
-        for a while, in a video without noise, copies tell no lie.
+        Noise or the moving arm changes every picture, but only the coding changes a copy. In a video without noise and
+        without motion for a while, copies do no harm.
         """
         before, self._before = self._before, picture
         if before is None:
@@ -35,7 +35,7 @@ class Repeats:
         known = np.array(self._changes or [0.0])
         change, usual = _change(before, picture), float(np.median(known))
         self._changes = [*self._changes[1 - USUAL :], change]
-        # a film that was slowed shows most pictures again: each tells its shape, and the remark says what it is
+        # a slowed film repeats most pictures: each gives a shape, and a remark reports it
         self.again += change < REPEAT * float(np.quantile(known, 0.9))
         return change < REPEAT * usual
 

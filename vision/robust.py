@@ -10,12 +10,12 @@ from tentacle.signals import Array
 
 TUKEY = 4.685  # 95 % efficiency for normal noise (Beaton and Tukey 1974)
 MISFIT = 2.5  # times the usual profile residual: no plain step
-PLAIN = 0.015  # of the contrast: an edge is rough by as much where a codec has smoothed the noise away
-LEAP = 0.2  # of the contrast around: something else
+PLAIN = 0.015  # of the contrast: least roughness of an edge if a codec has removed the noise
+LEAP = 0.2  # of the contrast around: a larger difference is another object
 TOGETHER = 3  # strange profiles among five neighbours that make a disturbance
-STATION_NEIGHBOURS = 8  # stations beside a disturbed edge that go with it
-AROUND = 30  # stations to either side that make up the usual
-STRIDE = 15  # stations between two looks at the usual
+STATION_NEIGHBOURS = 8  # stations beside a disturbed edge that count as disturbed
+AROUND = 30  # stations to either side for the usual value
+STRIDE = 15  # stations between two computations of the usual value
 
 
 @njit(cache=True, nogil=True)
@@ -24,8 +24,8 @@ def robust_step(
 ) -> tuple[Array, Array]:
     """Step (K,) and weights (E,) of offset ~ jacobian step, iteratively reweighted; base (E,) >= 0 are prior weights.
 
-    floor [px]: the scale of the residuals is taken no smaller. held: what is known of the step before: information
-    (K, K), and its product with the step that is expected (K,).
+    floor [px]: smallest scale of the residuals. held: prior of the step: information (K, K), and its product with the
+    expected step (K,).
     """
     size = jacobian.shape[1]
     information, expected = held
@@ -62,10 +62,10 @@ def robust_step(
 def disturbed(
     kind: Array, contrast: Array, misfit: Array, usable: NDArray[np.bool_], floor: float
 ) -> NDArray[np.bool_]:
-    """Edges (E,) whose profile is no plain step, or whose contrast leaps, with their neighbours: a bubble sits there.
+    """Edges (E,) whose profile is no plain step, or whose contrast jumps, with their neighbours: a bubble is there.
 
-    What is usual is the median around, along the same side, as light and smear change along the arm. floor [grey]: a
-    profile's residual below twice of it is never strange.
+    The usual value is the local median along the same side, because light and smear change along the arm. floor [grey]:
+    a profile's residual below twice this value is never a disturbance.
     """
     odd = np.zeros(len(kind), dtype=np.bool_)
     for side in (0, 1):
@@ -79,7 +79,7 @@ def disturbed(
                 usual_contrast = np.median(np.abs(contrast[around]))
                 usual_misfit = max(np.median(misfit[around]), floor)
             e = index[k]
-            # a profile's contrast scatters by about its residual: what noise does is no leap
+            # a profile's contrast scatters by about its residual: a change by noise is no jump
             leaps = abs(abs(contrast[e]) - usual_contrast) > max(LEAP * usual_contrast, 4.0 * usual_misfit)
             strange[k] = leaps or misfit[e] > MISFIT * usual_misfit
         for k in range(count):  # a bubble is wider than one profile: a lone strange one is noise
@@ -92,7 +92,7 @@ def disturbed(
 
 @njit(cache=True, nogil=True)
 def neighbours_mean(kind: Array, values: Array, weight: Array, reach: int) -> tuple[Array, Array]:
-    """Running weighted mean (E,) of values along each side, and the weight behind it."""
+    """Running weighted mean (E,) of values along each side, and its total weight."""
     smooth, support = np.zeros(len(kind)), np.zeros(len(kind))
     for side in (0, 1):
         index = np.flatnonzero(kind == side)

@@ -1,4 +1,4 @@
-"""Known motions to render: shapes q(t), base angle theta(t), and their midline by quadrature of its own."""
+"""Known motions to render: shapes q(t), base angle theta(t), and their midline by a separate quadrature."""
 
 from __future__ import annotations
 

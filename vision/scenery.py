@@ -1,4 +1,6 @@
-"""What is in a rendered tank besides the arm: light, wall, bubbles, specks, mirror image in the glass; frame faults."""
+"""The contents of a rendered tank besides the arm: light, wall, bubbles, specks, mirror image in the glass; frame
+faults.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +59,7 @@ class Scenery:
         self._shift = rng.uniform(-0.12, 0.12, 2) * np.array(size) + np.array([0.1 * width, 0.0])
 
     def ground(self, time: float) -> Array:
-        """What lies behind the arm at a time [s]: ground, wall, and the specks that drift."""
+        """The background at a time [s]: ground, wall, and drifting specks."""
         scene = self._still.copy()
         for (u, v, radius), drift in zip(self._specks, self._drift, strict=True):
             place = np.mod(np.array([u, v]) + drift * time, self.size)
@@ -70,7 +72,7 @@ class Scenery:
         return np.asarray(cv2.warpAffine(cv2.GaussianBlur(covered, (0, 0), 4.0), shift, self.size), dtype=float)
 
     def put_in_front(self, scene: Array, outline: Array, time: float) -> None:
-        """Draw the bubbles, in place: those that rise, and those that sit on the arm's outline (2 S, 2) [px]."""
+        """Draw the bubbles, in place: rising ones, and those on the arm's outline (2 S, 2) [px]."""
         height = self.size[1]
         for index, (u, v, radius) in enumerate(self._bubbles):
             rise = np.array([u + 3.0 * np.sin(2.0 * time + index), (v - 12.0 * radius * time) % (height + 20.0) - 10.0])

@@ -1,4 +1,4 @@
-"""Whether the servo's log turns the way the arm's root turns in the film: asked before anything else uses the log.
+"""Checks that the servo's log has the same sense of rotation as the arm's root in the film, before the log is used.
 
 In some of the first frames, whose logged angles differ, the shape is fitted without the log. The root's angle is then
 a + b theta, by least squares; b is near 1, or near -1 where the sign is reversed (or the picture mirrored).
@@ -19,11 +19,11 @@ from vision.kinematics import SHARED, Geometry
 from vision.locate import locate
 from vision.motion import ShapeMotion
 
-APART, ENOUGH = 0.06, 0.35  # rad: logged angles of frames to compare, and the span at which they say enough
+APART, ENOUGH = 0.06, 0.35  # rad: difference of logged angles between frames, and the span that is enough
 FEWEST, MOST = 4, 8  # frames
-SIGN_PATIENCE = 1.5  # s that the search for moving frames may take
+SIGN_PATIENCE = 1.5  # s, longest search for moving frames
 LEAST_SIGN_SCORE = 0.45
-REVERSED, ALIKE = -0.5, 0.8  # slope below which, and correlation above which, the sign is held to be reversed
+REVERSED, ALIKE = -0.5, 0.8  # reversed if the slope is below and the correlation above these
 
 
 def moving_frames(frames: Iterable[Frame], theta: Callable[[float], float]) -> list[Frame]:
@@ -43,7 +43,7 @@ def moving_frames(frames: Iterable[Frame], theta: Callable[[float], float]) -> l
 
 
 def check_sign(frames: Iterable[Frame], geometry: Geometry, theta: Callable[[float], float]) -> None:
-    """Raises InputError where the root turns against the log; says nothing where the frames do not tell."""
+    """Raises InputError if the root turns against the log; does nothing if the frames cannot show it."""
     logged: list[float] = []
     seen: list[float] = []
     polarities: tuple[float, ...] = (1.0, -1.0)

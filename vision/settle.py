@@ -1,4 +1,4 @@
-"""The recording's parameters g from its first frames, as far as they tell them before all frames are pooled."""
+"""The recording's parameters g from its first frames, before all frames are pooled."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from vision.fit import FrameFit
 from vision.kinematics import SHARED, Geometry
 from vision.tracked_frame import eliminate
 
-PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: how far a declaration is usually off
-SHORT, SLENDER = 0.065, (0.4, 0.8, 0.8)  # of a short arm's length, a slender one's half thickness: no further off
-REACH_ERROR = 0.02  # of the length, that the first frames' common reach may be off
-CONTRADICTION = 9.0  # chi-square of one length: the reach's and the sides' are two
+PRIOR = np.array([30.0, 30.0, 0.08, 1.5, 3.0, 3.0])  # px, px, relative, px: usual errors of a declaration
+SHORT, SLENDER = 0.065, (0.4, 0.8, 0.8)  # limits: of a short arm's length, of a slender arm's half thickness
+REACH_ERROR = 0.02  # of the length: error of the first frames' common reach
+CONTRADICTION = 9.0  # chi-square above which the lengths from reach and sides contradict each other
 
 
 def prior_of(geometry: Geometry) -> Array:
-    """How far (G,) the declaration of an arm is usually off: what is usual, but for a small arm a share of it."""
+    """Prior errors (G,) of an arm's declaration: the usual ones, limited to a share of a small arm's size."""
     base = min(PRIOR[0], SHORT * geometry.length)
     radius = np.minimum(PRIOR[3:], np.array(SLENDER) * float(geometry.radius.max()))
     return np.concatenate([[base, base, PRIOR[2]], radius])
@@ -27,10 +27,10 @@ def settle(
 ) -> tuple[Array, tuple[Array, Array]]:
     """One Gauss-Newton step of g (G,) over several frames, each frame's x eliminated (Schur complement).
 
-    Gives the new g, and the information (G, G) and gradient (G,) of the reach on it. share: of what the sides tell.
-    The frames' usual reach (reach.seen_reach) tells the length too. Sides tell it also by what the curve's coordinates
-    cannot follow, which is no length: where the two contradict each other, the sides count as much less as makes them
-    agree (pool).
+    Gives the new g, and the information (G, G) and gradient (G,) of the reach on it. share: weight of the sides'
+    information. The frames' usual reach (reach.seen_reach) also gives the length. The sides' length can be wrong,
+    because it absorbs shapes that the coordinates cannot follow. If the two lengths contradict each other, the weight
+    of the sides is reduced until they agree (pool).
     """
     told = np.zeros((SHARED, SHARED)), np.zeros(SHARED)
     off = 0.0

@@ -11,7 +11,7 @@ from tentacle.signals import ShapeTrack
 def write_shape(shape: ShapeTrack, path: Path) -> None:
     """Write t_s, accepted, offset_rad, q1_rad .., cov_j_k [rad^2] (0 is the offset), reason; whole or not at all.
 
-    Every digit is kept; what a rejected frame does not have is a blank cell.
+    All digits are kept; a rejected frame has blank cells.
     """
     size = shape.coefficients.shape[1]
     pairs = [(j, k) for j in range(size) for k in range(j, size)]

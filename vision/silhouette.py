@@ -1,4 +1,4 @@
-"""From a picture to a body's silhouette, and from that to its mean axis: no model of the shape, no clamp needed."""
+"""From a picture to a body's silhouette and its mean axis, without a model of the shape and without a clamp."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from tentacle.signals import Array
 
 ENLARGE = 4  # a threshold on the enlarged picture places the contour between pixels
-LONGEST_ENLARGED = 1600  # px; larger pictures are fine enough as they are
-FAINT_SHARE = 0.8  # of the body's pixels are darker than its faint parts
+LONGEST_ENLARGED = 1600  # px; larger pictures are not enlarged
+FAINT_SHARE = 0.8  # share of the body's pixels that are darker than its faint parts
 SPECK = 3.0  # px^2: less is noise
-END_WINDOW = 0.04  # of the contour's length: what bends within it is an end
+END_WINDOW = 0.04  # of the contour's length: extent of an end
 SIDE_POINTS = 200
 
 
@@ -22,7 +22,7 @@ SIDE_POINTS = 200
 class Silhouette:
     """Outer contour (C, 2) [px] of the largest body, its area and that of its holes [px^2], polarity (+1 dark).
 
-    beside: the outer contours of whatever else stands out, larger than some pixels of noise.
+    beside: outer contours of other objects that are larger than noise.
     """
 
     contour: Array
@@ -42,11 +42,11 @@ class Axis:
 
 
 def silhouette(image: NDArray[np.uint8], polarity: float | None = None, faint: bool = False) -> Silhouette | None:
-    """The largest body that Otsu's threshold sets off; None where nothing stands out.
+    """The largest body by Otsu's threshold; None if there is none. polarity +1: the body is darker than its ground, -1
+    lighter; None: the class that touches less of the picture's border. faint: set the threshold half way between the
+    ground and the body's faint parts.
 
-    polarity +1: the body is darker than its ground, -1 lighter; None: it is what touches less of the picture's border.
-    faint: the threshold then goes half way between the ground and the body's faint parts, as a thin end lets light
-    through: half way to the whole body's grey would cut it off.
+    A thin end lets light through, and a threshold half way to the whole body's grey would cut it off.
     """
     enlarge = ENLARGE if max(image.shape) * ENLARGE <= LONGEST_ENLARGED else 1
     fine = image if enlarge == 1 else cv2.resize(image, None, fx=enlarge, fy=enlarge, interpolation=cv2.INTER_CUBIC)
@@ -80,7 +80,9 @@ def silhouette(image: NDArray[np.uint8], polarity: float | None = None, faint: b
 
 
 def _with_faint_parts(fine: NDArray[np.float32], mask: NDArray[np.uint8], polarity: float) -> NDArray[np.uint8]:
-    """The mask of all that is nearer to the body's faint parts than to the ground, where a first mask shows both."""
+    """The mask of all pixels nearer to the grey of the body's faint parts than to the ground's; a first mask gives both
+    greys.
+    """
     shown = polarity * fine
     ground, weak = float(np.median(shown[mask == 0])), float(np.quantile(shown[mask > 0], FAINT_SHARE))
     return np.where(shown < 0.5 * (ground + weak), 255, 0).astype(np.uint8)
@@ -103,7 +105,9 @@ def find_ends(contour: Array) -> tuple[int, int]:
 
 
 def mean_axis(contour: Array, first: int, second: int, points: int = 100) -> Axis:
-    """The perimeter's two sides, from one end to the other, averaged: by equal arcs, then along the axis' normals."""
+    """The mean of the perimeter's two sides from one end to the other: first by equal arcs, then along the axis'
+    normals.
+    """
     count = len(contour)
     forward = contour[np.arange(first, first + (second - first) % count + 1) % count]
     backward = contour[np.arange(first, first - (first - second) % count - 1, -1) % count]
@@ -118,7 +122,7 @@ def mean_axis(contour: Array, first: int, second: int, points: int = 100) -> Axi
 
 
 def _recentre(axis: Array, sides: list[Array]) -> tuple[Array, Array]:
-    """Each inner point to the middle between the sides' points that lie nearest to its normal."""
+    """Move each inner point to the middle between the sides' points nearest to its normal."""
     tangent = np.gradient(axis, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
     step = np.linalg.norm(np.diff(sides[0], axis=0), axis=1).mean()
@@ -132,7 +136,7 @@ def _recentre(axis: Array, sides: list[Array]) -> tuple[Array, Array]:
         cost = np.where(np.abs(along[None] - place[:, None]) < 0.12, ahead + 0.02 * far, np.inf)
         best = np.argmin(cost, axis=1)
         shift = np.einsum("pk,pk->p", side[best] - axis, tangent)
-        # slide along the side to the normal itself
+        # move along the side to the normal itself
         heading = np.gradient(side, axis=0)[best] / max(step, 1e-9)
         rate = np.einsum("pk,pk->p", heading, tangent)
         slide = np.where(np.abs(rate) > 0.3, -shift / np.where(np.abs(rate) > 0.3, rate, 1.0), 0.0)

@@ -1,8 +1,8 @@
-"""An arm's course from its base, found step by step: shapes that no low polynomial gives a coarse search to find.
+"""An arm's course from its base, found step by step, for shapes that the coarse search over low polynomials misses.
 
-Chains of steps of equal length leave the base; each step may turn a little against the last. A chain's merit is the
-mean over its steps of the weaker side's contrast, as in locate, less a penalty on its turns. Of chains that end in the
-same cell of the picture, heading alike, the best is kept (a beam search: dynamic programming on a lattice).
+Chains of steps of equal length start at the base; each step may turn a little against the last one. A chain's score is
+the mean over its steps of the weaker side's contrast, as in locate, minus a penalty on its turns. Of chains that end in
+the same cell with the same heading, the best is kept (a beam search: dynamic programming on a lattice).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from vision.lens import bend_point
 
 HEADINGS = 24
 TURNS = np.linspace(-0.5, 0.5, 11)  # rad, of a step against the last
-BENT = 0.4  # merit that a turn of one radian costs; smaller ones by the power 3/2
+BENT = 0.4  # penalty of a turn of one radian; smaller turns by the power 3/2
 MOST_CHAINS = 250  # chains that are kept
 CELL, HEADING = 1.5, 0.25  # reduced px, rad: chains closer than that are one
 COORDINATE_PRIOR = 1e-4  # prior information on each coordinate, against the squares of STEPS headings
@@ -34,7 +34,7 @@ class Reduced(NamedTuple):
 
 
 class Bar(NamedTuple):
-    """What a chain follows: from base (2,) [px], with unit vectors axes (2, 2), normal and arm, in steps [px], with
+    """Geometry of a chain: from base (2,) [px], with unit vectors axes (2, 2), normal and arm, in steps [px], with
     radius (STEPS,) [px]."""
 
     base: Array
@@ -129,9 +129,8 @@ def trace(
     contrast: tuple[float, float],
     size: int,
 ) -> Array:
-    """The shape x (size,) [rad], offset first, of the best chain from the base; theta None: it may point anywhere.
-
-    contrast: a scale [grey] at which a contrast counts as much, and the polarity (+1 dark arm).
+    """The shape x (size,) [rad], offset first, of the best chain from the base; theta None: every direction is
+    possible. contrast: scale [grey] of the contrast in the score, and the polarity (+1 dark arm).
     """
     s = (np.arange(HEADINGS) + 0.5) / HEADINGS
     radius = np.interp(s + 0.5 / HEADINGS, np.linspace(0.0, 1.0, len(geometry.radius)), geometry.radius_at(shared))

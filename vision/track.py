@@ -1,4 +1,4 @@
-"""Tracking a video: shapes with their full covariance, from the declared arm and what the frames show."""
+"""Tracking a video: shapes with their full covariance, from the declared arm and the frames."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from vision.servo_sign import check_sign
 from vision.tracked_frame import TrackedFrame
 
 TRACKED_ORDERS = (1, 2, 3, 4, 5)
-SURE, WORTH_SAYING = 4.0, 2e-3  # sigmas, and relative: a scale further off is a finding
-SHOWN_AGAIN = 0.2  # share of the pictures that repeat: a film that was slowed or filled up
+SURE, WORTH_SAYING = 4.0, 2e-3  # sigmas, and relative: a larger error of the scale is reported
+SHOWN_AGAIN = 0.2  # share of repeated pictures above which a film counts as slowed
 NO_OUTLINE = np.zeros((0, 2))
 
 
@@ -41,10 +41,10 @@ class Tracking:
 
 @dataclass(frozen=True)
 class Following:
-    """How a film is tracked. order: curvature coordinates, 2 to 5, as many as the data can show where None. lens: None
-    for none. patience [s]: how long to wait for more of a file that is still being written; see frames.read_frames.
-    verdicts: frames that a person accepted or rejected (proofread). outlines: keep each frame's outline for an overlay;
-    without them a frame's result is 2 kB, all that memory grows by.
+    """Options of tracking. order: number of curvature coordinates, 2 to 5; None: the data decide. lens: None for none.
+    patience [s]: time to wait for more of a file that is still being written; see frames.read_frames. verdicts: frames
+    that a person accepted or rejected (proofread). outlines: keep each frame's outline for an overlay; without them the
+    memory grows by 2 kB a frame.
     """
 
     order: int | None = None
@@ -60,7 +60,7 @@ USUAL_FOLLOWING = Following()
 def stream_tracking(
     video: Path, declaration: Declaration, motor: MotorSignal | None, following: Following = USUAL_FOLLOWING
 ) -> tuple[Follower, Iterator[TrackedFrame]]:
-    """The follower, and an iterator over the frames' results as they come; covariances are given the g known so far."""
+    """The follower, and an iterator over the frames' results; covariances are conditional on the g known so far."""
     if declaration.camera is None:
         raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
     if following.order is not None and following.order not in TRACKED_ORDERS:
@@ -83,8 +83,8 @@ def track(
     """Shapes of the declared arm in a video (or folder of pictures); see ShapeTrack.
 
     motor gives theta(t), about which the base angle offset is measured; without it the offset is the base angle. order
-    None: 2 to 5 curvature coordinates, as many as the data can show. A frame's time is the middle of its exposure.
-    progress is called with each frame's result. Raises InputError where the video cannot be read or shows no such arm.
+    None: 2 to 5 curvature coordinates; the data decide. A frame's time is the middle of its exposure. progress is
+    called with each frame's result. Raises InputError where the video cannot be read or shows no such arm.
     """
     return track_fully(video, declaration, motor, Following(order, lens), progress).shape
 
@@ -99,9 +99,8 @@ def track_fully(
 ) -> Tracking:
     """As track, with every frame's own result, the pooled estimate and remarks.
 
-    warn is told at once where most of the first frames
-    are lost, or where the work is slow, and what may help. Raises InputError too where the servo's log turns against
-    the arm's root.
+    warn is called at once if most of the first frames are lost, or if tracking is slow, with a proposal. Raises
+    InputError also if the servo's log turns against the arm's root.
     """
     follower, results = stream_tracking(
         video, declaration, motor, Following(following.order, following.lens, following.patience, following.verdicts)
@@ -162,31 +161,31 @@ def _shape(seen: list[TrackedFrame], pooled: Pooled, geometry: Geometry, declara
 
 
 def _slowed(again: int, shape: ShapeTrack) -> tuple[str, ...]:
-    """Said where much of a film shows the picture before again."""
+    """A remark if many pictures of a film repeat the one before."""
     count = len(shape.t)
     if again <= SHOWN_AGAIN * count:
         return ()
     return (
-        f"{again} of {count} pictures show the one before again: the film was slowed or filled up; its true rate is"
-        f" about {(count - again) / count:.2f} of the file's, and a shape is as often told as its picture is shown",
+        f"{again} of {count} pictures repeat the one before: the film was slowed or converted; its true frame rate is"
+        f" about {(count - again) / count:.2f} of the file's, and each shape occurs as often as its picture",
     )
 
 
 def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ...]:
-    """A length that differs from the declared one by more than its sigma allows, in words."""
+    """A remark if the length differs from the declared one by more than its standard deviation allows."""
     off = shape.scale - 1.0
     if not (abs(off) > SURE * shape.scale_sigma and abs(off) > WORTH_SAYING):
         return ()
     more, length = "longer" if off > 0 else "shorter", declaration.specimen.length
     measured = f"the arm measures {abs(off):.2%} {more} than declared (+- {shape.scale_sigma:.2%})"
     return (
-        f"{measured}, {1e3 * abs(off) * length:.1f} mm: look at m_per_px, and whether length_m reaches the very"
-        " tip of the silicone, its rounding included",
+        f"{measured}, {1e3 * abs(off) * length:.1f} mm: check m_per_px, and whether length_m includes the"
+        " rounded tip of the silicone",
     )
 
 
 def _remarks(seen: list[TrackedFrame], pooled: Pooled) -> tuple[str, ...]:
-    """What a user should know: gaps, repeats, a coordinate that is needed, a scale that is off."""
+    """Remarks for the user: gaps, repeats, too few coordinates, a wrong scale."""
     remarks = []
     reasons = [frame.reason for frame in seen if frame.reason]
     for reason in sorted(set(reasons)):
@@ -199,6 +198,6 @@ def _remarks(seen: list[TrackedFrame], pooled: Pooled) -> tuple[str, ...]:
     left = pooled.evidence.get(pooled.order, 0.0)
     if left > COORDINATE_PENALTY * (len(seen[0].x) - 1 - pooled.order):
         remarks.append(
-            f"order {pooled.order} leaves curvature that the video shows: chi-square {left:.0f} a frame above it"
+            f"the video shows more curvature than order {pooled.order} can follow: chi-square {left:.0f} per frame"
         )
     return tuple(remarks)

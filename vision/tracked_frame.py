@@ -1,4 +1,6 @@
-"""What one frame gives: its shape with covariance and what it says of what all frames share, or why it is refused."""
+"""The result of one frame: its shape with covariance and its information on the shared parameters, or the reason of a
+rejection.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,9 @@ from vision.kinematics import SHARED
 class TrackedFrame:
     """One frame's result. x (K,): base angle offset and q [rad]; covariance (K, K), given the recording's parameters.
 
-    reason is "" where the frame was accepted; otherwise x is NaN. dx_dg (K, G): how x moves per unit of g.
-    shared_information (G, G), shared_gradient (G,): what the frame says about g once x is free. sigma [px] and
-    waves (W,) are those of its edges; outline_px (N, 2) is for the overlay.
+    reason is "" where the frame was accepted; otherwise x is NaN. dx_dg (K, G): derivative of x by g.
+    shared_information (G, G), shared_gradient (G,): information on g with x free. sigma [px] and waves (W,) are those
+    of its edges; outline_px (N, 2) is for the overlay.
     """
 
     t: float
@@ -39,7 +41,7 @@ class TrackedFrame:
 
 
 def refused(t: float, theta: float, size: int, reason: str) -> TrackedFrame:
-    """A frame of size coordinates that cannot be trusted."""
+    """A rejected frame with `size` coordinates."""
     nothing = np.full(size, np.nan)
     return TrackedFrame(
         t=t, theta=theta, x=nothing, covariance=np.full((size, size), np.nan), reason=reason,
@@ -49,7 +51,7 @@ def refused(t: float, theta: float, size: int, reason: str) -> TrackedFrame:
 
 
 def eliminate(fit: FrameFit) -> tuple[Array, Array, Array, Array]:
-    """Covariance of x given g (K, K), dx_dg (K, G), and what the frame says about g: (G, G) and (G,)."""
+    """Covariance of x given g (K, K), dx_dg (K, G), and information and gradient on g: (G, G) and (G,)."""
     k = len(fit.x)
     normal = fit.information / fit.sigma**2
     gradient = fit.gradient / fit.sigma**2

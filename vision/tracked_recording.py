@@ -1,4 +1,4 @@
-"""A recording with its shape seen: read from where it lies, and its video tracked where it has nothing else."""
+"""A recording with its shapes: read from the disk, with its video tracked if it has no other measurement."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tentacle.progress import Stage
 from tentacle.recording import Recording
 from tentacle.signals import Video
 
-LIGHT = 0.5  # of the time that tracking takes goes into learning the light, before the first frame is told
+LIGHT = 0.5  # share of the tracking time for learning the light, before the first frame's result
 
 
 def read_tracked(path: Path, stage: Stage) -> Recording:
@@ -29,7 +29,7 @@ def read_tracked(path: Path, stage: Stage) -> Recording:
 
 
 def told_frames(stage: Stage, path: Path, video: Video) -> Callable[[object], None]:
-    """What tracking calls at each frame, so that the stage tells how many of all are done."""
+    """The callback of tracking at each frame, which shows the share of the frames that is done."""
     from tentacle.io.video_file import count_frames
 
     stage(f"tracking {path}: the light of the tank")

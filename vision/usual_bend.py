@@ -1,4 +1,4 @@
-"""What is known of an arm's shape before it is seen: it bends no more than it must.
+"""Prior knowledge of an arm's shape: strong and rapidly changing curvature is unlikely.
 
 x' R x = integral over s of (curvature / BEND)^2 + (its slope / BEND_CHANGE)^2, curvature = sum_j q_j s^(j - 1).
 """
@@ -9,13 +9,13 @@ import numpy as np
 
 from tentacle.signals import Array
 
-BEND, BEND_CHANGE = 20.0, 60.0  # rad: rms of an arm's curvature along it, and of that one's slope, at most so usual
+BEND, BEND_CHANGE = 20.0, 60.0  # rad: rms of an arm's curvature along it, and of the curvature's slope, at most
 
 
 def usual_bend(x: Array, error: float) -> tuple[Array, Array]:
     """error^2 R (K, K) and -error^2 R x (K,) at a shape x (K,), beside edges that err by error [px].
 
-    It is lost beside what edges say, and speaks where there are none.
+    It is negligible where there are edges, and decides where there are none.
     """
     power = np.arange(len(x)) - 1.0
     both = power[1:, None] + power[1:]

@@ -29,8 +29,8 @@ FALSE_SIGMAS, FALSE_ANGLE = 6.0, 0.02  # an accepted q1 this far off, in its own
 class LookResult:
     """One look, all its videos together: rms, limit [rad] and their ratio for q1, q2; paper_rms by the paper's method.
 
-    limit is the recording's, whose frames must tell base, offset and length too; rms_over_pose_known is the ratio to
-    the lower limit of one who knows these.
+    limit is that of a recording whose frames must also show base, offset and length; rms_over_pose_known is the ratio
+    to the lower limit for known base, offset and length.
 
     z_rms: errors of (offset, q) whitened by the stated covariance. missed: share of sound frames that were rejected.
     false_accepts: frames accepted with an error far beyond the stated one. orders: those chosen, one a seed.
@@ -81,7 +81,7 @@ def film_scene(scene: Scene, look: Look, seed: int, folder: Path, disturb: str =
 def _disturbed(
     frames: Iterator[NDArray[np.uint8]], scene: Scene, look: Look, disturb: str
 ) -> Iterator[NDArray[np.uint8]]:
-    """A hand (discs as dark as the arm) sweeps across, or the arm's own picture, mirrored, lies beside it."""
+    """A hand (discs as dark as the arm) moves across, or a mirrored copy of the arm lies beside it."""
     width, height = scene.size
     for k, image in enumerate(frames):
         scene_now = image.astype(float)
@@ -132,7 +132,7 @@ def least_rms(filmed: Filmed, order: int) -> tuple[Array, Array]:
 
 
 def judge_look(look: Look, seeds: tuple[int, ...], frames: int, size: tuple[int, int]) -> LookResult:
-    """Film and track one video a seed; the order is left to the data."""
+    """Film and track one video for each seed; the data decide the order."""
     squares, limits, known, z, orders, paper, missed, wrong, total = [], [], [], [], [], [], 0, 0, 0
     exposure = 0.004 if look.name.startswith("tank") else 0.0
     for seed in seeds:

@@ -1,7 +1,7 @@
-"""Where an arm does not have its usual width: something covers one of its sides, or lies against it.
+"""Places where an arm does not have its usual width, because something covers or touches one of its sides.
 
-How much wider a station looks is w(s) = offset_left + offset_right, which no bending changes. Its usual course w_0(s)
-is the film's own; where |w - w_0| is many times its usual scatter, neither side tells where the arm's middle is.
+The excess of a station's width is w(s) = offset_left + offset_right, which bending does not change. Its usual course
+w_0(s) comes from the film itself. If |w - w_0| is many times its usual scatter, neither side shows the arm's middle.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from vision.edges import Edges
 from vision.kinematics import Outline
 from vision.robust import STATION_NEIGHBOURS
 
-KNOTS = 12  # stretches of the arm whose usual width is known
-STRETCH = 9  # stations over which a width is told
-MANY = 5  # stations that tell a stretch's width
-TIMES, SHARE, LEAST = 6.0, 0.1, 0.6  # of the usual scatter, of the width, and px: a width further off is another's
+KNOTS = 12  # stretches of the arm with their own usual width
+STRETCH = 9  # stations over which a width is averaged
+MANY = 5  # fewest stations for a stretch's width
+TIMES, SHARE, LEAST = 6.0, 0.1, 0.6  # usual scatters, of the width, px: beyond them it is another object
 
 
 def usual_widths(seen: Sequence[tuple[Outline, Edges, Array]]) -> tuple[float, ...]:
@@ -56,7 +56,7 @@ def another_width(
 
 
 def _widths(expected: Outline, edges: Edges, usable: NDArray[np.bool_]) -> tuple[Array, Array, NDArray[np.intp], Array]:
-    """s, w, index among the stations, and depth of those whose both sides are usable."""
+    """s, w, index and depth of the stations with two usable sides."""
     left, right = np.flatnonzero(expected.kind == 0), np.flatnonzero(expected.kind == 1)
     both = np.flatnonzero(usable[left] & usable[right])
     return (

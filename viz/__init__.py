@@ -1,1 +1,1 @@
-"""What people see: Rerun sessions and their views, figures, and the HTML report. Imports the shared words only."""
+"""Rerun sessions and their views, figures, and the HTML report. Imports the shared words only."""

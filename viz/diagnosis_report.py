@@ -24,8 +24,8 @@ from viz.scene import ViewedRun, paired, scene_of
 from viz.verdict_sections import finding_section, limits_sections, next_section, title_of
 from viz.words import NO_VALUE, effect_name, error_rows, interval, listed, number, probability_words, value_of
 
-DRAWN_RUNS = 4  # runs with figures of their own; the others stand in the table (a report stays under 3 MB)
-PRICE = 7.6  # nat: what one parameter must gain to be worth more than chance gives it
+DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report stays under 3 MB)
+PRICE = 7.6  # nat: gain of one parameter that is larger than by chance
 TWIN_COSINE = 0.85  # pairs above this are named in words
 
 
@@ -34,15 +34,15 @@ def error_section(diagnosis: Diagnosis) -> ReportSection:
     judged = "held-out data, on which nothing was fitted" if diagnosis.held_out else "the data that were fitted"
     paragraph = (
         f"Root mean square over {judged}. Before: the declared model after its own refit. After: with what "
-        "the verdict adds. Floor: what measurement noise and the reduction to few coordinates alone would leave."
+        "the verdict adds. Floor: the error from measurement noise and the reduction to few coordinates alone."
     )
     rows = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
     after, floor = diagnosis.after.midline_mm, diagnosis.floor.midline_mm
     if after is not None and floor is not None and after < floor:
         paragraph += (
-            f" Here the error after, {number(after)} mm, is below the floor, {number(floor)} mm: the floor counts the "
-            "reduction at what the reference simulation shows of it, and this arm shows less. It means: as good as "
-            "these data can tell."
+            f" Here the error after, {number(after)} mm, is below the floor, {number(floor)} mm. The floor has the "
+            "reduction's error in the reference simulation, and in this arm that error is smaller. The model is as "
+            "good as these data can show."
         )
     table = ReportTable("Errors", ("quantity", "unit", "before", "after", "floor"), rows, numeric=(2, 3, 4))
     budget = Picture(
@@ -64,7 +64,7 @@ def parameter_table_rows(model: Model, base: Model | None) -> list[tuple[str, ..
 
 
 def parameter_section(diagnosis: Diagnosis) -> ReportSection:
-    """What was found, as verdict.json has it; and every parameter of model.toml, which runs by itself."""
+    """The parameters that were found, as in verdict.json, and every parameter of model.toml."""
     model = diagnosis.augmented_model
     rows = parameter_table_rows(model, diagnosis.base_model)
     added = tuple(k for k, row in enumerate(rows) if row[5] == "not in the model")
@@ -78,15 +78,15 @@ def parameter_section(diagnosis: Diagnosis) -> ReportSection:
     ]
     if found:
         words.append(
-            "What was found is estimated beside unknown forces, over all likely answers. model.toml has the values "
-            "with which the model alone runs closest to the data; their intervals count the noise of measurement only."
+            "The values found are estimated together with unknown forces, over all likely answers. model.toml has the "
+            "values with which the model alone is closest to the data; their intervals include measurement noise only."
         )
         tables.insert(0, ReportTable("What was found", header[:5], found, numeric=(2,)))
     return ReportSection("Parameters", words, tables)
 
 
 def twin_words(names: Sequence[str], cosines: Array) -> str:
-    """The pairs of effects that this recording hardly tells apart, as a sentence."""
+    """A sentence about the pairs of effects that this recording hardly separates."""
     pairs = [
         (abs(float(cosines[i, j])), names[i], names[j])
         for i in range(len(names))
@@ -96,7 +96,7 @@ def twin_words(names: Sequence[str], cosines: Array) -> str:
     if not pairs:
         return f"No pair of candidates has |cos| above {TWIN_COSINE:g}: this excitation separates them."
     listed = "; ".join(f"{effect_name(a)} / {effect_name(b)} ({c:.3f})" for c, a, b in sorted(pairs, reverse=True)[:8])
-    return f"Nearly twins under this excitation: {listed}. They are told apart only by much data or another motion."
+    return f"Nearly twins under this excitation: {listed}. Only much more data, or another motion, separates them."
 
 
 def candidate_section(diagnosis: Diagnosis) -> ReportSection:
@@ -117,13 +117,13 @@ def candidate_section(diagnosis: Diagnosis) -> ReportSection:
         tables.append(ReportTable(caption, header, rows, numeric=(1, 2, 3), marked=marked, bars=bars))
         paragraphs.append("A score is the log-likelihood that an effect gains when it is added to the declared model.")
     if rest:
-        paragraphs.append(f"Not worth a parameter's price ({PRICE} nat): {listed(rest)}.")
+        paragraphs.append(f"Gain less than one parameter costs ({PRICE} nat): {listed(rest)}.")
     if len(diagnosis.twin_names) > 1:
         paragraphs.append(twin_words(diagnosis.twin_names, diagnosis.twin_cosines))
         pictures.append(
             Picture(
                 twins_figure(diagnosis.twin_names, diagnosis.twin_cosines),
-                "How alike the candidates' effects on these recordings are, what refitting the base absorbs taken off.",
+                "Similarity of the candidates' effects on these recordings, after refitting the base parameters.",
             )
         )
     return ReportSection("Candidates", paragraphs, tables, pictures)
@@ -140,8 +140,8 @@ def run_section(scene: ViewedRun, recording: Recording | None) -> ReportSection:
     if any(party.q is not None and np.isfinite(party.q).any() for party in scene.parties):
         pictures.append(Picture(coordinates_figure(scene), "The paper's coordinates; grey: where errors are judged."))
     if scene.models:
-        pictures.append(Picture(residual_figure(scene), "Where and when the models miss."))
-    pictures.append(Picture(spectrum_figure(scene), "Tip, along n: the motion, and what each model leaves of it."))
+        pictures.append(Picture(residual_figure(scene), "Error of the models over arc length and time."))
+    pictures.append(Picture(spectrum_figure(scene), "Tip, along n: spectra of the motion and of each model's error."))
     thrust = thrust_figure(scene, recording.load_cell if recording else None)
     if thrust is not None:
         pictures.append(Picture(thrust, "Thrust, as a load cell at the base reads it."))
@@ -170,8 +170,8 @@ def missing_sections(missing: MissingForce) -> list[ReportSection]:
         return []
     words = [
         *missing.words,
-        "The figure shows a smooth force along the arm and one at the tip, both along the normal, as small as moves "
-        "the arm as it was seen. What is near the tip can be either. The band is one standard deviation.",
+        "The figure shows a smooth force along the arm and one at the tip, both along the normal: the smallest ones "
+        "that give the measured motion. A force near the tip can appear in either. The band is one standard deviation.",
     ]
     pictures = [
         Picture(

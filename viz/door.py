@@ -1,7 +1,8 @@
 """Files as web pages on this machine only, for those who were given the address.
 
-The address holds a secret word (a token) as the first part of its path. A request without it is refused. So is one
-whose Host is another name than this machine's own: a foreign web page can make its name lead to 127.0.0.1.
+The address holds a secret word (a token) as the first part of its path. A request without it is refused. A request with
+a Host other than this machine's own name is refused too, because a foreign web page can make its name resolve to
+127.0.0.1.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from threading import Thread
 from urllib.parse import urlsplit
 
 LOOPBACK = "127.0.0.1"
-SILENCE = 60.0  # s; a visitor who says nothing for longer is let go
+SILENCE = 60.0  # s; a silent connection is closed after this time
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def door(places: Mapping[str, ServedFile]) -> Iterator[str]:
                 shutil.copyfileobj(stream, self.wfile)
 
         def log_message(self, format: str, *args: object) -> None:
-            """Nothing: the address is all that a reader is told."""
+            """Nothing: only the address is printed."""
 
     with ThreadingHTTPServer((LOOPBACK, 0), Visit) as server:
         Thread(target=server.serve_forever, daemon=True).start()

@@ -15,7 +15,7 @@ from viz.words import number
 
 @dataclass(frozen=True)
 class Told:
-    """What was found: the headline, sentences, the paper's values (effect.parameter -> value; empty where its
+    """The results: the headline, sentences, the paper's values (effect.parameter -> value; empty where its
     regression could not be done), the bootstrap's intervals (effect.parameter -> low, high; empty if not asked for).
     """
 

@@ -104,7 +104,7 @@ def _pictures(
         pictures.append(
             (
                 "Parameters over time",
-                f"Fitted values with their 95 % intervals, {POINTS_A_PANEL} points a panel at most.",
+                f"Fitted values with their 95 % intervals, {POINTS_A_PANEL} points per panel at most.",
                 figure,
             )
         )
@@ -113,7 +113,7 @@ def _pictures(
     if figure is not None:
         words = (
             f"Distance of the augmented model to the measured points, time to the right, base below; the {len(chosen)} "
-            "recordings that leave most over the noise, worst first."
+            "recordings with the largest residual over the noise, worst first."
         )
-        pictures.append(("What the models leave", words, figure))
+        pictures.append(("Residuals", words, figure))
     return pictures

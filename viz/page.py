@@ -1,8 +1,8 @@
 """Recordings as a web page on this machine only: Rerun's own page and the recordings, behind a door of ours.
 
-Rerun's program would serve both itself. But it asks for no token and does not look at Host; and once it has read a
-recording it asks without a pause whether more is to come, and so keeps a core busy (rerun-io/rerun#10944). Therefore
-the parts of its page are taken from it, it is ended, and the page is told where the recordings lie.
+Rerun's program could serve both itself. But it has no token and does not check Host. After it has read a recording it
+polls for more without a pause, which uses a whole core (rerun-io/rerun#10944). Therefore this module copies the parts
+of its page, ends the program, and gives the page the address of the recordings.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Who is drawn how, everywhere: the colour-blind safe set of Okabe and Ito (2008), and a dash for each in print."""
+"""Colours and dashes of all parties: the colour-blind safe set of Okabe and Ito (2008), with a dash for each
+in print.
+"""
 
 from __future__ import annotations
 

@@ -16,8 +16,8 @@ def kept_priority() -> Iterator[None]:
     """The block's threads keep, or get, the priority that this thread had before it.
 
     SVT-AV1, where it may (as root), makes its own threads and the one that starts it real-time ones of the highest
-    priority. All that this one starts later would inherit it, and stop everything else on the machine while it
-    computes. Other systems than Linux do not let it, and nothing is done there.
+    priority. Threads and processes started later would inherit this priority, and would stop everything else on the
+    machine while they compute. Other systems than Linux do not allow it, and nothing is done there.
     """
     if sys.platform != "linux":
         yield

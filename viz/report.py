@@ -1,4 +1,4 @@
-"""report.html: one page for every verb. A Report says what stands on it; the template says how it looks."""
+"""report.html: one page for every verb. A Report has its content; the template has its look."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class ReportSection:
 
 @dataclass(frozen=True)
 class Origin:
-    """How to get the same report again: command line, seed, versions and SHA-256 of every input."""
+    """How to reproduce a report: command line, seed, versions and SHA-256 of every input."""
 
     command: str
     seed: int | None = None

@@ -1,4 +1,4 @@
-"""What is drawn of one run, whichever verb made it: parties on one time axis, all held against the first."""
+"""One run for drawing, from any verb: parties on one time axis, all compared with the first."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from viz.palette import AUGMENTED, BASE, MEASURED, MODEL, Role
 
 @dataclass(frozen=True)
 class Party:
-    """Who moves: key (its place in a session), role (its looks), xy (T, P, 2) [m] in the base frame, NaN where unknown.
+    """One moving party: key (its place in a session), role (its looks), xy (T, P, 2) [m] in the base frame, NaN where
+    unknown.
 
     q (T, 2) [rad], the paper's coordinates, thrust (T,) [N] as a load cell reads it, and drag (T, P, 2) [N/m], the
     water's force per length, where they are known.

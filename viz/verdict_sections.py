@@ -1,4 +1,4 @@
-"""What a diagnosis found, how sure it is, what it could have seen, and what to do next: sections of the report."""
+"""Sections of the report: the finding, its confidence, the detection limits, and what to do next."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def finding_section(
 
 
 def sure_words(answer: Mapping[str, Any]) -> list[str]:
-    """Sentences about how sure the answer is, from the keys of verdict.json that say so."""
+    """Sentences about the confidence of the answer, from the keys of verdict.json."""
     words = []
     explained = answer.get("explained")
     if explained:
@@ -55,7 +55,7 @@ def sure_words(answer: Mapping[str, Any]) -> list[str]:
         )
     certain, sets = answer.get("certain") or [], answer.get("sets") or []
     if certain and len(sets) > 1:
-        words.append(f"Every likely answer has {listed([effect_name(effect) for effect in certain])} in it.")
+        words.append(f"All likely answers contain {listed([effect_name(effect) for effect in certain])}.")
     where = answer.get("where") or {}
     if len(where) > 1:
         told = "; ".join(
@@ -66,7 +66,7 @@ def sure_words(answer: Mapping[str, Any]) -> list[str]:
 
 
 def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
-    """The credible set, the laws proposed for what has no name, and the smallest effects that would have been seen."""
+    """The credible set, the laws proposed after an unknown, and the detection limits."""
     found = []
     sets = answer.get("sets") or []
     if sets:
@@ -79,8 +79,9 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
         ]
         together = probability_words(sum(one["probability"] for one in sets))
         words = (
-            f"The smallest family of sets with 95 % of what all sets of the catalogue hold. It holds {together} of the "
-            "probability. The rest is with effects that the catalogue lacks, and with sets of more effects than these."
+            "The smallest family of sets with 95 % of the probability of all sets of the catalogue. It has "
+            f"{together} of the whole probability. The rest belongs to effects outside the catalogue, and to sets of "
+            "more effects than these."
         )
         found.append(
             ReportSection(
@@ -104,7 +105,8 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
         ]
         header = ("law", "acts on", "place", "evidence [nat]", "judged error [mm]", "file")
         words = (
-            "No effect of the catalogue is it. These laws were read off the residual; they are proposals to be tested."
+            "No effect of the catalogue explains the residual. These laws were fitted to it; they are proposals to be "
+            "tested."
         )
         found.append(ReportSection("Laws proposed", [words], [ReportTable("Proposals", header, rows, numeric=(3, 4))]))
     limits = answer.get("detection_limits") or {}
@@ -114,14 +116,16 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
             for effect, values in limits.items()
             for name, one in values.items()
         ]
-        words = "The smallest value that would have been named in 95 of 100 such recordings. Smaller ones may be there."
+        words = (
+            "The smallest value that would have been named in 95 of 100 such recordings. Smaller values may be present."
+        )
         table = ReportTable("Detection limits", ("effect", "parameter", "from", "unit"), rows, numeric=(2,))
-        found.append(ReportSection("What would have been seen", [words], [table]))
+        found.append(ReportSection("What would have been detected", [words], [table]))
     return found
 
 
 def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
-    """What was noted, and what to do next as commands that can be copied; links to the files beside the report."""
+    """Remarks, the next steps as commands that can be copied, and links to the files beside the report."""
     commands = [(f"{words} (in the folder of this report):", line) for words, line in local_commands(diagnosis)]
     tables = []
     files = ANSWER_FILES
@@ -129,16 +133,16 @@ def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
         line = command.replace("tentacle diagnose ", "tentacle diagnose next.rrd ", 1)
         commands.append(("Then diagnose it together with the others:", line))
         tables.append(ReportTable("Next base motion", ("key", "value"), flatten(diagnosis.next_experiment)))
-        files = (*ANSWER_FILES, ("next_experiment.toml", "the base motion that would tell more"))
+        files = (*ANSWER_FILES, ("next_experiment.toml", "the proposed next base motion"))
     return ReportSection("What to do next", list(diagnosis.words), tables, commands=commands, files=files)
 
 
 def local_commands(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """What each does, and the line, for this verdict."""
+    """The commands for this verdict: what each does, and its line."""
     look = ("Look at it in time", "tentacle view session.rrd")
     use = ("Find the gait that swims best with this model", "tentacle optimise model.toml --out gait")
     rig = "tentacle rig record rig.toml next_experiment.toml --seconds 30 --out next.rrd"
-    run = ("Run the base motion that would tell more on your rig", rig)
+    run = ("Run the proposed base motion on your rig", rig)
     if diagnosis.next_experiment is not None:
         return [look, run]
     return [look, use] if diagnosis.verdict in ("effect", "nothing_missing") else [look]

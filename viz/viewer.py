@@ -59,8 +59,8 @@ def require_recordings(files: Sequence[Path]) -> list[Path]:
 def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator[subprocess.Popen[bytes]]:
     """The viewer's program on this machine only, with what it starts itself; all of it ends with the block.
 
-    It listens on ports that nobody else has. The program is a script that starts another one: to end the first alone
-    would leave the second behind, so both get a group of their own.
+    It listens on ports that nobody else has. The program is a script that starts another program. To end the first
+    alone would leave the second one running, so both are in a separate group.
     """
     command = [viewer_program(), "--bind", LOOPBACK, *arguments]
     process = subprocess.Popen(command, stdout=said, stderr=said, start_new_session=True, env=viewer_environment())
@@ -71,7 +71,7 @@ def running(arguments: Sequence[str], said: IO[bytes] | None = None) -> Iterator
 
 
 def end_group(process: subprocess.Popen[bytes], within: float = 5.0) -> None:
-    """Ends a process and its group, politely at first, by force after so many seconds; returns when all have ended."""
+    """Ends a process and its group, first by SIGTERM and after some seconds by SIGKILL; returns when all have ended."""
     for hard in (False, True):  # one that is busy with a page does not hear the first order
         with suppress(ProcessLookupError):
             _end(process, hard)
@@ -83,7 +83,7 @@ def end_group(process: subprocess.Popen[bytes], within: float = 5.0) -> None:
 
 
 def _has_members(group: int) -> bool:
-    """Whether something of a group runs still: what the process itself has started may outlive it."""
+    """Whether a process of the group still runs: a process may be outlived by its children."""
     if sys.platform == "win32":
         return False
     try:
@@ -107,7 +107,7 @@ def has_screen() -> bool:
 
 
 def require_screen() -> None:
-    """Raises InputError, naming the other ways to look, where no window can be opened."""
+    """Raises InputError, with the other ways to view, if no window can be opened."""
     if not has_screen():
         raise InputError("no screen here to open the viewer on", expected="--web, or --screenshot OUT.png")
 

@@ -63,7 +63,7 @@ def interval(estimate: Estimate) -> str:
 
 
 def probability_words(probability: float) -> str:
-    """A probability in per cent; what a rounding would make sure or impossible is said as a bound."""
+    """A probability in per cent; a value that would round to 0 or 100 % is stated as a bound."""
     if probability != probability:
         return NO_VALUE
     if probability > 0.999:

@@ -36,4 +36,4 @@ def catalogue() -> dict[str, Effect]:
 
 def absent_effects() -> tuple[Effect, ...]:
     """The effects that the paper's model may lack, and that the loop seeks."""
-    return tuple(effect for effect in catalogue().values() if effect.family not in ("base", "option", "rest"))
+    return tuple(effect for effect in catalogue().values() if effect.family not in ("base", "option"))

@@ -1,16 +1,17 @@
-"""Added mass: the water that a section carries along its normal (potential flow; a circle has C_a = 1).
+"""Added mass: water that moves with a section along its normal (potential flow; a circle has C_a = 1).
 
 Per length, with m_a = C_a rho pi w^2 / 4, a_n the acceleration along n relative to the water's, and x = `convective`:
 
     force  -m_a (a_n n + x phi' (u_t n + u_n t)),    couple  x m_a u_n u_t.
 
 At x = 1 it is Kirchhoff's: f = -d/dt(m_a u_n n), where n turns with phi' and d(u_n)/dt = a_n + phi' u_t, and the couple
--u x P of the water's momentum P = m_a u_n n. So Lagrange's equations follow of the energy m_a u_n^2 / 2, and it is
-kept. At x = 0 it is Morison's normal acceleration alone, the first term; then the water gives the arm the power
-(1 - x) m_a phi' u_n u_t, which no body in still water can draw from it.
+-u x P of the water's momentum P = m_a u_n n. These are Lagrange's equations of the energy m_a u_n^2 / 2, which is
+conserved. At x = 0 only the first term is left, Morison's normal acceleration. The water then gives the arm the power
+(1 - x) m_a phi' u_n u_t, although still water cannot give power to a body.
 
-A slender body carries none along its tangent; simulators that put the water's mass into their links carry it there
-too: the share `tangential` of m_a is carried every way, as mass is, and has no convective terms.
+With a slender body no water moves along the tangent. Some simulators add the water's mass to their links, so that it
+moves along the tangent too. Therefore the share `tangential` of m_a acts like mass, in every direction, and has no
+convective terms.
 """
 
 from typing import Any
@@ -47,7 +48,12 @@ ADDED_MASS = Effect(
             scan=(1.0,),
         ),
         Parameter(
-            "tangential", "1", 0.5, (0.0, 1.0), "that along the tangent, over that along the normal", scan=(0.0, 1.0)
+            "tangential",
+            "1",
+            0.5,
+            (0.0, 1.0),
+            "added mass along the tangent, over that along the normal",
+            scan=(0.0, 1.0),
         ),
     ),
     source="Kirchhoff: Lamb 1932, art. 124, and Lighthill 1960; Morison et al. 1950, inertia term",

@@ -1,6 +1,6 @@
 """Amplitude-dependent damping: adds b k c^2 to the damping d, so that the loss factor grows with the amplitude squared.
 
-Over a cycle of amplitude A it takes what a damping b k A^2 / 4 would take (equivalent viscous damping).
+Over a cycle of amplitude A it removes the same energy as a damping b k A^2 / 4 (equivalent viscous damping).
 """
 
 from affine_model.effect import Effect, Parameter

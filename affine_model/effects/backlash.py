@@ -1,13 +1,23 @@
 """Backlash: play between the servo's gear and the clamp; the base turns only when the play is used up.
 
-Where the coupling gives, the clamp follows what is left of the command, v, as a spring with a damper lets it:
+Behind the play the angle is v. An elastic coupling is a spring with a damper between v and the clamp:
 
     (play period / 2 pi)^2 theta'' + play delay theta' + theta = v.
 
-Delay and period count per play, so that a gear without play is no lag.
+Delay and period are stated per play, so that a gear without play has no lag either.
 """
 
+from typing import Any
+
+from affine_model.base_laws import low_pass, with_play
+from affine_model.curvature import Array
 from affine_model.effect import Effect, Parameter
+
+
+def _loose(table: Array, step: float, p: Any) -> Array:
+    """(play period / 2 pi)^2 theta'' + play delay theta' + theta = v, v = u behind the play"""
+    return low_pass(with_play(table, step, p.play), step, p.play * p.delay, p.play * p.period)
+
 
 BACKLASH = Effect(
     name="backlash",
@@ -24,5 +34,5 @@ BACKLASH = Effect(
     source="play operator: Krasnosel'skii and Pokrovskii 1989; elastic coupling: Nordin and Gutman 2002",
     family="servo",
     dissipative=True,
-    base="backlash",
+    base=_loose,
 )

@@ -1,4 +1,4 @@
-"""Buoyancy: the arm's density is not what was declared; its weight in the fluid and its inertia change alike.
+"""Buoyancy: the arm's density differs from the declared one, which changes its weight in the fluid and its inertia.
 
 The bounds are those of cast elastomers: from foams (some 300 kg/m^3) to filled silicones (some 1700 kg/m^3).
 """

@@ -16,7 +16,7 @@ CAMERA_ROLL = Effect(
     ),
     source="rotation of the image plane",
     family="measurement",
-    measurement="roll",
+    measurement="R(roll) x + (I - R(roll)) (0, centre L)",
 )
 
 

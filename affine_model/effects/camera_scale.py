@@ -8,5 +8,5 @@ CAMERA_SCALE = Effect(
     parameters=(Parameter("excess", "1", 0.02, (-0.5, 1.0), "apparent size over true size, less one"),),
     source="pinhole camera",
     family="measurement",
-    measurement="scale",
+    measurement="(1 + excess) x",
 )

@@ -1,6 +1,6 @@
 """Cross-flow principle: normal drag follows the normal velocity alone, |u_n| u_n, where eq. 15 has |u| u_n.
 
-share = 1 is the independence principle, which oblique cylinders in subcritical flow obey; share = 0 is eq. 15.
+share = 1 is the independence principle, valid for oblique cylinders in subcritical flow; share = 0 is eq. 15.
 """
 
 from affine_model.effect import Effect, Parameter

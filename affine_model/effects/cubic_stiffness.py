@@ -1,6 +1,6 @@
 """Cubic stiffness: the material hardens (beta > 0) or softens with curvature, k (1 + beta c^2) c.
 
-c counts from the natural curvature: an arm that was cast curved is at rest there.
+c is counted from the natural curvature, the shape at rest of an arm that was cast curved.
 """
 
 from affine_model.effect import Effect, Parameter

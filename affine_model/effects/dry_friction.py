@@ -1,7 +1,7 @@
 """Dry friction in the material: m = k c_f [(1 - sliding) z / slip + sliding tanh(c_rate / rate)], against c_rate.
 
-The first part holds until it slips (z' = c_rate, |z| <= slip: an elastoplastic element in series); the second slides at
-any rate, with Coulomb's jump of sign made smooth. `sliding` is the share of the second.
+The first part is a spring that slips at a limit (z' = c_rate, |z| <= slip: an elastoplastic element). The second part
+slides at every rate: Coulomb friction with a smooth change of sign. `sliding` is the share of the second part.
 """
 
 from affine_model.effect import Effect, Parameter

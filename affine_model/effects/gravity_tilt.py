@@ -1,4 +1,4 @@
-"""Gravity tilt: the clamp hangs askew by a small angle, so gravity pulls along another direction than declared."""
+"""Gravity tilt: the clamp is tilted by a small angle, so that gravity's direction differs from the declared one."""
 
 from affine_model.effect import Effect, Parameter
 

@@ -1,6 +1,6 @@
-"""Intrinsic curvature: the arm was cast, or has set, with a bend of its own; it is at rest at
+"""Intrinsic curvature: the arm was cast curved, or has become so.
 
-c = c0 (1 + slope (s - 1/2)).
+Its curvature at rest is c = c0 (1 + slope (s - 1/2)).
 """
 
 from affine_model.effect import Effect, Parameter

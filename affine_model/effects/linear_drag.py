@@ -1,6 +1,4 @@
-"""Linear drag: viscous resistance in proportion to the speed;
-along the tangent half of that along the normal (slender body).
-"""
+"""Linear drag: viscous resistance proportional to the speed; half as large along the tangent as along the normal."""
 
 from affine_model.effect import Effect, Parameter
 

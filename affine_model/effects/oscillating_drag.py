@@ -9,10 +9,10 @@ rho w C_d |u| u / 2 is 4 rho w C_d U^2 / (3 pi), so that along the normal
 
     f_n = -share 2 pi rho nu (1 / y + 1 - y / 4) u_n.
 
-It needs no amplitude, and acts where KC is small, at the base, as at the tip. share = 1 is the published law.
+It does not depend on the amplitude, so it also holds at the base, where KC is small. share = 1 is the published law.
 Experiments follow it where the flow is attached, KC up to about 1, and beside form drag up to about 2. For y > 1 (at
-1 Hz a width under .6 mm) the resistance stays that of y = 1. `reynolds_drag` is the curve of a steady stream, with a
-viscous part of its own: a model takes one of the two.
+1 Hz a width under .6 mm) the resistance stays that of y = 1. `reynolds_drag` is the curve of a steady stream and
+includes a viscous part: use one of the two in a model.
 """
 
 from typing import Any

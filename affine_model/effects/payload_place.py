@@ -1,4 +1,4 @@
-"""Payload elsewhere: the declared payload hangs farther out, or farther beside the axis, than declared."""
+"""Place of the payload: its centre is farther out, or farther beside the axis, than declared."""
 
 from affine_model.effect import Effect, Parameter
 

@@ -5,7 +5,17 @@
 to first order, or to second, as a position loop with an inertia in it does.
 """
 
+from typing import Any
+
+from affine_model.base_laws import low_pass
+from affine_model.curvature import Array
 from affine_model.effect import Effect, Parameter
+
+
+def _late(table: Array, step: float, p: Any) -> Array:
+    """(period / 2 pi)^2 theta'' + tau theta' + theta = u"""
+    return low_pass(table, step, p.tau, p.period)
+
 
 SERVO_LAG = Effect(
     name="servo_lag",
@@ -16,5 +26,5 @@ SERVO_LAG = Effect(
     ),
     source="low-pass of first or second order between horn and clamp; Ogata 2010, ch. 5",
     family="servo",
-    base="lag",
+    base=_late,
 )

@@ -1,16 +1,16 @@
-"""Reactive force of a tip that sheds its water: Lighthill's mean thrust.
+"""Reactive force at a tip that sheds the water carried along: Lighthill's mean thrust.
 
 Lighthill's force per length is -d/dt(m u_n n) + d/ds(m u_n u_t n - m u_n^2 t / 2) / L: the water's momentum m u_n n
-changes, and the arm slips through it with u_t. By parts over a virtual turn of the sections, the second term is the
-couple m u_n u_t of `added_mass` and, where the water leaves the arm, a force at the tip:
+changes, and the arm slips through it with u_t. Integrated by parts, the second term is the couple m u_n u_t of
+`added_mass` plus, if the water leaves the arm, a force at the tip:
 
     F = m (u_n min(u_t, 0) n - u_n^2 t / 2),    m = rho pi span^2 / 4.
 
-Added mass alone keeps the water's momentum, and so has no mean thrust. A tip with an edge (a fin) sheds it as a wake:
-for a small motion h of the tip in a stream U the mean thrust towards the base is m (h_t^2 - U^2 h_x^2) / 2. Where the
-tip leads (u_t > 0) it meets water at rest, which brings no momentum. Either way the arm gives the energy of the water
-that it leaves or takes up, m u_n^2 |u_t| / 2 a second. span is the extent of the edge across the plane of motion, 0 of
-a point (the default), twice its radius of a cut cone.
+Added mass alone keeps the water's momentum and has no mean thrust. A tip with an edge (a fin) sheds this momentum as a
+wake: for a small motion h of the tip in a stream U the mean thrust towards the base is m (h_t^2 - U^2 h_x^2) / 2. If
+the tip leads (u_t > 0) it meets water at rest, which has no momentum. In both cases the arm gives the water the power m
+u_n^2 |u_t| / 2. span is the extent of the edge across the plane of motion, 0 of a point (the default), twice its radius
+of a cut cone.
 """
 
 from typing import Any

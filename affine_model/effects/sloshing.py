@@ -1,9 +1,9 @@
-"""Sloshing: the water of the tank sways to and fro along n, in its lowest standing wave and the next that sways there:
+"""Sloshing: the water of the tank sways along n, in the lowest standing wave and in the next one that moves the middle:
 
     u(t) = Re[(U_cos - i U_sin) (e^{i w t} + (second_cos - i second_sin) e^{i sqrt(3) w t})],  w = 2 pi f
 
-In a deep tank of length l the standing waves have w_n^2 = g n pi / l. At its middle only those of odd n move the water
-sideways, so that the second has sqrt(3) times the frequency of the first.
+In a deep tank of length l the standing waves have w_n^2 = g n pi / l. At its middle only waves of odd n move the water
+sideways, so the second one has sqrt(3) times the first frequency.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""Soft spot: the stiffness falls locally, around s0, by a relative depth (a bubble in the casting, a crack)."""
+"""Soft spot: the stiffness is locally smaller, around s0, by a relative depth (a bubble in the casting, a crack)."""
 
 from affine_model.effect import Effect, Parameter
 from affine_model.laws import exp

@@ -1,6 +1,6 @@
 """Stiffness drift: the arm softens (or stiffens) while it is recorded, as it warms or takes up water:
 
-k(t) = k (1 + rate (1 - exp(-settling t)) / settling),  or k (1 + rate t) where it does not settle.
+k(t) = k (1 + rate (1 - exp(-settling t)) / settling),  or k (1 + rate t) if it does not settle.
 """
 
 from typing import Any

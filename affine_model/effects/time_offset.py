@@ -18,7 +18,7 @@ TIME_OFFSET = Effect(
     ),
     source="two clocks",
     family="measurement",
-    measurement="time_offset",
+    measurement="frames show t + offset + drift t",
 )
 
 

@@ -1,7 +1,7 @@
-"""Tip mass: an undeclared weight fixed to the tip, with inertia, weight, buoyancy and the water that it carries.
+"""Tip mass: an undeclared weight fixed to the tip, with inertia, weight, buoyancy and added mass.
 
-Its centre lies at a reach beyond s = 1 along the tangent there, and at a drop beside the axis. It is as dense as the
-declared payload (steel, where nothing else is declared), and so has its volume.
+Its centre lies at a reach beyond s = 1 along the tangent there, and at a drop beside the axis. Its density is that of
+the declared payload (steel by default), which gives its volume.
 """
 
 from affine_model.effect import Effect, Parameter

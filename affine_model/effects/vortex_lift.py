@@ -1,6 +1,7 @@
 """Vortex-induced force of a stream across the plane of motion: vortices are shed at the frequency 0.2 U / width.
 
-Lift is at right angles to both stream and arm: only a stream along the rail's third axis pushes within the plane.
+Lift is at right angles to stream and arm, so only a stream perpendicular to the plane of motion gives a force in the
+plane.
 """
 
 from affine_model.effect import Effect, Parameter

@@ -2,12 +2,13 @@
 
 With h the axis' distance from the wall, r half the width: added mass per length, along the normal,
 pi rho r^2 (r/h)^2 / 2 beyond that of free water (potential flow, leading order), and C_perp / (2 + 10 e/D) more drag,
-e/D = (h - r) / 2r the gap in diameters. `carried` is the share of that added mass which goes with the drag: 1 of a
-smooth wall in still water, 0 of a wall that only brakes. Both are kept finite where the axis would meet the wall. As
-the added mass m depends on the place, momentum and energy ask for the forces -m' x' u_n n + m' u_n^2 / 2 along x.
+e/D = (h - r) / 2r the gap in diameters. `carried` is the share of that added mass which acts: 1 for a smooth wall in
+still water, 0 for a wall that only adds drag. Both stay finite if the axis meets the wall. The added mass m depends on
+the place, so momentum and energy require the forces -m' x' u_n n + m' u_n^2 / 2 along x.
 
-The drag is the falling part of the practice's factor 0.9 + 0.5 / (1 + 5 e/D), which ends at e/D = 0.8 with the value 1;
-the 0.1 is left out, so that the law has no edge: at B = 1 it is 0.1 C_perp larger up to there, and falls on beyond.
+The drag follows the published factor 0.9 + 0.5 / (1 + 5 e/D), which reaches 1 at e/D = 0.8 and ends there. The law here
+uses 1 in place of 0.9, so that it has no kink: at B = 1 it is 0.1 C_perp larger up to e/D = 0.8, and goes on falling
+beyond.
 """
 
 from typing import Any
@@ -44,7 +45,7 @@ WALL = Effect(
     name="wall",
     title="Nearness of a wall",
     parameters=(
-        Parameter("B", "1", 5.0, (0.0, 200.0), "its strength, over what is published of a smooth cylinder (1)"),
+        Parameter("B", "1", 5.0, (0.0, 200.0), "its strength, over the published one of a smooth cylinder (1)"),
         Parameter(
             "distance",
             "arm lengths",
@@ -53,7 +54,7 @@ WALL = Effect(
             "where the wall stands, along n at theta = 0; its sign is the side",
             scan=(0.6, -0.6, 0.4, -0.4, 0.9, -0.9),
         ),
-        Parameter("carried", "1", 1.0, (0.0, 1.0), "share of the published added mass that it has", scan=(1.0, 0.0)),
+        Parameter("carried", "1", 1.0, (0.0, 1.0), "share of the published added mass that acts", scan=(1.0, 0.0)),
     ),
     source="added mass: Brennen 1982, sec. 4; drag: after DNV-RP-F105, proximity to a wall",
     family="fluid",

@@ -1,4 +1,4 @@
-"""The kernel's code of bending moments, and of what remembers the bending."""
+"""The kernel's code of bending moments and of the memories of curvature."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Compiles the generated kernel once and keeps it: a module in the user's cache folder, named by the hash of its text.
 
-The text that is run is the one generated here, whatever lies in the cache; tentacle.compiled checks what numba keeps.
+Always the text generated here is run, never another text in the cache; tentacle.compiled checks numba's own cache.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ def module_of(name: str, source: str) -> ModuleType:
 def advance_blocks(nodes: int, order: int, count: int, *arguments: Any) -> None:
     """Run the kernel over `count` individuals, block by block, on every core this process may use.
 
-    Threads of Python, which the kernel frees while it computes: numba's own parallel loop costs as much to compile
-    again as the kernel itself. A block writes to its own individuals' columns alone.
+    It uses Python threads, and the kernel releases the interpreter lock; to compile numba's own parallel loop would
+    take as long as the kernel itself. A block writes to its own individuals' columns alone.
     """
     kernel = load_kernel(nodes, order)
     blocks = -(-count // BLOCK)

@@ -1,8 +1,8 @@
-"""From the template to one individual a thread: straight code on scalars, nothing left of arrays, lanes or flags.
+"""From the template to one individual a thread: straight code on scalars, without arrays, lanes or flags.
 
-The text that numba compiles for a block of lanes is taken for one lane: every loop with known bounds is written out,
-every array's element becomes a variable of its own (so a compiler may keep it in a register), and what the acting
-effects and the drive decide is decided here. The result is Warp's dialect of Python.
+The text that numba compiles for a block of lanes is rewritten for one lane. Every loop with known bounds is written
+out, every array element becomes a variable (which a compiler can keep in a register), and every branch on the acting
+effects and the drive is decided here. The result is Warp's dialect of Python.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """From the template to what is compiled: loops over coordinates become straight code, arrays rows of one workspace.
 
-Both are for the compiler's sake. With every row's place known it sees that no array overlaps another, and with nothing
-left inside the loop over the block but arithmetic it computes the whole block in vector registers.
+Both help the compiler. If the place of every row is known, it sees that no arrays overlap. If the loop over the block
+contains only arithmetic, it computes the whole block in vector registers.
 """
 
 from __future__ import annotations
@@ -139,7 +139,9 @@ class _Reader(ast.NodeTransformer):
 
 
 class _Hoister(ast.NodeTransformer):
-    """Reads what is the same for all lanes before the loop over them: array[...] without the lane, outside `work`."""
+    """Moves reads that are the same for all lanes in front of the loop over them: array[...] without the lane, outside
+    `work`.
+    """
 
     def __init__(self) -> None:
         self._count = 0

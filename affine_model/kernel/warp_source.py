@@ -171,8 +171,8 @@ def warp_source(variant: Variant, swim: bool) -> str:
 
 
 def _rule(variant: Variant) -> dict[str, float]:
-    """The elements of the quadrature and of the bases, by their text: the same for every arm, so they are no operands
-    to be loaded.
+    """The elements of quadrature and bases as numbers in the text: they are the same for every arm, so they need not be
+    loaded.
     """
     arm = Arm(Specimen(Cone(1.0, 1.0), 1.0, 1.0), order=variant.order, nodes=variant.nodes)
     known = arm_arrays(arm, Drive())
@@ -184,7 +184,7 @@ def _rule(variant: Variant) -> dict[str, float]:
 
 
 def _of_numba(statement: ast.stmt) -> bool:
-    """Allocations and the tuple of constants, which are no business of a thread."""
+    """Allocations and the tuple of constants, which a thread does not need."""
     text = ast.unparse(statement)
     return "np.empty" in text or "np.zeros" in text or "= constants" in text or text.startswith("own_base")
 

@@ -1,4 +1,4 @@
-"""Where gaits are tried: the CPU, by torch where it is installed, or a CUDA device."""
+"""The device that simulates gaits: the CPU (through torch if it is installed) or a CUDA device."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One swim frame by frame, for those who want to see it: the midline along the rail."""
+"""One swim frame by frame, for pictures: the midline along the rail."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tentacle.waveform import Waveform
 
 @dataclass(frozen=True)
 class SwimFilm:
-    """t (T,) [s]; theta (T,) [rad]; travel (T,) [m] forward; s (P,); xy (T, P, 2) [m] from where the rail began."""
+    """t (T,) [s]; theta (T,) [rad]; travel (T,) [m] forward; s (P,); xy (T, P, 2) [m] from the start on the rail."""
 
     t: Array
     theta: Array

@@ -1,4 +1,4 @@
-"""What the servo can do, as limits that every gait obeys, and the box of eq. 21 in which gaits are searched."""
+"""The servo's limits, which every gait keeps, and the box of eq. 21 in which gaits are searched."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Box:
                 )
 
     def alpha(self, unit: Array) -> Array:
-        """Gaits (9, B) of points (9, B) of the unit cube; the phases go around, so theirs may lie outside [0, 1]."""
+        """Gaits (9, B) of points (9, B) of the unit cube; phases are periodic, so theirs may lie outside [0, 1]."""
         low, high = np.array(self.lower)[:, None], np.array(self.upper)[:, None]
         return low + (high - low) * np.concatenate([np.clip(unit[:6], 0.0, 1.0), unit[6:] % 1.0])
 

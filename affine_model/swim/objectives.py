@@ -10,8 +10,8 @@ import numpy as np
 from affine_model.curvature import Array
 from affine_model.swim.trial import GaitOutcome, GaitTrial
 
-# Servo and board draw this even at rest [W]. Without it the slowest gait would always be the cheapest: drag makes power
-# fall with the cube of the speed.
+# Power [W] of servo and board at rest. Without it the slowest gait would always be the cheapest, because the power
+# against drag falls with the cube of the speed.
 IDLE_POWER = 0.1
 _WORSE_THAN_ANY = -1e6
 

@@ -1,9 +1,8 @@
-"""From a model to a gait: best sine, best single wave, search, climbs, limits made sure for any length of time, and a
-promise computed finely.
+"""From a model to a gait: best sine, best single wave, search, climbs, a check of the limits over a long time, and a
+prediction with a finer step.
 
-More evaluations never give less: the gaits that come to judgement after N evaluations are among those that come after
-more, because a climb starts where the search rises above all climbs before it, or after so many gaits, wherever it may
-end.
+More evaluations never give a worse result: the final choice after N evaluations is among a subset of the gaits of a
+longer search. Climbs start when the search exceeds all earlier climbs, and after fixed numbers of gaits.
 """
 
 from __future__ import annotations
@@ -28,14 +27,14 @@ from tentacle.gait import Gait
 from tentacle.notebook import html_paragraph, html_table
 
 _SURE_SECONDS, _SURE_STEP = 300.0, 2e-3  # a gait of three frequencies beats: its largest angle may come late
-_RISE = 0.01  # share by which the search's best must have risen before it is climbed from again
-_MILESTONE = 1250  # evaluations after which the search's best is climbed from in any case, and after 4 times as many
+_RISE = 0.01  # relative rise of the search's best before the next climb
+_MILESTONE = 1250  # evaluations after which a climb starts in any case, and after 4 times as many
 ORIGINS = ("best sine", "single wave", "search")  # in the order of judgement: one gait, two, and all others
 
 
 @dataclass(frozen=True)
 class Promise:
-    """What the model says of one gait, at its estimates, long and fine: means over many periods.
+    """The model's prediction for one gait at its estimates, with a fine step: means over many periods.
 
     thrust [N] forward with the base clamped; speed [m/s] forward on the rail; power [W] and peak torque [N m] there;
     transport [J/m] = (power + IDLE_POWER) / speed, infinite where it does not swim forward.
@@ -50,9 +49,9 @@ class Promise:
 
 @dataclass(frozen=True)
 class Swimming:
-    """The result: the gait and the best sine beside it, what each promises, and how the search went.
+    """The result: the gait and the best sine, the prediction for each, and the course of the search.
 
-    origin: what the gait was climbed from (ORIGINS). gain: the objective's value over the sine's, on the fine trial.
+    origin: start of the climb to this gait (ORIGINS). gain: the objective's value over the sine's, on the fine trial.
     evaluations (G,) and best (G,): the search's course; value, sine_value and best in the objective's unit. peaks (3,):
     largest |theta|, |theta'|, |theta''| of the gait in 300 s.
     """
@@ -113,7 +112,7 @@ def largest(trial: GaitTrial, alpha: Array) -> Array:
 def periodic(alpha: Array, faint: float = 0.05) -> Array:
     """The gait (9,) with faint terms silenced and the others at the strongest one's frequency.
 
-    A faint term beside a strong one only makes a beat whose good half a short trial may have seen.
+    A faint term beside a strong one makes a beat, of which a short trial may see only the better half.
     """
     tied, strength = np.array(alpha), np.abs(alpha[:3])
     tied[:3] = np.where(strength < faint * np.max(strength), 0.0, alpha[:3])
@@ -162,7 +161,7 @@ def optimise_gait(
     climbed_from, milestone, course = highest, _MILESTONE, list[Generation]()
     for generation in search(ready, objective, box, plan):
         course.append(generation)
-        # Two bars: a beat whose good half the trial saw promises more than its climb keeps.
+        # Two thresholds: a short trial may overrate a beat, and its climb then ends lower.
         due = generation.evaluations >= milestone
         if due or generation.best_score > max(highest, climbed_from + _RISE * abs(climbed_from)):
             milestone *= 4 if due else 1

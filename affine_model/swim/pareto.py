@@ -1,4 +1,4 @@
-"""The front of speed against power: gaits that no other gait beats in both."""
+"""The Pareto front of speed against power: gaits for which no other gait is both faster and cheaper."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ def not_dominated(speed: Array, power: Array) -> NDArray[np.intp]:
 
 
 def pareto_front(trial: GaitTrial, box: Box, *, known: Array, evaluations: int, seed: int) -> Front:
-    """Search speed / power^x for every x of EXPONENTS, `evaluations` gaits in all, and keep what none of them beats.
+    """Search speed / power^x for every x of EXPONENTS, with `evaluations` gaits in all, and keep the gaits that are not
+    dominated.
 
     trial on the rail, one parameter sample. known (9, M): gaits that are tried too (the best, the best sine).
     """

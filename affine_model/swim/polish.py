@@ -1,7 +1,7 @@
-"""The last digits: a quasi-Newton ascent from the best gait found, with the gradient from one batch of the kernel.
+"""A quasi-Newton ascent from the best gait found, with the gradient from one batch of the kernel.
 
-All 18 neighbours of a point run as one batch, so a gradient costs about one generation; no derivative of the model is
-needed, and every effect and objective is served alike.
+All 18 neighbours of a point run as one batch, so a gradient costs about as much as one generation. No derivative of the
+model is needed, so it works with every effect and objective.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The loop of a search: ask, try, tell; resumable by replaying the scores that an earlier run noted down."""
+"""The loop of a search: ask, try, tell. An interrupted search continues from the scores that it stored."""
 
 from __future__ import annotations
 
@@ -35,8 +35,9 @@ class Generation:
 
 @dataclass(frozen=True)
 class SearchPlan:
-    """method: a name of METHODS; evaluations: gaits to try; seed; noted: scores of the first generations from an
-    interrupted run of the same search. They are told, not tried again, and the search goes on exactly as it would have.
+    """method: a name of METHODS; evaluations: gaits to try; seed; noted: scores of the first generations, from an
+    interrupted run of the same search. These gaits are not simulated again, and the search continues exactly as without
+    the interruption.
     """
 
     method: str = "cmaes"

@@ -30,13 +30,13 @@ from tentacle.servo_limits import ServoLimits
 Flags = NDArray[np.bool_]
 
 ITERATIONS = 2  # Newton corrections a step: an individual that was just reset has no prediction
-LARGEST_OBSERVATION = 1e3  # of what a controller is shown; an arm that goes beyond is lost
-CAREFUL_STEPS = 2  # of the kernel, which a batch of swimmers that are each of another age does not take
+LARGEST_OBSERVATION = 1e3  # bounds of the observation; an arm beyond them counts as lost
+CAREFUL_STEPS = 2  # the kernel's first steps make more corrections; here the individuals differ in age, so none does
 
 
 @dataclass(frozen=True)
 class Tick:
-    """What one command brings, (B,) each: forward [m], power [W] that the servo gave, lost: the arm left all bounds."""
+    """The result of one command, (B,) each: forward [m], power [W] of the servo, lost: the arm left all bounds."""
 
     forward: Array
     power: Array
@@ -112,8 +112,8 @@ class Swimmers:
         return Tick(forward, np.where(lost, 0.0, course.summary[2]), lost)
 
     def observed(self) -> Array:
-        """What a controller sees (B, 2 n + 4), about 1 in size: angle, rate and target of the servo over their limits,
-        curvatures [rad], their rates [10 rad/s], forward speed [0.1 m/s].
+        """The observation of a controller (B, 2 n + 4), scaled to about 1: angle, rate and target of the servo over
+        their limits, curvatures [rad], their rates [10 rad/s], forward speed [0.1 m/s].
         """
         n, limits = self.arm.order, self.limits
         to_paper = self.arm.to_monomial

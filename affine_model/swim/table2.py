@@ -1,10 +1,11 @@
 """The paper's Table II: three arms, a slow and a fast sine, and the optimised gait, as speeds on the rail.
 
-What the paper leaves open, and what is taken here: the silicone (Dragon Skin 10); the rail's friction (PAPER_RAIL, so
-that 21 cm at 3 rad/s swims as printed); the edge of its thrust map, pi/6 (its excitation, II-B) and 0.75 Hz (there the
-14 cm arm's sine swims as printed). The slow sine is the best of 0.25 to 0.5 Hz, the fast one of 0.5 to 0.75 Hz. The
-optimised gait has the same largest angle and the same largest fundamental: what it gains, it gains by its shape. Beside
-that, not in the paper: the best sine and the best gait with all that the servo can do.
+The paper does not state these; the values here are: the silicone, Dragon Skin 10; the rail's friction, PAPER_RAIL (the
+21 cm arm at 3 rad/s then swims at the printed speed); the edge of its thrust map, pi/6 (its excitation, II-B) and 0.75
+Hz (the 14 cm arm's sine then swims at the printed speed). The slow sine is the best of 0.25 to 0.5 Hz, the fast one of
+0.5 to 0.75 Hz. The optimised gait has the same largest angle and the same largest fundamental frequency, so it gains by
+its shape alone. The best sine and the best gait within all the limits of the servo are added; the paper does not have
+them.
 """
 
 from __future__ import annotations

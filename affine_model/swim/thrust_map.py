@@ -45,8 +45,7 @@ def sine_map(trial: GaitTrial, objective: Objective, amplitudes: Array, frequenc
 def best_sine(trial: GaitTrial, objective: Objective, rounds: int = 3, count: int = 48) -> tuple[Array, float]:
     """The best sine that the servo can follow: alpha (9,) and its score.
 
-    At every frequency the amplitude is either as large as the limits let, or smaller: both are searched, on a grid that
-    closes in.
+    At every frequency the largest possible amplitude and smaller ones are tried, on grids that shrink around the best.
     """
     limits = trial.limits
     frequency = np.linspace(limits.lowest_frequency, limits.highest_frequency, count)

@@ -1,7 +1,7 @@
 """evaluate as one torch operator, `tentacle::swim`: the compiled kernel on the CPU, one fused Warp kernel on CUDA.
 
 The population is a tensor of (individuals, genes). On the CPU its memory is read where it lies; on CUDA every thread
-makes its own gait and keeps its own arm, so a million gaits need no table of base motions.
+computes its own gait and its own arm, so that a million gaits need no table of base motions.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A swimming trial: a batch of gaits, run by the compiled kernel, and what each of them achieves.
+"""A swimming trial: a batch of gaits, run by the compiled kernel, and the thrust, speed and power of each.
 
 SIGN, stated here once: the arm hangs from its base towards +y, and swims base first. So thrust and speed are called
 forward where they point along -y, away from the tip; every forward quantity in this package is the negative of a y
@@ -25,7 +25,7 @@ from tentacle.model import Model
 
 # The carriage of the swimming set-up (paper Fig. 7c). The paper states no friction; with these numbers a 21 cm arm of
 # Dragon Skin 10 at pi/6 and 3 rad/s swims at the 0.52 cm/s of its Table II. Ratios of speeds depend on them far less
-# than speeds do.
+# than speeds.
 PAPER_RAIL = Rail(mass=0.25, viscous=0.35)
 
 
@@ -34,7 +34,7 @@ class GaitTrial:
     """How gaits are tried.
 
     arm, parameters (R, K): K samples of the model's parameters, every gait is run on each. settle [s] is left out of
-    the means, window [s] is averaged over. rail: see on_rail; None clamps the base. step [s]: accuracy alone sets it.
+    the means, window [s] is averaged over. rail: see on_rail; None clamps the base. step [s]: set by accuracy alone.
     device: where torch runs the batches ("cpu", "cuda:0"); None calls the compiled kernel on numpy arrays.
     """
 
@@ -63,7 +63,7 @@ class GaitTrial:
         return replace(self, arm=arm, rail=rail)
 
     def refined(self, seconds: float = 12.0) -> GaitTrial:
-        """The same trial to be believed, not to be fast: more nodes, a third of the step, a window of `seconds`."""
+        """The same trial, more accurate and slower: more nodes, a third of the step, a window of `seconds`."""
         arm = replace(self.arm, nodes=max(8, self.arm.nodes + 2))
         return replace(self, arm=arm, step=self.step / 3.0, window=seconds, settle=max(self.settle, 3.0))
 

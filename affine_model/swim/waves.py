@@ -3,7 +3,7 @@
 As printed, eq. 20 adds its phase to every harmonic alike, so alpha_8 and alpha_9 bend the square and the saw-tooth
 into a family of shapes. With all that a hobby servo can do, the best gaits found are one square wave bent towards a
 triangle, at the servo's full speed from end to end. In the nine-dimensional box it lies on a narrow ridge that a search
-may miss; on this grid it does not. Where the frequency is held low, the search finds more (Table II: up to 19 %).
+may miss; this grid finds it. If the frequency is limited, the search finds better gaits (Table II: up to 19 %).
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ def single_waves(term: NDArray[np.intp], frequency: Array, bend: Array, amplitud
 
 
 def best_wave(trial: GaitTrial, objective: Objective, rounds: int = 4) -> tuple[Array, float]:
-    """The best single wave, as large as the servo lets it be: alpha (9,) within the limits, and its score.
+    """The best single wave at the servo's limits: alpha (9,) and its score.
 
-    Both terms at 12 frequencies and 16 bends; then a grid of 7 by 7 that closes in on the best. A climb by gradients
-    would stop where two limits meet, which is where the best ones lie.
+    First both terms at 12 frequencies and 16 phases, then grids of 7 by 7 that shrink around the best. A climb by
+    gradients would stop where two limits meet, and the best waves lie there.
     """
     low, high = trial.limits.lowest_frequency, trial.limits.highest_frequency
     terms, frequencies, bends = (

@@ -54,7 +54,7 @@ class Forces:
     """Forces of one exported arm. drag (2,): the water's force on it [N] in the base frame, without added mass."""
 
     def __init__(self, model: Any) -> None:
-        """Read the numbers and put the arm's own mass, inertia and buoyancy in the place of those that stood in."""
+        """Read the numbers, and replace the substitutes in arm.xml by the arm's own mass, inertia and buoyancy."""
         self.model = model
         names = [model.numeric(i).name for i in range(model.nnumeric)]
         read = {
@@ -80,16 +80,18 @@ class Forces:
         self._take_water_out()
 
     def attach(self) -> None:
-        """Let MuJoCo call it in every step, for this model alone."""
+        """Register it as MuJoCo's passive callback; it acts on this model only."""
         mujoco.set_mjcb_passive(self)
 
     def detach(self) -> None:
-        """Take it out of MuJoCo again, and forget what the material remembers."""
+        """Remove the callback, and reset the material's memory."""
         mujoco.set_mjcb_passive(None)
         self._last = None
 
     def _take_water_out(self) -> None:
-        """MuJoCo's own fluid and the mass that stood for added mass leave; the arm's own numbers take their place."""
+        """Remove MuJoCo's own fluid and the mass that stands for added mass, and put the arm's own numbers in their
+        place.
+        """
         model = self.model
         model.opt.density, model.opt.viscosity = 0.0, 0.0
         for k in range(self.links):
@@ -139,7 +141,6 @@ class Forces:
         force = weight[..., None] * ((f_n + wall_n)[..., None] * normal[:, None])
         force += weight[..., None] * ((f_t + wall_t)[..., None] * tangent[:, None])
         force += (weight * w["density"] * n["node_area"])[..., None] * motion.surge
-        force += (weight * self._unnamed(place[..., 0], u_n))[..., None] * normal[:, None]
         total, moment = force.sum(axis=1), _cross(place, force).sum(axis=1)
         self._carried = np.zeros((self.links, self.links))
         tip = start[-1] + n["length"][-1] * tangent[-1]
@@ -170,7 +171,7 @@ class Forces:
         span = self._n["length"][:, None]
 
         def along(step: np.ndarray) -> np.ndarray:
-            """What every link starts from, where each adds `step`."""
+            """The value at the start of every link, if each link adds `step`."""
             return np.concatenate([np.zeros((1, 2)), np.cumsum(step, axis=0)[:-1]])
 
         stream, surge = self._stream(data.time)
@@ -179,8 +180,9 @@ class Forces:
         return _Motion(start, slip, along(-span * rate[:, None] ** 2 * tangent) - surge, rate, normal, tangent, surge)
 
     def _carry(self, motion: _Motion, reach: np.ndarray, masses: Any, sums: tuple[np.ndarray, np.ndarray]) -> None:
-        """Water carried along n and along t, and that whose momentum turns with the link, masses (3, n + 1) [kg] at a
-        reach along each link: its forces without qacc into sums, the links' forces and moments; the rest into M."""
+        """Added mass at a reach along each link, masses (3, n + 1) [kg]: along n, along t, and the part with convective
+        terms. The forces without qacc are added to sums (forces and moments of the links), the rest to M.
+        """
         across, round_it, turned = masses
         normal, tangent, rate = motion.normal, motion.tangent, motion.rate
         place = motion.start + reach[:, None] * tangent
@@ -203,8 +205,9 @@ class Forces:
         return (lever[..., 0] * axis[:, 1:] - lever[..., 1] * axis[:, :1]) * below
 
     def _resistance(self, u_n: np.ndarray, u_t: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray]:
-        """Drag along n and t [N/m] at the nodes: eq. 15 or as the cross-flow principle has it, more at small Reynolds
-        numbers, an oscillating cylinder's viscous part, skin friction; and the lift of vortices."""
+        """Drag along n and t [N/m] at the nodes: eq. 15 or the cross-flow principle, the growth at small Reynolds
+        numbers, the viscous part of an oscillating cylinder, skin friction; and the lift of vortices.
+        """
         w, width = self._water, self._n["node_width"]
         speed, half = np.hypot(u_n, u_t), 0.5 * w["density"]
         slow = 10.0 / (speed * width / VISCOSITY + 1e-3) ** (2.0 / 3.0)
@@ -234,20 +237,11 @@ class Forces:
         slip = motion.slip[-1] - self._n["length"][-1] * motion.rate[-1] * normal
         u_n, leaves = float(slip @ normal), min(float(slip @ tangent), 0.0)  # a tip that leads meets water at rest
         carried = 0.25 * np.pi * self._water["density"] * self._water["shed"] ** 2
-        # Implicit in what it slows, for the tip's link is light.
+        # Implicit in the velocity, because the tip's link is light.
         tip = motion.start[-1:] + self._n["length"][-1] * tangent
         slowed = self._swept(motion, tip, normal[None], self._lower[-1:])
         self._carried -= self.model.opt.timestep * carried * leaves * slowed.T @ slowed
         return carried * u_n * (leaves * normal - 0.5 * u_n * tangent)
-
-    def _unnamed(self, x: np.ndarray, u_n: np.ndarray) -> np.ndarray:
-        """Forces along the normal [N/m] that the model has no name for; u_n relative to the water."""
-        push, tether, tip_tether, bowed_tether, tip_brake, density = self._n["rest"]
-        towards = ((self._n["from_base"][:, None] + self._n["node_along"]) / self._n["length"].sum()) ** 3
-        per_mass = (
-            push * towards + x * (tether + tip_tether * towards) + bowed_tether * x**2 + tip_brake * u_n * towards
-        )
-        return -density * self._n["node_area"] * per_mass
 
     def _stream(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Velocity [m/s] and acceleration of the undisturbed water."""
@@ -263,7 +257,9 @@ class Forces:
         return np.array([w["U_x"] + sway, w["U_y"]]), np.array([surge, 0.0])
 
     def _material(self, data: Any) -> np.ndarray:
-        """Moments (n,) at the hinges that MuJoCo's springs do not know: memory, drift, damping that grows with bend."""
+        """Moments (n,) at the hinges beyond those of the springs in MuJoCo: memory, drift, damping that grows with
+        bend.
+        """
         n = self._n
         angle, rate = data.qpos[self._q[1:]], data.qvel[self._v[1:]]
         self._remember(data.time, angle)
@@ -271,19 +267,19 @@ class Forces:
         rate_0, settling = n["drift"]
         elapsed = data.time if settling == 0.0 else -np.expm1(-settling * data.time) / settling
         drifted = rate_0 * elapsed  # MuJoCo's own springs and dampers do not drift: that much is added here
-        elastic = (1.0 + n["hinge_stiff_tip"]) * bend + n["hinge_one_sided"] * bend**2 + n["hinge_cubic"] * bend**3
-        moment = drifted * stiffness * elastic
+        moment = drifted * stiffness * (bend + n["hinge_cubic"] * bend**3)
         remembered = n["hinge_maxwell"] * (angle - self._dashpot)
         remembered += n["hinge_yield_moment"] * self._bristle / np.maximum(n["hinge_yield_angle"], 1e-12)
-        moment += (1.0 + drifted) * (remembered + stiffness * n["hinge_set_tip"])
+        moment += (1.0 + drifted) * remembered
         return -moment - self._lossy((1.0 + drifted) * stiffness, bend, rate)
 
     def _lossy(self, stiffness: np.ndarray, bend: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """What damping that changes adds (n,). It is put into dof_damping, in which implicitfast is implicit: at the
-        tip's light links an explicit one would limit the step."""
+        """The additional moment (n,) of a damping that changes. It goes through dof_damping, which the implicitfast
+        integrator treats implicitly. An explicit damping would limit the step at the light links of the tip.
+        """
         joints, n = self._v[1:], self._n
         given = self.model.dof_damping[joints].copy()  # MuJoCo has counted it in this step
-        wanted = n["hinge_damping"] + stiffness * (n["hinge_loss"] + n["hinge_bent_loss"] * bend**2)
+        wanted = n["hinge_damping"] + stiffness * n["hinge_bent_loss"] * bend**2
         # Sliding friction M tanh(rate / r) as the damping M tanh(rate / r) / rate.
         sliding = np.maximum(np.abs(rate), 1e-9) / np.maximum(n["hinge_sliding_rate"], 1e-12)
         drifted = stiffness / n["hinge_stiffness"]
@@ -292,7 +288,7 @@ class Forces:
         return (wanted - given) * rate
 
     def _remember(self, t: float, angle: np.ndarray) -> None:
-        """Carry the dashpots and the bristles of dry friction on to time t; they start relaxed."""
+        """Advance the dashpots and the bristles of dry friction to time t; they start relaxed."""
         if self._last is None or t < self._last[0]:
             self._dashpot, self._bristle = angle.copy(), np.zeros_like(angle)
         elif t > self._last[0]:
@@ -321,7 +317,7 @@ def drive(model: Any, data: Any, base: Any, times: np.ndarray) -> np.ndarray:
     kept = np.empty((len(times), model.nq))
     for k, t in enumerate(times):
         while data.time < t - 0.5 * model.opt.timestep:
-            # MuJoCo's rates stand half a step beside its positions, and implicitfast damps the rate that comes.
+            # MuJoCo's rates are half a step later than its positions, and implicitfast damps the rate of the next step.
             angle, _, acceleration = base(data.time)
             data.ctrl[:3] = angle, base(data.time + 0.5 * model.opt.timestep)[1], acceleration
             reached = data.time

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from tentacle.model import Model
 
-# Effect -> how MuJoCo itself has it.
+# Effect -> MuJoCo's own means for it.
 NATIVE = {
     "elasticity": "joint stiffness",
     "damping": "joint damping",
@@ -23,15 +23,15 @@ NATIVE = {
     "soft_spot": "joint stiffness",
     "current": "wind",
 }
-# Effect -> what stands for it in arm.xml until arm_forces.py puts it right.
+# Effect -> its substitute in arm.xml, which arm_forces.py replaces by the exact law.
 SUBSTITUTED = {
     "added_mass": "added to the links' mass, the same in every direction",
     "drag": "plates in MuJoCo's ellipsoid fluid, exact where the flow is along or across a link",
     "skin_drag": "slender drag of those plates, exact where the flow is along a link",
 }
-# Effect -> what it is in arm_forces.py, where arm.xml has nothing of it.
+# Effects that are in arm_forces.py only.
 CALLBACK_ONLY = ("linear_drag", "sloshing", "viscoelasticity", "dry_friction", "stiffness_drift",
-                 "amplitude_damping", "unnamed", "wall", "cross_flow", "reynolds_drag", "oscillating_drag", "shed_tip",
+                 "amplitude_damping", "wall", "cross_flow", "reynolds_drag", "oscillating_drag", "shed_tip",
                  "vortex_lift")  # fmt: skip
 # Effect -> where it belongs instead.
 NOT_IN_THE_ARM = {
@@ -56,7 +56,7 @@ class Carried:
     left: dict[str, str]
 
     def sentences(self) -> list[str]:
-        """What is where, one line each."""
+        """One line for each effect or group of effects: which file has it."""
         lines = ["arm.xml carries: " + ", ".join(f"{name} ({NATIVE[name]})" for name in self.native) + "."]
         lines += [f"arm.xml stands in for {name}: {SUBSTITUTED[name]}." for name in self.substituted]
         exact = [*self.substituted, *self.callback]
@@ -66,7 +66,7 @@ class Carried:
 
 
 def carried_by(model: Model) -> Carried:
-    """Sort the model's effects, the ones that every model has among them."""
+    """Sort the model's effects, including those that every model has."""
     names = list(dict.fromkeys(("inertia", "weight", *model.parameters)))
     left = {
         name: NOT_IN_THE_ARM.get(name, "no law of it is known to the exporter") for name in names

@@ -1,11 +1,11 @@
-"""An arm out of another program's MJCF: a chain of hinges becomes a specimen with its stiffness, damping and drag.
+"""An arm read from an MJCF file: a chain of hinges becomes a specimen with stiffness, damping and drag.
 
 The chain's hinges are springs k_j [N m/rad] at places s_j, a spacing l_j apart. A rod of the same curvature has
 
     E I(s_j) = k_j l_j,   eta I(s_j) = d_j l_j,   rho A(s) = mass per length,
 
 so E, eta and rho are the least-squares values over the hinges and links. Where k_j l_j does not follow I(s) within
-SECTION_FITS, the paper's affine law k0 + k1 s (eq. 14) is fitted instead, and said.
+SECTION_FITS, the paper's affine law k0 + k1 s (eq. 14) is fitted instead, and the words say so.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ FEWEST_HINGES = 3  # hinges that make an arm
 
 @dataclass(frozen=True)
 class ImportedArm:
-    """model, and words: how it was read, and what was not carried over."""
+    """model, and words: how the file was read, and which parts of it were not used."""
 
     model: Model
     words: tuple[str, ...]
 
 
 def import_arm(file: Path, fluid_density: float | None = None) -> ImportedArm:
-    """The arm in an MJCF file; fluid_density [kg/m^3] stands for the file's own where given.
+    """The arm in an MJCF file; fluid_density [kg/m^3], if given, replaces the file's.
 
     InputError where it cannot be read, or has no straight planar chain of hinges.
     """
@@ -69,14 +69,14 @@ class _HingeChain:
 
 
 def _chain_of(source: Any) -> _HingeChain:
-    """The longest chain of bodies with one hinge each; a first hinge without a spring is the drive, not the arm."""
+    """The longest chain of bodies with one hinge each; a first hinge without a spring is the drive and is left out."""
     hinge = int(mujoco.mjtJoint.mjJNT_HINGE)
     if np.any(source.jnt_type == int(mujoco.mjtJoint.mjJNT_BALL)):
         raise InputError("has ball joints", field="joint", expected="a planar chain of hinges")
     single = [b for b in range(source.nbody) if source.body_jntnum[b] == 1 and
               source.jnt_type[source.body_jntadr[b]] == hinge]  # fmt: skip
     depth: dict[int, list[int]] = {}
-    for body in single:  # a parent stands before its children
+    for body in single:  # parents come before their children
         depth[body] = [*depth.get(int(source.body_parentid[body]), []), body]
     bodies = max(depth.values(), key=len, default=[])
     joints = [int(source.body_jntadr[body]) for body in bodies]
@@ -102,7 +102,7 @@ def _chain_of(source: Any) -> _HingeChain:
 
 
 def _reach(source: Any, data: Any, body: int, anchor: Array, along: Array) -> float:
-    """How far the last link goes beyond its hinge [m]: the far end of its geoms, or twice the way to its centre."""
+    """Length [m] of the last link beyond its hinge: the far end of its geoms, or twice the distance to its centre."""
     ends = [0.0]
     for geom in _geoms(source, body):
         half = _half_sizes(source, geom)
@@ -202,7 +202,7 @@ def _section(source: Any, chain: _HingeChain) -> tuple[Section, Array]:
 def _law(
     effect: str, bending: Array, hinges: Array, length: float, law: str | None = None
 ) -> tuple[Any, dict[str, Estimate], str]:
-    """The section's law, or the affine one where it does not fit, with a sentence on how well it does.
+    """The section's law, or the affine law if that does not fit, with a sentence about the misfit.
 
     bending (n,) = k l [N m^2] at the hinges (2, n): s and the section's second moment [m^4] there.
     """

@@ -1,9 +1,9 @@
 """An identified arm as an MJCF file: the hinge chain of the reference, complete in itself, for MuJoCo alone.
 
-MuJoCo's own means carry what they can: joint stiffness (a cubic law too), damping, curvature at rest, weight, buoyancy
+MuJoCo's own means represent these: joint stiffness (a cubic law too), damping, curvature at rest, weight, buoyancy
 (gravcomp), a payload, a steady current (wind) and drag (ellipsoid fluid model). Added mass is put into the links' mass,
-the same along every direction, with gravcomp rescaled so that the weight stays. The exact forces stand in
-arm_forces.py, which takes these substitutes out again (mujoco_ref.export.arm_forces).
+the same along every direction, with gravcomp rescaled so that the weight stays. The exact forces are in arm_forces.py,
+which removes these substitutes (mujoco_ref.export.arm_forces).
 
 Drag: MuJoCo's is rho |u| (C_blunt A_proj + C_slender (A_max - A_proj)) u for an ellipsoid, so links as round as the arm
 bring end area and do not converge with their number. The fluid geoms are plates instead, thin along the normal: half
@@ -45,9 +45,7 @@ THINNESS = 0.02  # of a plate's half thickness over its half width
 # A flywheel at the clamp and a spring and damper to the command: the arm's torque turns it by less than a microradian.
 FLYWHEEL, HOLD = 1.0, 200.0  # kg m^2, rad/s
 HINGE_FIELDS = ("stiffness", "damping", "cubic", "rest", "maxwell", "relaxation", "yield_moment", "yield_angle",
-                "sliding_moment", "sliding_rate",
-                "stiff_tip", "set_tip", "one_sided", "loss", "bent_loss")  # fmt: skip
-REST_FIELDS = ("push", "tether", "tip_tether", "bowed_tether", "tip_brake", "density")
+                "sliding_moment", "sliding_rate", "bent_loss")  # fmt: skip
 BODIES = ("payload", "hung")  # of the reference's chain, at the tip
 
 
@@ -100,14 +98,13 @@ def _add_joint(body: Any, stepper: Stepper, k: int) -> None:
         return
     hinge = stepper.laws.hinges[k - 1]
     stiffness = float(hinge["stiffness"])
-    shares = (1.0 + float(hinge["stiff_tip"]), float(hinge["one_sided"]), float(hinge["cubic"]))
-    joint.stiffness = [stiffness * share for share in shares]  # of the bend, its square and its cube
-    joint.damping = [float(hinge["damping"]) + stiffness * float(hinge["loss"]), 0.0, 0.0]
+    joint.stiffness = [stiffness, 0.0, stiffness * float(hinge["cubic"])]  # of the bend, its square and its cube
+    joint.damping = [float(hinge["damping"]), 0.0, 0.0]
     joint.springref = float(hinge["rest"])
 
 
 def _set_mass(body: Any, stepper: Stepper, k: int) -> None:
-    """Mass, centre and inertia with the carried water put in; gravcomp leaves the weight as it was."""
+    """Mass, centre and inertia including added mass; gravcomp keeps the weight unchanged."""
     own, water = own_link(stepper, k), stepper.laws.water[0]
     link = stepper.body.links[k]
     added = float(water["C_a"] * water["density"] * link[CARRIED])
@@ -147,7 +144,7 @@ def own_link(stepper: Stepper, k: int) -> OwnLink:
 
 
 class _Plates:
-    """Adds each link's geoms: a capsule for the eye, and a plate that MuJoCo's water meets."""
+    """Adds each link's geoms: a capsule for pictures, and a plate for MuJoCo's fluid model."""
 
     def __init__(self, chain: Chain, water: Any) -> None:
         self.chain, self.water = chain, water
@@ -186,7 +183,7 @@ def _add_points(tip: Any, stepper: Stepper) -> None:
 
 
 def _tip_bodies(stepper: Stepper) -> dict[str, Array]:
-    """Where the bodies at the tip are, and how much of the swaying water's acceleration moves them [kg]."""
+    """Places of the bodies at the tip, and the mass [kg] with which the swaying water's acceleration acts on them."""
     bodies = stepper.chain.bodies
     moved = (1.0 + SPHERE) * float(stepper.laws.water[0]["density"]) * bodies[:, 3]
     return {"body_reach": bodies[:, 1], "body_drop": bodies[:, 2], "body_moved": moved}
@@ -205,7 +202,7 @@ def _add_drive(spec: Any) -> None:
 
 
 def _add_numbers(spec: Any, stepper: Stepper) -> None:
-    """What arm_forces.py reads, under <custom>."""
+    """The numbers that arm_forces.py reads, under <custom>."""
     own = [own_link(stepper, k) for k in range(stepper.chain.links + 1)]
     links, nodes, hinges, water = stepper.body.links, stepper.body.nodes, stepper.laws.hinges, stepper.laws.water[0]
     fluid = float(water["C_a"] * water["density"])
@@ -226,8 +223,6 @@ def _add_numbers(spec: Any, stepper: Stepper) -> None:
         "node_area": nodes[:, :, AREA].ravel(),
         "water": np.array([float(water[name]) for name in WATER]),
         "drift": np.array([stepper.drift.rate, stepper.drift.settling]),
-        "from_base": stepper.chain.start,
-        "rest": np.array([float(stepper.laws.rest[0][name]) for name in REST_FIELDS]),
         **_tip_bodies(stepper),
         **{f"hinge_{name}": np.array(hinges[name]) for name in HINGE_FIELDS},
     }  # fmt: skip
@@ -236,7 +231,7 @@ def _add_numbers(spec: Any, stepper: Stepper) -> None:
 
 
 def _headed(xml: str, carried: Carried) -> str:
-    """The XML with a comment that says what is in it, what arm_forces.py adds, what is in neither."""
+    """The XML with a comment: which effects it has, which arm_forces.py adds, and which are in neither."""
     lines = [
         "An arm identified by tentacle. Base frame: x along the normal, y along the straight arm; metres, radians.",
         "ctrl: theta, its rate, its acceleration.",

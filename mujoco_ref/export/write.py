@@ -13,7 +13,7 @@ ARM, FORCES = "arm.xml", "arm_forces.py"
 
 
 def write_mjcf(model: Model, out: Path, links: int = 20) -> Mjcf:
-    """Write an arm's files into the folder `out`, whole or not at all."""
+    """Write an arm's files into the folder `out`: all of them, or none."""
     made = export_mjcf(model, links)
     with written(out) as folder:
         (folder / ARM).write_text(made.xml, encoding="utf-8")

@@ -1,6 +1,6 @@
 """Test recordings with effects that their declaration leaves out, made by the reference simulation.
 
-The loop that looks for them (discovery) may not import this: the import rules see to it.
+The loop that looks for them (discovery) must not import this; the import rules check it.
 """
 
 from mujoco_ref.undeclared.make import Noise, Scenario, make_recording

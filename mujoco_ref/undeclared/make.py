@@ -1,4 +1,4 @@
-"""Make a recording of the reference arm with effects in it that its declaration does not mention."""
+"""Make a recording of the reference arm with effects that its declaration does not mention."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tentacle.signals import Array, BaseTravel, LoadCellSignal, Midline, MotorSi
 from tentacle.waveform import Waveform
 
 Strength = str | float | Mapping[str, float]
-LEAD_IN = 1.5  # [s] of motion before the first frame: recordings begin in the middle of things
+LEAD_IN = 1.5  # [s] of motion before the first frame: recordings begin while the arm moves
 # A free decay shows the arm's own frequency beside the sag that it ends in: the midpoint rule errs by
 # (omega step)^2 / 12 of the one, the links by 1 / (5 links^2); 2e-4 in all at 8 Hz. A driven arm keeps the base's.
 DECAY_STEP, DECAY_LINKS = 5e-4, 40
@@ -75,7 +75,7 @@ def _run(
     duration: float = 0.0,
     drift: float = 0.0,
 ) -> Simulation:
-    """The simulation on the clock of a camera that runs `offset` [s] and the share `drift` late."""
+    """The simulation at the times of a camera's clock that is late by `offset` [s] and by the share `drift`."""
     decay = scene.initial_q is not None
     return simulate(
         scene.model,
@@ -97,13 +97,13 @@ def _run(
 
 
 def seen_midline(scene: Scenario, hidden: Mapping[str, Mapping[str, float]], duration: float = 0.0) -> Array:
-    """Midline points (F, P, 2) [m] as the camera has them: late, rolled and scaled where it is."""
+    """Midline points (F, P, 2) [m] as the camera shows them: late, rolled and scaled by the hidden effects."""
     offset, drift = (value(hidden, "time_offset", name) for name in ("offset", "drift"))
     return as_the_camera_has(_run(scene, hidden, offset, duration, drift).midline.xy, hidden)
 
 
 def as_the_camera_has(points: Array, hidden: Mapping[str, Mapping[str, float]]) -> Array:
-    """Points (..., 2) [m] rolled and scaled where the camera is."""
+    """Points (..., 2) [m] rolled and scaled by the hidden effects of the camera."""
     roll = value(hidden, "camera_roll", "roll")
     turn = np.array([[np.cos(roll), -np.sin(roll)], [np.sin(roll), np.cos(roll)]])
     return (1.0 + value(hidden, "camera_scale", "excess")) * points @ turn.T
@@ -163,7 +163,7 @@ def resolve(
 
 
 def reduction_mm(simulation: Simulation, length: float, orders: tuple[int, ...] = (2, 3, 4)) -> dict[str, float]:
-    """What polynomial curvature of each order cannot follow of the true shape, rms [mm], by a fit of the angle."""
+    """Distance of the true shape from the best polynomial curvature of each order, rms [mm], by a fit of the angle."""
     angles = simulation.angles - simulation.theta[:, None]
     s = np.arange(angles.shape[1]) / (angles.shape[1] - 1)
     lost = {}

@@ -1,4 +1,6 @@
-"""How strong a hidden effect is: drawn at random around a typical size, then scaled until the arm shows it as asked."""
+"""Strengths of hidden effects: drawn at random around a typical size, then scaled to the requested change of the
+midline.
+"""
 
 from __future__ import annotations
 
@@ -57,9 +59,9 @@ SCALED_TOGETHER: dict[str, tuple[str, ...]] = {
     "vortex": ("C_L",),
     "magnet": ("strength",),
 }
-# The larger these are, the less the effect shows: a clamp that holds more, a stand that is heavier.
+# A larger value of these makes the effect smaller: a clamp that slips later, a heavier stand.
 INVERSE = ("clamp_slip", "mount_resonance")
-# Strengths beyond these are no longer the effect: a soft spot that breaks, a drift that turns the stiffness negative.
+# Strengths beyond these have no meaning: a soft spot that breaks, a drift that makes the stiffness negative.
 LARGEST_STRENGTH: dict[str, float] = {
     "soft_spot": 0.9,
     "camera_scale": 0.3,
@@ -138,7 +140,7 @@ def typical(effect: str, model: Model, random: Generator) -> dict[str, float]:
 
 
 def scaled(effect: str, parameters: dict[str, float], factor: float) -> dict[str, float]:
-    """The parameters with all strengths multiplied, the largest kept within what is still that effect."""
+    """The parameters with all strengths multiplied, the largest one cut at the limit of the effect."""
     names = SCALED_TOGETHER[effect]
     largest = max((abs(parameters[name]) for name in names if name in parameters), default=0.0)
     if largest > 0.0 and effect in LARGEST_STRENGTH:

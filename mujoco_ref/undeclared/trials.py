@@ -1,4 +1,4 @@
-"""Blind trials: many recordings, each with effects drawn at random, and the answers kept apart."""
+"""Blind trials: many recordings, each with effects drawn at random, and the answers in a separate file."""
 
 from __future__ import annotations
 
@@ -24,8 +24,9 @@ class SimulatedTrial:
 
 
 def draw_effects(random: np.random.Generator, uncatalogued: float, nothing: float, most: int) -> dict[str, Strength]:
-    """Effects for one trial: none with probability `nothing`, one that no catalogue has with `uncatalogued`, else 1 to
-    `most`."""
+    """Effects for one trial: none with probability `nothing`, one outside the catalogue with `uncatalogued`, else 1 to
+    `most`.
+    """
     catalogued = [
         name for name in KNOWN if name in SCALED_TOGETHER and SCALED_TOGETHER[name] and name not in UNCATALOGUED
     ]
@@ -41,7 +42,8 @@ def draw_effects(random: np.random.Generator, uncatalogued: float, nothing: floa
 
 @dataclass(frozen=True)
 class SealedPlan:
-    """What all trials share, and the shares of those with nothing hidden and with what no catalogue has.
+    """The settings common to all trials, and the shares of trials with nothing hidden and with an effect outside the
+    catalogue.
 
     most: effects in one trial at most. Trial k depends on the plan, the seed and k alone, so any can be made again.
     """
@@ -72,5 +74,5 @@ class SealedPlan:
 
 
 def trial_name(k: int) -> str:
-    """What the k-th trial's recording is called: nothing that hints at its effects."""
+    """The name of the k-th trial's recording, without a hint at its effects."""
     return f"trial_{k:03d}"

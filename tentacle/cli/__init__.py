@@ -1,8 +1,8 @@
-"""The command line: one verb a file in this folder, each a thin call into one room.
+"""The command line: one file in this folder for each verb, each a thin call into one room.
 
 A verb's file has HELP (one line), configure(parser) and run(arguments) -> exit code; it imports heavy libraries inside
-run only, so that --help is quick. How a command ends is in _endings (by a signal: _stop_signals), what its numbers may
-be in _bounds.
+run only, so that --help is quick. _endings has the ends of a command (_stop_signals: by a signal), _bounds the limits
+of its numbers.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser, and those of its verbs, that says in one line what is wrong."""
+    """A parser that reports an error in one line, also for its verbs."""
 
     def error(self, message: str) -> NoReturn:
         """The line, and exit code 2."""
@@ -91,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _unknown_verb(word: str) -> str:
-    """What to say of a first word that is no verb."""
+    """The error about a first word that is not a verb."""
     close = get_close_matches(word, verb_names(), n=1)
     hint = f"did you mean {close[0]}?" if close else "`tentacle --help` lists them"
     return InputError(f"unknown verb; {hint}", field=word).line()

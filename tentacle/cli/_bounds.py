@@ -1,4 +1,4 @@
-"""What the numbers of a command line may be: finite, and of a size that a computer can do something with."""
+"""Limits of the numbers of a command line: finite, and of a size that a computer can handle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a command ends: done, with one line on what is wrong, or stopped by a signal. No unfinished file is left.
+"""The end of a command: done, an error in one line, or stopped by a signal. No unfinished file is left.
 
 | exit code | |
 |---|---|
@@ -22,16 +22,11 @@ from pathlib import Path
 from tentacle.cli._stop_signals import Ended, StopAsked
 from tentacle.errors import InputError, printable
 
-# What not everyone needs: module -> the extra that brings it.
+# Optional modules: module -> the extra that installs it.
 EXTRAS = {
-    "serial": "rig",
-    "optuna": "rig",
-    "distributed": "cluster",
-    "torch": "gpu",
-    "warp": "gpu",
-    "nicegui": "app",
+    "serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "warp": "gpu", "nicegui": "app",
     "h5py": "hdf5",
-}
+}  # fmt: skip
 BAD_INPUT, DEFECT = 2, 70
 
 
@@ -74,7 +69,7 @@ def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
         case ModuleNotFoundError() as missing if (missing.name or "").partition(".")[0] in EXTRAS:
             name = (missing.name or "").partition(".")[0]
             return f"{name} is not installed; expected pip install 'tentacle-twin[{EXTRAS[name]}]'", BAD_INPUT
-        case BrokenPipeError():  # the reader of a pipe has gone: nothing more to say or to complain of
+        case BrokenPipeError():  # the reader of a pipe has gone: no message
             return "", 0
         case MemoryError():
             return "not enough memory for this; expected a smaller input", BAD_INPUT

@@ -1,4 +1,4 @@
-"""The compiled model, made ready while a verb still reads and tracks: the first run on a computer compiles it once."""
+"""Compiles the model, once on each computer, while a verb still reads and tracks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def kernels_ahead(stage: Callable[[str], None]) -> Iterator[Callable[[], None]]:
-    """Compiles beside what the block does; the function that it gives waits until that is done."""
+    """Compiles in parallel to the block; the yielded function waits until the compiler is done."""
     from affine_model.warm import start_compiling
 
     compiler = start_compiling()

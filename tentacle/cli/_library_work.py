@@ -15,7 +15,7 @@ UNCHANGED_FOR = 5.0  # s since a file's last change: until then a rig is still w
 
 
 def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline: list[Path], seed: int) -> list[str]:
-    """Diagnose what has no layer yet (renew: or one of older code); a line for each that could not be."""
+    """Diagnose recordings without a layer (renew: also those with a layer of older code); a line for each failure."""
     from tentacle.io.library.layers import library_code_version
 
     wanted = ("new", "failed", "older code") if renew else ("new",)
@@ -40,7 +40,7 @@ def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline:
 
 
 def follow(library: Library, runner: Runner, *, baseline: list[Path], seed: int) -> None:
-    """Diagnose what comes into the folder, and write the page anew, until Ctrl-C."""
+    """Diagnose new recordings in the folder and update the page, until Ctrl-C."""
     import sys
     import time
 
@@ -62,7 +62,7 @@ def follow(library: Library, runner: Runner, *, baseline: list[Path], seed: int)
 
 
 def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:
-    """One recording's layer, written whole; what cannot be diagnosed leaves its reason there."""
+    """Write one recording's layer completely; if the diagnosis fails, the layer has the reason."""
     from discovery.diagnose import diagnose
     from discovery.library.layer import failed_layer, layer_of
     from tentacle.cli.pages.diagnosis import write_answer

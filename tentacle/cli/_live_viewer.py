@@ -1,4 +1,4 @@
-"""The Rerun viewer that is fed while a run lasts: a window, or without a screen a page for a browser. It stays open."""
+"""The Rerun viewer of a live run: a window, or a page for a browser if there is no screen. It stays open."""
 
 from __future__ import annotations
 

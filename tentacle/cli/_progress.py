@@ -1,7 +1,7 @@
 """Progress of a verb on standard error: the stage that runs, the share done, the time taken.
 
-A terminal is shown a bar. Where TENTACLE_PROGRESS=lines, each step is a line "share, tab, stage" for a program that
-started the verb (`tentacle app`). Anywhere else nothing is said.
+A terminal gets a bar. With TENTACLE_PROGRESS=lines each step is a line "share, tab, stage" for a program that started
+the verb (`tentacle app`). Otherwise nothing is printed.
 """
 
 from __future__ import annotations

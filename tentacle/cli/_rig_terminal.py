@@ -1,4 +1,4 @@
-"""What a running rig shows: a line, a bar on standard error, and on request a Rerun viewer."""
+"""The output of a running rig: lines, a bar on standard error, and on request a Rerun viewer."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class LiveView:
 
 @contextmanager
 def viewer(wanted: bool, *, camera: bool) -> Iterator[LiveView]:
-    """A Rerun viewer on this machine alone, fed while the run lasts.
+    """A Rerun viewer on this machine only, for the duration of the run.
 
-    One that was started here ends here, unless it is to be kept: nothing goes on listening after a signal or a fault.
+    A viewer that was started here ends here, unless `kept` is set, so that nothing listens after a signal or a fault.
     """
     if not wanted:
         yield LiveView()
@@ -64,7 +64,7 @@ def viewer(wanted: bool, *, camera: bool) -> Iterator[LiveView]:
 
 
 def live_paths(*, camera: bool) -> LivePaths:
-    """Where the live feed keeps what a live view shows."""
+    """The entity paths of the live feed."""
     from rig import live_feed, run_layout
     from viz.blueprints.rig import LivePaths
 

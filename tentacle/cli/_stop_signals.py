@@ -4,7 +4,7 @@ A signal's handler raises Ended wherever the program is. Within a callback from 
 removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. numba's compiler is such
 a place. There, the exception is raised again a moment later.
 
-An object whose making was interrupted may fail when it is removed. That is the signal's doing: nothing is said of it.
+An object whose construction was interrupted may fail when it is removed; such errors are not reported.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class StopAsked:
     def handle(self, number: int, _frame: FrameType | None) -> None:
         """The signals' handler."""
         if number != signal.SIGINT:
-            signal.signal(number, signal.SIG_IGN)  # once is enough: what cleans up is not to be interrupted
+            signal.signal(number, signal.SIG_IGN)  # only once: the clean-up must not be interrupted
         self.number = number
         raise Ended(number)
 
@@ -47,7 +47,7 @@ class StopAsked:
         raise Ended(self.number)
 
     def unraisable(self, report: Any) -> None:
-        """Python's hook for what cannot be raised."""
+        """Python's hook for exceptions that cannot be raised."""
         if isinstance(report.exc_value, Ended):
             signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
         elif not self.number and not isinstance(report.exc_value, KeyboardInterrupt):

@@ -1,4 +1,4 @@
-"""What `optimise` says and writes: files, the check on the reference, a few lines on the screen."""
+"""The output of `optimise`: files, and a few lines on the screen."""
 
 from __future__ import annotations
 
@@ -8,23 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from affine_model.swim import Front, GaitTrial, Swimming
-    from tentacle.model import Model
-
-
-def check_on_reference(model: Model, found: Swimming) -> dict[str, float]:
-    """What MuJoCo gives for the gait and the best sine: speeds on the rail, mean thrust clamped, and the gains."""
-    from validation.reference_swim import reference_speed, reference_thrust
-
-    speed, sine_speed = reference_speed(model, found.gait), reference_speed(model, found.sine)
-    thrust, sine_thrust = reference_thrust(model, found.gait), reference_thrust(model, found.sine)
-    return {
-        "speed_m_s": speed,
-        "sine_speed_m_s": sine_speed,
-        "speed_gain": speed / sine_speed,
-        "thrust_n": thrust,
-        "sine_thrust_n": sine_thrust,
-        "thrust_gain": thrust / sine_thrust,
-    }
 
 
 def write_swim_answer(
@@ -73,7 +56,8 @@ def answer_summary(tables: dict[str, Any]) -> list[str]:
     search, promise, sine = tables["search"], tables["promise"], tables["sine"]["promise"]
     lines = [
         f"{search['objective']}: {search['gain']:.2f} times the best sine that this servo can follow "
-        f"({search['evaluations']} gaits, {search['method']}, seed {search['seed']}; climbed from: {search['origin']})",
+        f"({search['evaluations']} gaits, {search['method']}, seed {search['seed']}; "
+        f"start of the climb: {search['origin']})",
         f"thrust {1e3 * promise['thrust_n']:.1f} mN (sine {1e3 * sine['thrust_n']:.1f}), "
         f"speed {100 * promise['speed_m_s']:.2f} cm/s (sine {100 * sine['speed_m_s']:.2f}), "
         f"power {1e3 * promise['power_w']:.1f} mW (sine {1e3 * sine['power_w']:.1f})",

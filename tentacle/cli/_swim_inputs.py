@@ -1,4 +1,4 @@
-"""What `optimise` is given: an arm, fitted or assumed, and the servo's limits."""
+"""The input of `optimise`: an arm, fitted or assumed, and the servo's limits."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_arm(path: Path, silicone: str) -> Model:
 
 
 def read_limits(path: Path | None) -> GaitLimits:
-    """The servo's limits in a TOML file, defaults where it says nothing; InputError names what is wrong."""
+    """The servo's limits in a TOML file, with defaults for missing fields; InputError names the wrong field."""
     from dataclasses import replace
 
     from affine_model.swim import HOBBY_SERVO, GaitLimits

@@ -63,7 +63,9 @@ def best_of_restarts(
     folder: Path,
     cluster: str | None,
 ) -> Swimming:
-    """Search once a seed, on this machine's processes or a cluster; the best. Finished searches in folder are kept."""
+    """The best of one search per seed, on this machine's processes or a cluster. Finished searches in folder
+    are kept.
+    """
     from affine_model.swim import Promise, Swimming
     from tentacle.gait import Gait
     from tentacle.runner import Runner

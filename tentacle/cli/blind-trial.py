@@ -51,7 +51,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run what has not been run, score all, write; an interrupted series goes on where it stopped."""
+    """Run the missing trials, score all, write; the same command continues an interrupted series."""
     import json
 
     from tentacle.cli._blind_like import like_recording
@@ -102,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         (folder / "calibration.toml").write_text(calibration.toml())
         write_report(blind_trials_page(outcomes, refused, origin, sections), folder / "report.html")
     for name, value in figures(outcomes).items():
-        print(f"{name:30s} {'no trial tells' if value is None else format(value, '.3f')}")
+        print(f"{name:30s} {'no trials' if value is None else format(value, '.3f')}")
     print(f"report: {arguments.out / 'report.html'}")
     return 0
 

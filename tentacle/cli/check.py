@@ -1,4 +1,4 @@
-"""`tentacle check`: compare every checksum, and tell whether files are as they were written."""
+"""`tentacle check`: compare every checksum, and report whether files are as they were written."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Check, say; a file that is not sound is told on standard error."""
+    """Check and print; a file that is not sound is reported on standard error."""
     import json
     import sys
     from dataclasses import asdict

@@ -40,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Climb the ladder for every model, draw the map, write what was found."""
+    """Run the series of checks for every model, compute the map, write the results."""
     from rich.console import Console
 
     from tentacle.cli.pages.compare import write_compare_page, write_compare_session

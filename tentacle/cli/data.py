@@ -1,4 +1,4 @@
-"""tentacle data: others' measured data that tests and examples use."""
+"""tentacle data: measured data of other labs, used by tests and examples."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the files, say what they carry, compare."""
+    """Write the files, print which effects they have, compare."""
     from mujoco_ref.export.write import write_mjcf
     from tentacle.cli._progress import reading_plan, stages
     from tentacle.io.model_file import read_model

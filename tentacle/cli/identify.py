@@ -1,6 +1,4 @@
-"""`tentacle identify`: the declared model's parameters from recordings, with intervals, the paper's regression beside
-them.
-"""
+"""`tentacle identify`: the declared model's parameters from recordings, with intervals and the paper's regression."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read, write, say how it was read."""
+    """Read, write, and print how the file was read."""
     from mujoco_ref.export.imported import import_arm
     from tentacle.errors import InputError
     from tentacle.io.model_file import write_model

@@ -16,7 +16,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read, check, write; then say what is in it."""
+    """Read, check, write; then print the content."""
     import json
 
     from tentacle.errors import InputError

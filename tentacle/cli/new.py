@@ -1,4 +1,4 @@
-"""`tentacle new`: a folder to put a recording into, with a recording.toml that explains itself."""
+"""`tentacle new`: a folder for a recording, with a recording.toml full of comments."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tentacle.errors import InputError
 
 HELP = "begin a recording: a folder with a commented recording.toml, from five questions or flags"
 
-# flag, question, what stands there where nothing is typed
+# flag, question, default
 QUESTIONS = (
     ("length", "Length of the arm, from clamp to tip [m]", "0.14"),
     ("base_radius", "Radius at the clamp [m]", "0.0125"),
@@ -32,10 +32,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Ask what was not given, write, and say what comes next."""
+    """Ask for the missing numbers, write the file, and print the next step."""
     from tentacle.io.recording_template import Answers, recording_text, require_usable, write_recording_file
 
-    if (arguments.folder / "recording.toml").exists():  # said before anything is asked
+    if (arguments.folder / "recording.toml").exists():  # checked before the questions
         write_recording_file(arguments.folder, "")
     given = {name: _answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS}
     answers, words = Answers(camera=None, **given), ""
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _answer(given: float | None, name: str, question: str, usual: str) -> float:
-    """The flag's number, or what is typed; without a terminal a missing flag is an error."""
+    """The flag's number, or the typed answer; without a terminal a missing flag is an error."""
     flag = f"--{name.replace('_', '-')}"
     if given is None and not sys.stdin.isatty():
         raise InputError("missing, and there is nobody to ask", field=flag, expected=question)

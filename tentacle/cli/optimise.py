@@ -42,18 +42,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Search, check, write; an interrupted search goes on where it stopped when called again."""
+    """Search, check, write; the same command continues an interrupted search."""
     from dataclasses import replace
 
     from affine_model.swim import robust_trial, trial_of
     from affine_model.swim.device import chosen_device
     from affine_model.swim.pareto import front_around
-    from tentacle.cli._swim_answer import answer_summary, check_on_reference, write_swim_answer
+    from tentacle.cli._swim_answer import answer_summary, write_swim_answer
     from tentacle.cli._swim_search import searched
     from tentacle.cli._swim_tables import result_tables
     from tentacle.errors import InputError
     from tentacle.io.result_folder import written
     from tentacle.io.waveform_file import waveform_table
+    from validation.reference_swim import reference_gains
 
     if arguments.evaluations < 50:
         raise InputError(f"{arguments.evaluations} is too few", field="--evaluations", expected="50 or more")
@@ -68,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     tables = result_tables(found, waveform_table)
     if not arguments.no_reference:
         try:
-            tables["reference"] = check_on_reference(model, found)
+            tables["reference"] = reference_gains(model, found.gait, found.sine)
         except InputError as error:  # an effect of the reduced model that the reference lacks
             tables["left_out"] = {"reference": str(error)}
     front = front_around(at_estimates, found.gait, found.sine, found.seed) if arguments.front else None

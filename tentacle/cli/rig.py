@@ -1,4 +1,4 @@
-"""tentacle rig: the bench, from plugging in the board to optimising gaits on it. RIG.toml says what the rig is."""
+"""tentacle rig: the bench, from plugging in the board to optimising gaits on it. RIG.toml describes the rig."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read, track, write, say what was found."""
+    """Read, track, write, print the results."""
     from tentacle.cli._track_sources import picked_recording, several
     from tentacle.errors import InputError
     from vision.batch import sources_of
@@ -81,7 +81,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
 def _tracked(
     recording: Recording, arguments: argparse.Namespace, lens: Lens | None, verdicts: dict[int, bool]
 ) -> Tracking:
-    """Track with a bar, or each frame's line where it is live; warnings go to standard error at once."""
+    """Track with a bar or, with --live, with one line for each frame; warnings go to standard error at once."""
     import sys
 
     from rich.console import Console

@@ -1,4 +1,4 @@
-"""tentacle validate: how well tracking does on test videos whose truth is known, look by look."""
+"""tentacle validate: the error of tracking on test videos with a known truth, look by look."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Validate look by look, then what must not be believed; print and write the table."""
+    """Validate look by look, then test the rejection of disturbed frames; print and write the table."""
     import json
 
     from tentacle.errors import InputError

@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Open what was asked for; 0 when the viewer was closed in peace."""
+    """Open the viewer; 0 if it was closed without an error."""
     import tempfile
 
     from tentacle.cli.pages.recording_view import with_layout

@@ -1,8 +1,8 @@
 """A checksum for every block of every signal in an .rrd, written beside it and compared on every read.
 
 The entity /sums has a row per block of time, with lists of equal length: signal, first (row), count, sha256. A static
-row holds those of what is written once, with first = count = 0. A text, a frame, an event has its own beside it.
-A file whose declaration states no format is of before they were written.
+row has the checksums of static data, with first = count = 0. A text, a frame or an event has its own checksum beside
+it. A file whose declaration states no format is older than checksums.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from tentacle.io.rrd_columns import EntityColumns
 
 CHECKSUM_ENTITY = "/sums"
-CHECKSUM_FORMAT = 2  # stands beside the declaration; from it on there are checksums
+CHECKSUM_FORMAT = 2  # written beside the declaration; files of this format or later have checksums
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def frame_digest(host_ns: int, jpeg: bytes) -> str:
 
 
 def log_sums(stream: rr.RecordingStream, sums: Sequence[Sum], block: int | None = None) -> None:
-    """Writes a row of checksums, of the block with that number; without one, of what is written once."""
+    """Writes a row of checksums of the block with that number; without a number, of static data."""
     import rerun as rr
 
     lists = {
@@ -67,7 +67,7 @@ def log_sums(stream: rr.RecordingStream, sums: Sequence[Sum], block: int | None 
     if block is None:
         stream.log(CHECKSUM_ENTITY, rr.AnyValues(**lists), static=True)
         return
-    # A block of its own and no `log`: that travels in a batch, and would lie behind what it is of.
+    # A separate block and not `log`, whose batch would come later than the data.
     columns = [column.partition([len(sums)]) for column in rr.AnyValues.columns(**lists)]
     stream.send_columns(CHECKSUM_ENTITY, [rr.TimeColumn("row", sequence=[block])], columns)
 
@@ -119,7 +119,7 @@ def first_unsound(sums: Sequence[Sum], signal: str, columns: Mapping[str, NDArra
 
 
 def covered(sums: Sequence[Sum], signal: str) -> int:
-    """Up to which row a signal is covered by checksums without a gap."""
+    """The row up to which checksums cover a signal without a gap."""
     end = 0
     for one in sorted((one for one in sums if one.signal == signal), key=lambda one: one.first):
         if one.first > end:

@@ -1,4 +1,4 @@
-"""Others' measured data as import folders: one a run."""
+"""Measured data of other labs as import folders, one for each run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CSV files of numbers: parsed in one go, and only when that fails row by row, to name the culprit.
+"""CSV files of numbers: parsed in one pass and, only if that fails, row by row to find the bad row.
 
 Accepted: a byte order mark, CRLF, blank lines, lines that start with #, columns in any order, and blank cells where the
 caller allows them. Not accepted: text, nan or inf in a cell, a row too short or too long, times that repeat or go back.
@@ -47,7 +47,7 @@ class CsvTable:
                 raise self.error(int(np.argmax(blank)), name, "blank cell", "a number")
 
     def require_rising(self, name: str, *, repeats: bool = False) -> None:
-        """InputError where a column (a time) goes back, or repeats where it must not."""
+        """InputError if a column (a time) decreases, or repeats a value without permission."""
         values = self.columns[name]
         wrong = np.diff(values) < 0 if repeats else np.diff(values) <= 0
         if wrong.any():
@@ -74,7 +74,7 @@ def read_csv(
 ) -> CsvTable:
     """A CSV file with a header line.
 
-    Columns beyond required and optional are left out where extra_allowed, else an InputError, as is every bad row.
+    Further columns are ignored if extra_allowed, otherwise they are an InputError, like every bad row.
     """
     data = _read_bytes(file)
     header_row, names, body_start = _header(data, file)
@@ -114,7 +114,7 @@ def _header(data: bytes, file: Path) -> tuple[int, list[str], int]:
 
 
 def _refuse_other_separators(line: str, file: Path, row: int) -> None:
-    """InputError where a spreadsheet of another language, or one that separates by tabs, wrote the file."""
+    """InputError for a file with decimal commas, or with other separators than commas."""
     for sign, name in ((";", "semicolons"), ("\t", "tabs")):
         if sign in line and "," not in line:
             raise InputError(
@@ -149,7 +149,7 @@ def _check_names(
 
 
 def _parse_at_once(body: bytes, columns: int) -> Array | None:
-    """All rows (N, columns), or None where anything at all is unusual."""
+    """All rows (N, columns), or None if anything is unusual."""
     lower = body.lower()
     if b"nan" in lower or b"inf" in lower:
         return None
@@ -157,7 +157,7 @@ def _parse_at_once(body: bytes, columns: int) -> Array | None:
     if not filled.strip():
         return np.empty((0, columns))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a body of comments alone is no news: it is found to have no rows below
+        warnings.simplefilter("ignore")  # a body of comments only is handled below: it has no rows
         try:
             values = np.loadtxt(io.BytesIO(filled), delimiter=",", comments="#", ndmin=2, encoding="utf-8")
         except ValueError:
@@ -168,7 +168,9 @@ def _parse_at_once(body: bytes, columns: int) -> Array | None:
 
 
 def _fill_blank_cells(body: bytes) -> bytes:
-    """Empty cells become nan. Cells of blanks alone are left to the slow way (bytes.replace is 20 times a regex)."""
+    """Empty cells become nan. Cells of blanks are left to the slow parser (bytes.replace is 20 times faster than a
+    regex).
+    """
     if body.startswith(b","):
         body = b"nan" + body
     if body.endswith(b","):

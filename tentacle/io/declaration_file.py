@@ -1,4 +1,4 @@
-"""recording.toml: what is believed to be in a recording, as text and back. The format is in docs/import_folder.md."""
+"""recording.toml: the declaration of a recording, as text and back. The format is in docs/import_folder.md."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LIGHTEST_SOLID = 10.0  # kg/m^3; less is g/cm^3 by mistake
 
 @dataclass(frozen=True)
 class RecordingFile:
-    """All that recording.toml says: the declaration, where each marker sits (s, d [m]), a name and notes."""
+    """The content of recording.toml: the declaration, the place of each marker (s, d [m]), a name and notes."""
 
     declaration: Declaration
     markers: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -105,7 +105,7 @@ def parse_specimen(table: Table) -> Specimen:
 
 
 def parse_fluid(table: Table) -> Fluid:
-    """[fluid]: density, 0 or absent for air; what is declared of the added mass."""
+    """[fluid]: density, 0 or absent for air; the declared added mass."""
     density = table.measured("density_kg_m3", 0.0, least=0)
     fluid = Fluid(density, cast(AddedMass, table.choice("added_mass", ("none", "section", "fit"), "none")))
     table.finish()
@@ -113,7 +113,7 @@ def parse_fluid(table: Table) -> Fluid:
 
 
 def parse_gravity(table: Table) -> Gravity:
-    """[gravity]: angle_rad, and magnitude_m_s2 where it is not the standard one."""
+    """[gravity]: angle_rad, and magnitude_m_s2 if it is not the standard one."""
     angle = table.measured("angle_rad", 0.0, least=-2 * math.pi, most=2 * math.pi)
     gravity = Gravity(angle, table.number("magnitude_m_s2", STANDARD_GRAVITY, least=0))
     table.finish()
@@ -153,14 +153,14 @@ def _parse_motor_mode(table: Table) -> str:
 
 
 def _parse_base(table: Table) -> str:
-    """[base]: from where the positions of an arm on a travelling base are counted."""
+    """[base]: the frame in which the positions of an arm on a travelling base are counted."""
     seen_from = table.choice("seen_from", ("ground", "base"), "ground")
     table.finish()
     return seen_from
 
 
 def _parse_plane(table: Table) -> float:
-    """[plane]: how much of a spatial arm's motion leaves the plane of the points."""
+    """[plane]: the share of a spatial arm's motion out of the plane of the points."""
     share = table.number("out_of_plane_share", least=0, most=1)
     table.finish()
     return share
@@ -210,7 +210,7 @@ def declaration_tables(declaration: Declaration) -> dict[str, Any]:
 
 
 def _state_uncertain(tables: dict[str, Any], uncertain: Sequence[Uncertain]) -> None:
-    """Put what is uncertain in the place of its mean, in those of recording.toml's tables that are here."""
+    """Replace means by uncertain numbers in the given tables of recording.toml."""
     for number in uncertain:
         *path, key = number.field.split(".")
         if path[0] in tables:

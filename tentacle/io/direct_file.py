@@ -1,6 +1,6 @@
 """A file that Rerun writes itself, where the system has no /dev/fd by which it could write into a pipe (Windows).
 
-Rerun tells nobody that a disk was full. It writes a footer last, so a file without one was not written to its end.
+Rerun does not report a full disk. It writes a footer last, so a file without a footer is incomplete.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""A pipe into a file. What Rerun writes reaches the disk through it, so that Rerun never meets the disk's errors.
+"""A pipe into a file. Rerun writes to the disk through it, so that Rerun never sees errors of the disk.
 
-Rerun tells nobody that a disk was full, and a stream whose file failed can stand still for good when it is closed. Its
-end of the pipe never fails: after an error of the disk, the rest is read and let go.
+Rerun does not report a full disk, and a stream whose file failed can hang forever when it is closed. Its end of the
+pipe never fails: after an error of the disk, the rest is read and dropped.
 
 A forked child inherits Rerun's end, and a pipe ends only when all its ends are closed. So each child closes its own.
 """
@@ -26,7 +26,7 @@ class DiskPipe:
 
     def __init__(self, file: Path) -> None:
         with _forking:
-            self._read_end, self._write_end = os.pipe()  # before the file: what fails here leaves it as it was
+            self._read_end, self._write_end = os.pipe()  # before the file is opened: an error here leaves it unchanged
             self._pipe = _identity(self._read_end)
             _pipes.add(self._pipe)
         try:
@@ -77,7 +77,7 @@ class DiskPipe:
             raise self._error
 
     def abandon(self) -> None:
-        """For a disk that stands still: what comes now is let go, so that the writer can end."""
+        """For a disk that hangs: further data are dropped, so that the writer can end."""
         self._abandoned = True
         if self._read_end < 0:
             return
@@ -114,7 +114,7 @@ class DiskPipe:
     def _close(self) -> None:
         try:
             os.close(self._file)
-        except OSError as error:  # some network file systems tell of a full disk only now
+        except OSError as error:  # some network file systems report a full disk only now
             self._error = self._error or OSError(error.errno, error.strerror, self._name)
 
     @staticmethod
@@ -144,7 +144,9 @@ def _identity(descriptor: int) -> tuple[int, int]:
 
 
 def _close_in_child() -> None:
-    """Both ends of every pipe lead nowhere in a forked child; their numbers stay taken, for Rerun may close its own."""
+    """In a forked child both ends of every pipe become the null device; their numbers stay in use, because Rerun may
+    close its own.
+    """
     _forking.release()
     if not _pipes:
         return

@@ -22,7 +22,7 @@ EXPECTED = "an effect file: name, title, source, [law], [parameters.NAME]"
 
 
 def read_effects(files: Sequence[Path]) -> tuple[WrittenLaw, ...]:
-    """The laws of effect files; nothing in them is executed. InputError names file, row and field of what is wrong."""
+    """The laws of effect files; nothing in them is executed. InputError names file, row and field of an error."""
     laws: list[WrittenLaw] = []
     for file in files:
         text, values = read_toml(file, EXPECTED)

@@ -1,4 +1,4 @@
-"""Measured data of others that tests and examples use: what each set is, where it comes from, whether it is here.
+"""Measured data of other labs, used by tests and examples: content, source and presence of each set.
 
 The data are never part of this repository. They lie in the folder named by TENTACLE_DATA (default: ../shared/data
 beside the checkout), one folder a set.
@@ -111,13 +111,13 @@ DataSetState = Literal["present", "absent", "incomplete", "changed"]
 
 
 def data_folder() -> Path:
-    """Where the sets are looked for: TENTACLE_DATA, or ../shared/data beside the checkout."""
+    """The folder of the sets: TENTACLE_DATA, or ../shared/data beside the checkout."""
     named = os.environ.get("TENTACLE_DATA")
     return Path(named) if named else CHECKOUT.parent / "shared" / "data"
 
 
 def check_data_set(data_set: DataSet, folder: Path) -> tuple[DataSetState, list[str]]:
-    """Whether a set under a data folder is what the tests were written for, and the paths that are not."""
+    """Whether a set in a data folder is the version of the tests, and the paths that differ."""
     root = folder / data_set.name
     if not root.is_dir():
         return "absent", []

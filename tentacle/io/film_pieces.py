@@ -1,4 +1,5 @@
-"""A video file of any length inside an .rrd: its bytes in pieces, one a row, so that no one ever holds all of it.
+"""A video file of any length inside an .rrd: its bytes in pieces, one for each row, so that it is never in memory as a
+whole.
 
 Entity /camera/film: rows on the timeline `row` with piece (bytes) and sha256; static suffix and count of the pieces.
 The viewer shows no picture of it; a rig's own recording has its frames beside it.

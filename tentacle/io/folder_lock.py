@@ -1,4 +1,4 @@
-"""One process a folder: the second is refused in one line. The lock goes with its process, however that ends."""
+"""One process per folder: a second one is refused in one line. The lock ends with its process in every case."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tentacle.errors import InputError
 
 @contextmanager
 def owned_folder(folder: Path, expected: str) -> Iterator[None]:
-    """Makes the folder where it is missing, and holds it. InputError as `owned`."""
+    """Makes the folder if it is missing, and locks it. InputError as `owned`."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -25,9 +25,9 @@ def owned_folder(folder: Path, expected: str) -> Iterator[None]:
 
 @contextmanager
 def owned(lock: Path, folder: Path, expected: str) -> Iterator[None]:
-    """Holds the lock file, which is there while something is done in the folder.
+    """Holds the lock file, which exists during work in the folder.
 
-    InputError where another process holds it, or where it cannot be made.
+    InputError if another process holds it, or if it cannot be made.
     """
     try:
         file = lock.open("a")

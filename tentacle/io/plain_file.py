@@ -1,4 +1,6 @@
-"""Opening what must be a plain file: a link into nothing, a pipe, a device or a folder is named, never waited for."""
+"""Opens plain files only: a broken link, a pipe, a device or a folder is reported, and the program never waits
+for it.
+"""
 
 from __future__ import annotations
 

@@ -1,13 +1,13 @@
 """The pneumatic arm's motion capture (see tentacle.io.external_data) as recordings.
 
 The measured frame, in mm: x along the arm, from the clamp (about 22.7) to the tip plate (about 127); it bends mostly
-along y. What the source does not state was decided so:
+along y. The source does not state the following; these values were chosen:
 
 - The base's markers lie in the clamp's face: the arm's length is the tip markers' distance from it.
 - The tip's markers are points of the tip plate, s = 1; the axis is halfway between the lowest and the highest of them.
   An arm at rest counts as straight.
 - The arm is declared as a passive cone of silicone, which it is not. Its pressure was not recorded: the missing cause.
-- Which way gravity pulls is not stated. Its angle is declared as anything between -pi and pi.
+- The direction of gravity is not stated. Its angle is declared as a range from -pi to pi.
 - The section and the mass are not stated: a radius of 20 mm and 700 +- 300 kg/m3, for the chambers are hollow.
 """
 

@@ -1,4 +1,4 @@
-"""What a result was made from: versions of the libraries, hashes of the inputs."""
+"""The origin of a result: versions of the libraries, hashes of the inputs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LIBRARIES = ("tentacle-twin", "numpy", "scipy", "numba", "mujoco", "opencv-pytho
 
 
 def versions() -> dict[str, str]:
-    """Name -> version of what computes a result; a library that is not installed as a package is left out."""
+    """Name -> version of the libraries behind a result; a library that is not installed as a package is left out."""
     found = {}
     for name in LIBRARIES:
         try:

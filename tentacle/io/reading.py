@@ -1,4 +1,4 @@
-"""A recording from wherever it lies: an import folder or an .rrd file."""
+"""Reads a recording from an import folder or an .rrd file."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from tentacle.recording import Recording
 from tentacle.signals import Array, BaseTravel, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
 
 PLANNED = "/planned"  # s that the recording is to last, where it is written as it is measured
-# What a file is damaged in may make anything of it: another number of values, no value, another type.
+# Exceptions from damaged files: a wrong number of values, a missing value, a wrong type.
 DAMAGE = (ValueError, KeyError, IndexError, TypeError, AttributeError, OverflowError)
 
 
@@ -78,7 +78,7 @@ def _assembled(entities: dict[str, EntityColumns], file: Path) -> Recording:
 
 
 class _Comparison:
-    """A file's checksums, held against what was read. In an older file, which has none, everything passes."""
+    """Compares a file's checksums with the data. In an older file without checksums everything passes."""
 
     def __init__(self, sums: list[Sum], file: Path, *, has_sums: bool) -> None:
         self.has_sums = has_sums
@@ -87,7 +87,7 @@ class _Comparison:
         self._blocks = [one for one in sums if one.count]
 
     def once(self, signal: str, columns: dict[str, Array]) -> None:
-        """InputError where what is written once does not agree."""
+        """InputError if static data do not agree."""
         if self.has_sums and self._static.get(signal) != columns_digest(columns):
             raise self.error(signal)
 

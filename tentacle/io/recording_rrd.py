@@ -1,4 +1,4 @@
-"""A recording as one .rrd file, complete: what is read back from it alone equals the recording that was written.
+"""A recording as one complete .rrd file: reading it gives back the recording that was written.
 
 | entity | what is there (columns by name; rows on the timelines `time` [s] and `row`) |
 |---|---|
@@ -117,7 +117,7 @@ def log_recording(recording: Recording, stream: rr.RecordingStream) -> None:
 
 
 def once(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
-    """What a recording holds beside its rows, as columns: the midline's points, the shape's scale."""
+    """The static data of a recording as columns: the midline's points, the shape's scale."""
     found = {}
     if recording.midline is not None:
         found["midline"] = {"s": recording.midline.s}

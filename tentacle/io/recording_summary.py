@@ -1,4 +1,4 @@
-"""What a recording holds, a line a signal: for people who have just imported one."""
+"""A summary of a recording after its import: one line for each signal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""recording.toml as a text with comments, to begin a recording with; what it does not know yet it says how to find."""
+"""recording.toml as a text with comments, for a new recording; for a missing number the comment says how to find it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.
 
 
 def camera_text(camera: Camera | None) -> str:
-    """[camera] as the film shows it, or as comments that say how to find it."""
+    """[camera] from the film, or as comments that say how to find it."""
     if camera is None:
         return """\
 # [camera]                     # found from the film: tentacle new FOLDER --video FILM, or in the page of: tentacle app

@@ -1,4 +1,4 @@
-"""A folder of results, whole or not at all: written beside its place, then moved there, by one process at a time."""
+"""A folder of results, complete or absent: written beside its place, then moved there, by one process at a time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MARK = "partial"
 
 
 def replaced(folder: Path) -> str:
-    """What to say before results are written where results of an earlier run lie; empty where none do."""
+    """A warning before the results of an earlier run are replaced; empty if there are none."""
     held = folder.is_dir() and any(folder.iterdir())
     return f"{folder} holds earlier results: files of the same name are replaced" if held else ""
 

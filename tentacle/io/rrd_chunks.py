@@ -1,8 +1,8 @@
 """An .rrd file's chunks, one after the other, in bounded memory.
 
 A single wrong bit can make Rerun's reader abort its process. So it reads in a child process, and an abort there is an
-InputError here; only what this process has written itself, and nobody has touched since, is read directly.
-A file that was cut off is read up to its last whole message.
+InputError here. Only files that this process has written, unchanged since, are read directly. A file that was cut off
+is read up to its last whole message.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MESSAGE_HEADER = struct.Struct("<QQ")  # kind, length of what follows
 HEAD = struct.Struct("<?IQ")  # of a chunk from the child: static, length of the path, length of the batch
 CHILD_MEMORY = (
     4 * 2**30
-)  # bytes that the child may take beside eight times the file: a wrong length asks for any number
+)  # bytes that the child may use besides eight times the file, because a wrong length can ask for any number
 
 _own: dict[str, tuple[int, int, int]] = {}
 
@@ -45,7 +45,7 @@ class Chunk(NamedTuple):
 
 
 def just_written(file: Path) -> None:
-    """Remembers a file that this process has written as it stands: it may be read without a child."""
+    """Remembers a file that this process has just written: it may be read without a child."""
     _own[str(file.resolve())] = _identity(file)
 
 

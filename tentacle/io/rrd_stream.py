@@ -1,4 +1,4 @@
-"""A Rerun stream into a file, and an end to those that nobody holds any more."""
+"""A Rerun stream into a file, and the removal of streams that are no longer used."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ APPLICATION = "tentacle-twin"
 def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.RecordingStream:
     """A stream of that identity.
 
-    Each stream has a thread that wakes by the clock, and keeps it after its file is closed and its object gone: the
-    hundredth file of a sweep would be written beside ninety-nine of them. They are ended here, as rr.init does.
+    Each stream has a thread with a timer, which lives on after its file is closed and its object is gone. At the
+    hundredth file of a sweep there would be ninety-nine such threads. They are ended here, as rr.init does.
     """
     rerun_bindings.flush_and_cleanup_orphaned_recordings()
     return rr.RecordingStream(APPLICATION, recording_id=identity, send_properties=send_properties)
@@ -27,7 +27,7 @@ def new_stream(identity: str | UUID, *, send_properties: bool = True) -> rr.Reco
 
 @contextmanager
 def saved(stream: rr.RecordingStream, file: Path, blueprint: rr.blueprint.Blueprint | None = None) -> Iterator[None]:
-    """What is logged inside goes into the file. OSError where the disk does not take it to its end."""
+    """The data logged inside go into the file. OSError if the disk cannot store all of them."""
     disk = way_to_disk(file)
     try:
         try:
@@ -39,7 +39,7 @@ def saved(stream: rr.RecordingStream, file: Path, blueprint: rr.blueprint.Bluepr
         stream.disconnect()
     except BaseException:
         stream.disconnect()
-        with suppress(OSError):  # the first error is the one to be told
+        with suppress(OSError):  # report the first error
             disk.finish()
         raise
     disk.finish()

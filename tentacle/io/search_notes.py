@@ -1,4 +1,4 @@
-"""Notes of a running search, so that an interrupted one goes on where it was."""
+"""Notes of a running search, from which an interrupted search continues."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ class SearchNotes:
         self.key = hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()
 
     def scores(self) -> Iterator[Array]:
-        """The generations noted so far; the file is cut to its last whole line, and begun anew for another search."""
+        """The generations noted so far; the file is cut after its last complete line, and started again for another
+        search.
+        """
         self._path.parent.mkdir(parents=True, exist_ok=True)
         text = self._path.read_text(encoding="utf-8") if self._path.exists() else ""
         lines = text[: text.rfind("\n") + 1].splitlines()

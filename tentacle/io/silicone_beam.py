@@ -1,17 +1,17 @@
 """The silicone beam's motion capture (see tentacle.io.external_data) as recordings.
 
 The measured frame: x vertically up, z along the beam, y across it. The base frame of the recordings: y along the beam,
-n up; gravity pulls along -n, so its angle is -pi/2. How the geometry, which the source does not state, was decided:
+n up; gravity pulls along -n, so its angle is -pi/2. The source does not state the geometry. It was chosen as follows:
 
 - Before the release the beam is supported straight. A marker is a point of the material, and its (s, d) is where it
   lies in that straight pose. Curvature vanishes at the free end, so this holds for a marker that stands off the face.
-- The foremost tip marker is taken to sit on the tip face, s = 1; the clamp's face is then 100 mm behind it, at
-  z = -24.5 mm (gravity) and -27.6 mm (load52). The clamp's markers lie at -18 to -24 mm, their balls in front of that
-  face. The drop under its own weight, 6.6 mm, over the turn of the tip markers, 0.079 rad, says 101 mm (bending and
-  shear).
+- The foremost tip marker is assumed on the tip face, s = 1. The clamp's face is then 100 mm behind it, at z = -24.5 mm
+(gravity) and -27.6 mm (load52). The clamp's markers lie at -18 to -24 mm, their balls in front of that
+  face. The drop under its own weight, 6.6 mm, over the rotation of the tip markers, 0.079 rad, gives 101 mm (bending
+  and shear).
 - The axis is halfway between the upper and the lower tip marker, which are 29 mm apart on a face of 30 mm.
-- The release is where the first 3 mm of free fall extrapolate to no drop; the samples of a run agree to 3 ms. The
-  supporting hand does not let go at once: load52_V2_b creeps by 0.15 mm in the 0.1 s before.
+- The release is the time at which the first 3 mm of free fall extrapolate to zero; the samples of a run agree to 3 ms.
+The supporting hand does not let go at once: load52_V2_b moves by 0.15 mm in the 0.1 s before.
 - load52 is declared as the bare beam; the clamp moves by 0.1 mm, which is left out.
 """
 
@@ -74,9 +74,9 @@ def _metres(table: CsvTable, marker: str, axis: str) -> Array:
 
 
 def release_time(t: Array, drop: Array) -> float:
-    """When a fall from rest began [s]: t (N,) [s], drop (N,) [m] of the tip.
+    """Start of a fall from rest [s]: t (N,) [s], drop (N,) [m] of the tip.
 
-    A beam that is let go falls freely at first, all but its root: drop = g (t - release)^2 / 2.
+    Except near its root, a released beam first falls freely: drop = g (t - release)^2 / 2.
     """
     first = int(np.argmax(drop > LARGEST_FALL))
     falling = np.arange(len(t)) < first

@@ -1,6 +1,7 @@
-"""What every recording must obey, wherever it was read from: times that rise, SI units, sizes that fit together.
+"""Checks of every recording from any source: times that rise, SI units, consistent sizes.
 
-An import folder's tables are checked row by row before (tentacle.io.import_folder), so that the culprit has a line.
+Tables of an import folder are checked row by row before this (tentacle.io.import_folder), so that the message has a
+line number.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ MOST_POINTS = 10_000  # of a midline, and markers
 
 
 def reach_of(declaration: Declaration, travel: BaseTravel | None) -> float:
-    """How far from the origin [m] a point of the arm may lie."""
+    """Largest distance [m] of a point of the arm from the origin."""
     own = LARGEST_DISTANCE * declaration.specimen.length
     if travel is None or declaration.seen_from == "base":
         return own
@@ -31,7 +32,7 @@ def reach_of(declaration: Declaration, travel: BaseTravel | None) -> float:
 
 
 def check_recording(recording: Recording, file: Path) -> Recording:
-    """The recording; InputError at the first thing in it that cannot be."""
+    """The recording; InputError at the first impossible value."""
     reach = reach_of(recording.declaration, recording.travel)
     motor, load_cell = recording.motor, recording.load_cell
     if motor is not None:

@@ -72,23 +72,21 @@ def _line_of(text: str, section: str, key: str | None) -> int | None:
             opened = number if current == section and opened is None else opened
         elif key is not None and current == section and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*[=.]", line):
             return number
-    if (
-        opened is None and section and section.count(".") < 50
-    ):  # an inline table: it stands as a key in the table around it
+    if opened is None and section and section.count(".") < 50:  # an inline table is a key of the table around it
         parent, _, name = section.rpartition(".")
         return _line_of(text, parent, name)
     return opened
 
 
 class Table:
-    """One TOML table that is taken apart field by field; `finish` objects to whatever was not asked for.
+    """One TOML table that is read field by field; `finish` refuses fields that were not read.
 
     values: the table; name: its dotted path in the file ("" for the document); text: the file, for line numbers.
     """
 
     def __init__(self, values: Any, *, file: Path | None, name: str = "", text: str = "") -> None:
         self.file, self.name, self.text = file, name, text
-        self.uncertain: list[Uncertain] = []  # what `measured` met, here and in the tables inside
+        self.uncertain: list[Uncertain] = []  # uncertain numbers found by `measured`, here and in inner tables
         self._asked: set[str] = set()
         if not isinstance(values, Mapping):
             raise InputError(f"{_shown(values)} is not a table", file=file, field=name, expected=f"a table [{name}]")
@@ -113,7 +111,7 @@ class Table:
             return self._values[key]
         if default is _MISSING:
             close = get_close_matches(key, [k for k in self._values if k not in self._asked], n=1, cutoff=0.7)
-            problem = f"missing (there is {close[0]}: a slip of the pen?)" if close else "missing"
+            problem = f"missing (there is {close[0]}: misspelled?)" if close else "missing"
             raise self.error(problem, key, expected)
         return default
 
@@ -164,8 +162,8 @@ class Table:
         least: float = -math.inf,
         most: float = math.inf,
     ) -> float:
-        """A number as `number` takes it, or { value = , sd = }, or { low = , high = }: its mean is returned, and what
-        is uncertain about it is noted in `uncertain`.
+        """A number as in `number`, or { value = , sd = }, or { low = , high = }: returns its mean and stores its
+        uncertainty in `uncertain`.
         """
         if not isinstance(self._values.get(key), Mapping):
             return self.number(key, default, above=above, least=least, most=most)

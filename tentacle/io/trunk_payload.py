@@ -1,13 +1,13 @@
-"""The ASL trunk's motion capture (see tentacle.io.external_data) as recordings: one a trajectory.
+"""The ASL trunk's motion capture (see tentacle.io.external_data) as recordings, one for each trajectory.
 
 The measured frame: y vertically up, in metres; the arm hangs along -y from y = 0. Three discs are tracked, the third at
-the tip. What the source does not state was decided so:
+the tip. The source does not state the following; these values were chosen:
 
 - A disc is a marker on the axis, at the depth that all discs have at rest to 1 mm. Its d is where it lies at rest
   beside the vertical under the clamp: the arm at rest counts as straight. Rest is the end of the decay itself: the tip
   comes to rest up to 10 mm from where it did before. The clamp is above the first disc.
 - The plane of motion is the one of the tip's displacements (tentacle.plane). Its out-of-plane share is declared.
-- The hand lets go where the tip's path says (tentacle.release), with its standard deviation.
+- The time of the release comes from the tip's path (tentacle.release), with its standard deviation.
 - The tendon-driven runs have no release and no known rest. They are declared as a passive clamped arm that is straight.
 - The arm's mass and section are not known. Declared are a cone of 25 to 15 mm and a density of 800 +- 400 kg/m3: a mass
   of 0.32 +- 0.16 kg. Payloads are declared as 200 g also where 300 g hang there: that is the effect to be found.
@@ -33,7 +33,7 @@ DECAYS = ("observations_manual_decay_200g", "observations_manual_decay_200g_2", 
 DRIVEN = ("observations_controlled_1_0g", "observations_controlled_1_100g")
 DISCS = ("disc1", "disc2", "disc3")
 RATE = 100.0  # Hz
-LAST_FRAMES = 145  # frames at a decay's end: two periods of 1.4 Hz, over which what still swings has no mean
+LAST_FRAMES = 145  # frames at a decay's end: two periods of 1.4 Hz, over which the remaining swing averages out
 DENSITY, DENSITY_SD = 800.0, 400.0  # kg/m^3
 DECLARED_PAYLOAD = 0.2  # kg, in the decays
 DOWN = np.array([0.0, -1.0, 0.0])

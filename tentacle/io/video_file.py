@@ -1,4 +1,4 @@
-"""Video as a lab hands it over: one file, or a folder of numbered PNG frames. Found, and tried before it is used."""
+"""A lab's video: one file, or a folder of numbered PNG frames. It is found and tested before use."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def frame_files(folder: Path) -> list[Path]:
 
 
 def misnamed_video(folder: Path) -> Path | None:
-    """A film in the folder under a name that is not read: the camera's own, or video.MP4; None where there is none."""
+    """A film in the folder with a wrong name, such as the camera's own or video.MP4; None if there is none."""
     films = [file for file in sorted(folder.iterdir()) if file.is_file() and file.suffix.lower() in VIDEO_SUFFIXES]
     return films[0] if films else None
 

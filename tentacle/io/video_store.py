@@ -1,6 +1,6 @@
-"""Where a video that came inside an .rrd is put, since readers of video want a file: a cache named by content.
+"""A cache for videos from .rrd files, because video readers need a file. The names are hashes of the content.
 
-What lies there is compared with its name before it is used. What was not used for a day goes once the cache is over
+A file is compared with its name before use. Files unused for a day are deleted if the cache is larger than
 TENTACLE_VIDEOS_GB (default 4).
 """
 

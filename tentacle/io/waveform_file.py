@@ -28,7 +28,7 @@ from tentacle.io.written_file import write_text
 from tentacle.waveform import Chirp, Multisine, Ramped, Rest, Sine, Waveform
 
 WAVEFORM_KINDS = ("rest", "sine", "chirp", "multisine", "gait", "samples")
-# What a base can do, generously; beyond it squares of these numbers are no numbers any more.
+# Generous limits of a base motion; squares of larger numbers overflow.
 LARGEST_ANGLE = 1000.0  # rad, of an amplitude or a phase
 HIGHEST_FREQUENCY = 10_000.0  # Hz
 SHORTEST = 1e-6  # s

@@ -1,4 +1,4 @@
-"""A recording as an import folder: the same files that a lab would hand over, every digit kept."""
+"""A recording as an import folder: the same files as from a lab, with all digits."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from tentacle.signals import Markers, Midline
 def write_folder(recording: Recording, folder: Path) -> Path:
     """Write an import folder that read_folder gives back; the folder appears whole or not at all.
 
-    Raises InputError where the path is taken, or where the recording has a shape track: that is no measurement but
-    what vision made of one, and only .rrd holds it.
+    Raises InputError if the path is taken, or if the recording has a shape track. A track is a result of vision and not
+    a measurement; only .rrd files have it.
     """
     folder = Path(folder)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):

@@ -1,4 +1,4 @@
-"""A file that appears whole or not at all, and is on the disk before it has its name."""
+"""A file that appears complete or not at all; its content is on the disk before it gets its name."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def write_text(file: Path, text: str) -> None:
 
 
 def sync(path: Path) -> None:
-    """Waits until a file's content, or a folder's names, are on the disk; some folders cannot be asked."""
+    """Waits until a file's content, or a folder's names, are on the disk; for some folders this is impossible."""
     opened = os.open(path, os.O_RDONLY)
     try:
         with suppress(OSError) if path.is_dir() else _nothing():

@@ -1,4 +1,5 @@
-"""A law of force as data: an expression in known quantities and named parameters, its dimension checked, never eval'ed.
+"""A force law as data: an expression in known quantities and named parameters, with a check of its dimension and
+without eval.
 
-Both models take the same expression and put in their own quantities; this package holds no equation of motion.
+Both models use the same expression with their own quantities; this package has no equation of motion.
 """

@@ -39,9 +39,10 @@ DIMENSIONLESS = Dimension()
 
 
 def dimension_of(unit: str) -> Dimension:
-    """The dimension of a unit such as "N/m^2", "Pa s" or "1/s^1.5". ValueError where it is not made of SI units.
+    """The dimension of a unit such as "N/m^2", "Pa s" or "1/s^1.5".
 
-    A slash divides by the one factor after it. Prefixes (mm, kPa) are refused: a value's size must be its SI value.
+    ValueError if it is not made of SI units. A slash divides by the next factor only. Prefixes (mm, kPa) are refused,
+    because values must be in SI units.
     """
     found = DIMENSIONLESS
     for sign, factor in re.findall(r"(/?)\s*([^\s/*]+)", unit):

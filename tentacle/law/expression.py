@@ -1,4 +1,4 @@
-"""Expressions of the grammar of laws: read by a parser of our own, checked for dimension, evaluated on any numbers.
+"""Expressions of the grammar of laws: read by a small parser, checked for dimension, evaluated on any numbers.
 
     sum     = product { ("+" | "-") product }
     product = signed { ("*" | "/") signed }
@@ -6,7 +6,7 @@
     power   = atom [ "^" signed ]
     atom    = number | name | function "(" sum ")" | "(" sum ")"
 
-An exponent is a number, or has no dimension where its base has none.
+An exponent is a number or, if its base has no dimension, an expression without dimension.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any
 from tentacle.law.dimension import DIMENSIONLESS, Dimension
 
 LONGEST, DEEPEST = 2000, 40  # characters, brackets in brackets
-# A function's name, and what it does with the dimension of its argument: keeps it, takes the root, or wants none.
+# A function's name, and its rule for the dimension of the argument: keep it, take the root, or require none.
 FUNCTIONS = {
     "abs": "keeps", "positive": "keeps", "sqrt": "root", "sign": "none of any",
     "exp": "none", "sin": "none", "cos": "none", "tanh": "none",
@@ -63,7 +63,7 @@ Node = Number | Name | Call | Binary
 
 
 class LawError(ValueError):
-    """What is wrong with an expression, in a few words."""
+    """An error in an expression, in a few words."""
 
 
 class _Parser:

@@ -1,4 +1,4 @@
-"""The written laws that this process uses beside the catalogue, and what must be made anew when they change."""
+"""The written laws that this process uses beside the catalogue, and the caches that depend on them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an expression of a law may name besides its own parameters, and the unit of each.
+"""The quantities that a law's expression may use besides its own parameters, with their units.
 
 Names and meanings are those of docs/catalogue.md. A law along the arm sees them at each section, one at the tip there.
 """

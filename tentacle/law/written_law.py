@@ -1,4 +1,4 @@
-"""A law as it is written in an effect file.
+"""A law from an effect file.
 
     line:    df/ds = L (force_n n + force_t t + force_x e_x + force_y e_y)     [N/m], at every section
     tip:     F = force_n n + force_t t + force_x e_x + force_y e_y             [N], at s = 1
@@ -73,8 +73,8 @@ class WrittenLaw:
         return {name: parse(text) for name, text in texts.items()}
 
     def check(self) -> None:
-        """LawError where an expression is none, a name is unknown, a dimension is wrong, or the law does not vanish
-        with its strengths.
+        """LawError for a bad expression, an unknown name, a wrong dimension, or a law that does not vanish with its
+        strengths.
         """
         known, unit = dimensions(self.acts)
         known = {name: own for name, own in known.items() if name != "memory" or self.relaxation is not None}
@@ -137,7 +137,9 @@ class WrittenLaw:
 
 
 def functions_from(sqrt: Any, exp: Any, sin: Any, cos: Any, tanh: Any) -> dict[str, Callable[[Any], Any]]:
-    """The grammar's functions out of a library's five; abs, positive and sign are smooth, so laws have slopes."""
+    """The grammar's functions from five functions of a library; abs, positive and sign are smooth, so that laws have
+    slopes.
+    """
 
     def rounded(z: Any, width: float) -> Any:
         return sqrt(z * z + width**2)

@@ -11,6 +11,7 @@ import torch
 
 import affine_model.effects as folder
 from affine_model.arm import Arm, active_effects, parameter_index, parameter_rows
+from affine_model.base_signal import DRIVE_TRAIN
 from affine_model.dynamics import Instant, advanced_memory, balance, parameters_of
 from affine_model.effect import QUANTITIES, Effect
 from affine_model.effects import absent_effects, catalogue
@@ -51,7 +52,7 @@ def random_state(seed):
     return u, rng.normal(size=5) * [4.0, 3.0, 2.0, 3.0, 0.1], rng.normal(size=(1, ARM.nodes)) * 0.3
 
 
-def test_the_catalogue_holds_the_contract_and_nothing_unnamed():
+def test_the_catalogue_holds_the_names_of_the_contract():
     names = {effect.name for effect in absent_effects()}
     assert names >= CONTRACT
     assert {effect.name for effect in BASE_EFFECTS} == {"inertia", "elasticity", "damping", "weight", "drag"}
@@ -64,6 +65,10 @@ def test_one_file_is_one_effect_of_the_same_name():
         assert found == [info.name.upper()]
         assert getattr(module, info.name.upper()).name == info.name
         assert module.__doc__
+
+
+def test_every_servo_effect_has_its_place_in_the_drive_train():
+    assert {effect.name for effect in catalogue().values() if effect.base} == {effect.name for effect in DRIVE_TRAIN}
 
 
 @each_effect

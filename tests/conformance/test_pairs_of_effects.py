@@ -101,11 +101,9 @@ def test_an_arm_that_nothing_pulls_keeps_the_shape_it_was_cast_in(first):
         np.testing.assert_allclose(equilibrium(arm, p, t=10.0), [0.5, *[0.0] * (ORDER - 1)], atol=1e-9)
 
 
-@pytest.mark.parametrize("name", sorted({*NAMES, "amplitude_damping", "unnamed"} - PULLING))
+@pytest.mark.parametrize("name", sorted({*NAMES, "amplitude_damping"} - PULLING))
 def test_the_chain_too_rests_as_it_was_cast(name):
     parameters = nominal((name,)) | {"intrinsic_curvature": {"c0": 0.5}, "stiffness_drift": {"rate": 0.02}}
-    if name == "unnamed":
-        parameters["unnamed"] = {"tip_brake": 0.5, "stiff_tip": 0.05, "slow_tip": 0.005}  # what pulls nothing at rest
     stepper = make_stepper(model_with(parameters, AIR, WEIGHTLESS), links=12)
     state = rest_of_chain(stepper, 0.0)
     np.testing.assert_allclose(12.0 * state.q[3:], 0.5, atol=1e-8)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
-from affine_model.base_signal import Servo, Steps, base_table
+from affine_model.base_signal import Steps, base_table
 from affine_model.curvature import points_beside
 from affine_model.simulate import Start, Timing, simulate
 from inference.base_fit import Setting
@@ -34,7 +34,7 @@ def problem():
         parameters[parameter_index(*name)] = value
     still = Multisine((0.0,), (1.0,), (0.0,))
     steps = round(2.5 / STEP)
-    base = base_table(still, Steps(RELEASE, STEP, steps), Servo.of(parameters[:, None]))
+    base = base_table(still, Steps(RELEASE, STEP, steps), parameters[:, None])
     bent = arm.to_monomial @ np.array([[0.3], [-0.05]])
     run = simulate(arm, parameters[:, None], base, Timing(STEP, EVERY), start=Start(q=bent, t0=RELEASE))
     before = np.arange(0.0, RELEASE - 1e-9, STEP * EVERY)

@@ -8,7 +8,8 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index
-from affine_model.base_signal import Servo, Steps, base_table, play_operator, step_middles
+from affine_model.base_laws import play_operator
+from affine_model.base_signal import Steps, base_table, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.simulate import Start, Timing, simulate
 from inference.experiment import Experiment
@@ -147,8 +148,11 @@ def test_a_tracks_covariance_is_passed_on_whole():
     assert np.allclose(back @ np.linalg.inv(root.T @ root) @ back.T, covariance[0], rtol=1e-9)
 
 
-def servo(*, tau=0.0, period=0.0, play=0.0, delay=0.0, sprung=0.0):
-    return Servo(np.array([play]), (np.array([delay]), np.array([sprung])), (np.array([tau]), np.array([period])))
+def servo(*, tau=0.0, period=0.0, play=0.0):
+    parameters = neutral_parameters()
+    for effect, name, value in (("servo_lag", "tau", tau), ("servo_lag", "period", period), ("backlash", "play", play)):
+        parameters[parameter_index(effect, name)] = value
+    return parameters[:, None]
 
 
 def test_a_servo_of_second_order_has_its_gain_and_phase():

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from affine_model.base_signal import Servo, Steps, base_table
+from affine_model.arm import neutral_parameters, parameter_index
+from affine_model.base_signal import Steps, base_table
 from mujoco_ref.motor import motor_signal
 from tentacle.waveform import Multisine, Sine
 
@@ -12,8 +13,12 @@ WAVE = Multisine((0.3, 0.2), (0.6, 1.7), (0.0, 1.0))
 
 
 def reduced(play=0.0, delay=0.0, sprung=0.0, tau=0.0, period=0.0):
-    one = [np.array([value]) for value in (play, play * delay, play * sprung, tau, period)]
-    return Servo(one[0], (one[1], one[2]), (one[3], one[4]))
+    parameters = neutral_parameters()
+    given = {"backlash": {"play": play, "delay": delay, "period": sprung}, "servo_lag": {"tau": tau, "period": period}}
+    for effect, values in given.items():
+        for name, value in values.items():
+            parameters[parameter_index(effect, name)] = value
+    return parameters[:, None]
 
 
 @pytest.mark.parametrize(("tau", "period"), [(0.05, 0.0), (0.05, 0.3), (0.02, 0.1)])

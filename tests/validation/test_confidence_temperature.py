@@ -28,6 +28,7 @@ def series(seed: int) -> list[Outcome]:
 def test_the_temperature_is_the_likeliest_over_two_series() -> None:
     trials = series(400001) + series(500001)
     best = fit_temperature(trials)
+    assert best is not None
     # Half a nat: within one standard error of the likeliest.
     assert temperature_cost(trials, CONFIDENCE_TEMPERATURE) < temperature_cost(trials, best) + 0.5
     # The posterior mass itself loses far more, in each series by itself too.

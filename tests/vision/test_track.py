@@ -124,7 +124,7 @@ def test_third_coordinate_is_noticed_when_not_fitted(tmp_path):
     assert track(*film_and_words).coefficients.shape[1] == 4  # [offset, q1, q2, q3]
     forced = track_fully(*film_and_words, following=Following(2))
     assert forced.shape.coefficients.shape[1] == 3
-    assert any("order 2 leaves curvature" in remark for remark in forced.remarks)
+    assert any("more curvature than order 2" in remark for remark in forced.remarks)
 
 
 def test_the_fifth_coordinate_is_found_where_it_is():

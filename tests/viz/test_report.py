@@ -125,11 +125,11 @@ def test_what_the_likelihood_says_is_shown_where_it_is_there(case):
     }  # fmt: skip
     assert sure_words(told) == [
         "What was found explains 93 % of the force that was missing (88 to 96 %).",
-        "Every likely answer has current in it.",
+        "All likely answers contain current.",
         "By recording: a: current; b: nothing.",
     ]
     titles = [section.title for section in limits_sections(told)]
-    assert titles == ["Likely answers", "Laws proposed", "What would have been seen"]
+    assert titles == ["Likely answers", "Laws proposed", "What would have been detected"]
     assert limits_sections(case.diagnosis.verdict_json()) == []
 
 

@@ -1,1 +1,1 @@
-"""Exports held against the recording that made the model, and models that come from another program."""
+"""Comparison of an export with the recording from which its model was identified."""

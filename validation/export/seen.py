@@ -1,4 +1,4 @@
-"""Where a recording shows the arm: points of the axis or beside it, whatever measured them."""
+"""The points at which a recording shows the arm, on the axis or beside it, from any kind of measurement."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.signals import Array
 
-TRACKED_POINTS = np.linspace(0.05, 1.0, 20)  # of the axis, where a video's shape stands for the points
+TRACKED_POINTS = np.linspace(0.05, 1.0, 20)  # places on the axis at which a tracked shape is evaluated
 
 
 @dataclass(frozen=True)
 class ObservedPoints:
     """Points (s, d) of the arm over time: t (T,) [s], s (P,), d (P,) [m] along the normal, xy (T, P, 2) [m], NaN where
-    not seen. camera: the clamp may lie beside where the declaration puts it.
+    not seen. camera: whether the clamp's place in the picture is uncertain.
     """
 
     t: Array

@@ -1,8 +1,9 @@
-"""Ours beside a recording, and the state it starts in: least squares over initial shape, rates and the clamp's shift.
+"""The reduced model beside a recording, and its initial state: least squares over initial shape, rates and the clamp's
+shift.
 
-    minimise  sum_t,p |y(t, s_p) - x(t, s_p; q(0), q'(0)) - shift|^2,   all else as the model says
+    minimise sum_t,p |y(t, s_p) - x(t, s_p; q(0), q'(0)) - shift|^2, with all other numbers from the model
 
-An export is started in the same state, so that its error differs by what the export is, not by how it was begun.
+An export starts in the same state, so that the difference of the errors comes from the export alone.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from affine_model.arm import arm_of, parameter_index, parameter_vector
-from affine_model.base_signal import Servo, Steps, base_table, step_middles
+from affine_model.base_signal import Steps, base_table, has_servo_effects, step_middles
 from affine_model.curvature import points_beside
 from affine_model.effects.camera_roll import shift_by_roll
 from affine_model.effects.time_offset import shown_times
@@ -36,9 +37,9 @@ STATE_NUDGE = 1e-4  # rad, rad/s; of the differences that give the derivatives
 class Started:
     """A recording and the state in which its simulation starts.
 
-    t (T,) [s]: when the arm is at what the frames show, after `start` [s]; q, q_rate (n,) [rad, rad/s]; shift (2,) [m];
-    base: the clamp's motion after servo lag and play; error_mm: ours, rms over points and frames; converged: whether
-    the fit of the start ended before its evaluations did.
+    t (T,) [s]: times at which the arm is as the frames show it, after `start` [s]; q, q_rate (n,) [rad, rad/s]; shift
+    (2,) [m]; base: the clamp's motion after servo lag and play; error_mm: of the reduced model, rms over points and
+    frames; converged: whether the fit of the start converged.
     """
 
     seen: ObservedPoints
@@ -96,7 +97,7 @@ def start_of(model: Model, recording: Recording) -> Started:
 
 
 def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
-    """The shape of the first frame, its points fitted alone."""
+    """The shape of the first frame, fitted to its points alone: a start for the fit of the run."""
     first = shown.xy[0]
     usable = np.isfinite(first).all(axis=1)
 
@@ -108,17 +109,16 @@ def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
 
 
 def _clamp(recording: Recording, model: Model, start: float, stop: float) -> Waveform:
-    """theta(t) at the clamp: the measured angle, behind the servo's lag and play where the model has them."""
-    parameters = parameter_vector(model)
-    servo = Servo.of(parameters[:, None])
+    """theta(t) at the clamp: the measured angle, behind the servo's lag and play if the model has them."""
+    parameters = parameter_vector(model)[:, None]
     if recording.motor is None:
         still = np.zeros(8)
         return _Table(np.linspace(start - 1.0, stop + 1.0, 8, dtype=np.float64), np.stack([still, still, still]))
     motion: BaseMotion = fit_base_motion(recording.motor)
-    if not any(servo.individuals[0]):
+    if not has_servo_effects(parameters):
         return motion
     steps = int(np.ceil((stop + LAST_FRAME_MARGIN - start) / REDUCED_STEP)) + 2
-    table = base_table(motion, Steps(start - REDUCED_STEP, REDUCED_STEP, steps), servo)[:, :, 0]
+    table = base_table(motion, Steps(start - REDUCED_STEP, REDUCED_STEP, steps), parameters)[:, :, 0]
     return _Table(step_middles(start - REDUCED_STEP, REDUCED_STEP, steps), table)
 
 
@@ -134,7 +134,9 @@ class _Table:
 
 
 class _Ours:
-    """Ours under a recording's base motion, for many starts at once; unknowns: q(0), q'(0) if moving, shift."""
+    """The reduced model under a recording's base motion, for many starts at once; unknowns: q(0), q'(0) if moving,
+    shift.
+    """
 
     def __init__(
         self, model: Model, shown: ObservedPoints, t: Array, start: float, base: Waveform, moving: bool
@@ -179,12 +181,12 @@ class _Ours:
         return np.stack(shown, axis=-1)
 
     def residuals(self, unknowns: Array) -> Array:
-        """Distances [mm] in both directions; what was not seen is 0."""
+        """Distances [mm] in both directions; 0 for points that were not seen."""
         miss = 1e3 * (self.points(unknowns[:, None])[..., 0] - self.shown.xy)
         return np.nan_to_num(miss).ravel()
 
     def jacobian(self, unknowns: Array) -> Array:
-        """Its derivatives by one batch of differences; what was not seen has none."""
+        """Its derivatives by one batch of differences; 0 for points that were not seen."""
         steps = STATE_NUDGE * self.scales / 0.1
         points = self.points(np.concatenate([unknowns[:, None], unknowns[:, None] + np.diag(steps)], axis=1))
         slope = 1e3 * (points[..., 1:] - points[..., :1]) / steps

@@ -1,8 +1,8 @@
-"""Plants for trials: simulators of an arm in a tank that the loop is tried on. Each hides effects by laws of its own.
+"""Plants for trials: simulators of an arm in a tank, on which the loop is tested. Each hides effects by its own laws.
 
-make(plant, seed) gives a recording as a lab would have it, and the truth about it. The same plant and seed give the
+make(plant, seed) gives a recording like one from a lab, and the truth about it. The same plant and seed give the
 same recording. Plants: "stranger", a rod of point masses that shares no line with the project's two models; "chain",
-rigid links in MuJoCo, with other links, hinges and steps than the chain whose error the loop takes off; "elastica",
+rigid links in MuJoCo, whose links, hinges and steps differ from those of the chain that the loop uses; "elastica",
 PyElastica's rod, which also shears (where PyElastica is installed).
 """
 

@@ -1,4 +1,4 @@
-"""What a camera makes of the arm: late, turned, scaled, with noise; each by two accepted ways or more."""
+"""The camera's errors: time offset, roll and scale, each by two or more published laws."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 from tentacle.signals import Array
 
 CLOCK = 5e-4  # s/s by which a poor clock drifts, of a constant offset's own sign
-DISTORTION = 0.5  # of the scale's error, how much more of it at one arm's length
+DISTORTION = 0.5  # relative growth of the scale's error over one arm's length
 
 
 def looks_at(t: Array, numbers: dict[str, float], laws: dict[str, str]) -> Array:
-    """When each frame that is stamped t is taken [s]."""
+    """The time [s] at which a frame with the stamp t is taken."""
     if "time_offset" not in laws:
         return t
     offset = numbers["offset"]
@@ -20,7 +20,7 @@ def looks_at(t: Array, numbers: dict[str, float], laws: dict[str, str]) -> Array
 
 
 def seen(xy: Array, length: float, numbers: dict[str, float], laws: dict[str, str]) -> Array:
-    """Points (T, P, 2) [m] as the picture has them."""
+    """Points (T, P, 2) [m] as the picture shows them."""
     if "camera_scale" in laws:
         excess = numbers["excess"]
         more = 1.0

@@ -1,4 +1,4 @@
-"""A chain of rigid links in MuJoCo: other links, other hinges, other steps than the chain that the loop knows.
+"""A chain of rigid links in MuJoCo, with other links, hinges and steps than the chain that the loop uses.
 
 Hinges stand at the beginnings of equal links, the first at the clamp with half a link's bend. Drawn: 24 to 60
 links, steps of .25 to .5 ms. MuJoCo gives M and its bias forces; (M + M_water + h D + h^2 K) a = F at the step's
@@ -26,14 +26,14 @@ SMALLEST = 1e-14  # kg m^2: MuJoCo takes no inertia below 1e-15
 
 
 def plant(trial: Trial) -> Plant:
-    """The trial's chain: how many links it has and how long its steps are is drawn."""
+    """The trial's chain: the number of links and the step are drawn at random."""
     random = np.random.default_rng([trial.seed, 22])
     links, step = int(random.integers(FEWEST, MOST + 1)), float(random.uniform(*STEPS))
     return Plant(mover(links), step, {"links": links, "step_s": 0.5 * step})
 
 
 def mover(links: int) -> Mover:
-    """What moves a chain of so many links as filmed.Mover does; it takes two steps for one that is asked."""
+    """The Mover (see filmed) of a chain with that many links; it makes two steps for each requested one."""
 
     def move(laws: np.ndarray, theta: Array, step: float, every: int) -> tuple[Array, Array]:
         model, mass, centre = _compiled(laws[0], links)
@@ -95,7 +95,7 @@ def _compiled(laws: np.void, links: int) -> tuple[Any, Array, Array]:
         body.inertia, body.explicitinertial = [max(float(across), SMALLEST)] * 3, True
         if i == 0:
             drive = body.add_joint(name="theta", type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1])
-            drive.armature = 1.0  # the base turns as it is told; two hinges in one place would be singular
+            drive.armature = 1.0  # the base turns as prescribed; two hinges in one place would be singular
         body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1])
     if laws["payload"] > 0.0:
         hung = body.add_body(pos=[float(laws["payload_drop"]), long + float(laws["payload_reach"]), 0.0])
@@ -106,10 +106,10 @@ def _compiled(laws: np.void, links: int) -> tuple[Any, Array, Array]:
 
 @njit(cache=True)
 def _accelerated(laws, state: Array, drive, memory: Array, links, times):
-    """Nodes (n + 1, 2) [m], the force along y on the mount [N], accelerations of the hinges (n,). Memory is carried.
+    """Nodes (n + 1, 2) [m], the force along y on the mount [N], accelerations of the hinges (n,).
 
-    drive: the base's acceleration, MuJoCo's bias forces and mass matrix; links: mass and centre (n,); times: t and half
-    the step [s].
+    The memories are advanced. drive: the base's acceleration, MuJoCo's bias forces and mass matrix; links: mass and
+    centre (n,); times: t and half the step [s].
     """
     turn, bias, full = drive
     mass, centre = links

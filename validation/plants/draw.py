@@ -1,4 +1,4 @@
-"""What a trial is made of, drawn from its seed: an arm, a motion, hidden effects, their laws and strengths, noise."""
+"""One trial, drawn from its seed: arm, motion, hidden effects, their laws and strengths, noise."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from validation.plants.laws import LAWS, OUTSIDE
 from validation.plants.typical import TYPICAL, Draw, Numbers
 
 NOTHING, SOMETHING_ELSE, TWO = 0.2, 0.15, 0.2  # shares of trials with none, with one outside the catalogue, with a pair
-CARRIES = 0.5  # share of trials whose declaration has added mass in it, and whose water is carried
+CARRIES = 0.5  # share of trials that declare added mass and have it
 FASTEST = 6.0  # rad/s that a servo turns
-# What a camera or a servo does is no number of the tank's record.
+# Effects of camera and servo are not in the tank's record.
 SEEN = ("time_offset", "camera_roll", "camera_scale")
 MOVED = ("servo_lag", "backlash")
 
@@ -31,7 +31,7 @@ class Hidden:
     most: float = np.inf
 
     def times(self, factor: float) -> Hidden:
-        """The effect that many times as strong, `most` at most."""
+        """The effect with its strength times a factor, at most `most`."""
         factor = min(factor, self.most / max(abs(self.numbers[name]) for name in self.strengths))
         changed = {name: factor * self.numbers[name] for name in self.strengths}
         return Hidden(self.effect, self.law, {**self.numbers, **changed}, self.strengths, self.most)
@@ -57,7 +57,7 @@ class Trial:
     sigma: float
 
     def theta(self, t: Array) -> Array:
-        """Angle that the servo is asked for [rad], after a soft start through the first second."""
+        """Commanded angle of the servo [rad], with a smooth start during the first second."""
         amplitude, frequency, phase = self.motion
         if self.chirps:
             first, last = frequency
@@ -87,7 +87,7 @@ USUAL_FILMING = Filming()
 def drawn(
     seed: int, effects: Sequence[str] | None, laws: Mapping[str, str], filming: Filming, size: tuple[float, float]
 ) -> Trial:
-    """The trial of a seed; what is given is not drawn."""
+    """The trial of a seed; arguments that are given are not drawn."""
     random = np.random.default_rng([seed, 20])
     arm = _arm(random)
     chirps = bool(random.uniform() < 0.5)

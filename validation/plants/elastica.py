@@ -2,9 +2,9 @@
 
 PyElastica gives the rod's strains and its internal forces f and torques m. With v of the nodes, w of the elements:
 M_water dv = h (f + water + weight), (J + h/2 D) dw = h (m + material + couples), positions half a step before and after
-(position Verlet, damping by the trapezoidal rule). Against the rod of point masses, in 22 mm of motion: a bare arm .16
-mm off (shear, the sections' turning), its load 3 to 4 %; added mass, payload, soft spot, memory .3 to 3.5 % of what
-they move. No line is shared with the project's two models.
+(position Verlet, damping by the trapezoidal rule). Difference from the rod of point masses, in 22 mm of motion: .16 mm
+for a bare arm (shear and rotary inertia), 3 to 4 % for its load; .3 to 3.5 % of the change by added mass, payload, soft
+spot or memory. It shares no code with the project's two models.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from validation.plants.tank import on_piece
 
 PIECES = 32
 STEP = 5e-5  # s, at most: waves of shear and stretch cross no more than a third of a piece
-GRIP = 0.3  # of what an explicit dashpot may take in a step: stretch and shear ring at no frequency that a camera sees
+GRIP = 0.3  # share of the largest stable explicit dashpot: stretch and shear vibrate faster than a camera can show
 
 
 def plant(_: Trial) -> Plant:
@@ -108,7 +108,7 @@ def _drift(x: Array, v: Array, phi: Array, w: Array, h: float, directors: Array)
 
 @njit(cache=True)
 def _dashpots(law, fixed, moving, force: Array, torque: Array, h: float) -> None:
-    """Dashpots of stretch and shear, as strong as an explicit step of length h bears."""
+    """Dashpots of stretch and shear, as strong as is stable with an explicit step h."""
     _, _, lengths, radius = fixed
     x, v, phi, w = moving
     density = law.density * (1.0 + law.heavier)
@@ -186,7 +186,8 @@ def _kick(law, fixed, moving, inner, memory: Array, now):
     taut = law.thread * max(0.0, far - law.slack) / max(far, 1e-9)
     force[0, n] += hang_x + draw * dx + taut * wx
     force[1, n] += hang_y + draw * dy + taut * wy
-    # Nodes: two by two, the last with the payload on its lever, whose turn is eliminated from the elements' system.
+    # Nodes: 2 x 2 blocks; the last has the payload on its lever, whose rotation is eliminated from the elements'
+    # system.
     xx = xy = yy = gx = gy = 0.0
     determinant = 1.0
     for i in range(1, n + 1):

@@ -1,4 +1,4 @@
-"""A plant filmed: hidden effects sized by what the camera shows of them, the run, the recording and its truth."""
+"""A filmed plant: hidden effects scaled to a change of the picture, the run, the recording and its truth."""
 
 from __future__ import annotations
 
@@ -23,14 +23,16 @@ PLACES = np.linspace(0.0, 1.0, 31)
 # (record, base angle at half steps [rad], step [s], every how many steps) -> places (T, P, 2) [m] at P even points from
 # clamp to tip, and the force along y on the mount (T,) [N].
 Mover = Callable[[np.ndarray, Array, float, int], tuple[Array, Array]]
-LONGER = 0.5  # s beyond the last frame, for a camera that is early
+LONGER = 0.5  # s beyond the last frame, for a camera with a time offset
 LOAD_NOISE = 5e-4  # N
-SIZING = 8.0  # s of film by which a hidden effect is sized
+SIZING = 8.0  # s of film from which a hidden effect's strength is found
 
 
 @dataclass(frozen=True)
 class Plant:
-    """What moves a trial's arm, in steps of `step` [s] at most, and what the truth says of it beside (plain data)."""
+    """The function that moves a trial's arm, in steps of at most `step` [s], and its entries in the truth (plain
+    data).
+    """
 
     move: Mover
     step: float = STEP
@@ -39,10 +41,10 @@ class Plant:
 
 @dataclass(frozen=True)
 class Shown:
-    """What a plant's run shows without noise.
+    """A plant's run without noise. hidden: the effects, at the strengths that act. xy, bare (T, P, 2) [m]: the midline
+    in the picture with the hidden effects and without.
 
-    hidden, at the strengths that act. xy, bare (T, P, 2) [m]: the midline in the picture with the hidden effects and
-    without. load (T,) [N], command (T,) [rad] at the frames' times t (T,) [s], the first at 0.
+    load (T,) [N], command (T,) [rad] at the frames' times t (T,) [s], the first at 0.
     """
 
     hidden: tuple[Hidden, ...]
@@ -54,7 +56,7 @@ class Shown:
 
 
 def shown(trial: Trial, plant: Plant) -> Shown:
-    """The trial run, its hidden effects sized as it asks."""
+    """The trial's run, with the hidden effects at the requested size."""
     hidden = _sized(trial, plant)
     xy, load, command, t = film(trial, plant, hidden)
     bare = film(trial, plant, ())[0] if hidden else xy
@@ -62,7 +64,7 @@ def shown(trial: Trial, plant: Plant) -> Shown:
 
 
 def declaration_of(trial: Trial) -> Declaration:
-    """What is believed of the trial's arm: nothing of what is hidden."""
+    """The declaration of the trial's arm, without the hidden effects."""
     arm = trial.arm
     specimen = Specimen(Cone(arm["base_radius"], arm["tip_radius"]), arm["length"], arm["density"])
     fluid = Fluid(arm["water"], "section" if trial.carries else "none")
@@ -70,7 +72,7 @@ def declaration_of(trial: Trial) -> Declaration:
 
 
 def recorded(trial: Trial, run: Shown) -> Recording:
-    """What a lab has of the run: the midline with the trial's noise, the servo's log and the load cell's."""
+    """The recording as a lab has it: the midline with the trial's noise, the servo's log and the load cell's."""
     random = np.random.default_rng([trial.seed, 21])
     noisy = run.xy + trial.sigma * random.standard_normal(run.xy.shape)
     return Recording(
@@ -100,11 +102,13 @@ def truth_of(trial: Trial, plant: Plant, run: Shown) -> dict[str, Any]:
 
 
 def _sized(trial: Trial, plant: Plant) -> tuple[Hidden, ...]:
-    """Each hidden effect at its wanted size, by two corrections of a shorter run; added mass is what the water is."""
+    """Each hidden effect at the requested size, by up to three corrections with a shorter run; added mass is not
+    scaled.
+    """
     if not trial.hidden:
         return ()
     short = replace(trial, seconds=min(trial.seconds, SIZING))
-    if trial.chirps and short.seconds < trial.seconds:  # the same part of the sweep
+    if trial.chirps and short.seconds < trial.seconds:  # the same part of the chirp
         amplitude, (first, last), phase = trial.motion
         last = first + (last - first) * (short.seconds + SETTLED) / (trial.seconds + SETTLED)
         short = replace(short, motion=(amplitude, np.array([first, last]), phase))

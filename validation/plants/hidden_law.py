@@ -1,4 +1,4 @@
-"""Laws of force that no catalogue has, as one kind and nine numbers of the record; kinds are places in KINDS.
+"""Force laws outside the catalogue, as one kind and nine numbers of the record; a kind is an index into KINDS.
 
 In the plant's own terms: forces on a piece per length, on the last node, and a moment with memory. Speeds are in units
 of .1 m/s, so that a power is a plain number.

@@ -1,6 +1,7 @@
-"""What an arm in a tank may do, as numbers: one record that every plant's compiled code reads. Zero: it does not.
+"""All effects on an arm in a tank as numbers, in one record that every plant's compiled code reads.
 
-Each effect has two accepted laws or more; which one acts is a number too (the `_law` fields, named in LAWS).
+Zero: the effect is absent. Each effect has two or more published laws; a number says which one acts (the `_law` fields,
+named in LAWS).
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ LAWS: dict[str, tuple[str, ...]] = {
     "camera_roll": ("about_clamp", "about_picture"),
     "camera_scale": ("uniform", "with_distortion"),
 }
-OUTSIDE = ("magnet", "thread", "vortex")  # what no catalogue has
+OUTSIDE = ("magnet", "thread", "vortex")  # outside the catalogue
 
 _LAW_FIELDS = tuple(f"{effect}_law" for effect in LAWS)
 _FIELDS = (
@@ -52,7 +53,7 @@ RECORD = np.dtype([(name, np.float64) for name in (*_FIELDS, *NUMBERS, *_LAW_FIE
 
 
 def record(**values: float) -> np.ndarray:
-    """One record (1,) with these numbers, all else zero. ValueError for a name that it lacks."""
+    """One record (1,) with these numbers, all others zero. ValueError for an unknown name."""
     made = np.zeros(1, RECORD)
     made["tau"], made["slip"], made["s0"], made["slosh_f"], made["settling"] = 1.0, 0.01, 0.3, 1.0, 10.0
     made["payload_density"], made["slack"] = 7850.0, 1.0
@@ -65,5 +66,5 @@ def record(**values: float) -> np.ndarray:
 
 
 def law_number(effect: str, law: str) -> int:
-    """The place of a law among those of its effect. ValueError where it has none of that name."""
+    """The index of a law among those of its effect. ValueError if there is none of that name."""
     return LAWS[effect].index(law)

@@ -1,7 +1,7 @@
-"""What the material does where it is bent: elastic, viscous, and with memory; each by two accepted laws or more.
+"""Bending moments of the material: elastic, viscous, and with memory; each by two or more published laws.
 
-Moments in N m, curvature c in rad per unit of s; k = E I / L [N m/rad]. Softening (soft spot, drift) scales all that is
-elastic; an arm that was cast curved is at rest there.
+Moments in N m, curvature c in rad per unit of s; k = E I / L [N m/rad]. Softening (soft spot, drift) scales all elastic
+moments, which are zero in the shape in which the arm was cast.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ BRANCHES = 5  # of a fractional element, one a factor of 4 in time; the last mem
 SPREAD = 4.0
 EXPONENT = 0.3  # of the fractional element (Scott Blair 1947; .1 to .5 is measured of rubbers)
 SLIP_RATE = 0.4  # rad/s at which tanh and Stribeck bend over
-STRIBECK = 0.3  # that friction at rest exceeds friction in motion
+STRIBECK = 0.3  # ratio of static to sliding friction
 HYSTERETIC = 6.0  # rad/s, the motion at which a hysteretic loss equals the viscous one
 
 
@@ -66,7 +66,7 @@ def bending(
     if laws.b != 0.0:
         if laws.amplitude_damping_law == 0.0:
             loss += laws.b * k * c * c
-        else:  # rate-independent above a rate: what is lost in a cycle does not depend on its frequency
+        else:  # rate-independent above a rate: the loss per cycle does not depend on the frequency
             loss += laws.b * k * c * c * HYSTERETIC / np.sqrt(c_rate * c_rate + HYSTERETIC**2)
     over_rate = loss
     moment += loss * c_rate

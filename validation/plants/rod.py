@@ -1,8 +1,8 @@
 """A planar elastic rod of point masses, stretching and bending, in its tank; implicit midpoint steps (compiled).
 
-It shares no line with the project's models: no curvature coordinates, no rigid links. Nodes at the ends of PIECES equal
-pieces; a spring and a dashpot for every length and every angle; forces of the water on every piece at its middle:
-M (v1 - v0) / h = F(x, v) at mid-step, found by a few quasi-Newton iterations on a banded matrix.
+It shares no code with the project's models: no curvature coordinates, no rigid links. Nodes are at the ends of PIECES
+equal pieces. Every length and every angle has a spring and a dashpot. The water's forces act on every piece at its
+middle: M (v1 - v0) / h = F(x, v) at mid-step, found by a few quasi-Newton iterations on a banded matrix.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from validation.plants.tank import on_piece
 
 PIECES = 32
 STEP = 5e-4  # s, at most
-ROUNDS, ROUNDS_SLIDING = 3, 20  # more where friction is a steep function of the rate
+ROUNDS, ROUNDS_SLIDING = 3, 20  # more if friction is a steep function of the rate
 
 
 def move(laws: np.ndarray, theta: Array, step: float, every: int) -> tuple[Array, Array]:

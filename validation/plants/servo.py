@@ -1,4 +1,4 @@
-"""What a servo makes of its command: a lag of first or second order, a play that is stiff or sprung."""
+"""The servo between command and clamp: a lag of first or second order, a play with a rigid or an elastic coupling."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _late(command: Array, step: float, lag: float, second: bool) -> Array:
 
 @njit(cache=True)
 def _play(command: Array, step: float, play: float, sprung: bool) -> Array:
-    """The clamp is free within the play; beyond, the horn carries it, rigidly or by a spring."""
+    """The clamp is free within the play. Beyond it the horn moves the clamp, rigidly or by a spring."""
     out = np.empty_like(command)
     angle, rate = command[0], 0.0
     for k in range(command.size):
@@ -48,7 +48,7 @@ def _play(command: Array, step: float, play: float, sprung: bool) -> Array:
         if not sprung:
             angle += beyond
         else:
-            # Friction of the seal brakes it within the play; the coupling gives, and rings, beyond it.
+            # Within the play the seal's friction brakes the clamp; beyond it the elastic coupling vibrates.
             brake = 2.0 * RATIO * SPRING * rate if beyond != 0.0 else 0.5 * SPRING * rate
             rate += step * (SPRING * SPRING * beyond - brake)
             angle += step * rate

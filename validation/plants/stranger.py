@@ -1,4 +1,4 @@
-"""The stranger: a rod of point masses (validation.plants.rod), filmed. It imports neither of the project's models."""
+"""The stranger: a filmed rod of point masses (validation.plants.rod). It imports neither of the project's models."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the water does to a piece of the arm, per length; each by two accepted laws or more.
+"""The water's forces on a piece of the arm, per length; each by two or more published laws.
 
 n is the piece's normal, t its tangent towards the tip; spin is the rate of its angle phi, t = (-sin phi, cos phi).
 """
@@ -34,7 +34,7 @@ def water_at(laws, y: float, t: float):
 
 @njit(cache=True)
 def wall_growth(laws, x: float, radius: float) -> float:
-    """What a wall adds to the drag, in parts: DNV-RP-F105's curve of the gap in diameters, or (radius/distance)^2."""
+    """Relative growth of the drag near a wall: DNV-RP-F105's curve of the gap in diameters, or (radius/distance)^2."""
     distance = abs(laws.wall_x - x)
     gap = max(distance - radius, TOUCH * radius) / (2.0 * radius)
     if laws.wall_law != 1.0:
@@ -44,7 +44,7 @@ def wall_growth(laws, x: float, radius: float) -> float:
 
 @njit(cache=True)
 def wall_inertia(laws, x: float, radius: float):
-    """Mass per length that a wall makes the arm carry along its normal, and how fast it grows along x: potential flow
+    """Additional added mass per length near a wall, along the normal, and its derivative along x: potential flow
     round a cylinder and its image, m = rho pi r^2 (r / distance)^2 / 2 to first order (Brennen 1982).
     """
     away = laws.wall_x - x

@@ -1,4 +1,4 @@
-"""Each effect at a typical size: its numbers, those that are its strength, and the largest that is still it."""
+"""Each effect at a typical size: its numbers, which of them are its strength, and the largest useful strength."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ Size = tuple[Numbers, tuple[str, ...], float]
 
 @dataclass(frozen=True)
 class Draw:
-    """What chance gives an effect: the arm that it acts on, its law, a sign, a direction [rad], a share (0 .. 1)."""
+    """The random choices for an effect: the arm on which it acts, its law, a sign, a direction [rad], a share (0 ..
+    1).
+    """
 
     arm: Numbers
     law: str

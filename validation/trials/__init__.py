@@ -1,1 +1,1 @@
-"""Blind trials of the loop: what they are, how they are made, how answers are scored, what the scores say."""
+"""Blind trials of the loop: design, making, scores of the answers, and statistics of the scores."""

@@ -1,5 +1,5 @@
-"""Other methods on the same recordings: the paper's regression (eq. 18-19) and its weak form, asked for a column, and
-PySINDy's sparse regression over the same columns (where it is installed).
+"""Other methods on the same recordings: the best additional column in the paper's regression (eq. 18-19) and in its
+weak form, and PySINDy's sparse regression over the same columns (if it is installed).
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ from tentacle.recording import Recording
 BASELINE_ORDER = 2  # the paper's
 BUMP_WIDTH = 0.3  # s: a weak form's bump, about half the shortest period of the trials' motions
 OVERLAP = 4
-DERIVATIVE_WINDOW = 7  # samples that a derivative spans, as measured_motion takes them
-NATS_A_PARAMETER = 7.6  # noise alone gains as much with one parameter in 1 of 10000 cases
+DERIVATIVE_WINDOW = 7  # samples of a derivative in measured_motion
+NATS_A_PARAMETER = 7.6  # noise alone gains this much with one parameter in 1 of 10000 cases
 THRESHOLDS = np.geomspace(1e-3, 0.3, 8)  # of a column of norm 1, the target being of norm 1
 BASE_PARAMETERS = (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"))
 
 
 @dataclass(frozen=True)
 class RegressionData:
-    """A recording as regression wants it: t (T,) [s], the paper's q (T, 2) [rad], base (3, T)."""
+    """A recording's data for the regression: t (T,) [s], the paper's q (T, 2) [rad], base (3, T)."""
 
     t: Array
     q: Array
@@ -72,13 +72,13 @@ class System:
     independent: float
 
     def evidence(self, left: Array, parameters: int) -> float:
-        """Log-likelihood [nats] of what is left (N,), less the parameters' price."""
+        """Log-likelihood [nats] of the residual (N,), minus a penalty for the parameters."""
         rows = self.independent * left.size
         return -0.5 * rows * float(np.log(np.mean(left**2))) - NATS_A_PARAMETER * parameters
 
 
 def _system(residual: Callable[[Array], Array], independent: float) -> System:
-    """The columns of the base and of every effect that has one; those that are dead in these data are left out."""
+    """The columns of the base and of every effect that has one, without columns that are zero in these data."""
     effects = [effect for effect in absent_effects() if _regressed(effect)]
     names = (*BASE_PARAMETERS, *((effect.name, strength.name) for effect in effects for strength in effect.strengths))
     given = neutral_parameters()
@@ -91,7 +91,7 @@ def _system(residual: Callable[[Array], Array], independent: float) -> System:
 
 
 def _best_column(system: System) -> tuple[str, ...]:
-    """The effect whose columns explain most beyond their price, beside the base's; none where none pays."""
+    """The effect whose columns raise the penalised likelihood most, beside the base's; none if none raises it."""
     best, named = -np.inf, ()
     for effect in ("", *dict.fromkeys(name for name, _ in system.names)):
         chosen = [k for k, name in enumerate(system.names) if name in BASE_PARAMETERS or name[0] == effect]
@@ -114,7 +114,7 @@ def _sparse(system: System) -> tuple[str, ...]:
     for threshold in THRESHOLDS:
         optimizer = pysindy.STLSQ(threshold=threshold, alpha=1e-8)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it warns where a threshold takes every column
+            warnings.simplefilter("ignore")  # it warns if a threshold removes every column
             optimizer.fit(system.columns, system.target[:, None] / size)
         share = np.ravel(optimizer.coef_) * size
         found = system.evidence(system.target - system.columns @ share, int(np.count_nonzero(share)))
@@ -129,7 +129,7 @@ def _sparse(system: System) -> tuple[str, ...]:
 
 
 def baselines(recording: Recording) -> dict[str, tuple[str, ...]]:
-    """Method -> the one effect it names, or nothing; without "pysindy" where that is not installed."""
+    """Method -> the one effect that it names, or nothing; without "pysindy" if that is not installed."""
     d = recording.declaration
     arm = arm_of(Model(d.specimen, d.fluid, d.gravity, BASELINE_ORDER))
     data = columns_of(recording)

@@ -1,4 +1,4 @@
-"""A folder of blind recordings with the answers apart: for a person, or a program of one's own, to diagnose."""
+"""A folder of blind recordings with the answers in another file, to be diagnosed by a person or by another program."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ class FilmStyle:
 
 
 def write_simulated(recording: Recording, film: FilmStyle, out: Path, seed: int) -> None:
-    """An import folder, or an .rrd file where out says so; with a look the midline becomes a rendered video."""
+    """Write an import folder, or an .rrd file if the name ends in .rrd; with a look the midline becomes a rendered
+    video.
+    """
     with tempfile.TemporaryDirectory() as folder:
         if film.look is not None:
             recording = filmed(recording, Path(folder) / "video.mp4", film.look, film.size, seed)

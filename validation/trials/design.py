@@ -1,4 +1,4 @@
-"""What each blind trial like a recording is: which effects the reference hides in its arm, and how strongly."""
+"""Design of the blind trials like a recording: the effects that the reference hides in its arm, and their strengths."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from validation.trials.rounds import TRIAL_KINDS, TrialKind, dealt, log_uniform
 from validation.trials.sight import Measurement
 
 R_RANGE = (0.3, 10.0)  # noise sigmas: rms of the residual that refitting the base cannot absorb
-BASE_SPREAD = (0.8, 1.25)  # times a fitted base parameter: those of the trials like a recording
+BASE_SPREAD = (0.8, 1.25)  # times a fitted base parameter, in the trials like a recording
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Design:
 
 
 def _varied(model: Model, random: np.random.Generator) -> Model:
-    """The model with base parameters near its own: a fit that lacks an effect knows them no better."""
+    """The model with base parameters near the fitted ones, which are uncertain if the fit lacks an effect."""
     changed = {
         effect: {
             name: Estimate.exact(e.value * float(random.uniform(*BASE_SPREAD)), e.unit) for name, e in values.items()
@@ -85,7 +85,7 @@ def designs(
     like: Likeness,
     kinds: Sequence[str] = TRIAL_KINDS,
 ) -> list[Design]:
-    """The first `count` trials of a seed like a recording: runs of its arm under its motion, seen in its way.
+    """The first `count` trials of a seed like a recording: its arm, its motion, its kind of measurement.
 
     catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. InputError where a
     kind is not known.

@@ -22,11 +22,11 @@ BASELINE_METHODS = (
 )
 
 
-INTERVALS = ("top1", "false_alarm", "unknown_recall", "pairs")  # shares that are told with their 95 % interval
+INTERVALS = ("top1", "false_alarm", "unknown_recall", "pairs")  # shares that are stated with their 95 % interval
 
 
 def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
-    """The benchmark's figures; None where no trial tells."""
+    """The benchmark's figures; None for those without a trial."""
     found, bins = scores(outcomes), reliability(outcomes)
     values = {
         "top1": found.top1.value,
@@ -62,12 +62,12 @@ def _by_plant(outcomes: Sequence[Outcome]) -> dict[str, float]:
 
 
 def _interval(found: Share) -> tuple[float, float]:
-    """The 95 % interval of a share; NaN where no trial tells."""
+    """The 95 % interval of a share; NaN without a trial."""
     return found.interval if found.value == found.value else (float("nan"), float("nan"))
 
 
 def _top1(outcomes: Sequence[Outcome], method: str) -> float:
-    """A baseline's; NaN where it was not tried."""
+    """The share of a baseline; NaN if it was not run."""
     return share([o for o in outcomes if method in o.baselines], "single", hits(method), VISIBLE).value
 
 

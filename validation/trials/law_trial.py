@@ -1,4 +1,4 @@
-"""A trial of the search for laws: a law drawn by a seed, hidden in the stranger, and how well proposals meet it."""
+"""A trial of the search for laws: a law drawn by a seed and hidden in the stranger, and the error of the proposals."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from validation.plants.hidden_law import KINDS
 
 FILMING = Filming(seconds=39.0, fps=50.0, sigma=1.5e-4)
 SIZE = (2.0, 20.0)  # noise deviations that the law moves the midline, rms
-POWER_OFF, PLACE_OFF = 0.1, 0.05  # of a power, and of the arm's length: within which a law is exact
+POWER_OFF, PLACE_OFF = 0.1, 0.05  # tolerance of a power, and of a place in arm lengths, for an exact law
 CLASSES = KINDS[1:]
-STIFFEST = 3.0  # times the arm's own spring, of a delayed one: a stiffer one holds the arm
+STIFFEST = 3.0  # largest stiffness of a delayed spring over the arm's: a stiffer one blocks the arm
 LINE, TIP, MOMENT = 0.02, 0.002, 0.2  # N/m, N, 1: strengths that the sizing starts from
 
 # kind -> the forms of the grammar that are its law. "{side}" is right or left.
@@ -32,8 +32,8 @@ IN_DISGUISE = {"delayed_spring": "viscoelasticity"}  # an effect of the catalogu
 
 @dataclass(frozen=True)
 class Met:
-    """How near a proposed law is to the truth: its form's name, whether it is the form, and what it is off by: of the
-    power, of the place in arm lengths, of the frequency in Hz; None where the law has none.
+    """A proposed law against the truth: the name of its form, whether this is the true form, and its errors: of the
+    power, of the place in arm lengths, of the frequency in Hz; None for a number that the law does not have.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Met:
 
     @property
     def exact(self) -> bool:
-        """The form, with its power and its place within what counts as right."""
+        """Whether the form is right, and power and place are within the tolerance."""
         return (
             self.form
             and (self.power_off is None or self.power_off <= POWER_OFF)
@@ -66,7 +66,7 @@ def law_recording(seed: int, kind: str | None = None) -> tuple[Recording, dict[s
         trial = replace(trial, hidden=(law,), size=(size,))
     plant = PLANTS["stranger"](trial)
     run = shown(trial, plant)
-    if chosen != "nothing":  # the sizing sees some seconds of the film: once more by the whole of it
+    if chosen != "nothing":  # the strength was found on a part of the film: correct it on the whole
         moved = float(np.sqrt(np.mean(np.sum((run.xy - run.bare) ** 2, axis=2)))) / trial.sigma
         trial = replace(trial, size=(size * float(np.clip(size / moved, 0.1, 10.0)),))
         run = shown(trial, plant)

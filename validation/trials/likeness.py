@@ -1,4 +1,4 @@
-"""What blind trials like a recording share with it: its arm, its motion, its frames, and how well they were seen."""
+"""The properties that blind trials share with a recording: arm, motion, frames, and the noise of the measurement."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from tentacle.signals import ShapeTrack
 from tentacle.waveform import Waveform
 from validation.trials.sight import EVERYWHERE, Measurement, track_noise
 
-LEAST_BASE_TURN = 0.02  # rad: a base that turns by less does not move
-BEFORE, AFTER = 2.5, 1.5  # s of motion before the first and after the last frame: a run begins in the middle of things
+LEAST_BASE_TURN = 0.02  # rad: a base that turns by less counts as not moving
+BEFORE, AFTER = 2.5, 1.5  # s of motion before the first and after the last frame: a run begins while the arm moves
 SAMPLED_AT = 100.0  # samples/s of the base motion, about 20 a period of the fastest that a servo swings
-DRAWS = 200  # of a track's noise, to say what it is worth
+DRAWS = 200  # random draws of a track's noise
 UNITS = {"E": "Pa", "eta": "Pa s", "k0": "N m/rad", "k1": "N m/rad", "d0": "N m s/rad", "d1": "N m s/rad"}
 
 
@@ -44,9 +44,9 @@ class Likeness:
 
 
 def likeness(recording: Recording) -> Likeness:
-    """What trials like this recording share with it.
+    """The properties that trials like this recording share with it.
 
-    The declared model is fitted, with nothing added; noise is what that fit finds it to be. Raises InputError where the
+    The declared model is fitted without further effects; the noise is that of this fit. Raises InputError where the
     recording shows too little, or where neither the base moves nor a release is declared.
     """
     try:
@@ -96,8 +96,8 @@ def likeness(recording: Recording) -> Likeness:
 def sampled_motion(base: Waveform, first: float, last: float) -> dict[str, Any]:
     """A base motion as samples whose time counts from the first frame.
 
-    It is known while the servo was logged; before and after, it goes on as its point reflection about the ends, so
-    that neither angle nor rate jumps.
+    During the servo's log it is known. Before and after, it is the log's point reflection about its ends, so that angle
+    and rate are continuous.
     """
     known = (base.first, base.last) if isinstance(base, HeldOutside) else (first, last)
     t = np.arange(first - BEFORE, last + AFTER, 1.0 / SAMPLED_AT)
@@ -108,7 +108,7 @@ def sampled_motion(base: Waveform, first: float, last: float) -> dict[str, Any]:
 
 
 def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Measurement:
-    """How well a recording was seen: by what it states of its noise, and by what the fit found it to be."""
+    """The measurement of a recording: the noise that it states, and the noise that the fit found."""
     recording, observation = prepared.recording, experiment.observation
     gain = float(np.median(experiment.noise_gain))
     angle_noise = _angle_noise(recording, experiment, interval)
@@ -126,7 +126,9 @@ def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Mea
 
 
 def _angle_noise(recording: Recording, experiment: Experiment, interval: float) -> float:
-    """Of the servo's log, sampled once a frame: what more samples tell, less noise tells."""
+    """Noise of the servo's log if it is sampled once a frame: smaller than that of one sample if there are more
+    samples.
+    """
     base = experiment.base
     if recording.motor is None or not isinstance(base, HeldOutside) or not isinstance(base.motion, BaseMotion):
         return 0.0
@@ -135,7 +137,7 @@ def _angle_noise(recording: Recording, experiment: Experiment, interval: float) 
 
 
 def _track_sight(track: ShapeTrack, observation: ShapeObservation, gain: Array, angle_noise: float) -> Measurement:
-    """A track with the covariance of its middling frame; the shift's and scale's, stated once, have no gain."""
+    """A track with the covariance of its median frame; shift and scale are stated once and have no gain."""
     stated = track.covariance[observation.seen]
     covariance = stated[np.argsort(np.linalg.slogdet(stated)[1])[len(stated) // 2]]
     kept = np.array([0, *range(gain.size - covariance.shape[0] + 1, gain.size)])
@@ -152,6 +154,6 @@ def _track_sight(track: ShapeTrack, observation: ShapeObservation, gain: Array, 
     errors = track_noise(drawn, DRAWS, random)
     points = midline(errors[:, 1:], errors[:, 0], observation.length, s)
     straight = midline(np.zeros((1, errors.shape[1] - 1)), np.zeros(1), observation.length, s)
-    # Of so many points' noise, only the share that so few coefficients follow shows in a track.
+    # A track has few coefficients, which follow only a part of the noise of many points.
     share = errors.shape[1] / s.size
     return replace(drawn, noise=float(np.sqrt(np.mean((points - straight)[..., 0] ** 2) / share)))

@@ -1,4 +1,4 @@
-"""One trial's truth beside its answer, and what counts as right."""
+"""One trial's truth and answer, and the definition of a right answer."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 from tentacle.diagnosis import Diagnosis, Verdict
 from validation.trials.rounds import TrialKind
 
-SHAPE = "third_curvature"  # in every real arm, and in every trial's: naming it is neither right nor wrong
+SHAPE = "third_curvature"  # present in every arm, real or simulated: naming it is neither right nor wrong
 REFERENCE_PLANT = "reference"  # the plant of trials like a recording
-TWIN_EFFECTS = 0.9  # |cos| above which a group is an honest answer
+TWIN_EFFECTS = 0.9  # |cos| above which a group counts as right
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Outcome:
     kind, hidden: the truth; r: its size [noise sigmas], NaN outside the catalogue; seen: midline or video. verdict,
     named (third curvature left out), confidence, uncalibrated: the answer. twins: smallest |cos| between the hidden
     effect and those named beside it (1 where it stands alone). before, after, floor: held-out midline errors [mm],
-    NaN where not measured. baselines: method -> what it named. seconds: what the diagnosis took, of a processor.
-    plant: what the arm moved in; laws: effect -> the law by which it acts there; added_mass: whether it was declared.
+    NaN where not measured. baselines: method -> what it named. seconds: processor time of the diagnosis. plant: the
+    simulator; laws: effect -> the law by which it acts there; added_mass: whether it was declared.
     """
 
     index: int
@@ -65,12 +65,12 @@ class Outcome:
 
     @property
     def exact(self) -> bool:
-        """Whether just what was hidden was named: nothing more, nothing less."""
+        """Whether exactly the hidden effects were named."""
         return self.hit and (self.kind in ("null", "unknown") or set(self.named) == set(self.hidden))
 
     @property
     def needless_group(self) -> bool:
-        """Whether a group was given where the effects are no twins in these data."""
+        """Whether the answer is a group although these data can separate its effects."""
         return self.verdict == "group" and len(self.named) > 1 and self.twins <= TWIN_EFFECTS
 
     @property
@@ -109,14 +109,14 @@ def answer_table(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def outcome(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str, Any], **more: Any) -> Outcome:
-    """A trial's truth (as its maker sealed it) and answer_table, side by side; more: baselines, seconds."""
+    """A trial's sealed truth and its answer_table together; more: baselines, seconds."""
     hidden = tuple(truth["effects"])
     named = tuple(name for name in answer["effects"] if name != SHAPE)
     # A combination's first effect is found first; only where nothing else was named does the shape alone count as
     # nothing.
     verdict = answer["verdict"] if named or answer["verdict"] == "unknown" else "nothing_missing"
     cosines = answer["cosines"]
-    # each that is named beside the truth, by what of the truth it resembles most
+    # for each false name, the true effect that it resembles most
     beside = [
         max((cosines.get(f"{a}|{b}", cosines.get(f"{b}|{a}", 0.0)) for a in hidden), default=0.0)
         for b in named

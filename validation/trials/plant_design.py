@@ -1,4 +1,4 @@
-"""What each blind trial in a plant is: which plant, which effects it hides, how long and how well the arm is seen."""
+"""Design of the blind trials in a plant: the plant, its hidden effects, duration and noise of the recording."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from validation.plants import PLANTS, Filming, Trial, drawn
 from validation.plants.laws import LAWS, OUTSIDE
 from validation.trials.rounds import TRIAL_KINDS, TrialKind, dealt, log_uniform
 
-DRAWN_PLANTS = ("stranger", "chain")  # plants that a series draws from, unless told: those that need no further package
+DRAWN_PLANTS = ("stranger", "chain")  # plants of a series by default: those that need no further package
 DURATION_RANGE = (12.0, 39.0)
 NOISE_RANGE = (5e-5, 2e-4)  # m, of each coordinate of a midline point
-VIDEO_NOISE = 2e-5  # m: a midline's noise that tells as little as the tracker's own covariance (some micrometres to 30)
+VIDEO_NOISE = 2e-5  # m: a midline's noise with as little information as the tracker's (some micrometres to 30)
 FRAME_RATE = 60.0
 # How far the midline moves, in sigmas of its noise: of an effect of the catalogue, faint ones too; of one outside it.
 MOVES, MOVES_VISIBLY = (1.0, 15.0), (6.0, 15.0)

@@ -1,4 +1,4 @@
-"""A blind trial's recording in a plant, as points or as a tracked video, and the size that its hidden effects have."""
+"""A blind trial's recording in a plant, as points or as a tracked video, and the size R of its hidden effects."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ AFTER = 1.5  # s of it beyond the last frame
 def plant_recording(design: PlantDesign) -> tuple[Recording, dict[str, Any]]:
     """The recording, its name and declaration without a hint, and its sealed truth as plain data.
 
-    The truth says what R each hidden effect has by itself: rms of the whitened residual that refitting the base leaves.
+    The truth has the R of each hidden effect by itself: rms of the whitened residual after refitting the base.
     FloatingPointError where the plant runs away.
     """
     trial = design.trial()
@@ -50,7 +50,7 @@ def plant_recording(design: PlantDesign) -> tuple[Recording, dict[str, Any]]:
 
 
 def _tracked(recording: Recording, run: Shown, design: PlantDesign) -> Recording:
-    """The same run as a camera saw it: rendered without the midline's noise, tracked, the midline left out."""
+    """The same run as a video: rendered without the midline's noise, tracked, and without the midline."""
     from vision.encode import write_video
     from vision.looks import LOOKS
     from vision.render import RenderSettings, render
@@ -82,7 +82,9 @@ def _middling_root(recording: Recording, run: Shown) -> Array | None:
 
 
 def _sizes(design: PlantDesign, trial: Trial, plant: Plant, run: Shown, root: Array | None) -> list[float]:
-    """R of each hidden effect [noise sigmas]: the base refitted to the change that it alone makes of the picture."""
+    """R of each hidden effect [noise sigmas]: the base is refitted to the change of the picture by this
+    effect alone.
+    """
     if not run.hidden:
         return []
     problem, nuisances = bare_problem(_as_model(design, trial), root)
@@ -107,7 +109,7 @@ def _sizes(design: PlantDesign, trial: Trial, plant: Plant, run: Shown, root: Ar
 
 
 def _as_model(design: PlantDesign, trial: Trial) -> Design:
-    """The plant's arm and motion as the reduced model has them, with nothing hidden."""
+    """The plant's arm and motion in the reduced model, without hidden effects."""
     arm, declared = trial.arm, declaration_of(trial)
     parameters = {
         "elasticity": {"E": Estimate.exact(arm["E"], "Pa")},

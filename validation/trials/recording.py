@@ -1,4 +1,4 @@
-"""A blind trial like a recording: hidden effects sized by what the data can show of them, then run, and seen."""
+"""A blind trial like a recording: hidden effects get a detectable size, then the arm is simulated and measured."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from validation.trials.design import Design
 from validation.trials.sight import EVERYWHERE, Measurement, track_noise, track_of
 from validation.trials.sizing import sized, track_root
 
-AXIS_STEP = 1e-3  # of the length, to either side of a marker: there the axis is looked at, for its direction
+AXIS_STEP = 1e-3  # of the length: distance to either side of a marker of two places that give the axis' direction
 
 
 def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
@@ -58,7 +58,7 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
 
 
 def _places(sight: Measurement) -> Array:
-    """Where the reference's axis is looked at: for markers, beside each."""
+    """Places on the reference's axis that are needed: for markers, on either side of each."""
     if sight.kind == "track":
         return np.array(EVERYWHERE)
     s = np.array(sight.s)
@@ -70,7 +70,7 @@ def _places(sight: Measurement) -> Array:
 
 
 def _tracked(recording: Recording, sight: Measurement, random: np.random.Generator) -> Recording:
-    """The same run as a tracker says that it saw it: shapes by the edges, with the noise that it states and its gain.
+    """The same run as a track: shapes by the edges, with the noise that the tracker states, times its gain.
 
     The scale is one number of a recording, known to scale_sigma.
     """
@@ -88,7 +88,7 @@ def _tracked(recording: Recording, sight: Measurement, random: np.random.Generat
 
 
 def _marked(recording: Recording, sight: Measurement, excess: float, random: np.random.Generator) -> Recording:
-    """The same run as a camera sees markers on it; excess: how much too large everything appears."""
+    """The same run as markers seen by a camera; excess: relative error of the scale."""
     midline = recording.midline
     assert midline is not None
     before, at, after = np.split(midline.xy, 3, axis=1)

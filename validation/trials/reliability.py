@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,10 @@ from validation.trials.rounds import ROUND
 from validation.trials.scores import Share
 
 CONFIDENCE_BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
-
-
-LEAST = 1e-6  # a posterior mass nearer to 0 or 1 than that is rounding
-IMAGINED_TRIALS = 4.0  # that were right as often as they stated: a verdict's map starts from them
+LOG_TEMPERATURES = (-2.0, 4.0)  # a temperature from .14 to 55
+AT_END = 1e-2  # of the logarithm: nearer to an end the likelihood has no maximum between them
+LEAST = 1e-6  # a posterior mass nearer to 0 or 1 has no meaning beyond rounding
+IMAGINED_TRIALS = 4.0  # imagined trials that were right as often as stated: the prior of a verdict's map
 
 
 @dataclass(frozen=True)
@@ -34,12 +35,12 @@ class Bin:
 
     @property
     def gap(self) -> float:
-        """Stated less the share that was right."""
+        """Stated confidence minus the share that was right."""
         return self.stated - self.right.value
 
     @property
     def gap_beyond_chance(self) -> float:
-        """How far the stated confidence lies outside the share's 95 % interval; 0 within it."""
+        """Distance of the stated confidence from the share's 95 % interval; 0 within it."""
         low, high = self.right.interval
         return max(low - self.stated, self.stated - high, 0.0)
 
@@ -72,8 +73,8 @@ def calibration_gap(bins: Sequence[Bin]) -> float:
 
 
 def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
-    """The calibration gap (median) of a verdict whose every confidence is true, in as many trials: bins of few are
-    off by luck. NaN without any.
+    """The calibration gap (median) by chance alone, in as many trials, if every stated confidence were true. NaN
+    without any.
     """
     if not outcomes:
         return float("nan")
@@ -88,22 +89,26 @@ def gap_by_chance(outcomes: Sequence[Outcome], draws: int = 400) -> float:
 
 
 def temperature_cost(outcomes: Sequence[Outcome], temperature: float) -> float:
-    """Minus the log likelihood [nats] of which trials were right, were discovery.calibration.tempered their chance."""
+    """Minus the log likelihood [nats] of which trials were right, if discovery.calibration.tempered gave their
+    probability.
+    """
     odds = logit(np.clip([o.uncalibrated for o in outcomes], LEAST, 1.0 - LEAST)) / temperature
     return -float(np.sum(log_expit(np.where([o.hit for o in outcomes], odds, -odds))))
 
 
-def fit_temperature(outcomes: Sequence[Outcome]) -> float:
-    """The likeliest temperature of the confidence."""
-    found = minimize_scalar(lambda log: temperature_cost(outcomes, float(np.exp(log))), bounds=(-2.0, 4.0))
-    return float(np.exp(found.x))
+def fit_temperature(outcomes: Sequence[Outcome]) -> float | None:
+    """The likeliest temperature of the confidence; None if the trials do not determine one within LOG_TEMPERATURES."""
+    low, high = LOG_TEMPERATURES
+    found: Any = minimize_scalar(lambda log: temperature_cost(outcomes, float(np.exp(log))), bounds=LOG_TEMPERATURES)
+    inside = found.success and low + AT_END < found.x < high - AT_END
+    return float(np.exp(found.x)) if inside else None
 
 
 def fit_calibration(outcomes: Sequence[Outcome], made: str = "") -> Calibration:
     """A map for each verdict, from the uncalibrated confidence to the hit rate; made: one line on the trials.
 
-    Isotonic regression on the trials together with the imagined ones, spread over the stated range: few trials move the
-    map little, many of them make it. A verdict that no trial gave keeps its stated confidence.
+    Isotonic regression on the trials together with the imagined ones, spread over the stated range: few trials change
+    the map little, many determine it. A verdict that no trial gave keeps its stated confidence.
     """
     tables: dict[str, tuple[tuple[float, ...], tuple[float, ...], int]] = {}
     for verdict in sorted({o.verdict for o in outcomes}):
@@ -124,9 +129,9 @@ def fit_calibration(outcomes: Sequence[Outcome], made: str = "") -> Calibration:
 
 
 def cross_calibrated(outcomes: Sequence[Outcome]) -> list[Outcome]:
-    """Every trial with the confidence that a map fitted to the other half of the trials gives it: what the map is
-    worth on recordings that it was not made from.
+    """Every trial with the confidence from a map fitted to the other half of the trials: a test of the map on
+    recordings that it has not seen.
     """
-    rounds = len(ROUND)  # by turns, so that both halves hold every kind
+    rounds = len(ROUND)  # alternating, so that both halves have every kind
     maps = [fit_calibration([o for o in outcomes if o.index // rounds % 2 == half]) for half in (0, 1)]
     return [replace(o, confidence=maps[1 - o.index // rounds % 2](o.verdict, o.uncalibrated)) for o in outcomes]

@@ -13,7 +13,9 @@ from validation.trials.series import AnyDesign, made
 
 
 def remake(designs: Sequence[AnyDesign], chosen: Sequence[int], out: Path) -> Iterator[Path]:
-    """Write the chosen trials' recordings for `tentacle diagnose`; the path of each .rrd file as it is there."""
+    """Write the chosen trials' recordings for `tentacle diagnose`; yields the path of each .rrd file once it is
+    written.
+    """
     for index in chosen:
         if not 0 <= index < len(designs):
             expected = f"0 to {len(designs) - 1}"

@@ -1,4 +1,6 @@
-"""Which kind of trial comes when in a series, and which effects it hides: dealt, so that all come equally often."""
+"""The order of kinds of trials in a series, and of their hidden effects: dealt like cards, so that all are equally
+frequent.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ import numpy as np
 from tentacle.errors import InputError
 
 TrialKind = Literal["single", "pair", "null", "unknown"]
-# Of every sixteen trials: singles carry the confusion matrix, nulls and unknowns the two ways of being wrong about it.
+# Of every sixteen trials: singles fill the confusion matrix, nulls and unknowns show false names.
 ROUND: tuple[TrialKind, ...] = (
     "single", "null", "single", "unknown", "single", "pair", "single", "single",
     "null", "single", "unknown", "single", "pair", "single", "single", "pair",
@@ -21,7 +23,9 @@ TRIAL_KINDS: tuple[TrialKind, ...] = ("single", "pair", "null", "unknown")
 
 @dataclass(frozen=True)
 class Dealt:
-    """A trial's place in its series: index, kind, effects hidden, whether it is a video's turn; random: its numbers."""
+    """A trial's place in its series: index, kind, effects hidden, whether it is a video; random: its random
+    generator.
+    """
 
     index: int
     kind: TrialKind
@@ -65,7 +69,7 @@ def log_uniform(random: np.random.Generator, low: float, high: float) -> float:
 
 
 def _turn(names: Sequence[str], place: int, seed: int) -> str:
-    """The place-th of an endless row of shuffled decks of names: all come equally often."""
+    """Entry number `place` of an endless sequence of shuffled decks of names: all names are equally frequent."""
     deck, card = divmod(place, len(names))
     return str(np.random.default_rng([seed, 7, deck]).permutation(sorted(names))[card])
 
@@ -89,8 +93,8 @@ def _hidden(
 
 
 def _is_video(index: int, turns: int, share: float) -> bool:
-    """Every 1/share-th trial is a video, so that a short series holds its share too; one further on in each round, so
-    that every kind is seen both ways.
+    """Every 1/share-th trial is a video, so that a short series has its share too. It moves on by one in each round, so
+    that every kind occurs both ways.
     """
     place = index + index // turns
     return bool(np.floor((place + 0.5) * share + 0.5) > np.floor((place - 0.5) * share + 0.5))

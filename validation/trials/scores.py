@@ -1,4 +1,4 @@
-"""What a series of trials says: shares with their intervals, the confusion matrix, errors against the floor."""
+"""Statistics of a series of trials: shares with their intervals, the confusion matrix, errors against the floor."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def share(outcomes: Sequence[Outcome], kind: str, right: Callable[[Outcome], boo
 
 @dataclass(frozen=True)
 class Scores:
-    """Shares of the issue's list. top1, exact: of singles with R >= 1; false_alarm: of nulls; unknown_recall; pairs:
+    """The shares. top1, exact: of singles with R >= 1; false_alarm: of nulls; unknown_recall; pairs:
     with R >= 1 each; needless_groups: of all trials. after_over_floor: median over trials that named what was hidden,
     NaN without any; by_r: (low, high, share of singles) over R_EDGES; by_seen, by_plant: shares of all
     kinds; seconds: median of a diagnosis."""
@@ -115,8 +115,9 @@ def _row(o: Outcome) -> str:
 
 
 def baseline_hit(o: Outcome, method: str) -> bool:
-    """Whether a method that names at most one effect named (one of) the hidden; none on a null; it cannot say
-    unknown."""
+    """Whether a method that names at most one effect named a hidden one, or none on a null. It cannot answer
+    unknown.
+    """
     named = o.baselines.get(method, ())
     if o.kind in ("null", "unknown"):
         return not named

@@ -30,7 +30,7 @@ TRIAL_ROOMS = (
     "inference",
     "discovery",
     "validation",
-)  # what a trial's result depends on
+)  # rooms whose code a trial's result depends on
 CATALOGUED = tuple(name for name in KNOWN if SCALED_TOGETHER.get(name) and name not in UNCATALOGUED)
 
 
@@ -54,7 +54,7 @@ def seen_as(design: AnyDesign) -> str:
 
 @cache
 def trials_code_version() -> str:
-    """A hash of the rooms' source, so that results of other code are not taken for this one's."""
+    """A hash of the rooms' source, so that stored results of other code are not used."""
     root, total = Path(__file__).resolve().parents[2], hashlib.sha256()
     files = [file for room in TRIAL_ROOMS for pattern in ("*.py", "*.toml") for file in (root / room).rglob(pattern)]
     for file in sorted(files):
@@ -64,11 +64,9 @@ def trials_code_version() -> str:
 
 
 def trial(task: Mapping[str, Any]) -> dict[str, Any]:
-    """The runner's work: make the recording of a design's table, diagnose it without the truth, set both beside each
-    other.
+    """The runner's work: make the recording of a design's table, diagnose it without the truth, and score the answer.
 
-    Where the arm cannot follow the drawn motion, or what was seen cannot be judged, "refused" holds the line that
-    says so.
+    If the arm cannot follow the drawn motion, or the recording cannot be judged, "refused" has the message.
     """
     design = design_of(task)
     try:

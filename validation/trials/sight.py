@@ -1,4 +1,4 @@
-"""How a blind trial's arm is seen: as points of its midline, as markers, as a track or as a video, with which noise."""
+"""The measurement of a blind trial: points of the midline, markers, a track or a video, and its noise."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ EVERYWHERE = tuple(np.linspace(0.0, 1.0, 41).tolist())
 
 @dataclass(frozen=True)
 class Measurement:
-    """What is measured of the arm, and how well.
+    """The kind of measurement and its noise.
 
     kind: points of the midline; a video that is rendered and tracked; a track, with the noise that it states but
-    without a video; or markers. noise [m] of each coordinate of a point; of a video or a track: that of points (s)
-    which would tell as little. stated [m]: what a midline says that its noise is (None: it says nothing). s (P,)
-    where points or markers are, d (M,) [m] along the normal, of markers. angle_noise [rad] of the servo's log.
+    without a video; or markers. noise [m] of each coordinate of a point; of a video or a track: the noise of points (s)
+    with the same information. stated [m]: the noise that a midline states (None: it states none). s (P,) where
+    points or markers are, d (M,) [m] along the normal, of markers. angle_noise [rad] of the servo's log.
 
     Of a track: covariance (K, K) of [base angle offset, q1 .. q_(K-1)] as it states it, gain (K,) of the true noise
     over that in its whitened channels, scale_sigma of its scale (NaN is None).

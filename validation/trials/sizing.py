@@ -1,4 +1,4 @@
-"""How strong a blind trial's hidden effects are: sized by what the data can show of them."""
+"""Strengths of a blind trial's hidden effects, found from the change of the data that refitting cannot absorb."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ from validation.trials.sight import EVERYWHERE, Measurement, track_of
 SIZED_AT = 30.0  # frames/s: enough for rms values
 SIZED_ORDER, SEEN_ORDER = 3, 5
 SIZING_STEP = 1.0 / 480.0  # s; a strong Maxwell branch on a stiff arm is unstable at 1/300
-SETTLING_TIME = 2.0  # s: the start from rest is not what a recording shows
+SETTLING_TIME = 2.0  # s: the start from rest is left out
 FACTORS = np.geomspace(3e-3, 300.0, 46)  # on a typical strength
 CORRECTIONS, CLOSE = 5, 0.05
 LEAST_SHOWN, SHOWN_BY_FAR = 1.0, 5.0  # R
 STRONGER = (1.0, 10.0, 100.0)  # times a typical strength
 SEEN_FOR = 8.0  # s
-# Starts of a refit, times the true values: a large effect may be taken up by a base far from the true one.
+# Starts of a refit, times the true values: with a large effect the best base can be far from the true one.
 STIFFER, MORE_DAMPED = (0.6, 0.8, 1.0, 1.25, 1.6, 2.2), (1.0, 5.0)
 
 
 def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Array]:
-    """A trajectory problem at a trial's truth without hidden effects, seen without noise, and its nuisances.
+    """A trajectory problem at a trial's truth without hidden effects and without noise, and its nuisances.
 
-    What is seen is whitened by the sight's noise, or, as a track is, by a root (K, K).
+    The data are whitened by the measurement's noise or, for a track, by a root (K, K).
     """
     model = design.model()
     arm = arm_of(replace(model, order=SIZED_ORDER))
@@ -74,7 +74,7 @@ def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Ar
 
 
 def _unseen(t: Array, theta: Array, length: float) -> ShapeObservation:
-    """An observation that shows nothing, at those times."""
+    """An observation of zeros at those times."""
     nothing = np.zeros(t.size)
     blank = np.zeros((t.size, POSE))
     return ShapeObservation(t, theta, length, blank, np.zeros((t.size, POSE, POSE)), nothing, nothing)
@@ -114,9 +114,9 @@ def visible_size(problem: Problem, nuisances: Array, effect: str, variants: list
 
 
 def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[str, float]) -> float:
-    """R of an effect: rms of the whitened residual of the base, fitted to what the arm with the effect does.
+    """R of an effect: rms of the whitened residual of the base, fitted to the motion with the effect.
 
-    A fit may end beside the best one: the first order's R, where it is smaller, stands instead.
+    A fit may miss the best minimum; if the R to first order is smaller, it is taken instead.
     """
     parameters = problem.parameters.copy()
     for name, value in values.items():
@@ -129,9 +129,9 @@ def refitted_size(problem: Problem, nuisances: Array, effect: str, values: dict[
 
 
 def left_by_refit(problem: Problem, nuisances: Array, rows: Array) -> float:
-    """What refitting the base leaves of a change of the data: rms of the whitened residual [noise sigmas].
+    """Residual of a change of the data after refitting the base: rms of the whitened residual [noise sigmas].
 
-    rows (T, K): whitened, the bare arm less the changed one.
+    rows (T, K): whitened, the bare arm minus the changed one.
     """
     base = problem.parameters[problem.rows()]
     (experiment,) = problem.experiments
@@ -146,7 +146,7 @@ def left_by_refit(problem: Problem, nuisances: Array, rows: Array) -> float:
 
 def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], list[float]]:
     """The hidden effects' parameters, and the R that each has [noise sigmas]; NaN for those outside the catalogue,
-    which the maker sizes itself so that the midline moves by 6 to 15 sigmas. root (K, K): of a track.
+    which are scaled elsewhere so that the midline moves by 6 to 15 sigmas. root (K, K): of a track.
     """
     random = np.random.default_rng([design.seed, 1])
     hidden: dict[str, Any] = {}
@@ -160,7 +160,7 @@ def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], li
         problem, nuisances = bare_problem(design, root)
         factors, sizes = sizes_of(problem, nuisances, effect, drawn)
         factor = float(np.exp(np.interp(np.log(wanted), np.log(sizes), np.log(factors))))
-        # To first order the base absorbs too little of a large effect: correct by what a real refit leaves.
+        # To first order the base absorbs too little of a large effect: correct by the residual of a real refit.
         for _ in range(CORRECTIONS):
             hidden[effect] = scaled(effect, drawn, factor)
             size = refitted_size(problem, nuisances, effect, hidden[effect])
@@ -184,8 +184,8 @@ def sizes_of(problem: Problem, nuisances: Array, effect: str, drawn: dict[str, f
 def shown_effects(
     like: Likeness, catalogued: Sequence[str], outside: Sequence[str]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Of the effects' names those that can show in such a recording: R >= 1 after a refit, at a strength that has far
-    more to first order; outside the catalogue a midline that moves as a trial's is to.
+    """The effects that can be detected in such a recording: R >= 1 after a refit, at a strength with a far larger R to
+    first order; for those outside the catalogue, the midline must move by the size required of a trial.
 
     InputError where none can.
     """
@@ -215,7 +215,7 @@ def shown_effects(
         strengths = (scaled(effect, drawn, factor) for factor in STRONGER)
         try:
             return any(shown_mm(scene, {effect: values}, bare, seconds) >= wanted for values in strengths)
-        except InputError:  # it shows next to nothing until the simulation goes out of bounds
+        except InputError:  # it is hardly visible at any strength with a bounded simulation
             return False
 
     beyond = tuple(effect for effect in outside if moves(effect))

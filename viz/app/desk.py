@@ -1,4 +1,4 @@
-"""The folder that the page works in: recordings with their films and logs, and the answers of the verbs."""
+"""The page's working folder: recordings with their films and logs, and the answers of the verbs."""
 
 from __future__ import annotations
 

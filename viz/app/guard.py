@@ -1,4 +1,4 @@
-"""Who may speak to the page: a browser on this machine that was given the token once."""
+"""Access to the page: only for a browser on this machine that was given the token."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is clicked on a film's first picture, and the arm that is declared by it, drawn over the picture."""
+"""The points clicked on a film's first picture, and the declared arm drawn over the picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page of one run, the same for every verb: what is seen on the left, then signals, then residuals."""
+"""The page of one run, the same for every verb: video and arms on the left, then signals, then residuals."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from viz.topics.paths import run_path
 
 @dataclass(frozen=True)
 class LoggedTopics:
-    """What was logged of a run: its models (key, name), and which of the optional topics."""
+    """The logged topics of a run: its models (key, name), and which of the optional topics."""
 
     name: str
     declaration: Declaration

@@ -13,7 +13,7 @@ from viz.topics.paths import TIMELINE
 
 
 def space_view(path: str, declaration: Declaration, name: str) -> rrb.Spatial3DView:
-    """The tank as the camera sees it, a little from above: n to the right, gravity down, all its reach in view.
+    """The tank from the camera's side and a little above: n to the right, gravity down, the arm's whole reach in view.
 
     The default eye of the viewer clips an object of this size.
     """

@@ -1,4 +1,4 @@
-"""Where the declared model's error comes from: noise, reduction, missing physics, rest."""
+"""Parts of the declared model's error: noise, reduction, missing physics, rest."""
 
 from __future__ import annotations
 

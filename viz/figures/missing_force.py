@@ -1,4 +1,6 @@
-"""The force that a model misses: a map over arc length and time, its size along the arm, and what laws leave of it."""
+"""The force that a model misses: a map over arc length and time, its size along the arm, and the share that laws do not
+explain.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from viz.figures.style import house_style, new_figure
 from viz.palette import AUGMENTED, NEUTRAL
 
 SETTLED, WINDOW = 1.0, 6.0  # s of the map that are drawn
-SIGNED_MAP = "PuOr"  # light where nothing acts, and told apart by the colour-blind
+SIGNED_MAP = "PuOr"  # light where no force acts, and safe for colour-blind readers
 
 
 def missing_force_figure(shown: ForceMap, kinds: Sequence[tuple[str, float]] = ()) -> Figure:

@@ -1,4 +1,4 @@
-"""Small multiples: what every recording's model leaves, over arc length and time, on one colour scale."""
+"""Small multiples: every recording's residual over arc length and time, on one colour scale."""
 
 from __future__ import annotations
 

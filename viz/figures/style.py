@@ -1,4 +1,4 @@
-"""How figures look and how they are written: in print, on a light page and on a dark one."""
+"""The style and the output of figures: in print, on a light page and on a dark one."""
 
 from __future__ import annotations
 

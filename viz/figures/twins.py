@@ -1,4 +1,4 @@
-"""Which effects these recordings hardly tell apart: cosines of their sensitivities, base parameters projected out."""
+"""Effects that these recordings hardly separate: cosines of their sensitivities, base parameters projected out."""
 
 from __future__ import annotations
 

@@ -1,5 +1,6 @@
-"""Where a reduced model may be trusted: its relative error over driving frequency and amplitude, with its level
-lines."""
+"""The range of validity of a reduced model: its relative error over driving frequency and amplitude, with
+level lines.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work and precision: what an error costs in processor time, program by program, case by case."""
+"""Work and precision: processor time over error, by program and by case."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, vide
 
 
 def log_names(session: rr.RecordingStream, path: str, scene: ViewedRun, video: SmallVideo) -> None:
-    """Who is drawn in which colour, above the video, where it covers nothing."""
+    """The names and colours of all parties, above the video."""
     count = len(scene.parties)
     places = [[(index + 0.5) / count * video.width, -0.09 * video.height] for index in range(count)]
     names = [party.role.name for party in scene.parties]

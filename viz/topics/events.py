@@ -1,4 +1,4 @@
-"""The event log: a text at an instant, with a level. What a run's own data say happened to it."""
+"""The event log of a run, from its own data: a text at an instant, with a level."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """The tip, enlarged: each party's last part of the arm in a frame that moves with the subject's tip, in millimetres.
 
-In the tank a model that is 1 mm off covers the measured arm. This view is little wider than the tips are apart.
+In the view of the tank a model with an error of 1 mm covers the measured arm. This view is only a little wider than the
+distance of the tips.
 """
 
 from __future__ import annotations

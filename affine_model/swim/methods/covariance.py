@@ -1,7 +1,7 @@
 """CMA-ES (package cmaes; Hansen 2016), several runs side by side so that a batch of the kernel is full.
 
-A run whose best has stood still restarts elsewhere: the landscape has several hills (one for each way to shape the
-wave), and the last digits are left to the polish.
+A run without progress starts again elsewhere, because the objective has several maxima (one for each shape of the
+wave). The last digits come from the local climbs (polish).
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """The paper's evolutionary algorithm: population 50, mutation rate 0.02 (100 generations make its 5000 evaluations).
 
-The paper names Matlab's Global Optimization Toolbox and these numbers only. What it leaves open is taken as that
-toolbox's `ga` does by default for bounded problems: rank scaling 1/sqrt(rank), stochastic universal selection, 5 %
-elite, 80 % of the others by scattered crossover, the rest by mutation. The mutation rate can be read in two ways, and
-both are here: each gene of a mutant redrawn with that probability (the toolbox's uniform mutation; `ga`), or each
-individual with that probability, in one gene (`ga-individual`).
+The paper names Matlab's Global Optimization Toolbox and these numbers only. All else follows the defaults of that
+toolbox's `ga` for bounded problems: rank scaling 1/sqrt(rank), stochastic universal selection, 5 % elite, 80 % of the
+others by scattered crossover, the rest by mutation. The mutation rate can be read in two ways, and both are here: each
+gene of a mutant redrawn with that probability (the toolbox's uniform mutation; `ga`), or each individual with that
+probability, in one gene (`ga-individual`).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Uniform random points: what every other method has to beat."""
+"""Uniform random points, the method with which all others are compared."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the trials like a recording share with it, as a section of their report."""
+"""The section of a report about the properties that the trials share with the recording."""
 
 from __future__ import annotations
 

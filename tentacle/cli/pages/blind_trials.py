@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from discovery.calibration import CONFIDENCE_TEMPERATURE
 from validation.trials.figures import BASELINE_METHODS, hits
 from validation.trials.outcome import Outcome
 from validation.trials.reliability import (
     Bin,
     calibration_gap,
     cross_calibrated,
+    fit_temperature,
     gap_by_chance,
     reliability,
 )
@@ -43,7 +45,7 @@ def blind_trials_page(
         *before,
         _score_section(found),
         _confusion_section(outcomes),
-        _reliability_section(reliability(outcomes), crossed, gap_by_chance(outcomes)),
+        _reliability_section(reliability(outcomes), crossed, (gap_by_chance(outcomes), fit_temperature(outcomes))),
         _error_section(outcomes),
         _baseline_section(outcomes),
         _trial_section(outcomes, refused),
@@ -81,9 +83,9 @@ def _score_section(found: Scores) -> ReportSection:
     ]
     words = (
         "R is the rms of the residual that refitting the base parameters cannot absorb, in standard deviations of the "
-        "noise. A plant is a simulator with its own laws; the plant reference is the chain that the loop knows. "
+        "noise. A plant is a simulator with its own laws; the plant reference is the chain that the loop uses. "
         "Median time of a diagnosis: "
-        f"{number(found.seconds)} s of a processor."
+        f"{number(found.seconds)} s of processor time."
     )
     header = ("trials", "share", "95 % interval", "count", "target")
     return ReportSection("Scores", [words], [ReportTable("Asked and measured", header, rows, numeric=(1, 2, 3))])
@@ -102,7 +104,11 @@ def _confusion_section(outcomes: Sequence[Outcome]) -> ReportSection:
     return ReportSection("Confusion matrix", [words], (), [Picture(confusion_figure(truths, answers, counts), caption)])
 
 
-def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance: float) -> ReportSection:
+def _reliability_section(
+    bins: Sequence[Bin], crossed: Sequence[Bin], found: tuple[float, float | None]
+) -> ReportSection:
+    """The reliability curve; found: the gap by chance alone, and the likeliest temperature of the confidence."""
+    by_chance, temperature = found
     if not bins:
         return ReportSection("Is the stated confidence true?", ["No trial."])
     rows = []
@@ -121,13 +127,20 @@ def _reliability_section(bins: Sequence[Bin], crossed: Sequence[Bin], by_chance:
         [
             f"Largest gap between stated and right: {100 * calibration_gap(bins):.0f} points (expected by chance if "
             f"every confidence were true: {100 * by_chance:.0f}); with the map of "
-            "calibration.toml fitted to one half of these trials and tried on the other, "
-            f"{100 * calibration_gap(crossed):.0f} points."
+            "calibration.toml fitted to one half of these trials and tested on the other, "
+            f"{100 * calibration_gap(crossed):.0f} points.",
+            f"The loop divides the log odds of the posterior mass by {CONFIDENCE_TEMPERATURE:g}; "
+            + (
+                "these trials do not determine a better number."
+                if temperature is None
+                else f"the likeliest number on these trials is {temperature:.2g}."
+            ),
         ],
         [ReportTable("Reliability", header, rows, numeric=(1, 2, 3, 4))],
         [
             Picture(
-                picture, "A bin a point, with its number of trials; on the line the stated confidence is the hit rate."
+                picture,
+                "One point per bin, with its number of trials; on the line the stated confidence equals the hit rate.",
             )
         ],
     )

@@ -21,7 +21,7 @@ def write_grid(answers: Sequence[ArmComparison], out: Path) -> None:
     import sys
 
     from tentacle.io.provenance import input_hashes, versions
-    from validation.validity_advice import GOOD_SHAPE, reach_of, sentence, serves
+    from validation.validity_advice import GOOD_SHAPE, largest_ratio, sentence, serves
     from viz.report import Origin, Report, ReportSection, ReportTable, render_report, write_report
 
     header = ("arm", "first mode [Hz]", "serves", "shape within 5 % up to [Hz]", "driven motion, order 2 [mm]")
@@ -30,7 +30,7 @@ def write_grid(answers: Sequence[ArmComparison], out: Path) -> None:
         rungs = {rung.name: rung for rung in ladder.rungs}
         found = maps[0] if maps else None
         answer = ("", "") if found is None else (
-            "yes" if serves(found) else "no", f"{reach_of(found, 2, GOOD_SHAPE) * found.first:.3g}"
+            "yes" if serves(found) else "no", f"{largest_ratio(found, 2, GOOD_SHAPE) * found.first:.3g}"
         )  # fmt: skip
         first = rungs["first frequency, declared fluid"].best
         rows.append((file.stem, f"{first:.3g}", *answer, f"{rungs['driven motion: midline'].error(2):.2g}"))

@@ -1,4 +1,4 @@
-"""What `tentacle view` shows of a recording: a session, with what a rig's run says happened."""
+"""The session that `tentacle view` shows of a recording, with the events of a rig's run."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from viz.viewer import DECLARATION, holds, require_recordings
 
 
 def with_layout(file: Path, place: Path) -> Path:
-    """The file itself where it is a session; of a recording, a session that shows it, written to place."""
+    """The file itself if it is a session; for a recording, a session that shows it, written to place."""
 
     if not file.is_dir() and not holds(require_recordings([file])[0], DECLARATION):
         return file
@@ -23,7 +23,7 @@ def with_layout(file: Path, place: Path) -> Path:
 
 
 def run_events(file: Path) -> list[Event]:
-    """What a rig's run says happened: settled, the board's own events, how it ended."""
+    """The events of a rig's run: settled, the board's own events, its end."""
 
     quiet = (EventCode.FLASH_ON, EventCode.FLASH_OFF)
     faults = (EventCode.UNDERRUN, EventCode.WATCHDOG, EventCode.CLIPPED, EventCode.OVERCURRENT, EventCode.CELL_ERROR)

@@ -1,4 +1,4 @@
-"""report.html and session.rrd of `optimise`: what was found, how, beside the best sine, and what the reference says."""
+"""report.html and session.rrd of `optimise`: the gait, its search, the best sine, and the check on the reference."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def write_swim_film(trial: GaitTrial, found: Swimming, path: Path) -> None:
 def write_swim_page(
     trial: GaitTrial, found: Swimming, tables: dict[str, Any], front: Front | None, origin: Origin, path: Path
 ) -> None:
-    """report.html: headline, what each gait does, convergence, gait over a period, thrust map, front."""
+    """report.html: headline, results of each gait, convergence, gait over a period, thrust map, front."""
     from affine_model.swim import OBJECTIVES
     from viz.report import Report, ReportSection, render_report, write_report
 
@@ -69,7 +69,15 @@ def _promise_table(tables: dict[str, Any]) -> ReportTable:
         for name, prefix in zip(NAMES, ("", "sine_"), strict=True):
             thrust, speed = 1e3 * measured[f"{prefix}thrust_n"], 100 * measured[f"{prefix}speed_m_s"]
             rows.append((name, "MuJoCo", f"{thrust:.2f}", f"{speed:.2f}", "-", "-", "-"))
-    header = ("motion", "by", "thrust [mN]", "speed [cm/s]", "power [mW]", "peak torque [mN m]", "energy per way [J/m]")
+    header = (
+        "motion",
+        "by",
+        "thrust [mN]",
+        "speed [cm/s]",
+        "power [mW]",
+        "peak torque [mN m]",
+        "energy per distance [J/m]",
+    )
     return ReportTable(
         "Forward thrust with the base clamped; all else swimming on the rail.", header, rows, (2, 3, 4, 5, 6)
     )
@@ -88,10 +96,10 @@ def _limits_words(trial: GaitTrial, found: Swimming) -> tuple[str, ...]:
 
 def _search_words(found: Swimming) -> tuple[str, ...]:
     return (
-        f"First a grid of sines and one of single waves (one term of eq. 20, bent by its phase) that close in on their "
-        f"best; then {found.evaluations[-1]} gaits by {found.method}, seed {found.seed}. The best wave, and the search "
-        "wherever it rises above it, are climbed from by a quasi-Newton method.",
-        f"Judged on a trial with a third of the step, the winner was climbed from: {found.origin}.",
+        "First grids of sines and of single waves (one term of eq. 20 with its phase), refined around their best; then "
+        f"{found.evaluations[-1]} gaits by {found.method}, seed {found.seed}. A quasi-Newton method starts at the best "
+        "wave, and at the search's best when it exceeds all earlier results.",
+        f"The winner was chosen with a third of the step. Start of its climb: {found.origin}.",
     )
 
 
@@ -108,7 +116,7 @@ def _motion_picture(found: Swimming) -> Picture:
 
 
 def _map_section(trial: GaitTrial, found: Swimming) -> ReportSection:
-    """Mean thrust of sines over amplitude and frequency, as far as the servo goes (the paper's Fig. 9)."""
+    """Mean thrust of sines over amplitude and frequency, within the servo's limits (the paper's Fig. 9)."""
     import numpy as np
 
     from affine_model.swim import OBJECTIVES, sine_map

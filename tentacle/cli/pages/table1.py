@@ -11,7 +11,7 @@ from viz.report import Origin, Report, ReportSection, ReportTable, render_report
 
 
 def write_table1_page(found: Table1, seed: int, page: Path) -> None:
-    """report.html: the table beside the paper's, and what it shows."""
+    """report.html: the table beside the paper's, and its results in sentences."""
     table = ReportTable(
         "error of the identified model on the sine", TABLE1_HEADER, found.rows, tuple(range(1, len(TABLE1_HEADER)))
     )

@@ -21,7 +21,7 @@ from vision.tracked_frame import TrackedFrame
 
 
 def tracking_summary(shape: ShapeTrack, tracked: Tracking | None, out: Path) -> dict[str, Any]:
-    """What was found, as plain data."""
+    """The results as plain data."""
     return {
         "frames": len(shape.t),
         "accepted": int(shape.accepted.sum()),
@@ -58,7 +58,7 @@ def in_words(told: dict[str, Any], source: Path, recording: Recording, shape: Sh
 
 
 def print_frame(result: TrackedFrame) -> None:
-    """One frame's shape, as soon as it is there."""
+    """Print one frame's shape at once."""
     words = "  ".join(f"{value:8.4f}" for value in result.x) if result.accepted else result.reason
     print(f"{result.t:9.4f}  {words}", flush=True)
 

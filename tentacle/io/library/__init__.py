@@ -1,12 +1,12 @@
-"""A library of recordings: the .rrd files stay the truth, an index beside them says what they are and what was found.
+"""A library of recordings: the .rrd files are the data, and an index beside them has their contents and verdicts.
 
     from tentacle.io.library import open_library
     library = open_library(Path("recordings"))
     library.refresh()
     library.table()
 
-Parquet by pyarrow, which Rerun brings, and no server: Rerun's own catalog needs one process more and datafusion
-besides, and what is asked here (a few thousand rows of what was found) is answered from one file in milliseconds.
+It uses Parquet by pyarrow, which Rerun installs, and no server. Rerun's own catalog would need a further process and
+datafusion. The queries here (a few thousand rows) take milliseconds on one file.
 """
 
 from tentacle.io.library.library import Library, open_library

@@ -4,8 +4,8 @@
     LIBRARY/layers/KEY/residual.json     what the model leaves, small, for the page
     LIBRARY/layers/KEY/verdict.json, report.html, session.rrd, model.toml
 
-KEY is the hash of the recording's content, of the content of its baseline, and of the settings. The version of the code
-stands inside: a layer of older code stays readable, and says so. Nothing is ever written into a recording.
+KEY is the hash of the recording's content, of the content of its baseline, and of the settings. The layer states the
+version of the code: a layer of older code stays readable and is marked. Nothing is ever written into a recording.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A library: recordings where they lie, and beside them a folder with the index and the layers of verdicts."""
+"""A library: recordings in their folder, and beside it a folder with the index and the layers of verdicts."""
 
 from __future__ import annotations
 
