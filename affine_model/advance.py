@@ -148,7 +148,7 @@ def advance(arm: Arm, drive: Drive, parameters: Array, base: Array, start: tuple
     acting = {effect.name for effect in active_effects(parameters)}
     active = np.array([name in acting for name in catalogue()])
     known = arm_arrays(arm, drive)
-    constants = tuple(known[k] for k in CONSTANTS)
+    constants = np.array([known[k] for k in CONSTANTS])
     section = (known[k] for k in ("s", "area", "second_moment", "width", "perimeter"))
     rules = (known[k] for k in ("W", "Lw", "w", "A", "A_end", "C", "WA", "wA"))
     advance_blocks(

@@ -7,11 +7,8 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from affine_model.arm import arm_of, parameter_vector
-from affine_model.kernel.load import is_compiled
-from affine_model.simulate import Timing, simulate
+from affine_model.arm import arm_of
+from affine_model.kernel.load import BLOCK, FEW, is_compiled, load_kernel
 from tentacle.model import Estimate, Model
 from tentacle.specimen import WATER, Cone, Specimen
 
@@ -24,10 +21,10 @@ def not_compiled(orders: Sequence[int] = USUAL_ORDERS) -> list[int]:
 
 
 def compile_orders(orders: Sequence[int]) -> None:
-    """Compile the kernels of these orders by running each for one step."""
+    """Compile the kernels of these orders."""
     for order in orders:
-        model = _model(order)
-        simulate(arm_of(model), parameter_vector(model)[:, None], np.zeros((3, 1, 1)), Timing(1e-3))
+        for lanes in (BLOCK, FEW):
+            load_kernel(arm_of(_model(order)).nodes, order, lanes)
 
 
 def start_compiling(orders: Sequence[int] = USUAL_ORDERS) -> subprocess.Popen[bytes] | None:

@@ -2,6 +2,9 @@
 
     python benchmarks/precision.py --json FILE [--short] [--picture FILE.svg]
 
+Every case is kept in a file in the folder FILE.cases as soon as it is measured: the same command goes on after an
+interruption, and measures anew what another commit measured.
+
 Three cones (soft, middle, stiff), a slow and a fast motion, without fluid and in water with eq. 15's drag alone; no
 gravity; the same law on both sides. Error, the larger of two: rms distance of the midline over the rms of the bending
 (the distance from the straight arm that turns with the base), and, in water, the mean thrust's relative error. Truth:
@@ -23,11 +26,12 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks._commit import commit_of
 from benchmarks._precision_programs import FRAMES, Case, Material, Motion, Run, S, chain, cone, native, ours
 from tentacle.signals import Array
 
@@ -116,6 +120,29 @@ def points(case: Case, truth: Run, short: bool) -> Iterator[Point]:
                     yield from tried(NAMES[3 if own else 2], native, against, links, substeps, integrator, own)
 
 
+def measured(case: Case, short: bool) -> tuple[float, list[Point]]:
+    """The gap between the case's two references, and every program's points."""
+    truth = extrapolated(case, *((10, 20) if short else (20, 40)))
+    gap = error_of(case, ours(case, max(ORDERS), 96, count=1), truth) if not short else 0.0
+    return gap, list(points(case, truth, short))
+
+
+def kept(case: Case, short: bool, file: Path) -> tuple[float, list[Point]]:
+    """measured(case), from the file where this commit measured it already; else it is written there."""
+    commit = commit_of(Path(__file__).parent)
+    if file.exists():
+        known = json.loads(file.read_text(encoding="utf-8"))
+        if known["commit"] == commit and known["short"] == short:
+            return known["gap"], [Point(**point) for point in known["points"]]
+    gap, found = measured(case, short)
+    whole = {"commit": commit, "short": short, "gap": gap, "points": [asdict(point) for point in found]}
+    file.parent.mkdir(parents=True, exist_ok=True)
+    partial = file.with_suffix(".part")
+    partial.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
+    partial.replace(file)
+    return gap, found
+
+
 def cheapest(found: list[Point], programs: tuple[str, ...], level: float) -> Point | None:
     """The cheapest setting of these programs that errs no more than level."""
     good = [point for point in found if point.program in programs and point.error <= level]
@@ -163,17 +190,17 @@ def main() -> int:
     parser.add_argument("--picture", type=Path, help="where the diagram goes (.svg, .png)")
     arguments = parser.parse_args()
     figures: dict[str, float] = {f"{name}_at_{k}_percent": 0.0 for name in ("lost", "unresolved") for k in LEVELS}
+    folder = arguments.json.with_name(arguments.json.name + ".cases")
     figures["reference_gap"], cases = 0.0, dict[str, list[Point]]()
     floors: dict[int, float] = dict.fromkeys(ORDERS, 0.0)
     for material in ARMS[1 : 2 if arguments.short else None] if arguments.short else ARMS:
         for motion_name, motion in MOTIONS.items():
             for medium, density in DENSITIES.items():
                 case, name = Case(material, motion, density), f"{material.name} {motion_name} {medium}"
-                truth = extrapolated(case, *((10, 20) if arguments.short else (20, 40)))
-                gap = error_of(case, ours(case, max(ORDERS), 96, count=1), truth) if not arguments.short else 0.0
+                gap, cases[name] = kept(case, arguments.short, folder / f"{name.replace(' ', '_')}.json")
+                found = cases[name]
                 figures["reference_gap"] = max(figures["reference_gap"], gap)
                 print(f"{name}: the two references differ by {100 * gap:.3f} %", flush=True)
-                found = cases[name] = list(points(case, truth, arguments.short))
                 judged(name, found, gap, figures)
                 for order in ORDERS:
                     own = [p.error for p in found if p.program == NAMES[0] and p.setting.startswith(f"{order} ")]

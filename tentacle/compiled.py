@@ -22,9 +22,9 @@ from numba import prange
 from numba.core.caching import IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
 
-__all__ = ["njit", "prange"]
+from tentacle.private_cache import sealed, unsealed
 
-DIGEST = 32  # bytes
+__all__ = ["njit", "prange"]
 
 
 class CheckedCacheFile(IndexDataCacheFile):
@@ -35,13 +35,13 @@ class CheckedCacheFile(IndexDataCacheFile):
         with super()._open_for_write(filepath) as file:
             content = io.BytesIO()
             yield content
-            file.write(content.getvalue() + _digest(Path(filepath), content.getvalue()))
+            file.write(sealed(Path(filepath), content.getvalue()))
 
     def _load_index(self) -> dict[Any, str]:
-        return super()._load_index() if is_sound(Path(self._index_path)) else {}
+        return super()._load_index() if unsealed(Path(self._index_path)) is not None else {}
 
     def _load_data(self, name: str) -> Any:
-        if not is_sound(Path(self._data_path(name))):
+        if unsealed(Path(self._data_path(name))) is None:
             raise OSError("torn")  # numba takes this as: not there
         return super()._load_data(name)
 
@@ -76,16 +76,3 @@ def room_digest(folder: Path) -> str:
         return ""
     files = sorted(folder.glob("*.py"))
     return hashlib.sha256(b"\0".join(file.name.encode() + b"\0" + file.read_bytes() for file in files)).hexdigest()
-
-
-def is_sound(file: Path) -> bool:
-    """Whether a cache file ends with the digest of what is before it."""
-    try:
-        content = file.read_bytes()
-    except OSError:
-        return False
-    return content[-DIGEST:] == _digest(file, content[:-DIGEST])
-
-
-def _digest(file: Path, content: bytes) -> bytes:
-    return hashlib.sha256(file.name.encode() + b"\0" + content).digest()

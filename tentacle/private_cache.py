@@ -5,6 +5,7 @@ written.
 from __future__ import annotations
 
 import atexit
+import hashlib
 import os
 import shutil
 import stat
@@ -16,6 +17,7 @@ from pathlib import Path
 from tentacle.errors import InputError
 
 PRIVATE = 0o700
+SEAL = 32  # bytes
 
 
 def cache_folder(name: str, *settings: str) -> Path:
@@ -28,6 +30,25 @@ def cache_folder(name: str, *settings: str) -> Path:
     if base is None:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "tentacle-twin"
     return _made(Path(base) / name)
+
+
+def _seal(file: Path, content: bytes) -> bytes:
+    return hashlib.sha256(file.name.encode() + b"\0" + content).digest()
+
+
+def sealed(file: Path, content: bytes) -> bytes:
+    """What to write to a file of the cache: the content, and behind it the SHA-256 of the file's name and content."""
+    return content + _seal(file, content)
+
+
+def unsealed(file: Path) -> bytes | None:
+    """The content of a file that was written so; None where it is not there, or torn by a full disk or a power cut."""
+    try:
+        found = file.read_bytes()
+    except OSError:
+        return None
+    content = found[:-SEAL]
+    return content if found[-SEAL:] == _seal(file, content) else None
 
 
 def _made(folder: Path) -> Path:

@@ -24,6 +24,7 @@ from affine_model.kernel.trace import lines, slope_along, traced
 from affine_model.kernel.unroll import unrolled_source
 
 BLOCK = 16  # individuals a block: two AVX-512 or four AVX2 registers of doubles
+FEW = 4  # where there are no more
 
 # Where the plain sums over effects go.
 SECTION_TARGETS = {
@@ -264,7 +265,7 @@ def array_sizes(nodes: int, order: int) -> dict[str, tuple[int, ...]]:
     return {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
 
 
-def kernel_source(nodes: int, order: int) -> str:
-    """The module's text for that number of nodes and curvatures; the same catalogue gives the same text."""
-    constants = {"n": order, "NODES": nodes, "BLOCK": BLOCK, "BODIES": bodies()}
+def kernel_source(nodes: int, order: int, lanes: int = BLOCK) -> str:
+    """The text for that number of nodes, curvatures and lanes a block; the same catalogue gives the same text."""
+    constants = {"n": order, "NODES": nodes, "BLOCK": lanes, "BODIES": bodies()}
     return unrolled_source(filled_template(order, Parts()), constants, array_sizes(nodes, order))

@@ -1,6 +1,8 @@
-"""Compiles the generated kernel once and keeps it: a module in the user's cache folder, named by the hash of its text.
+"""Compiles the generated kernel once and keeps it: machine code in the user's cache folder, named by the hash of its
+text and of all else that decides over it.
 
-Always the text generated here is run, never another text in the cache; tentacle.compiled checks numba's own cache.
+Two kernels a (nodes, order): of BLOCK lanes for a batch, and of FEW lanes, so that one arm alone pays for few empty
+ones.
 """
 
 from __future__ import annotations
@@ -9,67 +11,92 @@ import hashlib
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from affine_model.kernel.generate import BLOCK, kernel_source
+from affine_model.kernel.arguments import packed
+from affine_model.kernel.generate import BLOCK, FEW, kernel_source
+from affine_model.kernel.machine_code import Loaded, arguments_of, compiler, object_code
 from tentacle.law.in_use import follows_laws
-from tentacle.private_cache import cache_folder
+from tentacle.private_cache import cache_folder, sealed, unsealed
 
-__all__ = ["BLOCK", "advance_blocks", "load_kernel"]
+__all__ = ["BLOCK", "FEW", "advance_blocks", "load_kernel"]
 
 
-def _file(name: str, source: str) -> Path:
-    name = f"{name}_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
-    return cache_folder("kernels", "TENTACLE_KERNELS") / f"{name}.py"
+@dataclass(frozen=True)
+class Kernel:
+    """A compiled kernel, and the names of its arguments."""
+
+    code: Loaded
+    names: list[str]
+
+
+def _file(name: str, *decisive: str, suffix: str = ".py") -> Path:
+    digest = hashlib.sha256("\0".join(decisive).encode()).hexdigest()[:16]
+    return cache_folder("kernels", "TENTACLE_KERNELS") / f"{name}_{digest}{suffix}"
+
+
+def _code_file(nodes: int, order: int, lanes: int, text: str) -> Path:
+    return _file(f"kernel_{nodes}_{order}_{lanes}", text, compiler(), suffix=".o")
 
 
 def is_compiled(nodes: int, order: int) -> bool:
-    """Whether this computer has the kernel in machine code already: numba's index of it lies in the cache."""
-    file = _file(f"kernel_{nodes}_{order}", kernel_source(nodes, order))
-    return any(file.parent.glob(f"__pycache__/{file.stem}.advance-*.nbi"))
+    """Whether this computer has both kernels in machine code already."""
+    return all(_code_file(nodes, order, k, kernel_source(nodes, order, k)).exists() for k in (BLOCK, FEW))
 
 
 @follows_laws
-def load_kernel(nodes: int, order: int) -> ModuleType:
-    """The kernel for that number of quadrature nodes and curvatures; compiled on first use (several seconds),
-    then loaded from the cache.
+def load_kernel(nodes: int, order: int, lanes: int = BLOCK) -> Kernel:
+    """The kernel for that number of quadrature nodes, curvatures and lanes; compiled on first use (1 to 2 s), then
+    loaded from the cache.
     """
-    return module_of(f"kernel_{nodes}_{order}", kernel_source(nodes, order))
+    text = kernel_source(nodes, order, lanes)
+    file = _code_file(nodes, order, lanes, text)
+    code = unsealed(file)
+    if code is None:
+        code = object_code(text, lanes)
+        with suppress(OSError):  # a full or read-only disk is no reason to end a run
+            partial = file.with_suffix(f".{os.getpid()}.part")
+            partial.write_bytes(sealed(file, code))
+            partial.replace(file)
+    return Kernel(Loaded(code), arguments_of(text))
 
 
 def module_of(name: str, source: str) -> ModuleType:
-    """The module of a generated text, which is kept in the cache folder under its name and the hash of the text."""
+    """The module of a generated text, which is kept in the cache folder under its name and the hash of the text. The
+    text that is run is this one, whatever lies there.
+    """
     path = _file(name, source)
-    if not path.exists() or path.read_bytes() != source.encode():  # numba's cache goes by the file's age and size
+    if not path.exists() or path.read_bytes() != source.encode():
         partial = path.with_suffix(f".{os.getpid()}.part")
         partial.write_text(source)
         partial.replace(path)
     module = ModuleType(path.stem)
     module.__file__ = str(path)
     sys.modules[path.stem] = module
-    exec(compile(source, str(path), "exec"), module.__dict__)  # the text made here, whatever lies in the cache
+    exec(compile(source, str(path), "exec"), module.__dict__)
     return module
 
 
 def advance_blocks(nodes: int, order: int, count: int, *arguments: Any) -> None:
     """Run the kernel over `count` individuals, block by block, on every core this process may use.
 
-    It uses Python threads, and the kernel releases the interpreter lock; to compile numba's own parallel loop would
-    take as long as the kernel itself. A block writes to its own individuals' columns alone.
+    It uses Python threads, and the kernel releases the interpreter lock. A block writes to its own individuals' columns
+    alone.
     """
-    kernel = load_kernel(nodes, order)
-    blocks = -(-count // BLOCK)
+    lanes = FEW if count <= FEW else BLOCK
+    kernel = load_kernel(nodes, order, lanes)
+    words, held = packed(kernel.names, arguments)
+    blocks, address = range(-(-count // lanes)), words.ctypes.data
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if blocks == 1 or cores == 1:
-        for block in range(blocks):
-            kernel.advance(block, *arguments)
-        return
-    begun = 0
-    if not kernel.advance.signatures:  # compiled in this thread: Ctrl-C need not wait until a thread has compiled
-        kernel.advance(0, *arguments)
-        begun = 1
-    with ThreadPoolExecutor(min(blocks, cores)) as pool:
-        for _ in pool.map(lambda block: kernel.advance(block, *arguments), range(begun, blocks)):
-            pass
+    if len(blocks) == 1 or cores == 1:
+        for block in blocks:
+            kernel.code.run(block, address)
+    else:
+        with ThreadPoolExecutor(min(len(blocks), cores)) as pool:
+            for _ in pool.map(lambda block: kernel.code.run(block, address), blocks):
+                pass
+    del held  # the arrays lived until here

@@ -17,8 +17,7 @@ def test_add_your_own_effect_runs_as_written(tmp_path):
     (tmp_path / "my_effects").mkdir()
     (tmp_path / "my_effects" / "fillet.py").write_text(law)
     (tmp_path / "session.py").write_text(session)
-    # The kernel as plain Python: 20 steps of it are quicker than its compilation.
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT), "TENTACLE_CACHE": str(tmp_path)}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TENTACLE_CACHE": str(tmp_path)}
     command = [sys.executable, "session.py"]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
+from affine_model.advance import Drive, Pace, Rail, Servo, advance, at_rest
+from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
+from affine_model.kernel.arguments import ARGUMENTS, packed
+from affine_model.kernel.generate import kernel_source
+from affine_model.kernel.machine_code import object_code
 from affine_model.kernel.unroll import unrolled_source
+from affine_model.simulate import Timing, simulate
+from tentacle.specimen import WATER, Cone, Gravity, Specimen
+from tentacle.waveform import Sine
 
 TEXT = """
 def work_out(a, work):
@@ -38,3 +46,55 @@ def test_what_all_lanes_share_is_read_once():
 def test_a_wrong_number_of_indices_is_refused():
     with pytest.raises(SyntaxError, match="m has 2 indices"):
         unrolled_source("m[1, b] = 0.0", {}, {"m": (2, 2)})
+
+
+def test_machine_code_computes_what_the_text_says():
+    """The text run as Python, and compiled, on numbers at which every effect, servo and rail act."""
+    arm = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=2, nodes=4)
+    parameters = np.repeat(neutral_parameters()[:, None], 5, axis=1)
+    for row in parameter_rows():
+        parameters[row.index] = row.parameter.nominal * np.linspace(0.9, 1.1, 5)
+    base = Sine(0.5, 1.3, 0.4)((np.arange(4) + 0.5) / 500)[:, :, None]
+    drive, pace = Drive(Servo(1.0, 0.02, 2.0, 0.5), Rail(0.1, 0.5, 0.01)), Pace(1 / 500, 2, complete=True)
+
+    def in_python(nodes, order, _, *arguments):
+        place: dict = {}
+        exec(compile(kernel_source(nodes, order), "kernel", "exec"), place)
+        with np.errstate(all="ignore"):  # empty lanes
+            place["advance"](0, *arguments)
+
+    start = np.zeros(5), at_rest(arm, 5)
+    compiled = advance(arm, drive, parameters, base, start, pace)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("affine_model.advance.advance_blocks", in_python)
+        spoken = advance(arm, drive, parameters, base, start, pace)
+    for name in ("u", "u_rate", "force", "past", "store", "summary"):
+        expected, found = getattr(spoken, name), getattr(compiled, name)
+        assert np.all(np.isfinite(expected))
+        assert np.max(np.abs(expected)) > 0.0
+        np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12 * np.max(np.abs(expected)), err_msg=name)
+
+
+def test_few_arms_move_as_in_a_batch():
+    """The kernel of few lanes and that of a block are one text: 1e-12 of each other."""
+    arm = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0), WATER, order=3)
+    parameters = np.repeat(neutral_parameters()[:, None], 20, axis=1)
+    for effect, name, value in (("elasticity", "E", 2e5), ("damping", "eta", 500.0), ("drag", "C_perp", 1.1)):
+        parameters[parameter_index(effect, name)] = value * np.linspace(0.8, 1.2, 20)
+    base = Sine(0.5, 1.3)((np.arange(200) + 0.5) / 250)[:, :, None]
+    many = simulate(arm, parameters, base, Timing(1 / 250)).q
+    for first in (0, 17):
+        few = simulate(arm, np.ascontiguousarray(parameters[:, first : first + 3]), base, Timing(1 / 250)).q
+        np.testing.assert_allclose(few, many[:, :, first : first + 3], rtol=0.0, atol=1e-12 * np.max(np.abs(many)))
+
+
+def test_what_is_no_part_of_the_text_is_refused():
+    head = f"def advance(block, {', '.join(name for name in ARGUMENTS if name != 'block')}):\n"
+    for line, said in (("    x = math.gamma(h)\n", "math.gamma"), ("    while h:\n        pass\n", "no part")):
+        with pytest.raises(SyntaxError, match=said):
+            object_code(head + line, 4)
+
+
+def test_an_array_in_another_order_is_refused():
+    with pytest.raises(ValueError, match=r"summary.*C order"):
+        packed(["summary"], (np.zeros((3, 4)).T,))

@@ -30,12 +30,8 @@ START = '''
 import math
 
 import numpy as np
-from tentacle.compiled import njit
-
-FAST = {"contract", "reassoc", "arcp", "nsz", "afn"}  # not nnan: divergence must show
 
 
-@njit(fastmath=FAST, forceinline=True)
 def sincos(angle):
     """Sine and cosine to 1e-15 without a branch, so that the loop around it vectorises."""
     quadrant = np.floor(angle * 0.6366197723675814 + 0.5)
@@ -53,7 +49,6 @@ def sincos(angle):
     return sine_sign * (cosine if odd else sine), cosine_sign * (sine if odd else cosine)
 
 
-@njit(fastmath=FAST, cache=True, nogil=True, boundscheck=False, error_model="numpy")
 def advance(block, parameters, active, constants, s, area, second_moment, width, perimeter, W, Lw, w, A, A_end,
             C, WA, wA, base, servo, rail, free_theta, free_rail, h, steps, age, t0, start, start_rate, start_past,
             start_store, iterations, stride, average_from, out_u, out_rate, out_force, out_past, out_store, summary):
