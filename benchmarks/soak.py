@@ -30,7 +30,8 @@ from rig.emulator import Emulator, EmulatorSettings
 from rig.fault import Fault
 from rig.motion import described, rig_motion
 from rig.record import Attendance, RunResult, record_run
-from rig.run_file import Run, iterate_frames, read_run
+from rig.run import Run
+from rig.run_file import iterate_frames, read_run
 from rig.settle import SettleRule
 from tentacle.errors import InputError
 from tentacle.waveform import Sine

@@ -9,7 +9,8 @@ from pathlib import Path
 import optuna
 from optuna.distributions import FloatDistribution
 
-from rig.run_file import Run, read_run
+from rig.run import Run
+from rig.run_file import read_run
 from tentacle.errors import InputError
 
 JOURNAL = "study.journal"

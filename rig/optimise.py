@@ -26,7 +26,8 @@ from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.interrupts import Interrupts
 from rig.journal import JOURNAL, recording_path, recover, set_aside, whole_journal
-from rig.run_file import Run, read_run
+from rig.run import Run
+from rig.run_file import read_run
 from tentacle.errors import InputError
 from tentacle.io.folder_lock import owned_folder
 from tentacle.waveform import Waveform

@@ -28,7 +28,8 @@ from rig.fault import Fault
 from rig.live_feed import RIG_APPLICATION, LiveFeed
 from rig.protocol import NO_ANGLE, BoardEvent, LoadSample, Sample, ServoSample
 from rig.stop_file import release, reserve, write_stop
-from tentacle.io.checksums import Sum, columns_digest, log_sums, log_text
+from rig.written_rows import WrittenRows
+from tentacle.io.checksums import log_sums, log_text
 from tentacle.io.declaration_file import format_recording_file, parse_recording_file
 from tentacle.io.direct_file import way_to_disk
 from tentacle.io.film_pieces import log_film
@@ -65,9 +66,7 @@ class Recorder:
         self._stopped = False
         self._pending: list[Sample] = []
         self._queue: list[Callable[[], None]] = []
-        self._sums: list[Sum] = []
-        self._blocks = 0
-        self._ends: dict[str, int] = {}  # rows of each signal so far
+        self._rows = WrittenRows()
         self._pending_frames: list[CameraFrame] = []
         path.parent.mkdir(parents=True, exist_ok=True)
         self._require_space()
@@ -112,12 +111,13 @@ class Recorder:
     def frames(self, frames: Sequence[CameraFrame]) -> None:
         """Appends camera frames at their host time."""
         self._pending_frames += frames
-        self._count(layout.CAMERA, len(frames))
+        self._rows.count(layout.CAMERA, len(frames))
         if self._live is not None:
             self._live.frames(frames)
 
     def video(self, file: Path) -> None:
         """Puts a video of the run beside its signals, as tentacle.io.recording_rrd lays it out."""
+        self._rows.count("camera", 1)
         if file.stat().st_size > LARGE_VIDEO:
             log_film(self._stream, file)
         else:
@@ -126,7 +126,7 @@ class Recorder:
     def clock(self, fit: ClockFit) -> None:
         """Appends the clock's present fit: without it a crashed run could not place its frames."""
         self.last_clock = fit
-        self._count(layout.CLOCK, 1)
+        self._rows.count(layout.CLOCK, 1)
         index, columns = layout.clock_rows(fit)
         self._queue.append(partial(self._stream.send_columns, layout.CLOCK, index, columns))
         if self._live is not None:
@@ -156,9 +156,9 @@ class Recorder:
         if self._live is not None:
             self._live.close()
         self._hand_over()
-        self._text(layout.STOP, {"outcome": outcome, "rows": self._ends, **record})
+        self._text(layout.STOP, {"outcome": outcome, "rows": self._rows.ends, **record})
         self._declare(outcome)
-        counts = {name: self._ends[name] for name in ("motor", "load_cell") if name in self._ends}
+        counts = {name: rows for name, rows in self._rows.ends.items() if not name.startswith("/rig/")}
         if counts:
             rows = rr.AnyValues(signal=list(counts), count=list(counts.values()))
             self._queue.append(partial(self._stream.log, "/rows", rows, static=True))
@@ -237,13 +237,12 @@ class Recorder:
         if frames:
             index, columns = layout.frame_rows(frames)
             self._queue.append(partial(self._stream.send_columns, layout.CAMERA, index, columns))
-        if self._sums:
-            self._queue.append(partial(log_sums, self._stream, self._sums, self._blocks))
-            self._sums = []
-            self._blocks += 1
+        sums, block = self._rows.take()
+        if sums:
+            self._queue.append(partial(log_sums, self._stream, sums, block))
 
     def _event(self, event: BoardEvent) -> None:
-        self._count(layout.EVENTS, 1)
+        self._rows.count(layout.EVENTS, 1)
         words, index, columns = layout.event_rows(event)
         self._queue.append(partial(self._stream.send_columns, layout.EVENTS, index, columns))
         if self._live is not None:
@@ -260,22 +259,9 @@ class Recorder:
         board, number, indexes = layout.sample_index(samples)
         columns = rr.Scalars.columns(scalars=values)
         self._queue.append(partial(self._stream.send_columns, entity, indexes, columns))
-        self._sum(entity, {"board_ns": board, "sample": number, "value": values})
+        self._rows.sum(entity, {"board_ns": board, "sample": number, "value": values})
         if self._live is not None:
             self._live.columns(entity, indexes, columns)
-
-    def _sum(self, signal: str, columns: dict[str, Any]) -> int:
-        """Adds the checksum of the next rows of a signal; the number of their first."""
-        count = len(next(iter(columns.values())))
-        first = self._count(signal, count)
-        self._sums.append(Sum(signal, first, count, columns_digest(columns)))
-        return first
-
-    def _count(self, signal: str, rows: int) -> int:
-        """Counts more rows of a signal; how many there were before."""
-        before = self._ends.get(signal, 0)
-        self._ends[signal] = before + rows
-        return before
 
     def _recording_rows(self, name: str, samples: Sequence[Sample], columns: dict[str, Any]) -> None:
         """Rows of a signal in the layout of tentacle.io.recording_rrd; only from the waveform's time 0 on."""
@@ -286,7 +272,7 @@ class Recorder:
         count = int(kept.sum())
         if not count:
             return
-        first = self._sum(name, {"t_s": t[kept], **{column: values[kept] for column, values in columns.items()}})
+        first = self._rows.sum(name, {"t_s": t[kept], **{column: values[kept] for column, values in columns.items()}})
         index = [
             rr.TimeColumn("time", duration=t[kept]),
             rr.TimeColumn("row", sequence=np.arange(first, first + count)),

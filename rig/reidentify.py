@@ -13,7 +13,8 @@ from discovery.diagnose import diagnose
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.model_gaits import best_gaits, predicted_propulsion
 from rig.optimise import propulsion
-from rig.run_file import Run, read_run, to_recording
+from rig.run import Run
+from rig.run_file import read_run, to_recording
 from tentacle.errors import InputError
 from tentacle.model import Model
 from tentacle.progress import Stage, silent

@@ -12,7 +12,8 @@ from rig.board import Board
 from rig.interrupts import Interrupts
 from rig.motion import RigMotion
 from rig.record import Attendance, RunResult, record_run
-from rig.run_file import Run, read_run
+from rig.run import Run
+from rig.run_file import read_run
 from rig.setup_file import RigSetup
 from tentacle.errors import InputError
 from tentacle.io.reading import read_recording

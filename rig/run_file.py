@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from rig import run_layout as layout
 from rig.clock import ClockFit
 from rig.protocol import EventCode
+from rig.run import Run, RunEvent
 from rig.stills import encode_video
 from rig.stop_file import read_stop
 from tentacle.errors import InputError
@@ -25,57 +26,6 @@ from tentacle.io.rrd_chunks import Chunk, bytes_lost, read_chunks
 from tentacle.io.rrd_columns import EntityColumns, add, whole_numbers
 from tentacle.recording import Recording
 from tentacle.signals import Array, LoadCellSignal, MotorSignal, Video
-
-
-@dataclass(frozen=True)
-class RunEvent:
-    """Something that happened on the board, at board_s [s]."""
-
-    board_s: float
-    code: EventCode
-    value: int
-
-
-@dataclass(frozen=True)
-class Run:
-    """A run as recorded. Times are the board's [s]; numbers are the board's sample numbers.
-
-    load (N,) counts at load_t, load_number; command, angle, current (M,) [rad, rad, A] at servo_t, servo_number;
-    frame_host_t (F,) [s] of arrival (iterate_frames gives the pictures); clocks in the order in which they were fitted.
-    stop is None where the host died; missing: one line on what was cut off, "" where nothing was.
-    """
-
-    path: Path
-    start: dict[str, Any]
-    stop: dict[str, Any] | None
-    load_t: Array
-    load_number: Array
-    load: Array
-    servo_t: Array
-    servo_number: Array
-    command: Array
-    angle: Array
-    current: Array
-    events: tuple[RunEvent, ...]
-    frame_host_t: Array
-    clocks: tuple[ClockFit, ...]
-    missing: str = ""
-
-    @property
-    def outcome(self) -> str:
-        """How it ended; "crashed" where there is no stop record."""
-        return "crashed" if self.stop is None else str(self.stop["outcome"])
-
-    @property
-    def zero(self) -> float:
-        """Board time [s] of the waveform's time 0; the first sample's where the run never started."""
-        lead = float(self.start.get("lead_s", 0.0))
-        if self.stop is not None and self.stop.get("start_us"):
-            return 1e-6 * float(self.stop["start_us"]) + lead
-        started = [e.board_s for e in self.events if e.code == EventCode.STARTED]
-        if started:  # the servo frame in which the first set point went out: up to 20 ms after it was due
-            return started[-1] + lead
-        return float(min([*self.load_t[:1], *self.servo_t[:1]], default=0.0))
 
 
 def read_run(path: Path) -> Run:
@@ -104,8 +54,9 @@ def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, 
     count = min(map(len, (command, angle, current)))  # a cut can fall between the entities of one block
     in_file = _document(columns, layout.STOP, path)
     stop = in_file if in_file is not None else read_stop(path)
-    if not bytes_gone and in_file is not None and in_file["outcome"] != "disk":
-        _require_every_row(in_file.get("rows", {}), {layout.CAMERA: len(frame_t), **_rows(columns, sums)}, path)
+    _series(columns, layout.THRUST, sums, path)  # it is there to be looked at; what is looked at must be sound too
+    held = {**_rows(columns, sums), layout.CAMERA: len(frame_t)}
+    short = "" if in_file is None or bytes_gone else _require_every_row(in_file, held, path)
     run = Run(
         path=path,
         start=start,
@@ -123,7 +74,7 @@ def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, 
         clocks=_clocks(columns.get(layout.CLOCK), path),
     )
     whole = in_file is not None and not bytes_gone
-    return run if whole else replace(run, missing=_missing(run, bytes_gone))
+    return replace(run, missing=short if whole else _missing(run, bytes_gone))
 
 
 def _rows(columns: dict[str, EntityColumns], sums: list[Sum]) -> dict[str, int]:
@@ -136,11 +87,20 @@ def _rows(columns: dict[str, EntityColumns], sums: list[Sum]) -> dict[str, int]:
     }
 
 
-def _require_every_row(stated: dict[str, int], held: dict[str, int], path: Path) -> None:
-    """InputError where rows are missing of those that the stop record states: a damaged block can vanish whole."""
+def _require_every_row(stop: dict[str, Any], held: dict[str, int], path: Path) -> str:
+    """Compares the rows held with those that the stop record states: a damaged block can vanish whole.
+
+    InputError where some are missing. A disk that was full may have taken less: a line then says so, else "".
+    """
+    stated = stop.get("rows") or {
+        layout.CAMERA: stop.get("frames", held[layout.CAMERA])
+    }  # older runs count frames only
     for entity, count in stated.items():
-        if entity.startswith("/rig/") and held.get(entity, 0) != count:
-            raise InputError(f"damaged: holds {held.get(entity, 0)} of {count} rows", file=path, field=entity)
+        if entity.startswith("/rig/") and (found := held.get(entity, 0)) != count:
+            if stop["outcome"] == "disk":
+                return f"the full disk took {found} of {count} rows of {entity}"
+            raise InputError(f"damaged: holds {found} of {count} rows", file=path, field=entity)
+    return ""
 
 
 def _missing(run: Run, bytes_gone: int) -> str:

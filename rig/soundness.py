@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rig.run_file import Run, iterate_frames, read_run
-from rig.run_layout import START
+from rig.run import Run
+from rig.run_file import iterate_frames, read_run
 from tentacle.errors import InputError
+from tentacle.io.checksums import CHECKSUM_ENTITY
 from tentacle.io.plain_file import require_plain
 from tentacle.io.reading import read_recording
 from tentacle.io.recording_summary import summarise
@@ -76,7 +77,7 @@ def _words(file: Path) -> str:
 
 def _rrd(file: Path) -> str:
     entities, bytes_gone = read_entities(file, lambda entity: not entity.startswith(("/rig/camera", "/camera")))
-    if START in entities:
+    if any(entity.startswith("/rig/") for entity in entities):
         run = require_sound_run(file)
         counts = f"{len(run.load_t)} readings, {len(run.servo_t)} set points, {len(run.frame_host_t)} frames"
         return f"a run, {run.outcome}: {counts}"
@@ -85,6 +86,8 @@ def _rrd(file: Path) -> str:
         if "cut_off" in recording.notes:
             raise InputError(recording.notes["cut_off"], file=file, expected="a whole recording")
         return summarise(recording)["recording"]
+    if {CHECKSUM_ENTITY, "/rows"} & set(entities):
+        raise InputError("damaged: its declaration is gone", file=file, expected="a whole recording")
     if bytes_gone:
         raise InputError(f"its last {bytes_gone} bytes are no whole message", file=file, expected="a whole .rrd")
     return "readable; it holds no checksums"
@@ -97,9 +100,12 @@ def require_sound_run(file: Path) -> Run:
     """
     run = read_run(file)
     frames = sum(1 for _ in iterate_frames(file))  # each is compared with its checksum
-    missing = run.missing or read_recording(file).notes.get("cut_off", "")
+    notes = read_recording(file).notes
+    missing = run.missing or notes.get("cut_off", "")
     if not missing and frames != len(run.frame_host_t):
         missing = f"{len(run.frame_host_t)} frames have a time, and {frames} a picture"
+    if not missing and notes.get("outcome") != run.outcome:
+        missing = f"damaged: its declaration calls it {notes.get('outcome')!r}, its stop record {run.outcome!r}"
     if missing:
         raise InputError(missing, file=file, expected="a run with its stop record")
     return run

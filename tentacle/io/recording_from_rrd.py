@@ -232,6 +232,7 @@ def _what_is_missing(entities: dict[str, EntityColumns], recording: Recording, b
     elif bytes_lost or entities["/declaration"].has_static("format"):
         ends = [float(s.t[-1]) for s in (recording.motor, recording.load_cell) if s is not None and len(s.t)]
         words += [f"what was measured up to {max(ends):.2f} s; {_left(entities, max(ends))}"] if ends else []
+        words += ["a video; length unknown"] if recording.video is not None and not ends else []
     if not words and not bytes_lost:
         return None
     head = "the file is cut off" + (f", its last {bytes_lost} bytes are no whole message" if bytes_lost else "")

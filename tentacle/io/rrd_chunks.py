@@ -28,6 +28,7 @@ FOOTER_MAGIC = b"RRF2FOOT"  # begins the last 12 bytes of a file that was closed
 FOOTER_END = 12
 STREAM_HEADER = 12  # bytes: magic, version, encoding options
 MESSAGE_HEADER = struct.Struct("<QQ")  # kind, length of what follows
+END, KINDS = 0, range(4)  # kinds of messages: the end, a store, rows, a blueprint to show; Rerun stops at any other
 HEAD = struct.Struct("<?IQ")  # of a chunk from the child: static, length of the path, length of the batch
 CHILD_MEMORY = (
     4 * 2**30
@@ -100,21 +101,27 @@ def _whole_part(file: Path) -> Iterator[Path]:
 
 
 def _whole_length(file: Path) -> int:
-    """Bytes up to the end of the last whole message: messages follow one another, each led by its length."""
+    """Bytes up to the end of the last whole message: messages follow one another, each led by its length.
+
+    InputError where a message is of no known kind: Rerun would end there without a word.
+    """
     length = _length(file)
     with file.open("rb") as opened:
         head = opened.read(STREAM_HEADER)
         if head[: len(MAGIC)] != MAGIC[: len(head)] or not head:
             raise InputError("not an .rrd file", file=file, expected="a file that begins with RRF2")
-        if _ends_with_footer(opened, length):
-            return length
+        closed = _ends_with_footer(opened, length)
         position = STREAM_HEADER
         while position + MESSAGE_HEADER.size <= length:
             opened.seek(position)
-            _, size = MESSAGE_HEADER.unpack(opened.read(MESSAGE_HEADER.size))
+            kind, size = MESSAGE_HEADER.unpack(opened.read(MESSAGE_HEADER.size))
+            if kind not in KINDS:
+                raise InputError(f"damaged: no message begins at byte {position}", file=file, expected="an .rrd file")
             if position + MESSAGE_HEADER.size + size > length:
                 break
             position += MESSAGE_HEADER.size + size
+            if closed and kind == END:
+                return length
     return min(position, length)
 
 
