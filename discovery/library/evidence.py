@@ -149,7 +149,7 @@ def write_evidence(evidence: RecordingEvidence, file: Path, **stated: str) -> No
 def read_evidence(file: Path) -> tuple[RecordingEvidence, dict[str, str]]:
     """The evidence, and the texts kept beside it. InputError where the file is none of this program, or damaged."""
     try:
-        with np.load(file, allow_pickle=False) as held:
+        with file.open("rb") as stream, np.load(stream, allow_pickle=False) as held:
             words = json.loads(str(held["words"]))
             arrays = {name: held[name] for name in ("centre", "scale", "log_evidence", "roots", "noise_root")}
             data = int(held["data"])
