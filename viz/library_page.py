@@ -11,14 +11,16 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tentacle.signals import Array
+from viz.figures.presence import presence_figure, presence_panel
 from viz.figures.residual_maps import residual_maps_figure
 from viz.figures.trends import POINTS_A_PANEL, TrendPoint, trends_figure
+from viz.joint_words import arm_title, joint_sentences
 from viz.report import render_page
 from viz.words import number
 
 LIST_HEADER = (
     "recording", "date", "arm", "length [mm]", "seen as", "seconds", "state", "verdict", "effects", "confidence",
-    "before [mm]", "after [mm]", "floor [mm]",
+    "before [mm]", "after [mm]", "floor [mm]", "joint",
 )  # fmt: skip
 NUMERIC = (3, 5, 9, 10, 11, 12)
 MAPS = 48  # of the recordings whose models leave most over the noise
@@ -44,6 +46,7 @@ class LibraryPage:
     numeric: tuple[int, ...]
     rows: Sequence[LibraryRow]
     pictures: Sequence[tuple[str, str, Figure]]
+    together: Sequence[str] = ()
 
 
 def library_page(
@@ -51,11 +54,12 @@ def library_page(
     rows: Sequence[Mapping[str, Any]],
     parameters: Sequence[Mapping[str, Any]],
     maps: Mapping[str, Array],
+    joint: Sequence[Mapping[str, Any]] = (),
 ) -> str:
     """The page as HTML text.
 
     rows: of Library.table; parameters: of Library.parameters; maps: layer key -> residual (places, times) [mm], of
-    those that are to be shown.
+    those that are to be shown; joint: each arm's joint answer, as tentacle library joint writes it.
     """
     states = Counter(row["state"] for row in rows)
     verdicts = Counter(row["verdict"].replace("_", " ") for row in rows if row["verdict"])
@@ -63,9 +67,11 @@ def library_page(
     headline = f"{len(rows)} recording{'s' * (len(rows) != 1)} of {arms} arm{'s' * (arms != 1)}; " + (
         ", ".join(f"{count} {verdict}" for verdict, count in verdicts.most_common()) or "none is diagnosed yet"
     )
+    by_content = {row["sha256"]: row for row in rows}
     page = LibraryPage(
         name, headline + ".", [(state, str(count)) for state, count in states.most_common()], LIST_HEADER, NUMERIC,
-        [_row(row) for row in rows], _pictures(rows, parameters, maps),
+        [_row(row) for row in rows], [*_joint_pictures(joint, by_content), *_pictures(rows, parameters, maps)],
+        [f"{arm_title(arm)} {sentence}" for arm in joint for sentence in joint_sentences(arm, by_content)],
     )  # fmt: skip
     return render_page("library.html", page=page)
 
@@ -82,9 +88,19 @@ def _row(row: Mapping[str, Any]) -> LibraryRow:
         row["name"], date, row["specimen"] or "-", number(row["length_mm"]), row["seen_as"] or "-",
         number(row["seconds"]), row["state"], (row["verdict"] or "-").replace("_", " "), row["effects"] or "",
         number(row["confidence"]), number(row["before_mm"]), number(row["after_mm"]), number(row["floor_mm"]),
+        "-" if row["joint"] is None else row["joint"],
     )  # fmt: skip
     whole = row["key"] is not None and row["failed"] is None
     return LibraryRow(cells, f"layers/{row['key']}" if whole else "", row["state"] in ("failed", "unreadable"))
+
+
+def _joint_pictures(
+    joint: Sequence[Mapping[str, Any]], rows: Mapping[str, Mapping[str, Any]]
+) -> list[tuple[str, str, Figure]]:
+    panels = [presence_panel(arm, effect, rows) for arm in joint for effect in arm["effects"]]
+    figure = presence_figure(panels)
+    words = "Each recording's own estimate of the effect's strength with its 95 % interval, and where the effect acts."
+    return [] if figure is None else [("Effects over the library", words, figure)]
 
 
 def _pictures(

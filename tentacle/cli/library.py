@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from tentacle.io.library import Library
 
 HELP = "index a folder of recordings, diagnose what is new or changed, show all as one table and one page"
-COMPLETE, INCOMPLETE = 0, 1  # with --check
+COMPLETE, INCOMPLETE = 0, 1  # with --check and --changed
+DIAGNOSE, JOINT = "diagnose", "joint"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "source",
         nargs="+",
-        metavar="[diagnose] DIR|LIST",
+        metavar="[diagnose|joint] DIR|LIST",
         help="a folder of .rrd files, or a text file that lists them",
     )
     parser.add_argument("--home", type=Path, metavar="DIR", help="index and verdicts, default: NAME.library beside it")
@@ -36,6 +37,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--csv", type=Path, metavar="FILE", help="write the rows, every column, instead of showing them"
     )
     parser.add_argument("--check", action="store_true", help="exit 1 where a shown recording has no current verdict")
+    parser.add_argument(
+        "--changed",
+        action="store_true",
+        help="joint: exit 1 where an effect acts, or a parameter of an arm has changed",
+    )
     parser.add_argument("--no-page", action="store_true", help="leave library.html as it is")
     parser.add_argument(
         "--baseline", nargs="+", default=[], type=Path, metavar="RECORDING", help="diagnose: as in tentacle diagnose"
@@ -44,45 +50,59 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--seed", type=int, default=0, metavar="N", help="diagnose: as in tentacle diagnose, default: 0"
     )
     parser.add_argument(
-        "--renew", action="store_true", help="diagnose: also recordings that failed or have a verdict of older code"
+        "--renew",
+        action="store_true",
+        help="diagnose, joint: also recordings that failed, or whose verdict or evidence is of older code",
     )
-    parser.add_argument("--workers", type=int, metavar="N", help="diagnose: processes, default: one a core")
+    parser.add_argument("--workers", type=int, metavar="N", help="diagnose, joint: processes, default: one a core")
     parser.add_argument(
-        "--cluster", metavar="ADDRESS", help="diagnose: a Dask scheduler whose workers can read these folders"
+        "--cluster", metavar="ADDRESS", help="diagnose, joint: a Dask scheduler whose workers can read these folders"
     )
     parser.add_argument("--watch", action="store_true", help="diagnose: follow the folder until Ctrl-C")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Refresh the index, diagnose where asked, show."""
-    from tentacle.cli.pages.library import print_rows, write_library_page
+    from tentacle.cli.pages.library import print_joint, print_rows, write_library_page
     from tentacle.errors import InputError
     from tentacle.io.library import open_library
+    from tentacle.io.library.joint import read_joint, something_found
     from tentacle.io.library.listing import all_done, chosen, write_listing_csv
     from tentacle.io.provenance import input_hashes
 
-    diagnosing = len(arguments.source) == 2 and arguments.source[0] == "diagnose"
-    if not diagnosing and len(arguments.source) != 1:
-        raise InputError(f"{len(arguments.source)} given", field="DIR|LIST", expected="one, or diagnose and one")
+    command = arguments.source[0] if len(arguments.source) == 2 else ""
+    diagnosing, joining = command == DIAGNOSE, command == JOINT
+    if command not in ("", DIAGNOSE, JOINT) or len(arguments.source) > 2:
+        raise InputError(
+            f"{len(arguments.source)} given", field="DIR|LIST", expected="one, or diagnose or joint and one"
+        )
     if arguments.watch and not diagnosing:
         raise InputError("follows a diagnosis only", field="--watch", expected="tentacle library diagnose DIR --watch")
+    if arguments.changed and not joining:
+        raise InputError("tells of a joint answer", field="--changed", expected="tentacle library joint DIR --changed")
+    if joining and arguments.baseline:
+        raise InputError("is not known to a joint answer", field="--baseline", expected="tentacle library diagnose")
     settings = None
     if diagnosing:
         settings = {"seed": arguments.seed, "baseline": sorted(input_hashes(arguments.baseline).values())}
     library = open_library(Path(arguments.source[-1]), arguments.home, settings)
     _refresh(library)
-    failures = _diagnose(library, arguments) if diagnosing else []
+    failures = _diagnose(library, arguments) if diagnosing else _join(library, arguments) if joining else []
     table = chosen(library.table(), arguments.where, arguments.sort, arguments.reverse)
     if arguments.csv is not None:
         write_listing_csv(table, arguments.csv)
         print(f"wrote {arguments.csv}: {table.num_rows} recordings")
     else:
         print_rows(table)
+    if joining:
+        print_joint(library)
     if not arguments.no_page:
         print(f"page: {write_library_page(library)}")
     for line in failures:
         print(f"tentacle: {line}", file=sys.stderr)
-    return INCOMPLETE if arguments.check and not all_done(table) else COMPLETE
+    incomplete = arguments.check and not all_done(table)
+    changed = arguments.changed and something_found(read_joint(library.joint_file))
+    return INCOMPLETE if incomplete or changed else COMPLETE
 
 
 def _refresh(library: Library) -> None:
@@ -106,3 +126,10 @@ def _diagnose(library: Library, arguments: argparse.Namespace) -> list[str]:
     if arguments.watch:
         follow(library, runner, **once)
     return failures
+
+
+def _join(library: Library, arguments: argparse.Namespace) -> list[str]:
+    from tentacle.cli._library_joint import join
+    from tentacle.runner import Runner
+
+    return join(library, Runner(library.runs, arguments.workers, arguments.cluster), renew=arguments.renew)

@@ -25,9 +25,10 @@ def print_rows(table: pa.Table) -> None:
     from viz.words import number
 
     shown = Table(title=f"{table.num_rows} recording{'s' * (table.num_rows != 1)}", box=box.SIMPLE)
-    for name in SHOWN:
+    columns = [*SHOWN, *(["joint"] if table.column("joint").null_count < table.num_rows else [])]
+    for name in columns:
         shown.add_column(name, no_wrap=True)
-    for row in table.select(SHOWN).slice(0, PRINTED_ROWS).to_pylist():
+    for row in table.select(columns).slice(0, PRINTED_ROWS).to_pylist():
         shown.add_row(*(number(v) if isinstance(v, float) else _text(v) for v in row.values()))
     console = Console()
     if not console.is_terminal:
@@ -45,6 +46,7 @@ def write_library_page(library: Library) -> Path:
     """library.html with every recording; the residuals of those that leave most."""
     import numpy as np
 
+    from tentacle.io.library.joint import read_joint
     from tentacle.io.library.layers import RESIDUAL
     from viz.library_page import library_page, worst
     from viz.report import write_report
@@ -55,5 +57,18 @@ def write_library_page(library: Library) -> Path:
         left = json.loads(file.read_text(encoding="utf-8")) if file.exists() else []
         if left:
             maps[row["key"]] = np.array(left, dtype=float)
-    page = library_page(library.source.name, rows, library.parameters().to_pylist(), maps)
+    arms = read_joint(library.joint_file)
+    page = library_page(library.source.name, rows, library.parameters().to_pylist(), maps, arms)
     return write_report(page, library.home / "library.html")
+
+
+def print_joint(library: Library) -> None:
+    """The joint answer of every arm, in sentences."""
+    from tentacle.io.library.joint import read_joint
+    from viz.joint_words import arm_title, joint_sentences
+
+    rows = {row["sha256"]: row for row in library.table().to_pylist()}
+    for arm in read_joint(library.joint_file):
+        print(arm_title(arm))
+        for sentence in joint_sentences(arm, rows):
+            print(f"  {sentence}")

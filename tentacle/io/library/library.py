@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
 from tentacle.io.library.index import read_index, recordings_of, refreshed, write_parquet
+from tentacle.io.library.joint import joint_column, read_joint
 from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, layer_key, layers_and_parameters, library_code_version
 
 SETTINGS = "settings.json"
@@ -44,6 +45,15 @@ class Library:
         """What the runner keeps of diagnoses under way."""
         return self.home / "runs"
 
+    @property
+    def joint_file(self) -> Path:
+        """The joint answer."""
+        return self.home / "joint.json"
+
+    def evidence(self, content: str, order: int) -> Path:
+        """Where the evidence of that content (SHA-256) lies, of a model with that many coordinates."""
+        return self.home / "evidence" / f"{content}_{order}.npz"
+
     def layer(self, content: str) -> Path:
         """Where the diagnosis of that content (SHA-256) lies or will lie."""
         return self.home / "layers" / layer_key(content, self.settings)
@@ -71,14 +81,16 @@ class Library:
         write_parquet(parameters, self.home / "parameters.parquet")
 
     def table(self) -> pa.Table:
-        """Recordings with their verdicts, a row each, by date: the index's columns, the layer's, `state`.
+        """Recordings with their verdicts, a row each, by date: the index's columns, the layer's, `state`, `joint`.
 
-        state: done, older code, new, failed, unreadable.
+        state: done, older code, new, failed, unreadable. joint: see joint_column.
         """
         index, layers = read_index(self.index_file), self._stored("verdicts.parquet", LAYERS)
         table = index.join(layers, "sha256", join_type="left outer")
         columns = [*index.schema.names, *(name for name in LAYERS.names if name != "sha256")]
         table = table.select(columns).append_column("state", _states(table))
+        contents = table.column("sha256").to_pylist()
+        table = table.append_column("joint", joint_column(read_joint(self.joint_file), contents))
         return table.sort_by([("date", "ascending"), ("path", "ascending")])
 
     def parameters(self) -> pa.Table:
