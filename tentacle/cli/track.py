@@ -52,6 +52,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
     from vision.proofread import decided
     from vision.shape_file import write_shape
     from vision.track import motor_angle
+    from vision.tracked_recording import errors_about
 
     check_outputs(arguments)
     lens = None if arguments.lens is None else read_lens(arguments.lens)
@@ -59,11 +60,12 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
     if recording.video is None:
         raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
     video, tracked = recording.video.path, None
-    if arguments.paper:
-        shape = paper_track(video, recording.declaration, recording.motor)
-    else:
-        tracked = _tracked(recording, arguments, lens, decided(video, arguments.reject, arguments.accept))
-        shape = tracked.shape
+    with errors_about(source, recording.video):
+        if arguments.paper:
+            shape = paper_track(video, recording.declaration, recording.motor)
+        else:
+            tracked = _tracked(recording, arguments, lens, decided(video, arguments.reject, arguments.accept))
+            shape = tracked.shape
     if arguments.out.suffix == ".rrd":
         write_tracked(recording, shape, arguments.out)
     else:

@@ -31,12 +31,13 @@ def test_a_recording_is_begun_from_flags_and_a_film(tmp_path: Path, capsys: pyte
     assert main(["new", str(folder), *ARM, "--video", str(tmp_path / "filmed" / "video.mp4")]) == 0
     said = capsys.readouterr().out
     assert f"next: tentacle diagnose {folder} --out answer" in said
-    assert "motor.csv: without one the base counts as clamped" in said
+    assert "without a log the base counts as clamped" in said
     recording = read_folder(folder)
     camera = recording.declaration.camera
     assert camera is not None
     assert camera.base_px == pytest.approx((320, 40), abs=4.0)
     assert camera.metres_per_px == pytest.approx(0.0008, rel=0.05)
+    assert camera.arm_px == (0.0, 1.0)  # a level camera: the arm's mean direction is not taken for a roll of it
     assert main(["new", str(folder), *ARM]) == 2  # what is there stays
 
 

@@ -30,8 +30,8 @@ ImagePixels = tuple[float, float]
 
 @dataclass(frozen=True)
 class Proposed:
-    """Where the arm is in a film, as the film itself proposes it [px]: base, tip, the full width at the base; and what
-    a person should look at.
+    """Where the arm is in a film, as the film itself proposes it [px]: base, tip when it hangs straight, the full width
+    at the base; and what a person should look at.
     """
 
     base: ImagePixels
