@@ -78,7 +78,7 @@ fps = {camera.fps:.6g}
 m_per_px = {camera.metres_per_px:.5g}          # the arm's length over its pixels; a ruler in the arm's plane is better
 base_px = [{u:.1f}, {v:.1f}]       # where the arm leaves its clamp: pixels to the right and down
 arm_px = [{camera.arm_px[0]:g}, {camera.arm_px[1]:g}]  # the direction of the straight arm; [0, 1] is down
-{MIRRORED}
+{MIRRORED.removeprefix("# ") if camera.mirrored else MIRRORED}
 """
 
 

@@ -102,7 +102,7 @@ def _chosen(file: Path, names: list[str], stated: ServoColumns) -> tuple[str, st
     command = command or angle
     if len(time) != 1 or len(command) != 1 or len(angle) != 1:
         problem = f"the columns {', '.join(names)} do not say which is the time, the command and the angle"
-        raise InputError(problem, file=file, expected="--motor-columns TIME COMMAND ANGLE with three of these names")
+        raise InputError(problem, file=file, expected="names such as time_s,command_deg,angle_deg, or --motor-columns")
     return time[0], command[0], angle[0]
 
 
