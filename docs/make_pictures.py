@@ -261,7 +261,7 @@ def main() -> None:
     PICTURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="pictures-") as place:
         folder = Path(place)
-        if set(chosen) - {"examples", "laws"}:
+        if set(chosen) - {"examples", "laws", "moving"}:
             material(folder)
         for name in chosen:
             GROUPS[name](folder)

@@ -48,7 +48,7 @@ def page(scene: ViewedRun, under: Image.Image, instant: int, chosen: Array) -> I
     width, height = PANEL
     whole = Image.new("RGB", (2 * width + 12, height + STRIP + 26), "white")
     top = max(float(np.nanmax(rms_at(scene, scene.models[0])[chosen])), 1e-6)
-    for place, (party, words) in enumerate(zip(scene.models, ("as declared", "with what was found"), strict=True)):
+    for place, (party, words) in enumerate(zip(scene.models, ("as declared", "with the current"), strict=True)):
         left = place * (width + 12)
         panel = under.copy()
         draw = ImageDraw.Draw(panel)
@@ -56,12 +56,17 @@ def page(scene: ViewedRun, under: Image.Image, instant: int, chosen: Array) -> I
         line(draw, party, instant, 3)
         whole.paste(panel, (left, 26))
         draw = ImageDraw.Draw(whole)
-        draw.text((left + 4, 4), f"{words}:", fill=INK, font=font(16))
-        error = rms_at(scene, party)
-        draw.text((left + 196, 4), f"{float(error[instant]):.2f} mm off", fill=party.role.colour, font=font(16))
+        error, at = rms_at(scene, party), left + 4.0
+        for text, colour in (
+            (words, party.role.colour), (" and ", INK), ("measured", MEASURED.colour),
+            (f": {float(error[instant]):.2f} mm apart", INK),
+        ):  # fmt: skip
+            draw.text((at, 4), text, fill=colour, font=font(15))
+            at += draw.textlength(text, font=font(15))
         shown = [k for k in chosen if k <= instant and np.isfinite(error[k])]
         x = [left + width * (k - chosen[0]) / (chosen[-1] - chosen[0]) for k in shown]
         y = [26 + height + STRIP - 4 - (STRIP - 10) * float(error[k]) / top for k in shown]
+        draw.text((left + 4, 28 + height), f"apart, up to {top:.1f} mm", fill=FAINT, font=font(11))
         draw.line([(left, 22 + height + STRIP), (left + width, 22 + height + STRIP)], fill=FAINT)
         if len(shown) > 1:
             draw.line(list(zip(x, y, strict=True)), fill=party.role.colour, width=3)

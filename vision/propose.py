@@ -33,6 +33,9 @@ TAPER = slice(0.35, 0.9)  # of the length: range in which the arm's own widths a
 WIDER = 1.35  # times the arm's own width: beyond it is a clamp or a trunk
 CORNER_ANGLE = 0.7  # rad, least turn of the contour at a flat end
 CONTOUR_POINTS = 120
+# rad: an arm whose mean direction lies so near to the picture's own axis hangs along it. A camera on a tripod is level
+# to about a degree; in the first 90 pictures of five level films the mean of the arm was .5 to 4.7 degrees off.
+LEVEL = 0.1
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,22 @@ class ArmProposal:
 
     def camera(self, length: float, fps: float, exposure: float = 0.0) -> Camera:
         """The camera for an arm of that length [m], measured from the base to the tip of the silicone."""
-        return Camera(fps, length / self.length_px, self.base_px, self.arm_px, exposure)
+        return Camera(fps, length / self.length_px, self.base_px, self.level_arm_px(), exposure)
+
+    def level_arm_px(self) -> tuple[float, float]:
+        """The straight arm's direction if the camera stands level: the picture's axis where the mean arm is near it."""
+        u, v = self.arm_px
+        if abs(u) > abs(v):
+            axis = (np.copysign(1.0, u), 0.0)
+        else:
+            axis = (0.0, np.copysign(1.0, v))
+        near = np.hypot(u - axis[0], v - axis[1]) < LEVEL
+        return (float(axis[0]), float(axis[1])) if near else self.arm_px
+
+    def straight_tip_px(self) -> tuple[float, float]:
+        """Where the tip is when the arm hangs straight."""
+        u, v = np.array(self.base_px) + self.length_px * np.array(self.level_arm_px())
+        return (float(u), float(v))
 
 
 @dataclass(frozen=True)

@@ -71,5 +71,6 @@ def check_sign(frames: Iterable[Frame], geometry: Geometry, theta: Callable[[flo
         raise InputError(
             f"the arm's root turns {slope:+.1f} rad a rad of the servo's log",
             field="motor.csv angle_rad",
-            expected="the log with the other sign, or mirrored = true in [camera] where the picture is mirrored",
+            expected="mirrored = true in [camera] of recording.toml (x then points the other way in the picture),"
+            " or the log with the other sign",
         )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from tentacle.errors import InputError
 from tentacle.io.reading import read_recording
 from tentacle.progress import Stage
 from tentacle.recording import Recording
@@ -24,8 +26,20 @@ def read_tracked(path: Path, stage: Stage) -> Recording:
     from vision.track import track
 
     told = told_frames(stage, path, recording.video)
-    shape = track(recording.video.path, recording.declaration, recording.motor, progress=told)
+    with errors_about(path, recording.video):
+        shape = track(recording.video.path, recording.declaration, recording.motor, progress=told)
     return replace(recording, shape=shape)
+
+
+@contextmanager
+def errors_about(path: Path, video: Video) -> Iterator[None]:
+    """An InputError about the video names the file or folder that was given: the film of an .rrd lies in a cache."""
+    try:
+        yield
+    except InputError as error:
+        if error.file != video.path:
+            raise
+        raise InputError(error.problem, file=path, row=error.row, field=error.field, expected=error.expected) from error
 
 
 def told_frames(stage: Stage, path: Path, video: Video) -> Callable[[object], None]:

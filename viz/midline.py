@@ -33,12 +33,14 @@ def track_points(shape: ShapeTrack, theta: Array, length: float, s: Array) -> Ar
 
 
 def perimeter(xy: Array, s: Array, section: Section) -> Array:
-    """Outline (2 P, 2) [m] of the arm around its midline xy (P, 2) [m] at s (P,): down one side, up the other (4)."""
-    tangent = np.gradient(xy, axis=0)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
+    """Outline (..., 2 P, 2) [m] of the arm around its midline xy (..., P, 2) [m] at s (P,): down one side, up the
+    other (4).
+    """
+    tangent = np.gradient(xy, axis=-2)
+    tangent /= np.linalg.norm(tangent, axis=-1, keepdims=True)
+    normal = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
     half = section.half_thickness(s)[:, None]
-    return np.concatenate([xy + half * normal, (xy - half * normal)[::-1]])
+    return np.concatenate([xy + half * normal, (xy - half * normal)[..., ::-1, :]], axis=-2)
 
 
 def affine_projection(order: int) -> Array:

@@ -17,6 +17,15 @@ ANSWER_FILES = (
     ("model.toml", "the model with what was found; every other command takes it"),
     ("verdict.json", "this answer as data"),
 )
+# Effects that a wrong number of the declaration looks like, and where that number stands.
+DECLARED_AS = {
+    "camera_roll": "arm_px in [camera]",
+    "camera_scale": "m_per_px in [camera]",
+    "gravity_tilt": "angle_rad in [gravity]",
+    "buoyancy": "density_kg_m3 in [specimen] and [fluid]",
+    "payload_place": "tip_mass_reach_m and tip_mass_drop_m in [specimen]",
+    "time_offset": "the clock of motor.csv",
+}
 
 
 def title_of(diagnosis: Diagnosis) -> str:
@@ -134,7 +143,17 @@ def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
         commands.append(("Then diagnose it together with the others:", line))
         tables.append(ReportTable("Next base motion", ("key", "value"), flatten(diagnosis.next_experiment)))
         files = (*ANSWER_FILES, ("next_experiment.toml", "the proposed next base motion"))
-    return ReportSection("What to do next", list(diagnosis.words), tables, commands=commands, files=files)
+    words = [*diagnosis.words, *check_words(diagnosis.effects)]
+    return ReportSection("What to do next", words, tables, commands=commands, files=files)
+
+
+def check_words(effects: Sequence[str]) -> list[str]:
+    """A sentence for each effect that may be a wrong number of the declaration."""
+    return [
+        f"The {effect_name(effect)} may be a wrong number of the declaration: check {DECLARED_AS[effect]}."
+        for effect in effects
+        if effect in DECLARED_AS
+    ]
 
 
 def local_commands(diagnosis: Diagnosis) -> list[tuple[str, str]]:

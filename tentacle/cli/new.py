@@ -6,8 +6,12 @@ import argparse
 import math
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tentacle.errors import InputError
+
+if TYPE_CHECKING:
+    from tentacle.signals import MotorSignal
 
 HELP = "begin a recording: a folder with a commented recording.toml, from five questions or flags"
 
@@ -29,21 +33,34 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--video", type=Path, metavar="FILM", help="copy this film into the folder, and propose [camera] from it"
     )
+    parser.add_argument(
+        "--motor", type=Path, metavar="LOG",
+        help="the servo's log as your own program wrote it (degrees, ms, semicolons, decimal commas): motor.csv of it",
+    )  # fmt: skip
+    parser.add_argument(
+        "--motor-columns", nargs="+", metavar="NAME",
+        help="names of LOG's columns: time, command and, if it was measured, angle; for a header that does not tell",
+    )  # fmt: skip
+    parser.add_argument("--motor-unit", choices=("rad", "deg"), help="unit of LOG's angles, where no name states it")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask for the missing numbers, write the file, and print the next step."""
     from tentacle.io.recording_template import Answers, recording_text, require_usable, write_recording_file
+    from tentacle.io.servo_log import write_motor_log
 
     if (arguments.folder / "recording.toml").exists():  # checked before the questions
         write_recording_file(arguments.folder, "")
     given = {name: _answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS}
     answers, words = Answers(camera=None, **given), ""
     require_usable(answers)
+    motor = None if arguments.motor is None else _motor_log(arguments)  # read before anything is written
     if arguments.video is not None:
         from vision.film_begun import begun
 
         answers, words = begun(answers, arguments.video, arguments.folder)
+    if motor is not None:
+        write_motor_log(motor, arguments.folder / "motor.csv")
     file = write_recording_file(arguments.folder, recording_text(answers))
     print(f"wrote {file}")
     if words:
@@ -53,9 +70,24 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"put the film beside it as video.mp4, fill in [camera], then: {line}")
     else:
         if not (arguments.folder / "motor.csv").exists():
-            print("a servo turns the base? put its log there as motor.csv: without one the base counts as clamped")
+            print("a servo turns the base? begin again with --motor LOG: without a log the base counts as clamped")
         print(f"next: tentacle diagnose {arguments.folder} --out answer")
     return 0
+
+
+def _motor_log(arguments: argparse.Namespace) -> MotorSignal:
+    """The servo's log in s and rad; what was read as what is printed. InputError where the folder has a log already."""
+    from tentacle.io.servo_log import ServoColumns, read_servo_log
+
+    columns, target = arguments.motor_columns, arguments.folder / "motor.csv"
+    if columns is not None and not 2 <= len(columns) <= 3:
+        expected = "TIME COMMAND, or TIME COMMAND ANGLE"
+        raise InputError(f"{len(columns)} names", field="--motor-columns", expected=expected)
+    if target.exists():
+        raise InputError("is there already", file=target, field="--motor", expected="a folder without one")
+    motor, words = read_servo_log(arguments.motor, ServoColumns(columns, arguments.motor_unit))
+    print(words)
+    return motor
 
 
 def _answer(given: float | None, name: str, question: str, usual: str) -> float:

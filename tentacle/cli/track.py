@@ -52,6 +52,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
     from vision.proofread import decided
     from vision.shape_file import write_shape
     from vision.track import motor_angle
+    from vision.tracked_recording import errors_about
 
     check_outputs(arguments)
     lens = None if arguments.lens is None else read_lens(arguments.lens)
@@ -59,11 +60,12 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
     if recording.video is None:
         raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
     video, tracked = recording.video.path, None
-    if arguments.paper:
-        shape = paper_track(video, recording.declaration, recording.motor)
-    else:
-        tracked = _tracked(recording, arguments, lens, decided(video, arguments.reject, arguments.accept))
-        shape = tracked.shape
+    with errors_about(source, recording.video):
+        if arguments.paper:
+            shape = paper_track(video, recording.declaration, recording.motor)
+        else:
+            tracked = _tracked(source, recording, arguments, lens, decided(video, arguments.reject, arguments.accept))
+            shape = tracked.shape
     if arguments.out.suffix == ".rrd":
         write_tracked(recording, shape, arguments.out)
     else:
@@ -79,27 +81,23 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
 
 
 def _tracked(
-    recording: Recording, arguments: argparse.Namespace, lens: Lens | None, verdicts: dict[int, bool]
+    source: Path, recording: Recording, arguments: argparse.Namespace, lens: Lens | None, verdicts: dict[int, bool]
 ) -> Tracking:
     """Track with a bar or, with --live, with one line for each frame; warnings go to standard error at once."""
     import sys
 
-    from rich.console import Console
-    from rich.progress import Progress
-
+    from tentacle.cli._progress import stages
     from tentacle.cli.pages.tracking import print_frame
     from vision.track import Following, track_fully
+    from vision.tracked_recording import told_frames
 
     assert recording.video is not None
-    with Progress(console=Console(stderr=True), disable=arguments.json, transient=True) as progress:
-        task = progress.add_task("tracking", total=None)
+    with stages([("tracking", 1.0)]) as stage:
         return track_fully(
             recording.video.path,
             recording.declaration,
             recording.motor,
             Following(arguments.order, lens, arguments.live, verdicts=verdicts, outlines=arguments.overlay is not None),
-            print_frame
-            if arguments.live
-            else lambda result: progress.update(task, advance=1, description=f"tracking {result.t:.2f} s"),
+            print_frame if arguments.live else told_frames(stage, source, recording.video),
             warn=lambda words: print(f"tentacle: {words}", file=sys.stderr, flush=True),
         )

@@ -132,12 +132,13 @@ def _check_names(
     for name in names:
         if names.count(name) > 1:
             raise InputError("column occurs twice", file=file, row=row, field=name)
-    for name in required:
-        if name not in names:
-            close = get_close_matches(name, names, n=1)
-            hint = f" (there is {close[0]})" if close else ""
-            expected = "comma-separated columns " + ",".join(required)
-            raise InputError(f"column missing{hint}", file=file, row=row, field=name, expected=expected)
+    missing = [name for name in required if name not in names]
+    if missing:
+        there = [] if len(missing) > 1 else get_close_matches(missing[0], names, n=1)
+        hint = f" (there is {', '.join(there or names)})"
+        expected = "comma-separated columns " + ",".join(required)
+        problem = "column missing" if len(missing) == 1 else "columns missing"
+        raise InputError(problem + hint, file=file, row=row, field=",".join(missing), expected=expected)
     known = [*required, *optional]
     unknown = [name for name in names if name not in known]
     if unknown and not extra_allowed:

@@ -78,7 +78,13 @@ def read_folder(folder: Path) -> Recording:
 def _read_motor(file: Path) -> MotorSignal | None:
     if not is_there(file):
         return None
-    table = read_csv(file, ("t_s", "command_rad", "angle_rad"), extra_allowed=True)
+    try:
+        table = read_csv(file, ("t_s", "command_rad", "angle_rad"), extra_allowed=True)
+    except InputError as error:
+        if not error.problem.startswith("column"):
+            raise
+        expected = f"{error.expected}; `tentacle new FOLDER --motor LOG` reads a log as it is"
+        raise InputError(error.problem, file=error.file, row=error.row, field=error.field, expected=expected) from error
     table.require_rising("t_s")
     for name in ("command_rad", "angle_rad"):
         table.require_within(name, LARGEST_ANGLE, "an angle in rad; degrees? then multiply by 0.0174533")

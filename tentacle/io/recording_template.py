@@ -11,6 +11,8 @@ from tentacle.io.toml_table import parse_toml
 from tentacle.io.written_file import write_text
 from tentacle.recording import Camera
 
+MIRRORED = "# mirrored = true              # where a positive angle in motor.csv turns the arm the other way"
+
 
 @dataclass(frozen=True)
 class Answers:
@@ -52,6 +54,7 @@ angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.
 {camera_text(answers.camera)}
 # Beside this file: the film as video.mp4 (.mkv .avi .mov .webm .gif), and where you have them
 #   motor.csv      t_s,command_rad,angle_rad     the servo, in the film's time; without it the base is clamped
+#                  (`tentacle new FOLDER --motor LOG` makes it of a log in degrees, ms, with semicolons)
 #   base.csv       t_s,x_m,y_m                   where the base is, if it travels (shaken, on a cart, towed)
 #   load_cell.csv  t_s,thrust_n
 """
@@ -60,12 +63,13 @@ angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.
 def camera_text(camera: Camera | None) -> str:
     """[camera] from the film, or as comments that say how to find it."""
     if camera is None:
-        return """\
+        return f"""\
 # [camera]                     # found from the film: tentacle new FOLDER --video FILM, or in the page of: tentacle app
 # fps = 30.0                   # pictures a second
 # m_per_px = 0.0005            # length of a ruler in the arm's plane, in metres, over its length in pixels
 # base_px = [320.0, 40.0]      # where the arm leaves its clamp: pixels to the right and down from the upper left corner
 # arm_px = [0.0, 1.0]          # the direction of the straight arm in the picture: [0, 1] is down
+{MIRRORED}
 """
     u, v = camera.base_px
     return f"""\
@@ -73,7 +77,8 @@ def camera_text(camera: Camera | None) -> str:
 fps = {camera.fps:.6g}
 m_per_px = {camera.metres_per_px:.5g}          # the arm's length over its pixels; a ruler in the arm's plane is better
 base_px = [{u:.1f}, {v:.1f}]       # where the arm leaves its clamp: pixels to the right and down
-arm_px = [{camera.arm_px[0]:g}, {camera.arm_px[1]:g}]                # the direction of the straight arm: [0, 1] is down
+arm_px = [{camera.arm_px[0]:g}, {camera.arm_px[1]:g}]  # the direction of the straight arm; [0, 1] is down
+{MIRRORED.removeprefix("# ") if camera.mirrored else MIRRORED}
 """
 
 

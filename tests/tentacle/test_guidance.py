@@ -13,6 +13,8 @@ from tentacle.cli._progress import reading_plan, share_done, stages
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import read_recording_file
 from tentacle.io.import_folder import read_folder
+from tentacle.io.recording_template import Answers, recording_text, write_recording_file
+from tentacle.recording import Camera
 from tests.docs.desk import film_an_arm
 
 ARM = ["--length=0.14", "--base-radius=0.0125", "--tip-radius=0.001", "--density=1070", "--fluid-density=998"]
@@ -31,12 +33,13 @@ def test_a_recording_is_begun_from_flags_and_a_film(tmp_path: Path, capsys: pyte
     assert main(["new", str(folder), *ARM, "--video", str(tmp_path / "filmed" / "video.mp4")]) == 0
     said = capsys.readouterr().out
     assert f"next: tentacle diagnose {folder} --out answer" in said
-    assert "motor.csv: without one the base counts as clamped" in said
+    assert "without a log the base counts as clamped" in said
     recording = read_folder(folder)
     camera = recording.declaration.camera
     assert camera is not None
     assert camera.base_px == pytest.approx((320, 40), abs=4.0)
     assert camera.metres_per_px == pytest.approx(0.0008, rel=0.05)
+    assert camera.arm_px == (0.0, 1.0)  # a level camera: the arm's mean direction is not taken for a roll of it
     assert main(["new", str(folder), *ARM]) == 2  # what is there stays
 
 
@@ -98,3 +101,10 @@ def test_bash_takes_the_completion(tmp_path: Path, capsys: pytest.CaptureFixture
     ask = f'source {script}; COMP_WORDS=(tentacle diagn); COMP_CWORD=1; _shtab_tentacle; echo "${{COMPREPLY[@]}}"'
     done = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "diagnose"
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_begun_recording_says_of_the_camera_what_it_was_told(tmp_path: Path, mirrored: bool) -> None:
+    camera = Camera(25.0, 4e-4, (310.0, 42.5), (0.6, 0.8), mirrored=mirrored)
+    file = write_recording_file(tmp_path, recording_text(Answers(0.14, 0.012, 0.004, 1070.0, 998.0, camera)))
+    assert read_recording_file(file).declaration.camera == camera

@@ -8,7 +8,7 @@ import pytest
 from tentacle.errors import InputError
 from vision.encode import write_video
 from vision.looks import CLEAN, LIGHT_ARM, TANK
-from vision.propose import picture, propose_arm
+from vision.propose import ArmProposal, picture, propose_arm
 from vision.render import RenderSettings, render
 from vision.scene import swaying
 
@@ -33,6 +33,15 @@ def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity, near):
     shown = picture(film[0], found)
     assert shown.shape == (480, 640, 3)
     assert np.ptp(shown.astype(int), axis=2).max() > 100  # something is drawn in colour
+
+
+@pytest.mark.parametrize(("mean", "straight"), [(0.03, 0.0), (-0.09, 0.0), (0.2, 0.2), (1.6, np.pi / 2)])
+def test_the_straight_arm_hangs_along_the_pictures_axis_if_its_mean_is_near(mean, straight):
+    arm_px = (np.sin(mean), np.cos(mean))
+    found = ArmProposal((100.0, 20.0), (0.0, 0.0), arm_px, (20.0, 8.0), 200.0, 1.0, 1.0, np.zeros((2, 2)))
+    assert found.camera(0.1, 30.0).arm_px == pytest.approx((np.sin(straight), np.cos(straight)), abs=1e-12)
+    tip = (100.0 + 200.0 * np.sin(straight), 20.0 + 200.0 * np.cos(straight))
+    assert found.straight_tip_px() == pytest.approx(tip)
 
 
 def test_an_empty_picture_is_one_line():

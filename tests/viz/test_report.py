@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from tentacle.model import Estimate
 from tests.page import parsed, problems
 from viz.diagnosis_report import diagnosis_report, twin_words
 from viz.report import write_report
-from viz.verdict_sections import limits_sections, sure_words
+from viz.verdict_sections import DECLARED_AS, limits_sections, sure_words
 from viz.words import interval, value_of
 
 
@@ -175,3 +176,15 @@ def test_a_browser_shows_it_light_and_dark(page, tmp_path):
     for picture, paper in ((light, 255), (dark, 24)):
         for part in np.array_split(picture, 5):
             assert np.mean(np.abs(part.astype(int) - paper).max(axis=-1) > 60) > 0.01
+
+
+def test_an_effect_that_a_wrong_declared_number_looks_like_says_which_number(case):
+    turned = replace(case.diagnosis, effects=("current", "camera_roll"))
+    page = text_of(diagnosis_report(turned, [], "tentacle diagnose run", {}, {}))
+    assert "The camera roll may be a wrong number of the declaration: check arm_px in [camera]." in page
+    assert "The current may be" not in page
+
+
+def test_the_numbers_to_check_belong_to_effects_of_the_catalogue():
+    for effect in DECLARED_AS:
+        import_module(f"affine_model.effects.{effect}")

@@ -11,12 +11,11 @@ from typing import Any
 
 from tentacle.errors import InputError
 from tentacle.io.csv_table import read_csv
+from tentacle.io.servo_log import read_servo_log, write_motor_log
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_video, find_video
 
-LOGS = {
-    "motor.csv": ("t_s", "command_rad", "angle_rad"),
-    "load_cell.csv": ("t_s", "thrust_n"),
-}
+MOTOR_LOG, LOAD_CELL_LOG = "motor.csv", "load_cell.csv"
+LOG_NAMES = {"motor": MOTOR_LOG, "servo": MOTOR_LOG, "load_cell": LOAD_CELL_LOG}  # what a log's own name may hold
 SHOWN_FILES = (
     "report.html",
     "session.rrd",
@@ -30,8 +29,8 @@ ImagePixels = tuple[float, float]
 
 @dataclass(frozen=True)
 class Proposed:
-    """Where the arm is in a film, as the film itself proposes it [px]: base, tip, the full width at the base; and what
-    a person should look at.
+    """Where the arm is in a film, as the film itself proposes it [px]: base, tip when it hangs straight, the full width
+    at the base; and what a person should look at.
     """
 
     base: ImagePixels
@@ -90,28 +89,40 @@ class Desk:
         if suffix in VIDEO_SUFFIXES:
             return f"video{suffix}"
         if suffix == ".csv":
-            for name in LOGS:
-                if Path(name).stem in given.lower():
+            for part, name in LOG_NAMES.items():
+                if part in given.lower():
                     return name
-        expected = f"a film ({' '.join(VIDEO_SUFFIXES)}), or a log with motor or load_cell in its name, .csv"
+        expected = f"a film ({' '.join(VIDEO_SUFFIXES)}), or a log with motor, servo or load_cell in its name, .csv"
         raise InputError("is not read", file=given, expected=expected)
 
-    def keep(self, recording: str, given: str, content: bytes) -> Path:
-        """Put a chosen file where it is read; InputError where it is not what it should be: then it is not kept."""
+    def keep(self, recording: str, given: str, content: bytes) -> tuple[Path, str]:
+        """Put a chosen file where it is read, and say as what; InputError where it is not what it should be: then it is
+        not kept.
+        """
         file = self.place(recording) / self.name_for(given)
         partial = file.with_name(f"partial_{file.name}")
         partial.write_bytes(content)
         try:
-            if file.name in LOGS:
-                read_csv(partial, LOGS[file.name], extra_allowed=True)
-            else:
-                check_video(partial)
+            words = _tried(partial, file.name).replace(partial.name, given)
         except InputError as error:
             partial.unlink()
             raise InputError(
                 error.problem, file=given, row=error.row, field=error.field, expected=error.expected
             ) from None
-        if file.name not in LOGS:
+        if file.suffix in VIDEO_SUFFIXES:
             for other in VIDEO_SUFFIXES:
                 file.with_suffix(other).unlink(missing_ok=True)
-        return partial.replace(file)
+        return partial.replace(file), words
+
+
+def _tried(file: Path, name: str) -> str:
+    """Try a file that shall be kept under a name. A servo's log is turned into motor.csv; words: how it was read."""
+    if name == LOAD_CELL_LOG:
+        read_csv(file, ("t_s", "thrust_n"), extra_allowed=True)
+        return ""
+    if name != MOTOR_LOG:
+        check_video(file)
+        return ""
+    motor, words = read_servo_log(file)
+    write_motor_log(motor, file)
+    return words

@@ -82,14 +82,17 @@ class Page:
 
     def _build_files(self) -> None:
         self.name = ui.input("name of the recording", value="my_arm").classes("w-full")
-        words = "drop or choose the film, motor.csv and load_cell.csv"
+        words = "drop or choose the film, the servo's log and load_cell.csv"
         ui.upload(label=words, multiple=True, auto_upload=True, on_upload=self._upload).classes("w-full")
         self.kept = ui.label("Nothing chosen yet.").classes("faint")
+        self.read_as = ui.label().classes("faint")
 
     async def _upload(self, event: events.UploadEventArguments) -> None:
         with self._told():
-            file = self.desk.keep(self.name.value or "", event.file.name, await event.file.read())
-            self.kept.set_text(f"In {file.parent}: " + ", ".join(sorted(f.name for f in file.parent.iterdir())))
+            file, words = self.desk.keep(self.name.value or "", event.file.name, await event.file.read())
+            self.kept.set_text(f"In {file.parent}: " + ", ".join(sorted(one.name for one in file.parent.iterdir())))
+            if words:
+                self.read_as.set_text(words)
             if file.stem == "video":
                 await self._show_film(file)
             self._refresh_tables()
@@ -121,8 +124,14 @@ class Page:
         self.use_width = ui.checkbox(
             "take the radius at the base from the clicked edge", value=False, on_change=self._draw
         )
-        self.mirrored = ui.checkbox("the film is mirrored", value=False, on_change=self._draw)
-        ui.label("A positive angle in motor.csv turns the arm this way (drag to try; mirror the film if it does not):")
+        self.mirrored = ui.checkbox(
+            "mirrored: a positive angle in the servo's log turns the arm the other way",
+            value=False,
+            on_change=self._draw,
+        )
+        ui.label(
+            "A positive angle in the servo's log turns the arm this way (drag to try; if not, tick the box above):"
+        )
         self.angle = ui.slider(min=-0.6, max=0.6, step=0.02, value=0.0, on_change=self._draw).props("label")
         self.declared = ui.label().classes("faint")
 
@@ -208,7 +217,8 @@ class Page:
     def _show_progress(self) -> None:
         if self.job is not None:
             self.bar.set_value(self.job.share)
-            self.doing.set_text(f"{100 * self.job.share:.0f} %  {self.job.words}")
+            done = "failed" if self.job.state == "failed" else f"{100 * self.job.share:.0f} %"
+            self.doing.set_text(f"{done}  {self.job.words}")
 
     def _show_answer(self, job: Job) -> None:
         """What the verb said, its files, and its report."""

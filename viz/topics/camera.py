@@ -1,38 +1,43 @@
-"""The camera's view: the video, each arm's line over it, and a frame around pictures that the vision rejected."""
+"""The camera's view: the video, what was measured as a line along the arm, each model as an outline beside it, and a
+frame around pictures that the vision rejected.
+"""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 import rerun as rr
 
 from tentacle.recording import Recording
 from tentacle.signals import Array, ShapeTrack
-from viz.palette import WARNING
+from tentacle.specimen import Section
+from viz.midline import perimeter
+from viz.palette import WARNING, Role
 from viz.scene import Party, ViewedRun
 from viz.topics.paths import seconds
 from viz.tube import thin
 from viz.video import SmallVideo, small_video
 
 WIDE, NARROW = -2.0, -1.0  # radii [ui points] (negative, as Rerun has it): the same on the screen at every zoom
+DRAWN = 32  # pieces along the arm
 
 
-def log_overlay(
-    session: rr.RecordingStream, path: str, scene: ViewedRun, party: Party, to_pixels: Callable[[Array], Array]
-) -> None:
-    """A party's line over the video; instants with missing points show what is present.
+def drawn_points(scene: ViewedRun, party: Party, section: Section) -> Array:
+    """What of a party is drawn (T, N, 2) [m]: the subject's midline, a model's outline; the line between markers."""
+    kept = thin(len(scene.s), DRAWN)
+    line = party.xy[:, kept]
+    if party is scene.subject or scene.points == "markers":
+        return line
+    return perimeter(line, scene.s[kept], section)
 
-    The subject's line is wider: both are seen where a model agrees with it.
-    """
-    pixels = to_pixels(party.xy[:, thin(party.xy.shape[1], 32)])
+
+def log_overlay(session: rr.RecordingStream, path: str, t: Array, pixels: Array, role: Role, width: float) -> None:
+    """A line (T, N, 2) [px] over the video; instants with missing points show what is present."""
     present = np.asarray(np.isfinite(pixels).all(axis=-1))
     strips = [row[kept].astype(np.float32) for row, kept in zip(pixels, present, strict=True)]
     enough = present.sum(axis=1) > 1
-    width = WIDE if party is scene.subject else NARROW
-    session.log(path, rr.LineStrips2D.from_fields(colors=[party.role.colour], radii=[width]), static=True)
+    session.log(path, rr.LineStrips2D.from_fields(colors=[role.colour], radii=[width]), static=True)
     columns = rr.LineStrips2D.columns(strips=[s for s, kept in zip(strips, enough, strict=True) if kept])
-    session.send_columns(path, [seconds(scene.t)], columns.partition(enough.astype(int)))
+    session.send_columns(path, [seconds(t)], columns.partition(enough.astype(int)))
 
 
 def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, video: SmallVideo) -> None:
@@ -62,7 +67,7 @@ def log_names(session: rr.RecordingStream, path: str, scene: ViewedRun, video: S
 
 
 def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recording: Recording) -> bool:
-    """The video with every party's line over it; False where the recording has none."""
+    """The video with every party over it; False where the recording has none."""
     camera = recording.declaration.camera
     if recording.video is None or camera is None:
         return False
@@ -72,11 +77,11 @@ def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recordi
     frames = rr.VideoFrameReference.columns_nanos(asset.read_frame_timestamps_nanos())
     session.send_columns(f"{path}/camera", [seconds(video.t)], frames)
 
-    def shown(points: Array) -> Array:
-        return video.scale * camera.to_pixels(points)
-
     for party in scene.parties:
-        log_overlay(session, f"{path}/camera/{party.key}", scene, party, shown)
+        points = drawn_points(scene, party, recording.declaration.specimen.section)
+        width = WIDE if party is scene.subject else NARROW
+        pixels = video.scale * camera.to_pixels(points)
+        log_overlay(session, f"{path}/camera/{party.key}", scene.t, pixels, party.role, width)
     log_names(session, f"{path}/camera/names", scene, video)
     if recording.shape is not None:
         log_rejected(session, f"{path}/camera/rejected", recording.shape, video)

@@ -82,7 +82,7 @@ BAD = {
     "marker undeclared": (good(markers__csv=MARKERS), "recording.toml: markers: missing, and there is markers.csv"),
     "marker without columns": (
         good(recording__toml=CONE + "[markers]\nend = {s = 1, d = 0}", markers__csv=MARKERS),
-        "markers.csv:1: end_x_m: column missing",
+        "markers.csv:1: end_x_m,end_y_m: columns missing",
     ),
     "marker not declared": (
         good(

@@ -77,7 +77,8 @@ def test_without_the_token_nothing_is_given(served):
     ("name", "content", "said"),
     [
         ("notes.txt", b"hello", "notes.txt: is not read; expected a film"),
-        ("motor.csv", b"t_s;command_rad;angle_rad\n0,0;0,1;0,1\n", "columns are separated by semicolons"),
+        ("motor.csv", b"a;b;c\n0,0;0,1;0,1\n", "the columns a, b, c do not say which is the time"),
+        ("servo.csv", b"t_s;servo_rad\n0,0;0,1\n0,0;0,2\n", "servo.csv:3: t_s: time repeats or goes back"),
         ("swing.mp4", b"no film at all", "swing.mp4: unreadable video"),
     ],
 )
