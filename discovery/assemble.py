@@ -184,7 +184,7 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
     if known > MOST_DECLARED_FORM:
         words.append(
             f"The declared model leaves {100.0 * known:.2g} % of the acting forces unexplained in the baseline's own "
-            "recordings, and so certifies nothing."
+            "recordings. Such a baseline proves nothing."
         )
     words += [f"Beside this model the data need unknown forces of {left:.2g} % of the acting forces."]
     if decision.verdict == "unknown":

@@ -42,7 +42,7 @@ COMPLETE = (0.4, 0.4, 0.15, 0.05)  # prior of none, one, two and three effects m
 ELSE = 0.15  # prior of something outside the catalogue; chosen, its sensitivity is not measured yet
 DECLARED_FORM = 0.003  # share of the acting forces that the declared laws leave
 # The next two were chosen while looking at the recordings of the silicone beam; their sensitivity is not measured.
-MOST_DECLARED_FORM = 0.05  # the same where a baseline shows it: a model that leaves more certifies nothing
+MOST_DECLARED_FORM = 0.05  # the same on a baseline: one whose model leaves more proves nothing
 FALSE_GAIN = 3.0  # nats: what effects may gain, coarsened, on a baseline where none acts
 DECLARED_ALIKE = 0.0015  # share of the motion in which two programs of the same laws differ as if an effect acted
 FORM = 0.22  # share of what an added law explains that its true form may differ by: 10 to 36 % are known cases

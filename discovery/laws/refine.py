@@ -68,7 +68,7 @@ class Asked:
 
 
 def refined_shapes(starts: list[Start], asked: Asked) -> tuple[Array, Array]:
-    """The best shapes (P,) from any start, and their standard deviations were the law true (noise of variance 1)."""
+    """The best shapes (P,) from any start, and their standard deviations if the law is true (noise of variance 1)."""
     bounds, spacing, target = asked.bounds, asked.spacing, asked.target
     low, high = (bounds / spacing[:, None]).T
     walks = [_Walk(start.shapes / spacing) for start in starts]

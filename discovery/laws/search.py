@@ -35,7 +35,7 @@ class FittedLaw:
     """A law of a form with its shapes and strengths.
 
     gain [nats]: over no law. price [nats]: of its parameters. unexplained: the share of the missing force's answer that
-    the law leaves, 0 .. 1 in rms. deviations: standard deviations of the shapes, were the law true.
+    the law leaves, 0 .. 1 in rms. deviations: standard deviations of the shapes, if the law is true.
     """
 
     form: Form

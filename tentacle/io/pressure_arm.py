@@ -8,7 +8,7 @@ along y. The source does not state the following; these values were chosen:
   An arm at rest counts as straight.
 - The arm is declared as a passive cone of silicone, which it is not. Its pressure was not recorded: the missing cause.
 - The direction of gravity is not stated. Its angle is declared as a range from -pi to pi.
-- The section and the mass are not stated: a radius of 20 mm and 700 +- 300 kg/m3, for the chambers are hollow.
+- The section and the mass are not stated: a radius of 20 mm and, as the chambers are hollow, 700 +- 300 kg/m3.
 """
 
 from __future__ import annotations

@@ -10,13 +10,14 @@ import pytest
 import tentacle.cli
 
 FILES = sorted(Path(tentacle.cli.__file__).parent.glob("*.py"))
+PAGES = sorted((Path(tentacle.cli.__file__).parent / "pages").glob("*.py"))
 # How a command ends, what its numbers may be, and the share done: the command line's own, not a room's.
 OWN = {"_endings", "_bounds", "_progress"}
 ARITHMETIC = (ast.Mult, ast.Sub, ast.Pow, ast.MatMult)
 UNITS = {100, 1000.0}
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda f: f.stem)
+@pytest.mark.parametrize("file", FILES + PAGES, ids=lambda f: f.stem)
 def test_a_file_of_the_command_line_is_short(file: Path) -> None:
     assert len(file.read_text().splitlines()) <= 120
 
