@@ -22,6 +22,7 @@ from viz.topics.verdict import text_table
 from viz.words import effect_name, interval, number
 
 MODEL_ROLES = (BASE, AUGMENTED, REFERENCE)
+CHARACTER, WINDOW = 7.5, 1920.0  # px: of a table's text on the viewer's page, and of the usual window's width
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,12 @@ def model_markdown(model: Model, words: tuple[str, ...] = ()) -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
+def page_share(page_text: str) -> float:
+    """The share of the window that a page needs, so that its widest table is not cut: a quarter to a half."""
+    widest = max((len(line) for line in page_text.splitlines() if line.startswith("|")), default=0)
+    return float(np.clip(widest * CHARACTER / WINDOW, 0.25, 0.5))
+
+
 def write_comparison(scene: ViewedRun, recording: Recording, page_text: str, path: Path | str) -> Path:
     """The session of a scene beside a page of Markdown.
 
@@ -78,5 +85,7 @@ def write_comparison(scene: ViewedRun, recording: Recording, page_text: str, pat
         session.log("page", rr.TextDocument(page_text, media_type=rr.MediaType.MARKDOWN), static=True)
         shown = log_scene(session, scene, recording)
         text = rrb.TextDocumentView(origin="page", name="result")
-        set_layout(session, blueprint_page(rrb.Horizontal(text, rrb.Tabs(run_page(shown)), column_shares=[1, 3])))
+        share = page_share(page_text)
+        shares = [share, 1.0 - share]
+        set_layout(session, blueprint_page(rrb.Horizontal(text, rrb.Tabs(run_page(shown)), column_shares=shares)))
     return path
