@@ -9,6 +9,12 @@ from tentacle.errors import InputError
 AUTO, CPU = "auto", "cpu"
 
 
+def needs_torch(field: str) -> None:
+    """InputError where torch is missing."""
+    if importlib.util.find_spec("torch") is None:
+        raise InputError("PyTorch missing", field=field, expected="pip install 'tentacle-twin[gpu]'")
+
+
 def chosen_device(asked: str) -> str | None:
     """The device of `auto`, `cpu`, `cuda` or `cuda:1`, as torch names it; None for the CPU where torch is missing.
 

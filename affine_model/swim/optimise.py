@@ -145,11 +145,13 @@ def optimise_gait(
     *,
     rail: Rail = PAPER_RAIL,
     box: Box | None = None,
+    exact: bool = False,
     watch: Callable[[Generation], None] | None = None,
 ) -> Swimming:
     """Find the best gait of eq. 20 for the objective, within the servo's limits. The trial is clamped (trial_of); rail
     serves the objectives that swim, and the promises.
 
+    exact: the best gait is climbed from once more, with the exact gradient (needs torch), and judged with the others.
     watch is called after every generation. Raises InputError where nothing swims forward at all.
     """
     box = box or search_box(trial.limits)
@@ -173,6 +175,14 @@ def optimise_gait(
     candidates, fine = np.concatenate(judged, axis=1), ready.refined()
     values = gait_scores(objective, fine, run(fine, candidates))
     leader = int(np.argmax(values))
+    origin = ORIGINS[min((leader + 1) // 2, 2)]
+    if exact:
+        from affine_model.swim.exact_gradient import exact_gradient
+
+        reached, _ = polish(ready, objective, box, box.unit(candidates[:, [leader]])[:, 0], slope=exact_gradient)
+        candidates = np.concatenate([candidates, sure_of_limits(ready, box.alpha(reached[:, None]))], axis=1)
+        values = np.append(values, gait_scores(objective, fine, run(fine, candidates[:, -1:])))
+        leader = int(np.argmax(values))
     winner, value, sine_value = candidates[:, leader], float(values[leader]), float(values[0])
     if not value > 0.0:
         raise InputError("no gait within the servo's limits swims forward", field="limits", expected="wider limits")
@@ -182,7 +192,7 @@ def optimise_gait(
         objective=objective.name,
         method=plan.method,
         seed=plan.seed,
-        origin=ORIGINS[min((leader + 1) // 2, 2)],
+        origin=origin,
         gait=gait_of(winner, bandwidth),
         sine=gait_of(candidates[:, 0], bandwidth),
         promise=promised,

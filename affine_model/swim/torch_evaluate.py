@@ -6,6 +6,8 @@ computes its own gait and its own arm, so that a million gaits need no table of 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import torch
 from torch import Tensor
@@ -14,6 +16,7 @@ from affine_model.advance import Drive, Pace
 from affine_model.arm import Arm
 from affine_model.curvature import Array
 from affine_model.swim.evaluate import ROWS, Bounds, evaluate
+from affine_model.swim.torch_gait import outcome
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 
 
@@ -50,13 +53,37 @@ def _swim_shape(
     return genes.new_empty(ROWS, genes.shape[0], parameters.shape[1])
 
 
+def _remember(ctx: Any, inputs: tuple[Any, ...], output: Tensor) -> None:
+    del output
+    rows, genes, parameters, kinematic, ctx.numbers = inputs
+    ctx.save_for_backward(*rows, genes, parameters, kinematic)
+
+
+def _backward(ctx: Any, gradient: Tensor) -> tuple[Any, ...]:
+    arm, drive, genes, parameters, kinematic = ctx.saved_tensors
+    bandwidth, timing = _timing(ctx.numbers)
+    wanted = ctx.needs_input_grad[1:3]
+    with torch.enable_grad():
+        given = [part.detach().requires_grad_(asked) for part, asked in zip((genes, parameters), wanted, strict=True)]
+        limits = kinematic, bandwidth
+        found = outcome(arm_from_row(arm), drive_from_row(drive), given[0], given[1], limits, timing)
+        asked = [part for part in given if part.requires_grad]
+        slopes = iter(torch.autograd.grad(found, asked, gradient))
+    return [None, None], *(next(slopes) if part.requires_grad else None for part in given), None, None
+
+
+_swim.register_autograd(_backward, setup_context=_remember)
+
+
 def population(genes: Array, device: str) -> Tensor:
     """The tensor (individuals, genes) of an array (B, 9): on the CPU of the same memory."""
     return torch.from_numpy(np.ascontiguousarray(genes)).to(device)
 
 
 def swum(arm: Arm, drive: Drive, genes: Tensor, parameters: Tensor, bounds: Bounds, timing: tuple[Pace, int]) -> Tensor:
-    """affine_model.swim.evaluate.evaluate of a population (B, 9), on the device where it lies."""
+    """affine_model.swim.evaluate.evaluate of a population (B, 9), on the device where it lies. Gradients flow to genes
+    and parameters (affine_model.swim.torch_gait).
+    """
     pace, steps = timing
     kinematic = torch.from_numpy(bounds.kinematic)
     numbers = [bounds.bandwidth, pace.step, float(steps), float(pace.average_from)]

@@ -118,7 +118,12 @@ def run(trial: GaitTrial, alpha: Array) -> GaitOutcome:
 
         given = population(genes, trial.device), torch.from_numpy(trial.parameters)
         found = swum(*own, *given, bounds, timing).cpu().numpy()
-    thrust, speed, power, torque, lost, scale = found
+    return outcome_of(alpha, found)
+
+
+def outcome_of(alpha: Array, rows: Array) -> GaitOutcome:
+    """The outcome of gaits (9, B) from the rows (6, B, K) of affine_model.swim.evaluate."""
+    thrust, speed, power, torque, lost, scale = rows
     scaled = np.array(alpha)
     scaled[:3] *= scale[:, 0]
     sound = lost < 0.0

@@ -16,7 +16,7 @@ def searched(arguments: argparse.Namespace, trial: GaitTrial, model: Model) -> S
 
     if arguments.restarts == 1 and not arguments.cluster:
         return search_with_progress(arguments, trial, model)
-    settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "robust")}
+    settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "robust", "polish")}
     settings["device"] = trial.device
     seeds = range(arguments.seed, arguments.seed + arguments.restarts)
     return best_of_restarts(model, trial.limits, settings, seeds, arguments.out / "searches", arguments.cluster)
@@ -50,5 +50,6 @@ def search_with_progress(arguments: argparse.Namespace, trial: GaitTrial, model:
             trial,
             OBJECTIVE_TABLE[arguments.objective],
             SearchPlan(arguments.method, arguments.evaluations, arguments.seed, notes.scores()),
+            exact=arguments.polish,
             watch=watch,
         )

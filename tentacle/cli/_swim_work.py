@@ -17,8 +17,8 @@ VERSION = "2"  # of what a search computes
 def search_tasks(
     model: Model, limits: GaitLimits, settings: Mapping[str, Any], seeds: Sequence[int]
 ) -> list[dict[str, Any]]:
-    """One task a seed; settings hold objective, method, evaluations, robust (samples, 0: at the estimates) and
-    device (of torch, None: none).
+    """One task a seed; settings hold objective, method, evaluations, robust (samples, 0: at the estimates), device (of
+    torch, None: none) and polish.
     """
     from tentacle.io.model_file import model_tables
 
@@ -40,7 +40,8 @@ def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     if task["robust"]:
         trial = robust_trial(trial, model, task["robust"], seed=0)
     objective = OBJECTIVES[task["objective"]]
-    found = optimise_gait(trial, objective, SearchPlan(task["method"], task["evaluations"], task["seed"]))
+    plan = SearchPlan(task["method"], task["evaluations"], task["seed"])
+    found = optimise_gait(trial, objective, plan, exact=bool(task.get("polish")))
     return {
         "origin": found.origin,
         "gait": list(found.gait.alpha),

@@ -37,6 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler for the searches (default: processes)")
     add_effects(parser)
     parser.add_argument("--device", default="auto", help="cpu, cuda, cuda:1; auto (default): CUDA where there is one")
+    parser.add_argument(
+        "--polish", action="store_true", help="climb from the best gait once more, with the exact gradient (PyTorch)"
+    )
     parser.add_argument("--front", action="store_true", help="also compute the Pareto front of speed against power")
     parser.add_argument("--no-reference", action="store_true", help="leave out the check on the MuJoCo reference")
 
@@ -46,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     from dataclasses import replace
 
     from affine_model.swim import robust_trial, trial_of
-    from affine_model.swim.device import chosen_device
+    from affine_model.swim.device import chosen_device, needs_torch
     from affine_model.swim.pareto import front_around
     from tentacle.cli._swim_answer import answer_summary, write_swim_answer
     from tentacle.cli._swim_search import searched
@@ -62,6 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.robust} is not usable", field="--robust", expected="2 or more samples")
     if arguments.restarts < 1:
         raise InputError(f"{arguments.restarts} is not usable", field="--restarts", expected="1 or more")
+    if arguments.polish:
+        needs_torch("--polish")
     model, limits = read_arm(arguments.arm, arguments.silicone), read_limits(arguments.limits)
     at_estimates = replace(trial_of(model, limits), device=chosen_device(arguments.device))
     trial = robust_trial(at_estimates, model, arguments.robust, seed=0) if arguments.robust else at_estimates

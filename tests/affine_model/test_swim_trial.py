@@ -26,6 +26,7 @@ from affine_model.swim import (
     sine_map,
     trial_of,
 )
+from affine_model.swim.exact_gradient import exact_gradient
 from affine_model.swim.objectives import gait_scores, worst_quarter_mean
 from affine_model.swim.optimise import ORIGINS
 from affine_model.swim.polish import polish, value_and_gradient
@@ -38,6 +39,7 @@ MODEL = assumed_model(paper_cone(0.21), "dragon-skin-10")
 TRIAL = trial_of(MODEL)
 BOX = search_box(TRIAL.limits)
 THRUST = OBJECTIVES["thrust"]
+UNCERTAIN = MODEL.with_effect("drag", C_perp=Estimate(1.1, 0.9, 1.3))
 
 
 def test_left_and_right_thrust_alike():
@@ -100,6 +102,44 @@ def test_gradient_by_batch_equals_richardson():
     _, used = value_and_gradient(gentle, THRUST, BOX, unit)
     # An offset of 1e-4 shifts the highest harmonic by up to 0.01 rad over the trial: its square is the truncation.
     assert np.allclose(used, truth, rtol=1e-3, atol=2e-4 * np.max(np.abs(truth)))
+
+
+@pytest.mark.parametrize("name", ["thrust", "transport"])
+def test_the_exact_gradient_is_right_to_a_millionth(name):
+    objective = OBJECTIVES[name]
+    short = replace(TRIAL, settle=1.0, window=1.0)
+    trial = robust_trial(short.on_rail(PAPER_RAIL) if objective.on_rail else short, UNCERTAIN, 8, seed=0)
+    unit = np.array([0.3, 0.2, 0.15, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
+
+    def scores(points):
+        return gait_scores(objective, trial, run(trial, BOX.alpha(points)))
+
+    value, gradient = exact_gradient(trial, objective, BOX, unit)
+    assert value == pytest.approx(scores(unit[:, None])[0], rel=1e-12)
+    differences = []
+    for offset in (5e-5, 2.5e-5):
+        steps = offset * np.eye(9)
+        differences.append((scores(unit[:, None] + steps) - scores(unit[:, None] - steps)) / (2.0 * offset))
+    truth = (4.0 * differences[1] - differences[0]) / 3.0  # Richardson: right to 4e-9 at these offsets
+    assert np.max(np.abs(gradient - truth)) < 1e-6 * np.max(np.abs(truth))
+
+
+def test_the_exact_gradient_of_a_gait_too_strong_for_the_servo():
+    weak = replace(TRIAL, limits=replace(TRIAL.limits, torque=1e-3), settle=1.0, window=1.0)
+    unit = np.array([0.3, 0.2, 0.15, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
+    value, gradient = exact_gradient(weak, THRUST, BOX, unit)
+    offset, ahead = 1e-5, np.zeros(9)
+    ahead[0] = offset
+    pair = gait_scores(THRUST, weak, run(weak, BOX.alpha(np.stack([unit + ahead, unit - ahead], axis=1))))
+    assert value < -1e3
+    assert gradient[0] == pytest.approx((pair[0] - pair[1]) / (2.0 * offset), rel=1e-6)
+
+
+def test_polish_by_the_exact_gradient_never_loses():
+    plan = SearchPlan(evaluations=50, seed=2)
+    usual, exact = (optimise_gait(TRIAL, THRUST, plan, exact=exact) for exact in (False, True))
+    assert exact.value >= usual.value
+    assert exact.origin == usual.origin
 
 
 def test_polish_never_loses():
