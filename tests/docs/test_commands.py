@@ -94,6 +94,7 @@ SPECIAL = {
     f"{EMULATE} --model model.toml --hidden hidden.json": How(until="in another terminal"),
     "python benchmarks/swim.py --json swim.json": How(add="--help", says="--short"),
     "python benchmarks/library.py --json library.json": How(add="--help", says="--count"),
+    "python benchmarks/library_joint.py --json joint.json": How(add="--help", says="--linear"),
 }  # fmt: skip
 CLUSTER = (
     "dask scheduler --host 127.0.0.1",
