@@ -11,6 +11,7 @@ from rig.calibrate import LineFit, fit_line
 from rig.setup_file import LoadCellCalibration
 from tentacle.errors import InputError
 from tentacle.io.csv_table import read_csv
+from tentacle.io.sound_recording import require_steps
 from tentacle.signals import Array, LoadCellSignal
 from tentacle.specimen import STANDARD_GRAVITY
 
@@ -55,6 +56,7 @@ def read_bench_log(file: Path, columns: LogColumns | None = None) -> BenchLog:
     t, counts = table[columns.time], table[columns.counts]
     if len(t) < 3:
         raise InputError(f"{len(t)} rows", file=file, expected="at least 3")
+    require_steps(t, columns.time, file)
     wrong = (np.abs(counts) >= 2**23) | (counts != np.round(counts))
     if wrong.any():
         k = int(np.argmax(wrong))

@@ -10,6 +10,7 @@ from rig.calibrate import load_cell_calibration
 from rig.setup_file import LoadCellCalibration
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import read_recording_file
+from tentacle.io.recording_summary import gap_words
 from tentacle.recording import Recording
 
 
@@ -34,7 +35,8 @@ def bench_recording(log_file: Path, options: LogOptions) -> tuple[Recording, str
     declared = read_recording_file(options.declaration)
     log = read_bench_log(log_file, LogColumns(*options.columns) if options.columns else None)
     low, high = (1e3 * x for x in log.jitter)
-    words = f"{len(log.t)} readings at {log.rate:.1f} Hz, {low:.0f} to {high:.0f} ms apart (5 to 95 %)"
+    apart = f"{low:.0f} to {high:.0f} ms apart (5 to 95 %){gap_words(log.t)}"
+    words = f"{len(log.t)} readings at {log.rate:.1f} Hz, {apart}"
     if options.calibration is not None:
         calibration = LoadCellCalibration(*options.calibration)
     else:

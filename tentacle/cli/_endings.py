@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tentacle.cli._stop_signals import Ended, StopAsked
+from tentacle.compiled_modules import remove_torn_modules, torn_module
 from tentacle.errors import InputError, printable
 
 # Optional modules: module -> the extra that installs it.
@@ -27,6 +28,7 @@ EXTRAS = {
     "serial": "rig", "optuna": "rig", "distributed": "cluster", "torch": "gpu", "warp": "gpu", "nicegui": "app",
     "h5py": "hdf5",
 }  # fmt: skip
+NO_MEMORY = ("failed to map segment", "cannot allocate memory")  # glibc's words where a library does not fit
 BAD_INPUT, DEFECT = 2, 70
 
 
@@ -73,10 +75,15 @@ def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
             return "", 0
         case MemoryError():
             return "not enough memory for this; expected a smaller input", BAD_INPUT
+        case ImportError() as failed if any(words in str(failed) for words in NO_MEMORY):
+            return f"not enough memory to load what this needs: {printable(str(failed)[:200])}", BAD_INPUT
         case OSError() as failed:
             return _os_words(failed), BAD_INPUT
     if asked.number:
         return "stopped", 128 + asked.number
+    torn = torn_module(error)
+    if torn is not None:
+        return printable(remove_torn_modules(torn)), BAD_INPUT
     return f"a defect of tentacle: {_first_line(error)}; its trace is in {_trace(error)}", DEFECT
 
 
@@ -84,15 +91,25 @@ def _root(error: BaseException) -> BaseException:
     """The first known error in a chain: numba and others wrap an interrupt in an error of their own."""
     found: BaseException | None = error
     while found is not None:
-        if isinstance(found, InputError | KeyboardInterrupt | OSError | MemoryError | ModuleNotFoundError):
+        if isinstance(found, InputError | KeyboardInterrupt | OSError | MemoryError | ImportError):
             return found
         found = found.__cause__ or found.__context__
     return error
 
 
 def _os_words(error: OSError) -> str:
-    where = "" if error.filename is None else f"{error.filename}: "
+    name = error.filename or ("the standard output" if _output_failed() else "")
+    where = f"{name}: " if name else ""
     return printable(f"{where}{error.strerror or _first_line(error)}")
+
+
+def _output_failed() -> bool:
+    """Whether the standard output takes nothing: what it did not take is still waiting."""
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):
+        return True
+    return False
 
 
 def _first_line(error: BaseException) -> str:

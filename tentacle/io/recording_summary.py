@@ -7,6 +7,8 @@ import numpy as np
 from tentacle.recording import Recording
 from tentacle.signals import Array
 
+LONGEST_SILENCE = 1.0  # s without a sample that passes without a word, as in a run of the rig
+
 
 def summarise(recording: Recording) -> dict[str, str]:
     """Signal name -> one line: how many samples, over what time, at what rate, how many missing."""
@@ -48,7 +50,16 @@ def _declared(recording: Recording) -> str:
 def _sampling(t: Array) -> str:
     if len(t) < 2:
         return f"{len(t)} samples"
-    return f"{len(t)} samples, {t[0]:g} to {t[-1]:g} s, {1 / np.median(np.diff(t)):.4g} Hz"
+    return f"{len(t)} samples, {t[0]:g} to {t[-1]:g} s, {1 / np.median(np.diff(t)):.4g} Hz{gap_words(t)}"
+
+
+def gap_words(t: Array) -> str:
+    """What to say of the longest gap between times (N,) [s]; "" where none is over a second and two steps."""
+    steps = np.diff(t)
+    longest = int(np.argmax(steps)) if len(steps) else 0
+    if not len(steps) or steps[longest] <= max(LONGEST_SILENCE, 2 * float(np.median(steps))):
+        return ""
+    return f", a gap of {steps[longest]:.4g} s after {t[longest]:.4g} s"
 
 
 def _missing(xy: Array) -> str:

@@ -20,6 +20,7 @@ LARGEST_DISTANCE = 3.0  # arm lengths; farther from the clamp is millimetres by 
 LARGEST_THRUST = 1000.0  # N; more is counts or grams by mistake
 LONGEST_TRAVEL = 100.0  # m of a moving base; more is millimetres by mistake
 LONGEST_SPAN = 86400.0  # s; a longer span is a clock that jumped
+LEAST_STEP = 1e-6  # s between samples on the average; a shorter one is a time in other units
 MOST_POINTS = 10_000  # of a midline, and markers
 
 
@@ -84,6 +85,15 @@ def _check_times(name: str, t: Array, file: Path) -> None:
             f"from {t[0]:.9g} to {t[-1]:.9g} s: a clock that jumped?", file=file, field=f"{name}.t_s",
             expected=f"a recording of at most {LONGEST_SPAN:g} s",
         )  # fmt: skip
+    require_steps(t, f"{name}.t_s", file)
+
+
+def require_steps(t: Array, field: str, file: Path) -> None:
+    """InputError where times (N,) [s] lie closer together than any of these signals is sampled."""
+    if len(t) > 1 and t[-1] - t[0] < LEAST_STEP * (len(t) - 1):
+        raise InputError(
+            f"{len(t)} samples within {t[-1] - t[0]:.3g} s", file=file, field=field, expected="times in seconds"
+        )
 
 
 def _check_series(name: str, values: Array, t: Array, limit: float, expected: str, file: Path) -> None:
