@@ -17,6 +17,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from affine_model.curvature import Array
+from inference.decay import has_decay
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
 from inference.prior import log_prior, prior_precision
@@ -100,7 +101,8 @@ def rough_fit(
     filters = tuple(force.filter(share) for force in forces)
     found = []
     for problem, nuisances in starts:
-        rough = replace(problem, filters=filters, step=COARSER * problem.step)
+        coarser = 1.0 if has_decay(problem) else COARSER  # a decay's phase runs away with the step's error
+        rough = replace(problem, filters=filters, step=coarser * problem.step)
         unknowns, lowest = minimised(rough, nuisances, tolerance=ROUGHLY, most=30)
         found.append(RoughFit(effects, *_moved(replace(rough, step=problem.step), unknowns), lowest.cost))
     return min(found, key=lambda one: one.cost)
