@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tentacle.errors import InputError
+from tentacle.errors import InputError, printable
 
 if TYPE_CHECKING:
     from tentacle.signals import MotorSignal
@@ -62,16 +62,16 @@ def run(arguments: argparse.Namespace) -> int:
     if motor is not None:
         write_motor_log(motor, arguments.folder / "motor.csv")
     file = write_recording_file(arguments.folder, recording_text(answers))
-    print(f"wrote {file}")
+    print(printable(f"wrote {file}"))
     if words:
         print(words)
     if answers.camera is None:
         line = f"tentacle import {arguments.folder} --out my_arm.rrd"
-        print(f"put the film beside it as video.mp4, fill in [camera], then: {line}")
+        print(printable(f"put the film beside it as video.mp4, fill in [camera], then: {line}"))
     else:
         if not (arguments.folder / "motor.csv").exists():
             print("a servo turns the base? begin again with --motor LOG: without a log the base counts as clamped")
-        print(f"next: tentacle diagnose {arguments.folder} --out answer")
+        print(printable(f"next: tentacle diagnose {arguments.folder} --out answer"))
     return 0
 
 

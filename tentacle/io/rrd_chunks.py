@@ -194,7 +194,9 @@ def _limit_memory(most: int) -> None:
         return
     import resource
 
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
+    allowed = resource.getrlimit(resource.RLIMIT_AS)[1]  # who started us may have set less: more cannot be asked for
+    if allowed == resource.RLIM_INFINITY or most < allowed:
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 

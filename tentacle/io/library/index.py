@@ -19,6 +19,7 @@ import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import parse_recording_file, specimen_table
+from tentacle.io.plain_file import require_plain
 from tentacle.io.rrd_chunks import just_written
 from tentacle.io.rrd_columns import read_entities
 from tentacle.io.toml_table import parse_toml
@@ -101,10 +102,13 @@ def _rows_here(files: Sequence[Path]) -> list[dict[str, Any]]:
 def recordings_of(source: Path) -> list[Path]:
     """The .rrd files of a folder (its subfolders too), or of a list: a text file with a path a line, # comments.
 
-    InputError where it is neither, or a listed file is missing.
+    InputError where it is neither, or a file in it is missing, a link to nothing, or no regular file.
     """
     if source.is_dir():
-        return sorted(p.resolve() for p in source.rglob("*.rrd") if not _is_result(p.relative_to(source)))
+        files = sorted(file for file in source.rglob("*.rrd") if not _is_result(file.relative_to(source)))
+        for file in files:
+            require_plain(file, "an .rrd file")
+        return sorted(file.resolve() for file in files)
     if not source.is_file():
         raise InputError("no such folder or list", file=source, expected="a folder of .rrd files, or a list of them")
     if source.suffix == ".rrd":
