@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from affine_model.swim import METHODS, OBJECTIVES, SILICONES, assumed_model, paper_cone
+from affine_model.swim.polish import value_and_gradient
 from tentacle.cli import main
 from tentacle.cli import optimise as verb
 from tentacle.cli._swim_work import search_tasks, search_work
@@ -144,3 +145,26 @@ def test_robust_restarts_on_two_dask_workers_equal_those_here(arm, tmp_path):
     common = {"objective": "thrust", "method": "cmaes", "evaluations": 50, "robust": 2}
     (task,) = search_tasks(model, limits, common, [found["search"]["seed"]])
     assert search_work(task)["gait"] == found["waveform"]["alpha"]
+
+
+def test_polish_climbs_by_the_exact_gradient(arm, tmp_path, monkeypatch):
+    asked = []
+
+    def counted(*given):
+        asked.append(given)
+        return value_and_gradient(*given)
+
+    monkeypatch.setattr("affine_model.swim.exact_gradient.exact_gradient", counted)
+    assert optimise(arm, tmp_path / "one") == 0
+    assert not asked
+    assert optimise(arm, tmp_path / "two", "--polish") == 0
+    assert asked
+    before, after = (tomllib.loads((tmp_path / name / "result.toml").read_text()) for name in ("one", "two"))
+    assert after["promise"]["thrust_n"] >= (1.0 - 1e-9) * before["promise"]["thrust_n"]
+
+
+def test_polish_without_torch_is_one_line(arm, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    assert optimise(arm, tmp_path / "out", "--polish", "--device", "cpu") == 2
+    assert "--polish" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
