@@ -12,13 +12,11 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
 
+from tentacle.cli._error_words import first_line, os_words, trace_of
 from tentacle.cli._stop_signals import Ended, StopAsked
 from tentacle.compiled_modules import remove_torn_modules, torn_module
 from tentacle.errors import InputError, printable
@@ -78,13 +76,13 @@ def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
         case ImportError() as failed if any(words in str(failed) for words in NO_MEMORY):
             return f"not enough memory to load what this needs: {printable(str(failed)[:200])}", BAD_INPUT
         case OSError() as failed:
-            return _os_words(failed), BAD_INPUT
+            return os_words(failed), BAD_INPUT
     if asked.number:
         return "stopped", 128 + asked.number
     torn = torn_module(error)
     if torn is not None:
         return printable(remove_torn_modules(torn)), BAD_INPUT
-    return f"a defect of tentacle: {_first_line(error)}; its trace is in {_trace(error)}", DEFECT
+    return f"a defect of tentacle: {first_line(error)}; its trace is in {trace_of(error)}", DEFECT
 
 
 def _root(error: BaseException) -> BaseException:
@@ -95,40 +93,6 @@ def _root(error: BaseException) -> BaseException:
             return found
         found = found.__cause__ or found.__context__
     return error
-
-
-def _os_words(error: OSError) -> str:
-    name = error.filename or ("the standard output" if _output_failed() else "")
-    where = f"{name}: " if name else ""
-    return printable(f"{where}{error.strerror or _first_line(error)}")
-
-
-def _output_failed() -> bool:
-    """Whether the standard output takes nothing: what it did not take is still waiting."""
-    try:
-        sys.stdout.flush()
-    except (OSError, ValueError):
-        return True
-    return False
-
-
-def _first_line(error: BaseException) -> str:
-    text = str(error).strip().splitlines()
-    return printable(f"{type(error).__name__}: {text[0][:200]}" if text else type(error).__name__)
-
-
-def _trace(error: BaseException) -> Path | str:
-    """Where the trace of a defect was put."""
-    if os.environ.get("TENTACLE_TRACE"):
-        traceback.print_exception(error)
-        return "the lines above"
-    try:
-        handle, name = tempfile.mkstemp(prefix="tentacle-defect-", suffix=".txt")
-        with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as file:
-            traceback.print_exception(error, file=file)
-    except OSError:
-        return "nowhere: no file can be written"
-    return Path(name)
 
 
 def _close_output() -> None:

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
 SECONDS_A_DAY = 86400.0
 FEWEST = 3  # recordings of an arm that are put together: fewer have no spread
-CODE = "code"  # under which name an evidence file keeps the version that made it
 
 
 def join(library: Library, runner: Runner, *, renew: bool) -> list[str]:
@@ -44,6 +43,7 @@ def _evidence(
     library: Library, runner: Runner, rows: Sequence[Mapping[str, Any]], *, renew: bool
 ) -> tuple[list[tuple[Mapping[str, Any], Path]], list[str]]:
     """The files of an arm's evidence, by date, and a line for each recording without."""
+    from discovery.library.tasks import evidence_work, order_work
     from tentacle.io.library.layers import library_code_version
 
     results = runner.run(order_work, [_task(row) for row in rows], words="orders")
@@ -72,6 +72,7 @@ def _task(row: Mapping[str, Any]) -> dict[str, Any]:
 
 def _code_of(file: Path) -> str:
     from discovery.library.evidence import read_evidence
+    from discovery.library.tasks import CODE
 
     return read_evidence(file)[1].get(CODE, "")
 
@@ -94,40 +95,3 @@ def _answer(known: Sequence[tuple[Mapping[str, Any], Path]]) -> dict[str, Any]:
             [read_evidence(file)[0] for _, file in known], days, lambda done: progress.update(line, completed=done)
         )
     return joint_data(answer, [row["sha256"] for row, _ in known])
-
-
-def order_work(task: Mapping[str, Any]) -> dict[str, Any]:
-    """How many coordinates one recording shows, or why it is of no use."""
-    from discovery.library.evidence import order_of
-    from tentacle.errors import InputError
-    from vision.tracked_recording import read_tracked
-
-    try:
-        order = order_of(read_tracked(Path(task["path"]), _quiet))
-    except InputError as error:
-        return {"path": task["path"], "order": 0, "failed": error.line()}
-    return {"path": task["path"], "order": order, "failed": None}
-
-
-def evidence_work(task: Mapping[str, Any]) -> dict[str, Any]:
-    """One recording's evidence, written whole."""
-    from numpy.linalg import LinAlgError
-
-    from discovery.library.evidence import base_hypothesis, evidence_of, write_evidence
-    from tentacle.errors import InputError
-    from vision.tracked_recording import read_tracked
-
-    path = Path(task["path"])
-    try:
-        found = evidence_of(base_hypothesis(read_tracked(path, _quiet), task["order"]))
-        write_evidence(found, Path(task["file"]), **{CODE: task["code"]})
-    except InputError as error:
-        return {"path": task["path"], "failed": error.line()}
-    except LinAlgError as error:
-        return {"path": task["path"], "failed": f"the declared model cannot follow it: {error}"}
-    return {"path": task["path"], "failed": None}
-
-
-def _quiet(words: str, done: float = 0.0) -> None:
-    """Progress of one recording among many is not shown."""
-    del words, done
