@@ -110,24 +110,20 @@ def optimise(
     evaluations: int = 5000,
     seed: int = 0,
     device: str = "auto",
-    polish: bool = False,
 ) -> Swimming:
     """The base motion (eq. 20) that swims best within a hobby servo's limits.
 
     objective: "thrust", "speed" or "transport" (distance per energy). method: "cmaes", "ga" (the paper's),
-    "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1". polish: climb from the best gait once more,
-    with the exact gradient (needs PyTorch).
+    "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
     from affine_model.swim import OBJECTIVES, SearchPlan, trial_of
     from affine_model.swim import optimise_gait as search
-    from affine_model.swim.device import chosen_device, needs_torch
+    from affine_model.swim.device import chosen_device
 
-    if polish:
-        needs_torch("polish")
     if objective not in OBJECTIVES:
         raise InputError(f"{objective!r} is not known", field="objective", expected=", ".join(OBJECTIVES))
     trial = replace(trial_of(_model(model)), device=chosen_device(device))
-    return search(trial, OBJECTIVES[objective], SearchPlan(method, evaluations, seed), exact=polish)
+    return search(trial, OBJECTIVES[objective], SearchPlan(method, evaluations, seed))
 
 
 def seen(recording: Recording) -> Recording:

@@ -145,14 +145,13 @@ def optimise_gait(
     *,
     rail: Rail = PAPER_RAIL,
     box: Box | None = None,
-    exact: bool = False,
     watch: Callable[[Generation], None] | None = None,
 ) -> Swimming:
     """Find the best gait of eq. 20 for the objective, within the servo's limits. The trial is clamped (trial_of); rail
     serves the objectives that swim, and the promises.
 
-    exact: the best gait is climbed from once more, with the exact gradient (needs torch), and judged with the others.
-    watch is called after every generation. Raises InputError where nothing swims forward at all.
+    A gait that is polished is judged with the others. watch is called after every generation. Raises InputError where
+    nothing swims forward at all.
     """
     box = box or search_box(trial.limits)
     ready = for_objective(trial, objective, rail)
@@ -176,7 +175,7 @@ def optimise_gait(
     values = gait_scores(objective, fine, run(fine, candidates))
     leader = int(np.argmax(values))
     origin = ORIGINS[min((leader + 1) // 2, 2)]
-    if exact:
+    if plan.polish:
         from affine_model.swim.exact_gradient import exact_gradient
 
         reached, _ = polish(ready, objective, box, box.unit(candidates[:, [leader]])[:, 0], slope=exact_gradient)

@@ -37,13 +37,14 @@ class Generation:
 class SearchPlan:
     """method: a name of METHODS; evaluations: gaits to try; seed; noted: scores of the first generations, from an
     interrupted run of the same search. These gaits are not simulated again, and the search continues exactly as without
-    the interruption.
+    the interruption. polish: climb once more from the best gait, with the exact gradient (needs torch).
     """
 
     method: str = "cmaes"
     evaluations: int = 5000
     seed: int = 0
     noted: Iterable[Array] = ()
+    polish: bool = False
 
 
 USUAL_SEARCH = SearchPlan()

@@ -49,7 +49,6 @@ def search_with_progress(arguments: argparse.Namespace, trial: GaitTrial, model:
         return optimise_gait(
             trial,
             OBJECTIVE_TABLE[arguments.objective],
-            SearchPlan(arguments.method, arguments.evaluations, arguments.seed, notes.scores()),
-            exact=arguments.polish,
+            SearchPlan(arguments.method, arguments.evaluations, arguments.seed, notes.scores(), arguments.polish),
             watch=watch,
         )

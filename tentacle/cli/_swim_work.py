@@ -40,8 +40,8 @@ def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     if task["robust"]:
         trial = robust_trial(trial, model, task["robust"], seed=0)
     objective = OBJECTIVES[task["objective"]]
-    plan = SearchPlan(task["method"], task["evaluations"], task["seed"])
-    found = optimise_gait(trial, objective, plan, exact=bool(task.get("polish")))
+    plan = SearchPlan(task["method"], task["evaluations"], task["seed"], polish=bool(task.get("polish")))
+    found = optimise_gait(trial, objective, plan)
     return {
         "origin": found.origin,
         "gait": list(found.gait.alpha),

@@ -48,7 +48,7 @@ def test_help_that_cannot_be_written_is_told(
     with Path("/dev/full").open("w", buffering=1) as full:
         monkeypatch.setattr("sys.stdout", full)
         assert main(["--help"]) == 2
-    assert capsys.readouterr().err == "tentacle: No space left on device\n"
+    assert capsys.readouterr().err == "tentacle: the standard output: No space left on device\n"
 
 
 @pytest.mark.parametrize("verb", verb_names())
