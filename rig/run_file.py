@@ -79,11 +79,14 @@ def _run_of(columns: dict[str, EntityColumns], frame_t: Array, bytes_gone: int, 
 
 def _rows(columns: dict[str, EntityColumns], sums: list[Sum]) -> dict[str, int]:
     """How many rows of each entity are there with a checksum: one of their own, or one of their block."""
-    own = {entity: found.texts("sha256") for entity, found in columns.items() if found.has_rows("sha256")}
-    return {
-        entity: min(len(found.times(layout.BOARD_TIME)), len(own.get(entity, ())) or covered(sums, entity))
+    counted = {
+        entity: found
         for entity, found in columns.items()
         if entity.startswith("/rig/") and entity not in (layout.START, layout.STOP)
+    }
+    return {
+        entity: min(len(found.times(layout.BOARD_TIME)), len(found.texts("sha256")) or covered(sums, entity))
+        for entity, found in counted.items()
     }
 
 
