@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import false_discovery_control
 
+from discovery.answer import MOST_EFFECTS
 from discovery.decide import CREDIBLE, log_prior_of_set
 from discovery.library.evidence import RecordingEvidence
 from discovery.library.pooled import Acting, Direction, Pool, directions, estimates_of, pool_of, strengths_where
@@ -29,7 +30,6 @@ from inference.trajectory import ParameterName
 from tentacle.signals import Array
 
 FALSE_CLAIMS = 0.05  # expected share of false ones among all claims
-MOST_EFFECTS = 3  # as in a diagnosis
 
 
 @dataclass(frozen=True)
