@@ -95,7 +95,7 @@ ROWS = (
     (
         "library_joint",
         "joint_alone_and_f1_90",
-        "libraries with F1 of 0.9 or more, and the effect told from all others",
+        "libraries with F1 of 0.9 or more and one effect named",
         "",
         "",
     ),
@@ -103,7 +103,7 @@ ROWS = (
     (
         "library_joint",
         "joint_E_interval_holds",
-        "intervals of a stiffness that falls by 4 %: they hold the truth",
+        "intervals of a stiffness that falls by 4 % that hold the truth",
         "",
         "",
     ),
