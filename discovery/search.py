@@ -77,7 +77,7 @@ def search_posterior(
         wanted = [
             begun
             for begun in _begun_about(centre, promised, centre if number else _at(base, origin))
-            if frozenset((*centre.effects, *begun.chosen.names)) not in tried
+            if is_fitted_anew((*centre.effects, *begun.chosen.names), centre, tried)
             and (decays or _may_be_named(begun, centre, temperature))
         ]
         tasks: list[Callable[[], RoughFit]] = [
@@ -101,6 +101,14 @@ def search_posterior(
             break
         centre = with_derivatives(best)
     return PosteriorSearch(tried[frozenset()], tuple(tried.values()), first)
+
+
+def is_fitted_anew(effects: tuple[str, ...], centre: Hypothesis, tried: dict[frozenset[str], Hypothesis]) -> bool:
+    """Whether a set beside the centre is to be fitted: it is not yet, or its fit has less evidence than the centre, which
+    it contains. A law contains the law without one of its terms, so that this fit ended in another valley.
+    """
+    known = tried.get(frozenset(effects))
+    return known is None or float(known.log_evidence.max()) < float(centre.log_evidence.max()) - FAR
 
 
 def _fitted(rough: RoughFit, declared: tuple[LatentForce, ...], temperature: float) -> Hypothesis:
