@@ -104,8 +104,8 @@ def search_posterior(
 
 
 def is_fitted_anew(effects: tuple[str, ...], centre: Hypothesis, tried: dict[frozenset[str], Hypothesis]) -> bool:
-    """Whether a set beside the centre is to be fitted: it is not yet, or its fit has less evidence than the centre, which
-    it contains. A law contains the law without one of its terms, so that this fit ended in another valley.
+    """Whether a set that contains the centre's is to be fitted: it is not yet, or its fit has less evidence than the
+    centre. The larger model contains the smaller one, so that this fit ended in another valley.
     """
     known = tried.get(frozenset(effects))
     return known is None or float(known.log_evidence.max()) < float(centre.log_evidence.max()) - FAR
