@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 
 from affine_model.curvature import Array
+from inference.deferred_correction import COARSER
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, ShapeObservation
-from inference.score import COARSER
 from inference.trajectory import Fit, Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.servo_limits import ServoLimits
