@@ -22,13 +22,14 @@ from inference.whitened_fit import whitened
 
 # Times the step of the problem. With 2 and with 4, the evidence of 14 hypotheses of a recording agreed to 0.2 nats.
 COARSER, IN_A_DECAY = 4.0, 2.0
+COARSEST = 1.0 / 150.0  # s: no coarser step than that with which fits begin
 PASSES = 4  # fits from one correction to the next, at most
 SETTLED = 0.02  # nats: half the square of a correction's change, below which the fit needs no other one
 
 
 def coarser(problem: Problem) -> float:
     """How much coarser the step of derivatives may be: less in a decay, whose phase runs away with the step's error."""
-    return IN_A_DECAY if has_decay(problem) else COARSER
+    return max(1.0, min(IN_A_DECAY if has_decay(problem) else COARSER, COARSEST / problem.step))
 
 
 def corrected(problem: Problem, unknowns: Array) -> Problem:
