@@ -11,11 +11,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from affine_model.curvature import Array
+from affine_model.sight import Sight
 
 Law = Callable[[Any, Any], Any]
 PairLaw = Callable[[Any, Any], tuple[Any, Any]]
 BodyLaw = Callable[[Any, Any], tuple[Any, Any, Any, Any]]
 BaseLaw = Callable[[Array, float, Any], Array]  # (table, step [s], p) -> table
+SightLaw = Callable[[Sight, Any], Sight]
 
 # What a law sees at each section. Per node of the arm:
 NODE_QUANTITIES = {
@@ -108,7 +110,7 @@ class Effect:
     Memory: relaxation_time [s] or yield_curvature [rad], not both. The law gets x.memory, the curvature of a spring
     in series with a dashpot, or with an element that slips at that curvature.
     Outside the equations of motion: base (the table (3, S) of the base angle and its derivatives behind the effect),
-    measurement (formula of what is measured), extra_order (number of curvature coordinates added).
+    sight (what camera and clock show), extra_order (number of curvature coordinates added).
     family "option": another form of a base law. A model may choose it; the search does not try it.
     """
 
@@ -138,7 +140,7 @@ class Effect:
     relaxation_time: Law | None = None
     yield_curvature: Law | None = None
     base: BaseLaw | None = None
-    measurement: str | None = None
+    sight: SightLaw | None = None
     extra_order: int = 0
 
     @property

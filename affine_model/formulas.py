@@ -47,7 +47,7 @@ def _section(effect: Effect) -> list[str]:
     text += [f"- {words}: `{formula}`" for words, formula in formulas(effect)]
     outside = {
         "base angle, u before and theta behind the effect": effect.base and effect.base.__doc__,
-        "measurement": effect.measurement,
+        "measurement": effect.sight and effect.sight.__doc__,
     }
     text += [f"- {words}: `{value}`" for words, value in outside.items() if value is not None]
     text += [f"- curvature coordinates added: {effect.extra_order}"] * (effect.extra_order > 0)

@@ -12,7 +12,7 @@ from tentacle.servo_limits import ServoLimits
 
 MOST_EFFECTS = 3  # that one answer names together
 ACCOUNTS = 3  # hypotheses of one effect that the next experiment separates after an unknown
-HOBBY_SERVO = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
+SERVO_UNDER_LOAD = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
 def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import root_scalar
 from scipy.special import ndtr
 
-from discovery.answer import ACCOUNTS, HOBBY_SERVO, error_budget, proposal_words
+from discovery.answer import ACCOUNTS, SERVO_UNDER_LOAD, error_budget, proposal_words
 from discovery.calibration import Calibration, tempered
 from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, missing_of, usable
 from discovery.next_experiment import propose_experiment
@@ -80,7 +80,7 @@ def assemble_posterior(
     known = _over_sets(decision, missing_of(found.hypotheses).temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
-    proposal = propose_experiment(*_to_be_split(found, decision), HOBBY_SERVO, seed)
+    proposal = propose_experiment(*_to_be_split(found, decision), SERVO_UNDER_LOAD, seed)
     words += declared_words(chosen.problem, chosen.fitted)
     words += _decision_words(found, decision)
     if withdrawn:

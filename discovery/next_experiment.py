@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 
 from affine_model.curvature import Array
+from inference.deferred_correction import coarser
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, ShapeObservation
-from inference.score import COARSER
 from inference.trajectory import Fit, Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.servo_limits import ServoLimits
@@ -115,7 +115,7 @@ def _measured(chosen: FittedHypothesis, experiment: Experiment) -> Experiment:
     """The future run as it is seen if the chosen model is true, without noise."""
     arm, observation = chosen.problem.arm, experiment.observation.shapes
     assert observation is not None
-    step = COARSER * chosen.problem.step
+    step = coarser(chosen.problem) * chosen.problem.step
     shown = predict(arm, experiment, chosen.fitted.parameters[:, None], _rest(arm.order)[:, None], step)
     z = shown.q[:, :, 0] @ arm.from_monomial.T
     coefficients = observation.coefficients.copy()
@@ -132,8 +132,9 @@ def _rest(order: int) -> Array:
 
 def _gap(rival: FittedHypothesis, measured: Experiment) -> float:
     """The nats of the difference that the rival cannot absorb, to first order."""
+    step = coarser(rival.problem) * rival.problem.step
     problem: Problem = replace(
-        rival.problem, experiments=(measured,), parameters=rival.fitted.parameters, step=COARSER * rival.problem.step,
+        rival.problem, experiments=(measured,), parameters=rival.fitted.parameters, step=step,
         prior_mean=None, prior_root=None, filters=(),
     )  # fmt: skip
     start = np.concatenate([problem.parameters[problem.rows()], _rest(problem.arm.order)])

@@ -76,8 +76,8 @@ def search_posterior(
         temperature = missing_of(list(tried.values())).temperature
         wanted = [
             begun
-            for begun in _begun_about(centre, promised, centre if number else _at(base, origin))
-            if frozenset((*centre.effects, *begun.chosen.names)) not in tried
+            for begun in _begun_about(centre, promised, centre if number else _at(base, origin), temperature)
+            if is_fitted_anew((*centre.effects, *begun.chosen.names), centre, tried)
             and (decays or _may_be_named(begun, centre, temperature))
         ]
         tasks: list[Callable[[], RoughFit]] = [
@@ -101,6 +101,14 @@ def search_posterior(
             break
         centre = with_derivatives(best)
     return PosteriorSearch(tried[frozenset()], tuple(tried.values()), first)
+
+
+def is_fitted_anew(effects: tuple[str, ...], centre: Hypothesis, tried: dict[frozenset[str], Hypothesis]) -> bool:
+    """Whether a set that contains the centre's is to be fitted: it is not yet, or its fit has less evidence than the
+    centre. The larger model contains the smaller one, so that this fit ended in another valley.
+    """
+    known = tried.get(frozenset(effects))
+    return known is None or float(known.log_evidence.max()) < float(centre.log_evidence.max()) - FAR
 
 
 def _fitted(rough: RoughFit, declared: tuple[LatentForce, ...], temperature: float) -> Hypothesis:
@@ -175,8 +183,9 @@ def _done(task: Callable[[], T]) -> T | None:
         return None
 
 
-def _begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis) -> list[Begun]:
-    """The most promising single effects, and sets of several that promise more than each of them, with their starts.
+def _begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis, temperature: float) -> list[Begun]:
+    """The most promising single effects, and sets of several, with their starts. A set must promise more than each
+    single effect: a share SURELY_LESS of what the coarsened prior asks for its further effects.
 
     start: where single effects begin (in a decay, where the base's own fit began: sets of several do not begin there).
     """
@@ -191,9 +200,16 @@ def _begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis) -> li
     if has_decay(centre.problem) and not centre.effects:
         return singles
     linear = max((one.evidence for one in ranked.values()), default=np.inf)
-    several = [one for one in promised.sets if len(one.names) > 1 and one.evidence > linear]
-    prior = [log_prior_of_set(len(centre.effects) + len(one.names)) for one in several]
-    order = np.argsort([-(one.evidence + p) for one, p in zip(several, prior, strict=True)], kind="stable")
+    price = SURELY_LESS * temperature
+    priors = {
+        count: log_prior_of_set(len(centre.effects) + count) for count in {len(one.names) for one in promised.sets}
+    }
+    several = [
+        one
+        for one in promised.sets
+        if len(one.names) > 1 and one.evidence > linear + price * (priors.get(1, 0.0) - priors[len(one.names)])
+    ]
+    order = np.argsort([-(one.evidence + priors[len(one.names)]) for one in several], kind="stable")
     return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], refit, SETS)]
 
 

@@ -16,8 +16,9 @@ from affine_model.arm import neutral_parameters, parameter_index
 from affine_model.curvature import Array
 from discovery.rank import RankedSet
 from inference.decay import LEFT, Points, followed_from_release, residuals_at
+from inference.deferred_correction import corrected
 from inference.posterior import Hypothesis
-from inference.score import COARSER, Candidate
+from inference.score import Candidate
 from inference.trajectory import Problem, split
 from inference.whitened_fit import LinearRefit
 
@@ -65,15 +66,13 @@ def refit_starts(
 
 def _absorbed(centre: Hypothesis, refit: LinearRefit, plan: Array) -> Points:
     """A grid of parameter vectors (R, B) after the base's own best step, with the derivatives that it has without
-    effects; the initial states stay. The step is coarse; its error at the centre is taken off the cost.
+    effects; the initial states stay.
     """
-    problem = replace(centre.problem, parameters=centre.fitted.parameters, step=COARSER * centre.problem.step)
     unknowns = np.concatenate([centre.fitted.values, *centre.fitted.nuisances])
-    plan = np.concatenate([centre.fitted.parameters[:, None], plan], axis=1)
+    problem = corrected(replace(centre.problem, parameters=centre.fitted.parameters), unknowns)
     residuals = residuals_at(problem, plan, np.repeat(unknowns[:, None], plan.shape[1], axis=1))
     absorbed = refit.basis.T @ residuals
     cost = np.einsum("nb,nb->b", residuals, residuals) - np.einsum("nb,nb->b", absorbed, absorbed)
-    plan, residuals, cost = plan[:, 1:], residuals[:, 1:], cost[1:] - cost[0] + 2.0 * centre.fitted.misfit
     step = refit.steps(residuals)
     step[len(centre.fitted.values) :] = 0.0
     low, high = problem.bounds()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import parameter_index
+from affine_model.camera import sight_of
 from affine_model.curvature import (
     Array,
     angle_basis,
@@ -78,9 +78,9 @@ def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | No
         s, d = experiment.observation.points(s)[0], experiment.observation.beside
     nuisances = fitted.nuisances[place][:, None]
     prediction = predict(problem.arm, experiment, parameters[:, None], nuisances, problem.step)
-    roll = parameters[parameter_index("camera_roll", "roll")]
-    scale = 1.0 + parameters[parameter_index("camera_scale", "excess")]
-    q, theta = prediction.q[:, :, 0], prediction.theta[:, 0] + roll
+    sight = sight_of(parameters)
+    scale = 1.0 + sight.excess
+    q, theta = prediction.q[:, :, 0], prediction.theta[:, 0] + sight.roll
     length = experiment.arm(problem.arm).specimen.length
     shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)
     points = scale * shape + prediction.shift[:, 0]

@@ -9,11 +9,10 @@ import numpy as np
 
 from affine_model.arm import Arm, parameter_index, parameter_rows
 from affine_model.base_signal import Steps, base_table
+from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant
 from affine_model.effects import catalogue
-from affine_model.effects.camera_roll import shift_by_roll
-from affine_model.effects.time_offset import seen_times, shown_times
 from affine_model.simulate import Batch, Start, Timing, simulate
 from inference.arm_at import arm_at
 from inference.observation import Observation
@@ -219,18 +218,18 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     """The shapes of B simulated individuals, parameters (R, B) and nuisances (M, B), at the observed instants."""
     arm, n = experiment.arm(arm), arm.order
     parameters = experiment.own(parameters, nuisances)
-    value = {name: parameters[parameter_index(effect, name)] for effect, name in _OUTSIDE}
+    sight = sight_of(parameters)
     steps = int(np.ceil(experiment.duration / step)) + 1
     steps += steps % 2
     start = experiment.t0 if experiment.release is None else experiment.release
     base = base_table(experiment.base, Steps(start, step, steps), parameters, known_from=experiment.base_known_from)
     middles = Steps(start, step, steps).middles[:, None]
-    base = _with_travel(base, experiment, seen_times(middles, value["offset"], value["drift"]))
+    base = _with_travel(base, experiment, sight.seen_times(middles))
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
     memory = None if memory is None else arm.to_monomial @ memory
     batch = simulate(arm, parameters, base, Timing(step, 2), start=Start(q=q, q_rate=rates, memory=memory, t0=start))
-    times = shown_times(experiment.observation.t[:, None], value["offset"], value["drift"])
+    times = sight.shown_times(experiment.observation.t[:, None])
     if experiment.release is not None:
         times = times - nuisances[n]
     if np.all(times == times[:, :1]):
@@ -238,8 +237,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     q = _hermite(batch, batch.q, batch.q_rate, times)
     theta = _hermite(batch, batch.theta, batch.theta_rate, times)
     shift = experiment.parts(n, nuisances)[3] if experiment.sees_shift else np.zeros((2, nuisances.shape[1]))
-    rolled = arm.specimen.length * np.array(shift_by_roll(value["roll"], value["centre"]))
-    return Prediction(q, theta, shift + rolled, batch)
+    return Prediction(q, theta, shift + arm.specimen.length * np.array(sight.shift), batch)
 
 
 def _with_travel(base: Array, experiment: Experiment, times: Array) -> Array:
@@ -252,13 +250,8 @@ def _with_travel(base: Array, experiment: Experiment, times: Array) -> Array:
     return np.concatenate(both)
 
 
-_OUTSIDE = (("time_offset", "offset"), ("time_offset", "drift"), ("camera_roll", "roll"), ("camera_roll", "centre"))
-
-
 def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:
     """Measured minus predicted, whitened (T, K, B), over all frames."""
-    parameters = experiment.acting(parameters)
-    roll = parameters[parameter_index("camera_roll", "roll")]
-    scale = parameters[parameter_index("camera_scale", "excess")]
-    error = experiment.observation.predict(prediction.q, prediction.theta, roll, scale, prediction.shift)
+    sight = sight_of(experiment.acting(parameters))
+    error = experiment.observation.predict(prediction.q, prediction.theta, sight.roll, sight.excess, prediction.shift)
     return error / experiment.noise_gain[:, None]

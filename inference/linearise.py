@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from affine_model.arm import Arm, active_effects, parameter_index
+from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Balance, Instant, balance
 from affine_model.effect import Effect, Law
@@ -69,8 +70,8 @@ def latent_forces(
 def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) -> Array:
     """Derivatives (T, K, n + 2 + P) of the observation by the coordinates, base angle, scale and P markers' places."""
     n, observation = arm.order, experiment.observation
-    roll = np.full(n + 3, parameters[parameter_index("camera_roll", "roll")])
-    scale = np.full(n + 3, parameters[parameter_index("camera_scale", "excess")])
+    sight = sight_of(parameters)
+    roll, scale = np.full(n + 3, sight.roll), np.full(n + 3, sight.excess)
     q, theta = np.repeat(run.q, n + 3, axis=2), np.repeat(run.theta, n + 3, axis=1)
     q[:, :, 1 : n + 1] += ANGLE_STEP * arm.to_monomial[None]
     theta[:, n + 1] += ANGLE_STEP

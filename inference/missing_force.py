@@ -19,11 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from affine_model.arm import Arm, active_effects, parameter_index
+from affine_model.arm import Arm, active_effects
+from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
-from affine_model.effects.camera_roll import shift_by_roll
-from affine_model.effects.time_offset import shown_times
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
@@ -169,21 +168,20 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     advance, push = _equations(arm, own, motion)
     begin = motion.t[0] - 0.5 * MOTION_STEP
     lasts = motion.t[-1] + 0.5 * MOTION_STEP
-    clock = (parameters[parameter_index("time_offset", name)] for name in ("offset", "drift"))
-    t = shown_times(observation.t, *clock)
+    sight = sight_of(parameters)
+    t = sight.shown_times(observation.t)
     shown = np.flatnonzero(experiment.used & observation.seen & (t >= begin + END_MARGIN) & (t <= lasts - END_MARGIN))
     when = (t[shown] - begin) / MOTION_STEP
     gain = experiment.noise_gain[:, None]
     rows = observation.root[shown][:, :, POSE : POSE + n] / gain
     spline = CubicSpline(motion.t, motion.u[:, : n + 1])(t[shown])
     q, theta = spline[:, :n], spline[:, n]
-    camera = (parameters[parameter_index("camera_roll", name)] for name in ("roll", "centre"))
     shift = experiment.parts(n, fitted.nuisances[place])[3]
-    shift = shift + arm.specimen.length * np.array(shift_by_roll(*camera))
+    shift = shift + arm.specimen.length * np.array(sight.shift)
     error = observation.coefficients[shown].copy()
-    error[:, 0] -= theta - observation.theta[shown] + parameters[parameter_index("camera_roll", "roll")]
+    error[:, 0] -= theta - observation.theta[shown] + sight.roll
     error[:, 1:3] -= shift
-    error[:, 3] -= np.log1p(parameters[parameter_index("camera_scale", "excess")])
+    error[:, 3] -= np.log1p(sight.excess)
     kept = min(n, observation.order)
     error[:, POSE : POSE + kept] -= q[:, :kept]
     left = np.einsum("fkl,fl->fk", observation.root[shown] / gain, error).reshape(-1)

@@ -17,12 +17,11 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from affine_model.curvature import Array
-from inference.decay import has_decay
+from inference.deferred_correction import corrected, minimised_at_step
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
 from inference.prior import log_prior, prior_precision
-from inference.score import COARSER
-from inference.trajectory import Fit, Problem, fit, linearised_fit, minimised, split
+from inference.trajectory import Fit, Problem, linearised_fit, minimised, split
 from inference.whitened_fit import whitened_rows
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
@@ -101,10 +100,10 @@ def rough_fit(
     filters = tuple(force.filter(share) for force in forces)
     found = []
     for problem, nuisances in starts:
-        coarser = 1.0 if has_decay(problem) else COARSER  # a decay's phase runs away with the step's error
-        rough = replace(problem, filters=filters, step=coarser * problem.step)
+        unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+        rough = corrected(replace(problem, filters=filters), unknowns)
         unknowns, lowest = minimised(rough, nuisances, tolerance=ROUGHLY, most=30)
-        found.append(RoughFit(effects, *_moved(replace(rough, step=problem.step), unknowns), lowest.cost))
+        found.append(RoughFit(effects, *_moved(replace(problem, filters=filters), unknowns), lowest.cost))
     return min(found, key=lambda one: one.cost)
 
 
@@ -132,7 +131,8 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     """
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects, declared)
-    fitted = linearised_fit(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances]), 0)
+    unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+    fitted = linearised_fit(corrected(problem, unknowns), unknowns, 0)
     tried, last = set[int](), 0
     while True:
         evidences = log_evidences(problem, fitted, forces)
@@ -144,9 +144,9 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
         tried.add(best)
         last = best
         problem = replace(problem, filters=filters_at(forces, best))
-        unknowns, lowest = minimised(problem, nuisances, tolerance=CLOSELY, most=40)
+        unknowns, lowest, coarse = minimised_at_step(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
-        fitted = replace(linearised_fit(problem, unknowns, 0), result=lowest.result)
+        fitted = replace(linearised_fit(coarse, unknowns, 0), result=lowest.result)
 
 
 def without_derivatives(h: Hypothesis) -> Hypothesis:
@@ -163,7 +163,8 @@ def with_derivatives(h: Hypothesis) -> Hypothesis:
     if h.problem.filters:
         return h
     problem = replace(h.problem, filters=filters_at(h.forces, h.fitted_at))
-    again = linearised_fit(problem, np.concatenate([h.fitted.values, *h.fitted.nuisances]), h.fitted.evaluations)
+    unknowns = np.concatenate([h.fitted.values, *h.fitted.nuisances])
+    again = linearised_fit(corrected(problem, unknowns), unknowns, h.fitted.evaluations)
     return replace(h, problem=problem, fitted=replace(again, result=h.fitted.result))
 
 
@@ -202,7 +203,9 @@ def _followed(
 ) -> Hypothesis:
     """Fit the model alone, with noise `size` times its standard deviation."""
     louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
-    alone = fit(replace(plain, experiments=louder), nuisances, tolerance=tolerance, most=40)
+    plain = replace(plain, experiments=louder)
+    unknowns, lowest, coarse = minimised_at_step(plain, nuisances, tolerance=tolerance, most=40)
+    alone = replace(linearised_fit(coarse, unknowns, lowest.rounds), result=lowest.result)
     rows = _seen_rows(plain, [rows[:, :, None] for rows in alone.residuals])
     pieces = [
         size**2 * float(np.mean(piece[piece != 0.0] ** 2)) - 1.0

@@ -21,11 +21,11 @@ from affine_model.arm import parameter_index
 from affine_model.curvature import Array
 from affine_model.effect import Effect
 from affine_model.effects import absent_effects
+from inference.deferred_correction import coarser
 from inference.trajectory import Fit, ParameterName, Problem
 from inference.whitened_fit import WhitenedFit
 from tentacle.specimen import declared_effects, densest
 
-COARSER = 2.0  # than the fit's step, which is finer than sufficient: the step's own error falls out of differences
 STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, large enough for the integrator's noise
 BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
 SCORE_BATCH = 96  # individuals at once: what memory holds for a long recording
@@ -98,7 +98,7 @@ class Response:
 def responses(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Response]:
     """The responses to all absent effects that can act here, at the fitted state; differences in one batch each."""
     chosen = _that_can_act(problem, effects or absent_effects())
-    problem = replace(problem, parameters=fitted.parameters, filters=(), step=COARSER * problem.step)
+    problem = replace(problem, parameters=fitted.parameters, filters=(), step=coarser(problem) * problem.step)
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
     peaks = spectral_peaks(problem, fitted)
     variants = [(effect, shapes) for effect in chosen for shapes in _variants(effect, peaks)]

@@ -67,7 +67,8 @@ class Problem:
     prior_free. prior_mean (F,) and prior_root (F, F), root of the information: of the parameters prior_free, from a
     baseline fit (None: no prior). They stay within PRIOR_REACH standard deviations, because otherwise a heavy tip would
     look like a soft arm. filters: they whiten each recording's residuals if unknown forces are allowed for
-    (inference.latent_force; empty: white noise alone).
+    (inference.latent_force; empty: white noise alone). defect (T, K) of each recording is added to its residuals
+    (inference.deferred_correction; empty: none).
     """
 
     arm: Arm
@@ -80,6 +81,7 @@ class Problem:
     prior_root: Array | None = None
     declared: tuple[Uncertain, ...] = ()
     filters: tuple[Filter, ...] = ()
+    defect: tuple[Array, ...] = ()
 
     def rows(self) -> np.ndarray:
         """Places of the free parameters in the vector."""
@@ -196,6 +198,8 @@ class Problem:
             place += size
             prediction = predict(self.arm, experiment, parameters, nuisances, self.step)
             error = whitened_residuals(experiment, parameters, prediction)
+            if self.defect:
+                error += self.defect[number][:, :, None]
             error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
             everything.append(error)
             white = self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, count)

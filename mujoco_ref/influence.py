@@ -35,8 +35,8 @@ WATER_RECORD = np.dtype(
         ("U_cos", _F),  # swaying water along x [m/s] at slosh_f [Hz]
         ("U_sin", _F),
         ("slosh_f", _F),
-        ("second_cos", _F),  # the second standing wave over the first, of sqrt(3) times its frequency
-        ("second_sin", _F),
+        ("V_cos", _F),  # the second standing wave, of sqrt(3) times the first's frequency
+        ("V_sin", _F),
         ("wall_B", _F),  # the wall's strength, over the published one of a smooth cylinder
         ("wall_x", _F),  # where the wall stands [m]
         ("wall_carried", _F),  # share of the published added mass that acts
@@ -126,7 +126,7 @@ KNOWN: dict[str, tuple[str, ...]] = {
     "skin_drag": ("C_t",),
     "linear_drag": ("c_n",),
     "current": ("U_x", "U_y"),
-    "sloshing": ("U_cos", "U_sin", "f", "second_cos", "second_sin"),
+    "sloshing": ("U_cos", "U_sin", "V_cos", "V_sin", "f"),
     "wall": ("B", "distance", "carried"),
     "cross_flow": ("share",),
     "reynolds_drag": ("share",),
@@ -199,8 +199,8 @@ def water_record(parameters: Parameters, density: float, length: float, gravity:
         U_cos=take("sloshing", "U_cos"),
         U_sin=take("sloshing", "U_sin"),
         slosh_f=take("sloshing", "f", 1.2),
-        second_cos=take("sloshing", "second_cos"),
-        second_sin=take("sloshing", "second_sin"),
+        V_cos=take("sloshing", "V_cos"),
+        V_sin=take("sloshing", "V_sin"),
         wall_B=take("wall", "B"),
         wall_x=length * take("wall", "distance", 0.6),
         wall_carried=take("wall", "carried", 1.0),

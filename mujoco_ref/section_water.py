@@ -20,13 +20,11 @@ def water_motion(x: float, y: float, t: float, water: Fields) -> tuple[float, fl
     cos, sin = np.cos(omega * t), np.sin(omega * t)
     ux = water.U_x + water.U_cos * cos + water.U_sin * sin
     ax = omega * (water.U_sin * cos - water.U_cos * sin)
-    if water.second_cos != 0.0 or water.second_sin != 0.0:
+    if water.V_cos != 0.0 or water.V_sin != 0.0:
         faster = SECOND_WAVE * omega
         cos, sin = np.cos(faster * t), np.sin(faster * t)
-        along = water.U_cos * water.second_cos - water.U_sin * water.second_sin
-        across = water.U_cos * water.second_sin + water.U_sin * water.second_cos
-        ux += along * cos + across * sin
-        ax += faster * (across * cos - along * sin)
+        ux += water.V_cos * cos + water.V_sin * sin
+        ax += faster * (water.V_sin * cos - water.V_cos * sin)
     if water.suction_U != 0.0:
         beat = 2.0 * np.pi * water.suction_f
         near = water.suction_U * np.exp(-(x * x + y * y) / water.suction_reach**2)

@@ -3,9 +3,18 @@
 A point at x appears at R x + (I - R) (0, centre L), R the rotation by the roll.
 """
 
-from affine_model.curvature import Array
+from dataclasses import replace
+from typing import Any
+
 from affine_model.effect import Effect, Parameter
 from affine_model.laws import cos, sin
+from affine_model.sight import Sight
+
+
+def _turned(sight: Sight, p: Any) -> Sight:
+    """R(roll) x + (I - R(roll)) (0, centre L)"""
+    return replace(sight, roll=p.roll, shift=(p.centre * sin(p.roll), p.centre * (1.0 - cos(p.roll))))
+
 
 CAMERA_ROLL = Effect(
     name="camera_roll",
@@ -16,10 +25,5 @@ CAMERA_ROLL = Effect(
     ),
     source="rotation of the image plane",
     family="measurement",
-    measurement="R(roll) x + (I - R(roll)) (0, centre L)",
+    sight=_turned,
 )
-
-
-def shift_by_roll(roll: Array | float, centre: Array | float) -> tuple[Array | float, Array | float]:
-    """How far a roll about a centre [arm lengths] moves the clamp in the picture, along x and y [arm lengths]."""
-    return centre * sin(roll), centre * (1.0 - cos(roll))

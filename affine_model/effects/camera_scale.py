@@ -1,6 +1,16 @@
 """Camera scale: metres per pixel are not what was declared."""
 
+from dataclasses import replace
+from typing import Any
+
 from affine_model.effect import Effect, Parameter
+from affine_model.sight import Sight
+
+
+def _scaled(sight: Sight, p: Any) -> Sight:
+    """(1 + excess) x"""
+    return replace(sight, excess=p.excess)
+
 
 CAMERA_SCALE = Effect(
     name="camera_scale",
@@ -8,5 +18,5 @@ CAMERA_SCALE = Effect(
     parameters=(Parameter("excess", "1", 0.02, (-0.5, 1.0), "apparent size over true size, less one"),),
     source="pinhole camera",
     family="measurement",
-    measurement="(1 + excess) x",
+    sight=_scaled,
 )

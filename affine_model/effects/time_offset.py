@@ -6,8 +6,17 @@ Two clocks that were started apart differ by the offset. Quartz crystals run at 
 and a film whose nominal frame rate is not the true one by up to 1e-3.
 """
 
+from dataclasses import replace
+from typing import Any
+
 from affine_model.effect import Effect, Parameter
-from tentacle.signals import Array
+from affine_model.sight import Sight
+
+
+def _stamped(sight: Sight, p: Any) -> Sight:
+    """frames show t + offset + drift t"""
+    return replace(sight, offset=p.offset, drift=p.drift)
+
 
 TIME_OFFSET = Effect(
     name="time_offset",
@@ -18,15 +27,5 @@ TIME_OFFSET = Effect(
     ),
     source="two clocks",
     family="measurement",
-    measurement="frames show t + offset + drift t",
+    sight=_stamped,
 )
-
-
-def shown_times(t: Array, offset: Array | float, drift: Array | float) -> Array:
-    """The motor's times [s] at which frames stamped t [s] show the arm."""
-    return t + offset + drift * t
-
-
-def seen_times(t: Array, offset: Array | float, drift: Array | float) -> Array:
-    """The stamps [s] of frames that show the arm at the motor's times t [s]."""
-    return (t - offset) / (1.0 + drift)

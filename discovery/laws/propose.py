@@ -11,7 +11,7 @@ import numpy as np
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
-from discovery.answer import HOBBY_SERVO, proposal_words
+from discovery.answer import SERVO_UNDER_LOAD, proposal_words
 from discovery.laws.along import force_map
 from discovery.laws.search import FittedLaw, LawInputs, Sought, search_laws
 from discovery.next_experiment import Proposal, propose_experiment
@@ -166,7 +166,7 @@ def _fitted(
             best = accepted[0]
             arms = _arms_shown(best.problem, best.fitted)
             motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, motions, strict=True))
-            next_motion = propose_experiment(best, _rivals(accepted), HOBBY_SERVO, 0)
+            next_motion = propose_experiment(best, _rivals(accepted), SERVO_UNDER_LOAD, 0)
     return LawFits(tuple(one.proposed for one in accepted), motions, next_motion)
 
 

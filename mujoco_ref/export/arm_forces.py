@@ -29,7 +29,7 @@ SECOND_WAVE = 1.7320508075688772  # of a deep tank: frequency of its second odd 
 VISCOSITY = 1e-6  # m^2/s, of water at 20 degrees C
 WATER = (
     "density", "C_perp", "C_t", "C_a", "tangential", "convective", "c_n", "U_x", "U_y", "U_cos", "U_sin", "slosh_f",
-    "second_cos", "second_sin", "wall_B", "wall_x", "wall_carried", "cross_flow", "reynolds", "oscillating",
+    "V_cos", "V_sin", "wall_B", "wall_x", "wall_carried", "cross_flow", "reynolds", "oscillating",
     "oscillating_f", "shed", "lift_cos", "lift_sin", "stream",
 )  # fmt: skip
 NAME_PREFIX = "tentacle_"
@@ -250,10 +250,8 @@ class Forces:
         sway = w["U_cos"] * np.cos(omega * t) + w["U_sin"] * np.sin(omega * t)
         surge = omega * (w["U_sin"] * np.cos(omega * t) - w["U_cos"] * np.sin(omega * t))
         faster = SECOND_WAVE * omega
-        along = w["U_cos"] * w["second_cos"] - w["U_sin"] * w["second_sin"]
-        across = w["U_cos"] * w["second_sin"] + w["U_sin"] * w["second_cos"]
-        sway += along * np.cos(faster * t) + across * np.sin(faster * t)
-        surge += faster * (across * np.cos(faster * t) - along * np.sin(faster * t))
+        sway += w["V_cos"] * np.cos(faster * t) + w["V_sin"] * np.sin(faster * t)
+        surge += faster * (w["V_sin"] * np.cos(faster * t) - w["V_cos"] * np.sin(faster * t))
         return np.array([w["U_x"] + sway, w["U_y"]]), np.array([surge, 0.0])
 
     def _material(self, data: Any) -> np.ndarray:

@@ -76,7 +76,7 @@ def test_effect_says_what_it_is(effect):
     assert effect.title
     assert effect.source
     assert effect.name.isidentifier()
-    outside = effect.base or effect.measurement or effect.extra_order
+    outside = effect.base or effect.sight or effect.extra_order
     assert bool(laws_of(effect)) != bool(outside), "an effect acts in the equations of motion or outside them"
     assert effect.family == "base" or effect.extra_order or effect.strengths, "nothing could switch it off"
     for parameter in effect.parameters:

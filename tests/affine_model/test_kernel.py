@@ -75,7 +75,7 @@ def stepped_state(parameters, step, q0):
 IN_DYNAMICS = [
     e.name
     for e in catalogue().values()
-    if e.base is None and e.measurement is None and not e.extra_order and e.yield_curvature is None
+    if e.base is None and e.sight is None and not e.extra_order and e.yield_curvature is None
 ]
 
 

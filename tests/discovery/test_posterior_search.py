@@ -1,16 +1,19 @@
 """Sets ranked by linear algebra, and the search from end to end, on recordings whose truth is in the model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from discovery.decide import decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.rank import ranked_sets, ranking
-from discovery.search import search_posterior
+from discovery.search import is_fitted_anew, search_posterior
 from inference.estimates import interval
 from inference.posterior import declared_model
 from inference.score import responses, score
 from inference.whitened_fit import whitened_fit
+from tests.made_recordings import base_of
 
 
 @pytest.fixture(scope="module")
@@ -64,3 +67,24 @@ def test_beside_a_smaller_share_of_unknown_forces_an_effect_promises_more(base_w
     assert base.share > 0.001
     assert promised["current",] > there["current",]
     assert all(promised[name] >= there[name] - 1e-6 for name in there)
+
+
+def test_two_standing_waves_are_found_from_both_of_their_lines(recorded):
+    """The second wave of the two is the stronger line. The score's frequency is the first one's all the same."""
+    waves = {("sloshing", "f"): 0.9, ("sloshing", "U_sin"): 0.008, ("sloshing", "V_cos"): 0.02}
+    base = base_of(recorded(waves))
+    white = whitened_fit(base.problem, base.fitted)
+    (candidate,) = (c for c in score(white, responses(base.problem, base.fitted)) if c.effect.name == "sloshing")
+    # The scan has steps of .1 Hz, and the residual's peaks add their own frequencies to it.
+    assert abs(candidate.shapes[0] - 0.9) < 0.05
+    strengths = dict(zip((p.name for p in candidate.effect.strengths), candidate.strengths, strict=True))
+    assert strengths["V_cos"] == pytest.approx(0.02, rel=0.2)
+
+
+def test_a_set_that_explains_less_than_its_subset_is_fitted_anew(found):
+    single = next(h for h in found.hypotheses if h.effects == ("current",))
+    pair = ("current", "wall")
+    worse, better = (replace(single, effects=pair, log_evidence=single.log_evidence + shift) for shift in (-1e3, 5.0))
+    assert is_fitted_anew(pair, single, {})
+    assert is_fitted_anew(pair, single, {frozenset(pair): worse})
+    assert not is_fitted_anew(pair, single, {frozenset(pair): better})

@@ -24,7 +24,7 @@ EVERYTHING = {
     "skin_drag": {"C_t": 0.05},
     "linear_drag": {"c_n": 0.3},
     "current": {"U_x": 0.03, "U_y": 0.01},
-    "sloshing": {"U_cos": 0.03, "U_sin": 0.02, "f": 1.1},
+    "sloshing": {"U_cos": 0.03, "U_sin": 0.02, "V_cos": 0.01, "V_sin": -0.02, "f": 1.1},
     "buoyancy": {"density_error": 30.0},
     "gravity_tilt": {"tilt": 0.1},
     "tip_mass": {"mass": 0.002, "reach": 0.1},

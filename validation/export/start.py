@@ -14,11 +14,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from affine_model.arm import arm_of, parameter_index, parameter_vector
+from affine_model.arm import arm_of, parameter_vector
 from affine_model.base_signal import Steps, base_table, has_servo_effects, step_middles
+from affine_model.camera import sight_of
 from affine_model.curvature import points_beside
-from affine_model.effects.camera_roll import shift_by_roll
-from affine_model.effects.time_offset import shown_times
 from affine_model.simulate import Start, Timing, simulate
 from tentacle.base_motion import BaseMotion, fit_base_motion
 from tentacle.errors import InputError
@@ -56,14 +55,9 @@ class Started:
 
 def as_camera_has_it(model: Model, xy: Array, shift: Array) -> Array:
     """Points (..., 2) [m] of the arm as the camera shows them: scaled, rolled, shifted."""
-    values = {name: model.parameters.get(effect, {}).get(name) for effect, name in _CAMERA}
-    roll, centre, excess = (0.0 if estimate is None else estimate.value for estimate in values.values())
-    moved = model.specimen.length * np.array(shift_by_roll(roll, centre))
-    turn = np.array([[np.cos(roll), -np.sin(roll)], [np.sin(roll), np.cos(roll)]])
-    return (1.0 + excess) * xy @ turn.T + shift + moved
-
-
-_CAMERA = (("camera_roll", "roll"), ("camera_roll", "centre"), ("camera_scale", "excess"))
+    sight = sight_of(parameter_vector(model))
+    turn = np.array([[np.cos(sight.roll), -np.sin(sight.roll)], [np.sin(sight.roll), np.cos(sight.roll)]])
+    return (1.0 + sight.excess) * xy @ turn.T + shift + model.specimen.length * np.array(sight.shift)
 
 
 def distance_mm(shown: Array, points: Array) -> float:
@@ -76,9 +70,8 @@ def start_of(model: Model, recording: Recording) -> Started:
     """Fit the start of a recording under a model. InputError where it shows no arm, or the model cannot be run."""
     shown = observed_points(recording)
     parameters = parameter_vector(model)
-    clock = (parameters[parameter_index("time_offset", name)] for name in ("offset", "drift"))
     release = recording.declaration.release_t
-    t = shown_times(shown.t, *clock)
+    t = sight_of(parameters).shown_times(shown.t)
     start = float(t[0]) if release is None else release
     keep = (t >= start) & np.isfinite(shown.xy).any(axis=(1, 2))
     if keep.sum() < 3:

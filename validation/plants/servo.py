@@ -8,7 +8,10 @@ from tentacle.compiled import njit
 from tentacle.signals import Array
 
 DAMPED = 0.7  # of critical, a servo's loop of second order
-SPRING, RATIO = 60.0, 0.35  # rad/s and damping of the clamp on its sprung coupling
+# A worn coupling has play and gives: the clamp's natural frequency [rad/s] on it at a play of WORN rad, and its damping
+# as a share of the critical one. The compliance is proportional to the play, so that no play is no effect.
+SPRING, RATIO, WORN = 60.0, 0.35, 0.03
+RESOLVED = 0.3  # rad of the coupling's vibration a step, at most: a stiffer one follows like a rigid one
 
 
 def turned(command: Array, step: float, numbers: dict[str, float], laws: dict[str, str]) -> Array:
@@ -42,6 +45,7 @@ def _play(command: Array, step: float, play: float, sprung: bool) -> Array:
     """The clamp is free within the play. Beyond it the horn moves the clamp, rigidly or by a spring."""
     out = np.empty_like(command)
     angle, rate = command[0], 0.0
+    omega = min(SPRING * np.sqrt(WORN / max(play, 1e-12)), RESOLVED / step)
     for k in range(command.size):
         beyond = command[k] - angle
         beyond -= min(max(beyond, -0.5 * play), 0.5 * play)
@@ -49,8 +53,8 @@ def _play(command: Array, step: float, play: float, sprung: bool) -> Array:
             angle += beyond
         else:
             # Within the play the seal's friction brakes the clamp; beyond it the elastic coupling vibrates.
-            brake = 2.0 * RATIO * SPRING * rate if beyond != 0.0 else 0.5 * SPRING * rate
-            rate += step * (SPRING * SPRING * beyond - brake)
+            brake = 2.0 * RATIO * omega * rate if beyond != 0.0 else 0.5 * omega * rate
+            rate += step * (omega * omega * beyond - brake)
             angle += step * rate
         out[k] = angle
     return out
