@@ -10,13 +10,12 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from tentacle.cli._error_words import first_line, os_words, trace_of
+from tentacle.cli._output import close_output, remark
 from tentacle.cli._stop_signals import Ended, StopAsked
 from tentacle.compiled_modules import remove_torn_modules, torn_module
 from tentacle.errors import InputError, printable
@@ -51,10 +50,9 @@ def told(asked: StopAsked) -> Iterator[CommandEnd]:
     except BaseException as error:
         line, outcome.code = _told(error, asked)
         if line:
-            with suppress(OSError, ValueError):  # a terminal that has gone
-                print(f"tentacle: {line}", file=sys.stderr, flush=True)
+            remark(line)
         if outcome.code != BAD_INPUT or isinstance(error, OSError):
-            _close_output()
+            close_output()
 
 
 def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
@@ -93,9 +91,3 @@ def _root(error: BaseException) -> BaseException:
             return found
         found = found.__cause__ or found.__context__
     return error
-
-
-def _close_output() -> None:
-    """Redirect a standard output that has failed to the null device: Python then reports no error at exit."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

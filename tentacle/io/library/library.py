@@ -17,6 +17,7 @@ from tentacle.errors import InputError
 from tentacle.io.library.index import read_index, recordings_of, refreshed, write_parquet
 from tentacle.io.library.joint import joint_column, read_joint
 from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, layer_key, layers_and_parameters, library_code_version
+from tentacle.io.written_file import write_text
 
 SETTINGS = "settings.json"
 
@@ -137,7 +138,18 @@ def open_library(source: Path, home: Path | None = None, settings: Mapping[str, 
     if settings is not None:
         chosen.update(settings)
         home.mkdir(parents=True, exist_ok=True)
-        memory.write_text(json.dumps(chosen) + "\n", encoding="utf-8")
+        write_text(memory, json.dumps(chosen) + "\n")
     elif memory.exists():
-        chosen.update(json.loads(memory.read_text(encoding="utf-8")))
+        chosen.update(_settings(memory))
     return Library(source, home.resolve(), chosen)
+
+
+def _settings(memory: Path) -> dict[str, Any]:
+    """The settings of the last diagnosis. InputError where the file is damaged."""
+    try:
+        found = json.loads(memory.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise InputError("damaged", file=memory, expected="the settings of a diagnosis; without the file: the default")
+    return found
