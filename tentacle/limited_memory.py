@@ -1,8 +1,13 @@
-"""A command in a shell that limits memory (ulimit -v, -d): an abort of native code becomes one line.
+"""A command in a shell that limits memory (ulimit -v, -d): what native code then does becomes one line.
 
-Rerun, Arrow and BLAS end the process where they cannot get memory, and nothing within that process can prevent it.
-Under such a limit the command therefore runs in a child, and this process reports the child's end. Without a limit no
-child is started. Measured: `tentacle import` needs 1.1 to 1.6 GB of address space, more with more cores.
+Rerun, Arrow and glibc end the process where they cannot get memory, and nothing within that process can prevent it.
+OpenBLAS is worse: while it is loaded it asks again for ever (seen with 1.1 GB of address space on two cores). Therefore
+a limit below LEAST is refused, and above it the command runs in a child, whose end this process reports. Without a
+limit no child is started.
+
+mimalloc, in Rerun and in Arrow, reserves a gigabyte each time it is loaded. Under a limit it is told to reserve less.
+LEAST: the largest address space that a verb then used on small recordings was 2.4 GB on two cores (optimise); a core
+more takes .1 to .4 GB, for its threads. Of data (ulimit -d) .6 GB were enough.
 """
 
 from __future__ import annotations
@@ -12,8 +17,13 @@ import signal
 import sys
 from contextlib import suppress
 
-CRASHES = ("SIGABRT", "SIGSEGV", "SIGBUS", "SIGILL", "SIGTRAP", "SIGKILL")
+from tentacle.errors import InputError
+
+LEAST = {"RLIMIT_AS": (2.0e9, 0.25e9, "ulimit -v"), "RLIMIT_DATA": (0.8e9, 0.1e9, "ulimit -d")}  # bytes, a core more
+OWN_ENDS = (0, 1, 2, 3, 70)  # exit codes of ours; beside them those of signals that ask for an end
+ENDS_ASKED = ("SIGINT", "SIGTERM", "SIGHUP")
 REFUSED = 2  # exit code
+RESERVED = {"MIMALLOC_ARENA_RESERVE": "65536", "ARROW_DEFAULT_MEMORY_POOL": "system"}  # KiB; glibc's malloc
 WHAT_WE_SAY = (b"tentacle: ", b"0.", b"1.")  # beginnings of our own lines: a message, the share done
 DIES_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux
 
@@ -28,8 +38,24 @@ def memory_is_limited() -> bool:
     return any(limit != resource.RLIM_INFINITY for limit in limits)
 
 
+def require_memory() -> None:
+    """InputError where a limit is below what the libraries take when they are loaded."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    cores = os.cpu_count() or 1
+    for kind, (base, a_core, words) in LEAST.items():
+        allowed, least = resource.getrlimit(getattr(resource, kind))[0], base + a_core * cores
+        if allowed != resource.RLIM_INFINITY and allowed < least:
+            problem = f"the shell allows {allowed / 1e6:.0f} MB of memory ({words})"
+            raise InputError(problem, expected=f"{least / 1e6:.0f} MB or more, or no limit")
+
+
 def watched_child() -> int | None:
     """None in the child, which is to run the command; in this process the exit code, after the child has ended."""
+    for name, value in RESERVED.items():
+        os.environ.setdefault(name, value)
     sys.stdout.flush()
     reading, writing = os.pipe()
     child = os.fork()
@@ -43,7 +69,8 @@ def watched_child() -> int | None:
     _pass_signals_to(child)
     held = _pass_lines(reading)
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    crashed = status < 0 and signal.Signals(-status).name in CRASHES
+    asked = [128 + getattr(signal, name) for name in ENDS_ASKED]
+    crashed = status not in (*OWN_ENDS, *asked, *(128 - code for code in asked))
     line = "tentacle: not enough memory for this command under the shell's limit; expected more (ulimit -v)\n"
     with suppress(OSError):
         os.write(2, line.encode() if crashed else held)

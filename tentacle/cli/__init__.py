@@ -25,6 +25,7 @@ from tentacle.cli._outputs import outputs_of
 from tentacle.cli._stop_signals import signals_as_interrupts
 from tentacle.errors import InputError, printable
 from tentacle.io.output_lock import owned_outputs
+from tentacle.limited_memory import require_memory
 
 DESCRIPTION = """\
 Two models of a soft arm in a tank, side by side with measured data, and the loop that finds what a model lacks.
@@ -88,6 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with signals_as_interrupts() as asked, told(asked) as outcome:
         parsed = build_parser().parse_args(words)
         require_sane(parsed)
+        require_memory()
         with owned_outputs(outputs_of(parsed)), effects_in_use(parsed):
             outcome.code = parsed.run(parsed)
         require_taken()

@@ -26,6 +26,7 @@ EXTRAS = {
     "h5py": "hdf5",
 }  # fmt: skip
 NO_MEMORY = ("failed to map segment", "cannot allocate memory")  # glibc's words where a library does not fit
+NO_THREAD = "can't start new thread"  # Python's words, of all that a thread can lack
 BAD_INPUT, DEFECT = 2, 70
 
 
@@ -75,6 +76,8 @@ def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
             return f"not enough memory to load what this needs: {printable(str(failed)[:200])}", BAD_INPUT
         case OSError() as failed:
             return os_words(failed), BAD_INPUT
+        case RuntimeError() as failed if str(failed) == NO_THREAD:
+            return "no thread can be started; expected more memory or processes (ulimit -v, -u)", BAD_INPUT
     if asked.number:
         return "stopped", 128 + asked.number
     torn = torn_module(error)
