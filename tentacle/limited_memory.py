@@ -1,9 +1,10 @@
 """A command in a shell that limits memory (ulimit -v, -d): what native code then does becomes one line.
 
 Rerun, Arrow and glibc end the process where they cannot get memory, and nothing within that process can prevent it.
-OpenBLAS is worse: while it is loaded it asks again for ever (seen with 1.1 GB of address space on two cores). Therefore
-a limit below LEAST is refused, and above it the command runs in a child, whose end this process reports. Without a
-limit no child is started.
+OpenBLAS is worse: it asks again for ever, when it is loaded (seen with 1.1 GB of address space) and when it is first
+used (1.8 GB). Therefore a limit below LEAST is refused. Above it, OpenBLAS is used at once, so that it has its buffers
+before the work begins, and the command runs in a child, whose end this process reports. Without a limit nothing of
+this happens.
 
 mimalloc, in Rerun and in Arrow, reserves a gigabyte each time it is loaded. Under a limit it is told to reserve less.
 LEAST: the largest address space that a verb then used on small recordings was 2.4 GB on two cores (optimise); a core
@@ -20,6 +21,7 @@ from contextlib import suppress
 from tentacle.errors import InputError
 
 LEAST = {"RLIMIT_AS": (2.0e9, 0.25e9, "ulimit -v"), "RLIMIT_DATA": (0.8e9, 0.1e9, "ulimit -d")}  # bytes, a core more
+LEAST_FILES = 64  # open at once; the verbs had up to 22
 OWN_ENDS = (0, 1, 2, 3, 70)  # exit codes of ours; beside them those of signals that ask for an end
 ENDS_ASKED = ("SIGINT", "SIGTERM", "SIGHUP")
 REFUSED = 2  # exit code
@@ -39,17 +41,37 @@ def memory_is_limited() -> bool:
 
 
 def require_memory() -> None:
-    """InputError where a limit is below what the libraries take when they are loaded."""
+    """InputError where a limit is below what the libraries take when they are loaded. Of open files, too: Rerun ends
+    the process where it cannot open one.
+    """
     if sys.platform == "win32":
         return
     import resource
 
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != resource.RLIM_INFINITY and soft < LEAST_FILES:
+        allowed = LEAST_FILES if hard == resource.RLIM_INFINITY else min(hard, LEAST_FILES)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, hard))
+        if allowed < LEAST_FILES:
+            problem = f"the shell allows {allowed} open files (ulimit -n)"
+            raise InputError(problem, expected=f"{LEAST_FILES} or more")
     cores = os.cpu_count() or 1
     for kind, (base, a_core, words) in LEAST.items():
         allowed, least = resource.getrlimit(getattr(resource, kind))[0], base + a_core * cores
         if allowed != resource.RLIM_INFINITY and allowed < least:
             problem = f"the shell allows {allowed / 1e6:.0f} MB of memory ({words})"
             raise InputError(problem, expected=f"{least / 1e6:.0f} MB or more, or no limit")
+    if memory_is_limited():
+        _use_blas()
+
+
+def _use_blas() -> None:
+    """NumPy's OpenBLAS and SciPy's each take 32 MB at their first use and keep it."""
+    import numpy as np
+    import scipy.linalg
+
+    np.linalg.solve(np.eye(2), np.ones(2))
+    scipy.linalg.solve(np.eye(2), np.ones(2))
 
 
 def watched_child() -> int | None:

@@ -65,7 +65,7 @@ def emulate(arguments: argparse.Namespace) -> int:
         if arguments.line is not None:
             running.say("line", *arguments.line)
         write_setup(setup, arguments.folder / "rig.toml")
-        say(f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}", flush=True)
+        say(f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}")
         late = False
         try:
             while running.exit_status() is None:

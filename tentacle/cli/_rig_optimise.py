@@ -62,7 +62,6 @@ def optimise(arguments: argparse.Namespace) -> int:
             say(
                 f"{len(trials):3d}/{plan.trials}  {in_mn(trial.propulsion):8.2f} mN  ({trial.source})  "
                 f"best {in_mn(top.propulsion):.2f} mN, trial {top.number}",
-                flush=True,
             )
         paused = interrupts.pause
     if trials:
