@@ -11,10 +11,9 @@ from typing import Any
 
 import pyarrow as pa
 import pyarrow.compute as pc
-import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
-from tentacle.io.library.index import read_index, recordings_of, refreshed, write_parquet
+from tentacle.io.library.index import read_index, read_parquet, recordings_of, refreshed, write_parquet
 from tentacle.io.library.joint import joint_column, read_joint
 from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, layer_key, layers_and_parameters, library_code_version
 from tentacle.io.written_file import write_text
@@ -99,11 +98,7 @@ class Library:
         return self._stored("parameters.parquet", PARAMETERS)
 
     def _stored(self, name: str, schema: pa.Schema) -> pa.Table:
-        file = self.home / name
-        if not file.exists():
-            return schema.empty_table()
-        found = pq.read_table(file)
-        return found if found.schema.equals(schema) else schema.empty_table()
+        return read_parquet(self.home / name, schema)
 
 
 def _states(table: pa.Table) -> pa.ChunkedArray:
