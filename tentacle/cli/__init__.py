@@ -8,6 +8,7 @@ of its numbers.
 from __future__ import annotations
 
 import argparse
+import logging
 import os
 import shutil
 import sys
@@ -80,6 +81,8 @@ def build_parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; the exit code."""
     os.environ.setdefault("RUST_LOG", "off")  # what Rerun has to say of a full disk, we say in one line
+    os.environ["MPLBACKEND"] = "agg"  # a command opens no window
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of a cache that it cannot write, it says two lines
     sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a terminal may know no Greek
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and not words[0].startswith("-") and words[0] not in verb_names():

@@ -76,6 +76,8 @@ def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
             return f"not enough memory to load what this needs: {printable(str(failed)[:200])}", BAD_INPUT
         case OSError() as failed:
             return os_words(failed), BAD_INPUT
+        case UnicodeEncodeError() as failed:  # a file's name, found in a folder
+            return f"{printable(str(failed.object)[:200])}: is no UTF-8; expected names in UTF-8", BAD_INPUT
         case RuntimeError() as failed if str(failed) == NO_THREAD:
             return "no thread can be started; expected more memory or processes (ulimit -v, -u)", BAD_INPUT
     if asked.number:
