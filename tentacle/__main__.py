@@ -4,6 +4,7 @@ import signal
 import sys
 
 from tentacle.compiled_modules import remove_torn_modules, torn_module, write_no_torn_modules
+from tentacle.limited_memory import memory_is_limited, watched_child
 from tentacle.standard_streams import open_standard_streams
 
 
@@ -11,6 +12,8 @@ def main() -> int:
     """The exit code. Before the command line handles signals, Ctrl-C ends the program without a message."""
     open_standard_streams()
     write_no_torn_modules()
+    if memory_is_limited() and (code := watched_child()) is not None:
+        return code
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     try:

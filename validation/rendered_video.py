@@ -12,6 +12,7 @@ import numpy as np
 from tentacle.errors import InputError
 from tentacle.io.csv_table import write_csv
 from tentacle.io.write_folder import write_folder
+from tentacle.io.written_file import write_text
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Array, Midline, MotorSignal, Video
 from validation.film import MUJOCO
@@ -104,5 +105,5 @@ def write_test_video(subject: Subject, options: RenderOptions, out: Path) -> int
         size = np.array(options.size, dtype=float)
         u, v = 0.5 * (size - 1.0)
         lens = Lens((float(u), float(v)), 0.5 * float(np.linalg.norm(size)), look.lens + look.refraction)
-        out.with_name(out.name + ".lens.toml").write_text(format_lens(lens), encoding="utf-8")
+        write_text(out.with_name(out.name + ".lens.toml"), format_lens(lens))
     return count

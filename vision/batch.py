@@ -11,6 +11,7 @@ from typing import Any
 
 from tentacle.errors import InputError
 from tentacle.io.video_file import VIDEO_SUFFIXES
+from tentacle.io.written_file import write_text
 from tentacle.runner import Runner
 from vision.declared import DeclaredNumbers, is_recording, recording_of
 from vision.lens_file import read_lens
@@ -75,7 +76,7 @@ def track_all(sources: Sequence[Path], batch: TrackingBatch, workers: int | None
     rows = Runner(batch.out / "done", workers).run(track_one, tasks, version=VERSION, words="tracking")
     lines = [",".join(SUMMARY_COLUMNS)]
     lines += [",".join(str(row[name]).replace(",", ";").replace("\n", " ") for name in SUMMARY_COLUMNS) for row in rows]
-    (batch.out / "summary.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(batch.out / "summary.csv", "\n".join(lines) + "\n")
     return rows
 
 

@@ -33,6 +33,7 @@ TAPER = slice(0.35, 0.9)  # of the length: range in which the arm's own widths a
 WIDER = 1.35  # times the arm's own width: beyond it is a clamp or a trunk
 CORNER_ANGLE = 0.7  # rad, least turn of the contour at a flat end
 CONTOUR_POINTS = 120
+LOWER, ALIKE = 0.25, 0.05  # quantile of the lengths; a contour's ends are found to about 2 % of the length
 # rad: an arm whose mean direction lies so near to the picture's own axis hangs along it. A camera on a tripod is level
 # to about a degree; in the first 90 pictures of five level films the mean of the arm was .5 to 4.7 degrees off.
 LEVEL = 0.1
@@ -117,16 +118,18 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
         raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
     held = [_held(axis) for axis in found]
     lines = [axis.points[first:] for axis, first in zip(found, held, strict=True)]
+    score, alone = len(found) / len(pictures), _alone([_length(line) for line in lines], held)
+    found, held, lines = [found[k] for k in alone], [held[k] for k in alone], [lines[k] for k in alone]
     base = np.median([line[0] for line in lines], axis=0)
     ahead = np.array([line[-1] - base for line in lines])
     mean = np.sum(ahead / np.linalg.norm(ahead, axis=1, keepdims=True), axis=0)
     arm = mean / max(float(np.linalg.norm(mean)), 1e-9)
-    lengths = [float(np.sum(np.linalg.norm(np.diff(line, axis=0), axis=1))) for line in lines]
+    lengths = [_length(line) for line in lines]
     widths = np.median([_ends_width(axis, first) for axis, first in zip(found, held, strict=True)], axis=0)
     words = []
     if max(held) > 0:
         words.append("the base is where the arm gets wider than its taper: is this where it is held?")
-    if len(pictures) > 1 and np.ptp(ahead, axis=0).max() < 2.0:
+    if len(pictures) > 1 and np.ptp(np.array(tips), axis=0).max() < 2.0:
         words.append("nothing moves: base and tip may be exchanged")
     return ArmProposal(
         base_px=(float(base[0]), float(base[1])),
@@ -135,7 +138,7 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
         width_px=(float(widths[0]), float(widths[1])),
         length_px=float(np.median(lengths)),
         polarity=polarity,
-        score=len(found) / len(pictures),
+        score=score,
         axis_px=lines[0],
         words=tuple(words),
     )
@@ -284,6 +287,22 @@ def _held(axis: Axis) -> int:
     width, taper = _widths(axis)
     wide = np.flatnonzero((width > WIDER * taper + 0.5)[: len(width) // 2])
     return int(wide[-1]) + 1 if len(wide) > 2 else 0
+
+
+def _length(line: Array) -> float:
+    """Length of a line (P, 2)."""
+    return float(np.sum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+
+
+def _alone(lengths: Sequence[float], held: Sequence[int]) -> list[int]:
+    """The pictures in which the arm's base is seen best.
+
+    An arm has one length. Where it swings against its holder the two are one body, and longer: the lengths do not
+    agree. A quarter of the pictures may show less than the whole arm. Pictures without a clamp show the arm's own end.
+    """
+    low = float(np.quantile(lengths, LOWER, method="lower"))
+    alike = [k for k, length in enumerate(lengths) if abs(length - low) <= ALIKE * low]
+    return [k for k in alike if held[k] == 0] or alike
 
 
 def _ends_width(axis: Axis, first: int) -> tuple[float, float]:

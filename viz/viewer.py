@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from tentacle.errors import InputError
+from tentacle.io.written_file import written_file
 
 if TYPE_CHECKING:
     from rerun.experimental import ViewerClient
@@ -180,7 +181,8 @@ def screenshot(files: Sequence[Path], picture: Path, at: float | None = None, se
             viewer.set_time(TIMELINE, duration=at, play_state="paused")
             time.sleep(0.4 * settle)
         contents = viewer.take_screenshot()
-    picture.write_bytes(contents)
+    with written_file(picture) as partial:
+        partial.write_bytes(contents)
     return picture
 
 

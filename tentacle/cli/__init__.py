@@ -8,6 +8,7 @@ of its numbers.
 from __future__ import annotations
 
 import argparse
+import logging
 import os
 import shutil
 import sys
@@ -20,8 +21,12 @@ from typing import Any, NoReturn
 from tentacle.cli._bounds import require_sane
 from tentacle.cli._effects import effects_in_use
 from tentacle.cli._endings import told
+from tentacle.cli._output import begin_output, remark, require_taken
+from tentacle.cli._outputs import outputs_of
 from tentacle.cli._stop_signals import signals_as_interrupts
 from tentacle.errors import InputError, printable
+from tentacle.io.output_lock import owned_outputs
+from tentacle.limited_memory import require_memory
 
 DESCRIPTION = """\
 Two models of a soft arm in a tank, side by side with measured data, and the loop that finds what a model lacks.
@@ -76,17 +81,21 @@ def build_parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; the exit code."""
     os.environ.setdefault("RUST_LOG", "off")  # what Rerun has to say of a full disk, we say in one line
+    os.environ["MPLBACKEND"] = "agg"  # a command opens no window
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of a cache that it cannot write, it says two lines
     sys.stdout.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # a terminal may know no Greek
     words = list(sys.argv[1:] if arguments is None else arguments)
     if words and not words[0].startswith("-") and words[0] not in verb_names():
-        print(f"tentacle: {_unknown_verb(words[0])}", file=sys.stderr)
+        remark(_unknown_verb(words[0]))
         return 2
+    begin_output()
     with signals_as_interrupts() as asked, told(asked) as outcome:
         parsed = build_parser().parse_args(words)
         require_sane(parsed)
-        with effects_in_use(parsed):
+        require_memory()
+        with owned_outputs(outputs_of(parsed)), effects_in_use(parsed):
             outcome.code = parsed.run(parsed)
-        sys.stdout.flush()
+        require_taken()
     return outcome.code
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from pathlib import Path
 from typing import Any
 
 from tentacle.errors import InputError
@@ -45,15 +46,26 @@ MOST_SAMPLES = 20_000_000  # frames, or evaluations of the base motion
 
 
 def require_sane(arguments: argparse.Namespace) -> None:
-    """InputError at the first number that is not finite, or beyond its bounds."""
+    """InputError at the first number that is not finite, or beyond its bounds, and at a name that is no UTF-8: no
+    report, table or declaration could hold it.
+    """
     for name, value in vars(arguments).items():
         for number in value if isinstance(value, list | tuple) else (value,):
+            if isinstance(number, str | Path) and not str(number).isprintable():
+                _require_utf8(str(number))
             if isinstance(number, int | float) and not isinstance(number, bool):
                 _require(name, number)
     duration = getattr(arguments, "duration", None) or getattr(arguments, "seconds", None)
     fps = getattr(arguments, "fps", None)
     if duration is not None and fps is not None and duration * fps > MOST_SAMPLES:
         raise InputError(f"{duration * fps:.3g} frames", field="--fps", expected=f"at most {MOST_SAMPLES}")
+
+
+def _require_utf8(text: str) -> None:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise InputError("is no UTF-8", file=text, expected="a name in UTF-8") from None
 
 
 def _require(name: str, number: Any) -> None:

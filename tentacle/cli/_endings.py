@@ -10,13 +10,12 @@
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from tentacle.cli._error_words import first_line, os_words, trace_of
+from tentacle.cli._output import close_output, remark
 from tentacle.cli._stop_signals import Ended, StopAsked
 from tentacle.compiled_modules import remove_torn_modules, torn_module
 from tentacle.errors import InputError, printable
@@ -27,6 +26,7 @@ EXTRAS = {
     "h5py": "hdf5",
 }  # fmt: skip
 NO_MEMORY = ("failed to map segment", "cannot allocate memory")  # glibc's words where a library does not fit
+NO_THREAD = "can't start new thread"  # Python's words, of all that a thread can lack
 BAD_INPUT, DEFECT = 2, 70
 
 
@@ -51,10 +51,9 @@ def told(asked: StopAsked) -> Iterator[CommandEnd]:
     except BaseException as error:
         line, outcome.code = _told(error, asked)
         if line:
-            with suppress(OSError, ValueError):  # a terminal that has gone
-                print(f"tentacle: {line}", file=sys.stderr, flush=True)
+            remark(line)
         if outcome.code != BAD_INPUT or isinstance(error, OSError):
-            _close_output()
+            close_output()
 
 
 def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
@@ -77,6 +76,10 @@ def _told(error: BaseException, asked: StopAsked) -> tuple[str, int]:
             return f"not enough memory to load what this needs: {printable(str(failed)[:200])}", BAD_INPUT
         case OSError() as failed:
             return os_words(failed), BAD_INPUT
+        case UnicodeEncodeError() as failed:  # a file's name, found in a folder
+            return f"{printable(str(failed.object)[:200])}: is no UTF-8; expected names in UTF-8", BAD_INPUT
+        case RuntimeError() as failed if str(failed) == NO_THREAD:
+            return "no thread can be started; expected more memory or processes (ulimit -v, -u)", BAD_INPUT
     if asked.number:
         return "stopped", 128 + asked.number
     torn = torn_module(error)
@@ -93,9 +96,3 @@ def _root(error: BaseException) -> BaseException:
             return found
         found = found.__cause__ or found.__context__
     return error
-
-
-def _close_output() -> None:
-    """Redirect a standard output that has failed to the null device: Python then reports no error at exit."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

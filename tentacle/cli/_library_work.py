@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tentacle.cli._output import remark, say
+
 if TYPE_CHECKING:
     from tentacle.io.library import Library
     from tentacle.runner import Runner
@@ -41,24 +43,23 @@ def diagnose_missing(library: Library, runner: Runner, *, renew: bool, baseline:
 
 def follow(library: Library, runner: Runner, *, baseline: list[Path], seed: int) -> None:
     """Diagnose new recordings in the folder and update the page, until Ctrl-C."""
-    import sys
     import time
 
     from tentacle.cli.pages.library import write_library_page
 
-    print(f"following {library.source} (Ctrl-C ends it); page: {write_library_page(library)}", flush=True)
+    say(f"following {library.source} (Ctrl-C ends it); page: {write_library_page(library)}")
     while True:
         try:
             time.sleep(POLLED)
             if library.refresh(settled=UNCHANGED_FOR) == 0:
                 continue
             for line in diagnose_missing(library, runner, renew=False, baseline=baseline, seed=seed):
-                print(f"tentacle: {line}", file=sys.stderr)
+                remark(line)
             write_library_page(library)
         except KeyboardInterrupt:
             return
         states = library.table().column("state").to_pylist()
-        print(f"{states.count('done')} of {len(states)} recordings have a verdict", flush=True)
+        say(f"{states.count('done')} of {len(states)} recordings have a verdict")
 
 
 def diagnose_work(task: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import socket
 import subprocess
-import sys
 
+from tentacle.cli._output import remark
 from tentacle.errors import InputError
 
 LOOPBACK = "127.0.0.1"
@@ -35,5 +35,5 @@ def start_viewer(port: int, page_port: int = PAGE_PORT) -> subprocess.Popen[byte
         raise InputError(str(error), field="--view", expected="a viewer that starts; try: rerun") from None
     if not has_screen():
         page = f"http://{LOOPBACK}:{page_port}/?url={address.replace('+', '%2B')}"
-        print(f"no screen here: open {page} in a browser; the viewer is process {process.pid}", file=sys.stderr)
+        remark(f"no screen here: open {page} in a browser; the viewer is process {process.pid}", "")
     return process

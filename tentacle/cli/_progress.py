@@ -7,10 +7,11 @@ the verb (`tentacle app`). Otherwise nothing is printed.
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
+from tentacle.cli._output import remark
+from tentacle.errors import printable
 from tentacle.progress import Stage
 
 LINES = "TENTACLE_PROGRESS"  # environment variable
@@ -50,17 +51,17 @@ def share_done(plan: Plan, words: str, done: float) -> float | None:
 def stages(plan: Plan = ()) -> Iterator[Stage]:
     """A function that names the stage that begins. With a plan, a bar shows the share done; it never goes back."""
     if os.environ.get(LINES) == "lines":
-        yield _told(plan, lambda share, words: print(f"{share:.3f}\t{words}", file=sys.stderr, flush=True))
+        yield _told(plan, lambda share, words: remark(words, f"{share:.3f}\t"))
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True)
     bar = (BarColumn(bar_width=24),) if plan else ()
-    columns = (SpinnerColumn(), *bar, TimeElapsedColumn(), TextColumn("{task.description}"))
+    columns = (SpinnerColumn(), *bar, TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
     with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
         task = progress.add_task("starting", total=1.0 if plan else None)
-        yield _told(plan, lambda share, words: progress.update(task, completed=share, description=words))
+        yield _told(plan, lambda share, words: progress.update(task, completed=share, description=printable(words)))
 
 
 def _told(plan: Plan, tell: Callable[[float, str], None]) -> Stage:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "Fig. 9: mean thrust over amplitude and frequency, 105, 120 and 140 mm, reference and reduced model side by side"
 
 
@@ -19,12 +21,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """All cells of all arms; table, figure, rank correlation."""
     from tentacle.cli.pages.fig9 import write_fig9_page
+    from tentacle.io.result_folder import written
     from tentacle.runner import Runner
     from validation.paper_fig9 import thrust_maps, write_thrust_maps
 
     runner = Runner(arguments.out / "cells", arguments.workers, arguments.cluster)
     maps = thrust_maps(runner, coarse=arguments.coarse)
-    write_thrust_maps(maps, arguments.out / "fig9.csv")
-    write_fig9_page(maps, arguments.out / "report.html")
-    print("\n".join([*maps.lines, f"wrote {arguments.out}/report.html, fig9.csv"]))
+    with written(arguments.out) as folder:
+        write_thrust_maps(maps, folder / "fig9.csv")
+        write_fig9_page(maps, folder / "report.html")
+    say(*maps.lines, f"wrote {arguments.out}/report.html, fig9.csv")
     return 0

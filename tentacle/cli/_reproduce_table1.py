@@ -7,6 +7,8 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from tentacle.cli._output import say, show
+
 HELP = (
     "Table I: 5 lengths x 3 silicones, simulated, filmed, tracked, identified; errors in the paper's measure and in mm"
 )
@@ -30,6 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli.pages.table1 import write_table1_page
     from tentacle.errors import InputError
     from tentacle.io.csv_table import write_csv
+    from tentacle.io.result_folder import written
     from tentacle.runner import Runner
     from validation.paper_table1 import table1
     from vision.looks import look_named
@@ -39,15 +42,15 @@ def run(arguments: argparse.Namespace) -> int:
     look_named(arguments.look)
     runner = Runner(arguments.out / "cells", arguments.workers, arguments.cluster)
     found = table1(runner, arguments.seconds, arguments.look, arguments.seed)
-    write_csv(arguments.out / "table1.csv", dict(found.columns))
-    write_table1_page(found, arguments.seed, arguments.out / "report.html")
+    with written(arguments.out) as folder:
+        write_csv(folder / "table1.csv", dict(found.columns))
+        write_table1_page(found, arguments.seed, folder / "report.html")
     _print(arguments.seconds, found.rows)
-    print("\n".join([*found.words, f"wrote {arguments.out}/report.html, table1.csv"]))
+    say(*found.words, f"wrote {arguments.out}/report.html, table1.csv")
     return 0
 
 
 def _print(seconds: float, rows: Sequence[tuple[str, ...]]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     from validation.paper_table1 import TABLE1_HEADER
@@ -57,4 +60,4 @@ def _print(seconds: float, rows: Sequence[tuple[str, ...]]) -> None:
         table.add_column(title, justify="left" if i == 0 else "right")
     for row in rows:
         table.add_row(*row)
-    Console(width=None if Console().is_terminal else 140).print(table)
+    show(table, width=140)

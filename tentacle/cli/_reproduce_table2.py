@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "Table II: swimming speeds of three arms under a slow sine, a fast sine and the optimised gait"
 
 
@@ -50,8 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
             (folder / "ratios.json").write_text(json.dumps(curves_table(curves), indent=1) + "\n")
         write_table2_page(rows, curves, arguments.evaluations, arguments.seed, folder / "report.html")
     _print_table(table.TABLE2_HEADER, lines)
-    for remark in table.REMARKS:
-        print(remark)
+    say(*table.REMARKS)
     return 0
 
 
@@ -60,4 +61,4 @@ def _print_table(header: tuple[str, ...], lines: list[tuple[str, ...]]) -> None:
     for line in (header, *lines):
         left = [text.ljust(width) for text, width in zip(line[:2], widths[:2], strict=True)]
         right = [text.rjust(width) for text, width in zip(line[2:], widths[2:], strict=True)]
-        print("  ".join([*left, *right]))
+        say("  ".join([*left, *right]))

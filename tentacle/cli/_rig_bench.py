@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import signal
-import sys
 import time
 from pathlib import Path
 
+from tentacle.cli._output import remark, say, say_text
 from tentacle.errors import InputError
 
 LATE = 0.25  # s; the board's watchdog bites then
@@ -19,9 +19,9 @@ def ports(_arguments: argparse.Namespace) -> int:
 
     found = found_ports()
     for port in found:
-        print(f"{port.device}  {port.description}{'  <- Arduino Due, programming port' if port.due else ''}")
+        say(f"{port.device}  {port.description}{'  <- Arduino Due, programming port' if port.due else ''}")
     if not found:
-        print("no serial port is there; without hardware: tentacle rig emulate FOLDER")
+        say("no serial port is there; without hardware: tentacle rig emulate FOLDER")
     return 0
 
 
@@ -38,11 +38,11 @@ def check(arguments: argparse.Namespace) -> int:
     with connected(setup) as board, opened_camera(setup, board.time) as camera:
         items = findings(setup, board, camera)
     if arguments.json:
-        print(json.dumps([asdict(item) for item in items], indent=1))
+        say_text(json.dumps([asdict(item) for item in items], indent=1))
     else:
         for item in items:
             words = "" if item.good or not item.words else f"  <- {item.words}"
-            print(f"{'ok ' if item.good else 'NOT'}  {item.name:32s} {item.value:10.4g} {item.unit}{words}")
+            say(f"{'ok ' if item.good else 'NOT'}  {item.name:32s} {item.value:10.4g} {item.unit}{words}")
     return 0 if all(item.good for item in items) else 3
 
 
@@ -65,18 +65,16 @@ def emulate(arguments: argparse.Namespace) -> int:
         if arguments.line is not None:
             running.say("line", *arguments.line)
         write_setup(setup, arguments.folder / "rig.toml")
-        print(
-            f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}", flush=True
-        )
+        say(f"port {running.url}; in another terminal: tentacle rig check {arguments.folder / 'rig.toml'}")
         late = False
         try:
             while running.exit_status() is None:
                 time.sleep(0.2)
                 if not late and seconds_behind(running) > LATE:
                     late = True
-                    print("this computer is too busy: the board falls behind its clock; try --rate", file=sys.stderr)
+                    remark("this computer is too busy: the board falls behind its clock; try --rate", "")
         except KeyboardInterrupt:
-            print("ended")
+            say("ended")
             return 0
     raise InputError("the emulated board has ended", file=arguments.folder)
 
@@ -94,14 +92,14 @@ def convert(arguments: argparse.Namespace) -> int:
         with tempfile.TemporaryDirectory() as folder:
             run = read_run(arguments.log)
             write_folder(to_recording(run, video=Path(folder) / "video.mp4"), arguments.out)
-        print(f"wrote {arguments.out}; the run was {run.outcome}")
+        say(f"wrote {arguments.out}; the run was {run.outcome}")
         if run.missing:
-            print(run.missing)
+            say(run.missing)
         return 0
     columns = None if arguments.columns is None else tuple(arguments.columns)
     calibration = None if arguments.calibration is None else tuple(arguments.calibration)
     recording, words = bench_recording(arguments.log, LogOptions(arguments.declare, columns, calibration))
     write_folder(recording, arguments.out)
-    print(words)
-    print(f"wrote {arguments.out}")
+    say(words)
+    say(f"wrote {arguments.out}")
     return 0

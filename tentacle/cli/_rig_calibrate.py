@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from functools import partial
 from typing import TYPE_CHECKING
 
+from tentacle.cli._output import say, say_text
 from tentacle.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
     from rig import bench_calibration as bench
     from rig.setup_file import read_setup, write_setup
 
-    setup, say = read_setup(arguments.rig), partial(print, flush=True)
+    setup = read_setup(arguments.rig)
     if arguments.part == "load-cell":
         changed = bench.calibrated_load_cell(
             setup, arguments.masses, arguments.seconds, pulls_back=arguments.pulls_back, say=say, ask=_ask
@@ -30,7 +30,7 @@ def calibrate(arguments: argparse.Namespace) -> int:
     else:
         changed = bench.calibrated_offset(setup, arguments.flashes, tap=arguments.tap, say=say)
     write_setup(changed, arguments.rig)
-    print(f"wrote {arguments.rig}")
+    say(f"wrote {arguments.rig}")
     return 0
 
 
@@ -39,7 +39,7 @@ def _ask(question: str, board: Board) -> str:
     import threading
 
     answers: list[str] = []
-    print(f"{question}; then Enter: ", end="", flush=True)
+    say_text(f"{question}; then Enter: ", end="")
     thread = threading.Thread(target=lambda: answers.append(sys.stdin.readline()), daemon=True)
     thread.start()
     while thread.is_alive():

@@ -32,7 +32,7 @@ def optimise(arguments: argparse.Namespace) -> int:
     first: list[dict[str, float]] = []
     model = None if arguments.model is None else read_model(arguments.model)
     if model is not None:
-        print("asking the model for its best gaits", flush=True)
+        say("asking the model for its best gaits")
         first = best_gaits(model, space, plan.plan, arguments.first, arguments.seed)
     trials = []
     with (
@@ -52,21 +52,20 @@ def optimise(arguments: argparse.Namespace) -> int:
         if arguments.reidentify:
             propose = proposer(
                 space, plan.plan, believed=model, seed=arguments.seed, progress=diagnosing,
-                told=lambda words: print(words, flush=True),
+                told=say,
             )  # fmt: skip
         for trial in trials_of(
             arguments.out, plan, runner, Suggestions(first, propose=propose), interrupts=interrupts, told=say
         ):
             trials.append(trial)
             top = best(trials)
-            print(
+            say(
                 f"{len(trials):3d}/{plan.trials}  {in_mn(trial.propulsion):8.2f} mN  ({trial.source})  "
                 f"best {in_mn(top.propulsion):.2f} mN, trial {top.number}",
-                flush=True,
             )
         paused = interrupts.pause
     if trials:
         top = best(trials)
         write_waveform(space.gait(top.point), arguments.out / "best.toml")
-        print(f"best: {in_mn(top.propulsion):.2f} mN, {top.recording.name}; its gait is {arguments.out / 'best.toml'}")
+        say(f"best: {in_mn(top.propulsion):.2f} mN, {top.recording.name}; its gait is {arguments.out / 'best.toml'}")
     return interrupts.exit_code if paused and len(trials) < plan.trials else 0

@@ -38,9 +38,9 @@ def record(arguments: argparse.Namespace) -> int:
             rig_record.Attendance(arguments.out.stem, interrupts, viewer=live.address, progress=progress),
         )
         live.kept = result.outcome == "complete"
-    print(f"{result.outcome}: {result.samples} samples, {result.lost} lost, wrote {result.path}")
+    say(f"{result.outcome}: {result.samples} samples, {result.lost} lost, wrote {result.path}")
     if result.words:
-        print(result.words)
+        say(result.words)
     return {"complete": 0, "interrupted": interrupts.exit_code}.get(result.outcome, 3)
 
 
@@ -65,9 +65,7 @@ def campaign(arguments: argparse.Namespace) -> int:
             setup, board, camera, runs, arguments.out, attendance=Attendance(interrupts=interrupts, progress=progress)
         ):
             words = f"; {result.words}" if result.words else ""
-            print(f"{result.path.name}: {result.outcome}, {result.samples} samples, {result.lost} lost{words}")
+            say(f"{result.path.name}: {result.outcome}, {result.samples} samples, {result.lost} lost{words}")
         paused = interrupts.pause
-    print(
-        f"paused; the same command goes on: {arguments.out}" if paused else f"{len(runs.runs)} runs in {arguments.out}"
-    )
+    say(f"paused; the same command goes on: {arguments.out}" if paused else f"{len(runs.runs)} runs in {arguments.out}")
     return interrupts.exit_code if paused else 0

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from tentacle.cli._output import remark
 
 if TYPE_CHECKING:
     from viz.blueprints.rig import LivePaths
@@ -16,16 +17,18 @@ VIEWER_PORT = 9876
 
 def say(words: str) -> None:
     """A line on standard error."""
-    print(f"\n{words}", file=sys.stderr, flush=True)
+    remark(words, "\n")
 
 
 @contextmanager
 def rig_progress_bar() -> Iterator[Callable[[str, float], None]]:
     """A bar that is told the phase and the share done."""
     from rich.console import Console
-    from rich.progress import Progress
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console, words = Console(stderr=True), TextColumn("{task.description}", markup=False)
+    columns = (words, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("connecting", total=1.0)
         yield lambda phase, share: bar.update(task, description=phase, completed=share)
 

@@ -39,7 +39,10 @@ def search_with_progress(arguments: argparse.Namespace, trial: GaitTrial, model:
     inputs = {"version": VERSION, "model": model_tables(model), "limits": asdict(trial.limits), **settings}
     notes = SearchNotes(arguments.out / "search.jsonl", inputs)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"))
-    with Progress(*columns, TimeRemainingColumn(), transient=True, console=Console(stderr=True)) as progress:
+    console = Console(stderr=True)
+    with Progress(
+        *columns, TimeRemainingColumn(), transient=True, console=console, disable=not console.is_terminal
+    ) as progress:
         task = progress.add_task(f"{arguments.method}, {arguments.objective}", total=arguments.evaluations)
 
         def watch(generation: Generation) -> None:

@@ -6,13 +6,14 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._output import cell, say, show
+
 if TYPE_CHECKING:
     from vision.declared import DeclaredNumbers
 
 
 def several(sources: list[Path], arguments: argparse.Namespace) -> int:
     """All of them, in parallel; one table. 1 where one failed."""
-    from rich.console import Console
     from rich.table import Table
 
     from tentacle.errors import InputError
@@ -31,9 +32,9 @@ def several(sources: list[Path], arguments: argparse.Namespace) -> int:
     table = Table(*SUMMARY_COLUMNS)
     for row in rows:
         shown = {**row, "source": Path(row["source"]).name}
-        table.add_row(*(str(shown[name]) for name in SUMMARY_COLUMNS))
-    Console(soft_wrap=True).print(table)
-    print(f"wrote {arguments.out / 'summary.csv'}")
+        table.add_row(*(cell(str(shown[name])) for name in SUMMARY_COLUMNS))
+    show(table)
+    say(f"wrote {arguments.out / 'summary.csv'}")
     return int(any(row["problem"] for row in rows))
 
 
@@ -52,15 +53,15 @@ def picked_recording(video: Path, arguments: argparse.Namespace) -> Path:
         picked = pick(video, numbers)
         found, camera = picked.proposal, picked.declaration.camera
         assert camera is not None
-        print(
+        say(
             f"base ({found.base_px[0]:.0f}, {found.base_px[1]:.0f}) px, tip ({found.tip_px[0]:.0f},"
             f" {found.tip_px[1]:.0f}) px, {found.length_px:.0f} px long, {found.width_px[0]:.1f} to"
             f" {found.width_px[1]:.1f} px wide, {'dark' if found.polarity > 0 else 'light'};"
             f" {camera.metres_per_px:.4g} m per px"
         )
         for words in found.words:
-            print(words)
-        print(f"look at {picked.picture}")
+            say(words)
+        say(f"look at {picked.picture}")
         if arguments.yes or not sys.stdin.isatty():
             break
         answer = input("take it? [Enter: yes, n: no, or U V: the base in the picture] ").split()
@@ -73,7 +74,7 @@ def picked_recording(video: Path, arguments: argparse.Namespace) -> Path:
         arguments.base_px = (u, v)
         numbers = stated_numbers(arguments)
     home = write_pick(video, picked)
-    print(f"wrote {home / 'recording.toml'}")
+    say(f"wrote {home / 'recording.toml'}")
     return home
 
 

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._output import say
+
 if TYPE_CHECKING:
     from viz.app.desk import Proposed
 
@@ -43,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     arguments.folder.mkdir(parents=True, exist_ok=True)
     token = secrets.token_urlsafe(24)
     address = f"http://127.0.0.1:{port}/?token={token}"
-    print(f"{address}  (Ctrl-C ends it)", flush=True)
+    say(f"{address}  (Ctrl-C ends it)")
     if not arguments.no_browser:
         webbrowser.open(address)
     serve(Desk(arguments.folder.resolve(), proposed), port, token)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "make recordings with hidden effects, diagnose them without the answer, and score the loop"
 KINDS = "single,pair,null,unknown"
 VIDEO_SHARE = 0.25
@@ -90,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
         options = f"--like {arguments.like}"
     if arguments.only:
         for path in remake(found, arguments.only, arguments.out):
-            print(path)
+            say(path)
         return 0
     runner = Runner(arguments.out / "trials", workers=arguments.workers, scheduler=arguments.cluster)
     outcomes, refused = run_series(found, runner)
@@ -102,8 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
         (folder / "calibration.toml").write_text(calibration.toml())
         write_report(blind_trials_page(outcomes, refused, origin, sections), folder / "report.html")
     for name, value in figures(outcomes).items():
-        print(f"{name:30s} {'no trials' if value is None else format(value, '.3f')}")
-    print(f"report: {arguments.out / 'report.html'}")
+        say(f"{name:30s} {'no trials' if value is None else format(value, '.3f')}")
+    say(f"report: {arguments.out / 'report.html'}")
     return 0
 
 

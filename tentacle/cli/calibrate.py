@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "find scale and lens from pictures of a ChArUco board in the arm's plane, under water"
 
 
@@ -35,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     board = CharucoBoard(arguments.across, arguments.down, arguments.square, arguments.marker)
     if arguments.print_board is not None:
         write_picture(arguments.print_board, board.picture())
-        print(f"wrote {arguments.print_board}: print it so that a square is {1e3 * board.square:g} mm")
+        say(f"wrote {arguments.print_board}: print it so that a square is {1e3 * board.square:g} mm")
         return 0
     if arguments.source is None or arguments.out is None:
         raise InputError(
@@ -44,9 +46,9 @@ def run(arguments: argparse.Namespace) -> int:
     found = calibrate_lens(read_frames(arguments.source, fps=1.0), board)
     text = format_lens(found.lens, rms_px=found.rms_px, tilt_rad=found.tilt)
     write_text(arguments.out, text)
-    print(f"{found.views} views, corners within {found.rms_px:.3f} px rms, {found.lens.metres_per_px} m/px")
-    print(f"lens bends by {100 * found.lens.k1:.3f} % at the picture's corner")
+    say(f"{found.views} views, corners within {found.rms_px:.3f} px rms, {found.lens.metres_per_px} m/px")
+    say(f"lens bends by {100 * found.lens.k1:.3f} % at the picture's corner")
     if found.tilt > math.radians(5.0):
-        print(f"the board is tilted by {math.degrees(found.tilt):.1f} degrees: stand it parallel to the picture")
-    print(f"wrote {arguments.out}")
+        say(f"the board is tilted by {math.degrees(found.tilt):.1f} degrees: stand it parallel to the picture")
+    say(f"wrote {arguments.out}")
     return 0

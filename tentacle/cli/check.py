@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import remark, say, say_text
+
 HELP = "check the checksums of recordings, runs and results (exit code 0: all are sound, 2: not all)"
 
 
@@ -17,22 +19,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check and print; a file that is not sound is reported on standard error."""
     import json
-    import sys
     from dataclasses import asdict
 
     from rig.soundness import check_file
-    from tentacle.errors import InputError, printable
+    from tentacle.errors import InputError
 
     findings = check_file(arguments.path)
     unsound = [finding for finding in findings if not finding.sound]
     if not findings:
         raise InputError("holds nothing that can be checked", file=arguments.path, expected="recordings or results")
     if arguments.json:
-        print(json.dumps([{**asdict(finding), "file": str(finding.file)} for finding in findings], indent=1))
+        say_text(json.dumps([{**asdict(finding), "file": str(finding.file)} for finding in findings], indent=1))
     else:
         for finding in findings:
             if finding.sound:
-                print(printable(f"sound  {finding.file}: {finding.words}"))
+                say(f"sound  {finding.file}: {finding.words}")
     for finding in unsound[:1] if arguments.json else unsound:
-        print(f"tentacle: not sound: {printable(finding.words)}", file=sys.stderr)
+        remark(f"not sound: {finding.words}")
     return 2 if unsound else 0

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tentacle.cli._effects import add_effects
+from tentacle.cli._output import cell, say, show
 
 if TYPE_CHECKING:
     from validation.ladder import Ladder
@@ -18,9 +19,7 @@ HELP = "compare the affine model (orders 2, 3, 4) with the MuJoCo reference: a s
 def configure(parser: argparse.ArgumentParser) -> None:
     """The verb's arguments."""
     parser.add_argument("models", type=Path, nargs="+", metavar="MODEL.toml", help="one or several arms")
-    parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="folder for report.html, session.rrd and tables"
-    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for report, session and tables")
     parser.add_argument(
         "--amplitude", type=float, default=0.4, metavar="RAD", help="amplitude of the driven motion, default: 0.4"
     )
@@ -46,6 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli.pages.compare import write_compare_page, write_compare_session
     from tentacle.cli.pages.compare_grid import write_grid
     from tentacle.io.model_file import read_model
+    from tentacle.io.result_folder import written
     from tentacle.runner import Runner
     from validation.ladder import run_ladder
     from validation.ladder_table import write_ladder
@@ -58,25 +58,26 @@ def run(arguments: argparse.Namespace) -> int:
     answers = []
     for file, model in models.items():
         out = arguments.out if len(models) == 1 else arguments.out / file.stem
-        with console.status(f"{file.stem}: ladder"):
+        with console.status(cell(f"{file.stem}: ladder")):
             ladder = run_ladder(model, arguments.amplitude, arguments.frequency)
         maps = []
         if not arguments.no_map:
             # All arms of a grid share one folder of results.
             runner = Runner(arguments.out / "cells", arguments.workers, arguments.cluster)
             maps = validity_maps(arms[file], runner)
-        out.mkdir(parents=True, exist_ok=True)
-        if maps:
-            write_cells(maps, out / "validity.csv")
-        write_ladder(ladder, out / "ladder.csv")
-        write_compare_page(file, model, ladder, maps, out / "report.html")
-        write_compare_session(file.stem, model, ladder, maps, out / "session.rrd")
+        with written(out) as folder:
+            if maps:
+                write_cells(maps, folder / "validity.csv")
+            write_ladder(ladder, folder / "ladder.csv")
+            write_compare_page(file, model, ladder, maps, folder / "report.html")
+            write_compare_session(file.stem, model, ladder, maps, folder / "session.rrd")
         answers.append((file, ladder, maps))
         _print(file.stem, ladder, maps)
-        print(f"wrote {out}/report.html, session.rrd, ladder.csv" + ("" if arguments.no_map else ", validity.csv"))
+        say(f"wrote {out}/report.html, session.rrd, ladder.csv" + ("" if arguments.no_map else ", validity.csv"))
     if len(models) > 1:
-        write_grid(answers, arguments.out)
-        print(f"wrote {arguments.out}/report.html, grid.csv")
+        with written(arguments.out) as folder:
+            write_grid(answers, folder)
+        say(f"wrote {arguments.out}/report.html, grid.csv")
     return 0
 
 
@@ -100,20 +101,19 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _print(name: str, ladder: Ladder, maps: list[Validity]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     from validation.ladder_table import ladder_rows
     from validation.validity_advice import sentence
 
     for part in ladder_rows(ladder):
-        table = Table(title=f"{name}: {part.title}")
+        table = Table(title=cell(f"{name}: {part.title}"))
         for i, title in enumerate(part.header):
             table.add_column(title, justify="left" if i < 2 else "right", no_wrap=i >= 2)
         for row in part.rows:
             table.add_row(*row)
-        Console(width=None if Console().is_terminal else 140).print(table)
+        show(table, width=140)
     if ladder.third_opinion is not None:
-        print(f"PyElastica: first frequency in air {ladder.third_opinion:.4g} Hz")
+        say(f"PyElastica: first frequency in air {ladder.third_opinion:.4g} Hz")
     if maps:
-        print(sentence(maps[0]))
+        say(sentence(maps[0]))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say_text
+
 HELP = "print a script that makes a shell complete verbs, options and files"
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -22,7 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     parser = build_parser()
     _complete_files(parser)
-    print(shtab.complete(parser, shell=arguments.shell))
+    say_text(shtab.complete(parser, shell=arguments.shell))
     return 0
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say, say_text
+
 HELP = "list public measured data sets with source, licence and whether they are here; convert them"
 
 
@@ -34,15 +36,15 @@ def _list(*, as_json: bool) -> int:
     found = [(data_set, *check_data_set(data_set, folder)) for data_set in DATA_SETS]
     if as_json:
         rows = [{**asdict(data_set), "state": state, "paths": paths} for data_set, state, paths in found]
-        print(json.dumps({"folder": str(folder), "sets": rows}, indent=1))
+        say_text(json.dumps({"folder": str(folder), "sets": rows}, indent=1))
         return 0
-    print(f"looked for in {folder} (TENTACLE_DATA)")
+    say(f"looked for in {folder} (TENTACLE_DATA)")
     for data_set, state, paths in found:
-        print(f"\n{data_set.name}: {state}{': ' + ', '.join(paths) if paths else ''}")
-        print(f"  {data_set.what}")
-        print(f"  from    {data_set.url}, commit {data_set.commit}, {data_set.path}")
-        print(f"  licence {data_set.licence}")
-    print("\nchecksums (SHA-256): tentacle data --json")
+        say("", f"{data_set.name}: {state}{': ' + ', '.join(paths) if paths else ''}")
+        say(f"  {data_set.what}")
+        say(f"  from    {data_set.url}, commit {data_set.commit}, {data_set.path}")
+        say(f"  licence {data_set.licence}")
+    say("", "checksums (SHA-256): tentacle data --json")
     return 0
 
 
@@ -51,5 +53,5 @@ def _convert(name: str, out: Path) -> int:
     from tentacle.io.external_data import data_folder
 
     for folder in convert_data(name, data_folder(), out):
-        print(f"wrote {folder}")
+        say(f"wrote {folder}")
     return 0

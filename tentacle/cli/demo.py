@@ -8,6 +8,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._output import say
+
 if TYPE_CHECKING:
     from tentacle.diagnosis import Diagnosis
     from tentacle.progress import Stage
@@ -40,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     beam = _beam_folder()
     if beam is None:
-        print("The real silicone beam is not here: `tentacle data` says where to get it (TENTACLE_DATA).")
+        say("The real silicone beam is not here: `tentacle data` says where to get it (TENTACLE_DATA).")
         return 0
     with stages(DIAGNOSING) as stage:
         found = _beam(beam, arguments.out / "beam", stage)
@@ -49,13 +51,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _say(title: str, diagnosis: Diagnosis, folder: Path) -> None:
-    print(f"\n{title}:\n  {diagnosis.headline}")
+    say("", f"{title}:", f"  {diagnosis.headline}")
     for effect, values in diagnosis.parameters.items():
         for name, e in values.items():
-            print(f"  {effect}.{name} = {e.value:.4g} {e.unit} (95 %: {e.low:.4g} to {e.high:.4g})")
+            say(f"  {effect}.{name} = {e.value:.4g} {e.unit} (95 %: {e.low:.4g} to {e.high:.4g})")
     for sentence in diagnosis.words:
-        print(f"  {sentence}")
-    print(f"  report: {folder / 'report.html'}   replay: tentacle view {folder / 'session.rrd'}")
+        say(f"  {sentence}")
+    say(f"  report: {folder / 'report.html'}   replay: tentacle view {folder / 'session.rrd'}")
 
 
 def _tank(source: Path, stage: Stage) -> Recording:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from tentacle.cli._effects import add_effects
+from tentacle.cli._output import remark, say, say_text
 
 HELP = "find the effect that the model lacks from the residual of recordings; report the error before and after"
 
@@ -53,7 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
         calibration = read_calibration(arguments.calibration)
     groups = [arguments.recordings, arguments.baseline, arguments.held_out]
     if words := replaced(arguments.out):
-        print(words, file=sys.stderr)
+        remark(words, "")
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
@@ -76,10 +77,10 @@ def run(arguments: argparse.Namespace) -> int:
             inputs += [*arguments.effects, *([] if arguments.calibration is None else [arguments.calibration])]
             write_answer(diagnosis, [*recordings, *held_out], folder, command, inputs)
     if arguments.json:
-        print(json.dumps(diagnosis.verdict_json(), indent=1))
+        say_text(json.dumps(diagnosis.verdict_json(), indent=1))
     else:
-        print(diagnosis.headline)
+        say(diagnosis.headline)
         for sentence in diagnosis.words:
-            print(f"  {sentence}")
-        print(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
+            say(f"  {sentence}")
+        say(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
     return 0

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._output import say
+
 if TYPE_CHECKING:
     from tentacle.model import Model
 
@@ -39,12 +41,12 @@ def run(arguments: argparse.Namespace) -> int:
         return _urdf(model, arguments)
     made = write_mjcf(model, arguments.out, arguments.links)
     for sentence in made.carried.sentences():
-        print(sentence)
+        say(sentence)
     with stages(reading_plan(arguments.recording)) as stage:
         recordings = [read_tracked(path, stage) for path in arguments.recording]
     for recording in recordings:
-        print(export_error(made.xml, model, recording).sentence())
-    print(f"wrote {arguments.out}/arm.xml, arm_forces.py")
+        say(export_error(made.xml, model, recording).sentence())
+    say(f"wrote {arguments.out}/arm.xml, arm_forces.py")
     return 0
 
 
@@ -57,6 +59,6 @@ def _urdf(model: Model, arguments: argparse.Namespace) -> int:
             "a URDF has no spring at a joint: it follows no recording", field="--recording", expected="--to mjcf"
         )
     for sentence in write_urdf(model, arguments.out, arguments.links).words:
-        print(sentence)
-    print(f"wrote {arguments.out}/arm.urdf")
+        say(sentence)
+    say(f"wrote {arguments.out}/arm.urdf")
     return 0

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._output import say
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -48,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"figure {arguments.number} needs a model", field="--model", expected="--model model.toml")
     if arguments.at is not None and arguments.number != 3:
         raise InputError("only figure 3 shows one frame", field="--at", expected="figure 3")
-    print(save(make_figure(arguments), arguments.out))
+    say(save(make_figure(arguments), arguments.out))
     return 0
 
 

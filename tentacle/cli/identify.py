@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import remark, say, say_text
+
 HELP = (
     "fit the declared model's parameters to recordings, with 95 %% intervals and the paper's regression for comparison"
 )
@@ -49,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.bootstrap != 0 and arguments.bootstrap < 20:
         raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
     if words := replaced(arguments.out):
-        print(words, file=sys.stderr)
+        remark(words, "")
     plan = [*reading_plan([*arguments.recordings, *arguments.check]), *IDENTIFYING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]
@@ -65,11 +67,9 @@ def run(arguments: argparse.Namespace) -> int:
         with written(arguments.out) as folder:
             write_identification(found, check or recordings, origin, folder)
     if arguments.json:
-        print(json.dumps(identification_table(found), indent=1))
+        say_text(json.dumps(identification_table(found), indent=1))
     else:
-        print(
-            "\n".join([*identification_lines(found), f"written to {arguments.out}", *_next(found.adequate, arguments)])
-        )
+        say(*identification_lines(found), f"written to {arguments.out}", *_next(found.adequate, arguments))
     return 0
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "read an arm from an MJCF file (a chain of hinges with springs) into a model.toml"
 
 
@@ -28,6 +30,6 @@ def run(arguments: argparse.Namespace) -> int:
     found = import_arm(arguments.arm, arguments.fluid)
     write_model(found.model, arguments.out)
     for sentence in found.words:
-        print(sentence)
-    print(f"wrote {arguments.out}")
+        say(sentence)
+    say(f"wrote {arguments.out}")
     return 0

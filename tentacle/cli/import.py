@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say, say_text
+
 HELP = "check a lab's folder (video, midline or markers, with logs) and store it as one .rrd file"
 
 
@@ -31,11 +33,11 @@ def run(arguments: argparse.Namespace) -> int:
     write_rrd(recording, arguments.out)
     summary = summarise(recording)
     if arguments.json:
-        print(json.dumps({"file": str(arguments.out), "name": recording.name, "signals": summary}, indent=1))
+        say_text(json.dumps({"file": str(arguments.out), "name": recording.name, "signals": summary}, indent=1))
     else:
         for line in summary.values():
-            print(line)
+            say(line)
         for slip in find_slips(recording):
-            print(f"check: {slip.line()}")
-        print(f"wrote {arguments.out}")
+            say(f"check: {slip.line()}")
+        say(f"wrote {arguments.out}")
     return 0

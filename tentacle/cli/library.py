@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tentacle.cli._library_arguments import configure
+from tentacle.cli._output import remark, say
 
 if TYPE_CHECKING:
     from tentacle.io.library import Library
@@ -25,6 +25,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.io.library import open_library
     from tentacle.io.library.joint import read_joint, something_found
     from tentacle.io.library.listing import all_done, chosen, write_listing_csv
+    from tentacle.io.output_lock import owned_outputs
     from tentacle.io.provenance import input_hashes
 
     command = arguments.source[0] if len(arguments.source) == 2 else ""
@@ -44,19 +45,20 @@ def run(arguments: argparse.Namespace) -> int:
         settings = {"seed": arguments.seed, "baseline": sorted(input_hashes(arguments.baseline).values())}
     library = open_library(Path(arguments.source[-1]), arguments.home, settings)
     _refresh(library)
-    failures = _diagnose(library, arguments) if diagnosing else _join(library, arguments) if joining else []
+    with owned_outputs([library.home] if diagnosing or joining else []):
+        failures = _diagnose(library, arguments) if diagnosing else _join(library, arguments) if joining else []
     table = chosen(library.table(), arguments.where, arguments.sort, arguments.reverse)
     if arguments.csv is not None:
         write_listing_csv(table, arguments.csv)
-        print(f"wrote {arguments.csv}: {table.num_rows} recordings")
+        say(f"wrote {arguments.csv}: {table.num_rows} recordings")
     else:
         print_rows(table)
     if joining:
         print_joint(library)
     if not arguments.no_page:
-        print(f"page: {write_library_page(library)}")
+        say(f"page: {write_library_page(library)}")
     for line in failures:
-        print(f"tentacle: {line}", file=sys.stderr)
+        remark(line)
     incomplete = arguments.check and not all_done(table)
     changed = arguments.changed and something_found(read_joint(library.joint_file))
     return INCOMPLETE if incomplete or changed else COMPLETE

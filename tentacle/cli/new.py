@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tentacle.errors import InputError, printable
+from tentacle.cli._output import say
+from tentacle.errors import InputError
 
 if TYPE_CHECKING:
     from tentacle.signals import MotorSignal
@@ -62,16 +63,16 @@ def run(arguments: argparse.Namespace) -> int:
     if motor is not None:
         write_motor_log(motor, arguments.folder / "motor.csv")
     file = write_recording_file(arguments.folder, recording_text(answers))
-    print(printable(f"wrote {file}"))
+    say(f"wrote {file}")
     if words:
-        print(words)
+        say(words)
     if answers.camera is None:
         line = f"tentacle import {arguments.folder} --out my_arm.rrd"
-        print(printable(f"put the film beside it as video.mp4, fill in [camera], then: {line}"))
+        say(f"put the film beside it as video.mp4, fill in [camera], then: {line}")
     else:
         if not (arguments.folder / "motor.csv").exists():
-            print("a servo turns the base? begin again with --motor LOG: without a log the base counts as clamped")
-        print(printable(f"next: tentacle diagnose {arguments.folder} --out answer"))
+            say("a servo turns the base? begin again with --motor LOG: without a log the base counts as clamped")
+        say(f"next: tentacle diagnose {arguments.folder} --out answer")
     return 0
 
 
@@ -86,7 +87,7 @@ def _motor_log(arguments: argparse.Namespace) -> MotorSignal:
     if target.exists():
         raise InputError("is there already", file=target, field="--motor", expected="a folder without one")
     motor, words = read_servo_log(arguments.motor, ServoColumns(columns, arguments.motor_unit))
-    print(words)
+    say(words)
     return motor
 
 

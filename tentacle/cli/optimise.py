@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from tentacle.cli._effects import add_effects
+from tentacle.cli._output import say
 from tentacle.cli._swim_inputs import DRIVE, SERVO, read_arm, read_limits
 
 HELP = "find the base motion that swims best, within the servo's limits"
@@ -81,6 +82,6 @@ def run(arguments: argparse.Namespace) -> int:
     with written(arguments.out) as folder:
         write_swim_answer(arguments, at_estimates, found, tables, front, folder)
     for line in answer_summary(tables):
-        print(line)
-    print(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
+        say(line)
+    say(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
     return 0

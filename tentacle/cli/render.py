@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "render a test video of a swaying arm, or of a recording's midline; the truth is written to a separate file"
 
 
@@ -69,5 +71,5 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         subject = recorded_subject(read_recording(arguments.recording))
     count = write_test_video(subject, options, out)
-    print(f"wrote {count} frames to {out}, the truth to {out.name}.truth.csv")
+    say(f"wrote {count} frames to {out}, the truth to {out.name}.truth.csv")
     return 0

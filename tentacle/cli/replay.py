@@ -8,6 +8,7 @@ import argparse
 from pathlib import Path
 
 from tentacle.cli._effects import add_effects
+from tentacle.cli._output import remark, say
 from tentacle.errors import InputError
 
 HELP = "track and diagnose a recorded run (.rrd) again, or play its commands on a rig"
@@ -53,7 +54,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _drive(arguments: argparse.Namespace) -> int:
-    import sys
 
     from rig.connection import connected
     from rig.fault import Fault
@@ -64,17 +64,17 @@ def _drive(arguments: argparse.Namespace) -> int:
     setup = read_setup(arguments.drive)
     out = arguments.out / f"{arguments.recording.stem}-replayed.rrd"
     try:
-        with connected(setup) as board, Interrupts(lambda words: print(words, file=sys.stderr)) as interrupts:
+        with connected(setup) as board, Interrupts(lambda words: remark(words, "")) as interrupts:
             result, difference = drive_rig(arguments.recording, setup, board, out, interrupts=interrupts)
     except Fault as fault:
-        print(f"tentacle: {fault.kind}: {fault}", file=sys.stderr)
+        remark(f"{fault.kind}: {fault}")
         return 3
     if difference is None:
-        print(f"tentacle: {result.outcome}: {result.words}", file=sys.stderr)
+        remark(f"{result.outcome}: {result.words}")
         return 3
     thrust = "not measured" if difference.thrust is None else f"{1e3 * difference.thrust:.2f} mN"
-    print(f"{result.outcome}: {difference.seconds:.1f} s replayed into {out}")
-    print(
+    say(f"{result.outcome}: {difference.seconds:.1f} s replayed into {out}")
+    say(
         f"rms difference: command {1e3 * difference.command:.2f} mrad, angle {1e3 * difference.angle:.2f} mrad, "
         f"thrust {thrust}"
     )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from tentacle.cli._output import remark
 from tentacle.cli._rig_arguments import configure_calibrate, configure_emulate
 
 HELP = "use the bench: find, check, calibrate, emulate, record, import, optimise, run a campaign"
@@ -92,5 +92,5 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         return commands[arguments.verb](arguments)
     except Fault as fault:
-        print(f"tentacle: {fault.kind}: {fault}", file=sys.stderr)
+        remark(f"{fault.kind}: {fault}")
         return 3

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
 from tentacle.cli._simulate_arguments import base_motion_of, travel_of
 from tentacle.cli._simulate_arguments import configure as configure
 
@@ -16,6 +17,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Read the model and the motion, simulate, write."""
     import json
     import os
+    from contextlib import ExitStack
 
     if arguments.video == "mujoco":
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
@@ -25,6 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
     from mujoco_ref.undeclared import Noise, Scenario, SealedPlan, make_recording
     from tentacle.errors import InputError
     from tentacle.io.model_file import read_model
+    from tentacle.io.written_file import written_file
     from tentacle.units import from_mm
     from validation.trials.blind_folder import FilmStyle, write_simulated, write_trials
     from validation.trials.hide_options import hidden_effects
@@ -37,10 +40,11 @@ def run(arguments: argparse.Namespace) -> int:
             model, waveform, arguments.seed, arguments.duration, arguments.fps, noise, most=arguments.most
         )  # fmt: skip
         trials = write_trials(plan, arguments.trials, film, arguments.out, arguments.sealed)
-        for _ in track(trials, "trials", arguments.trials, console=Console(stderr=True)):
+        console = Console(stderr=True)
+        for _ in track(trials, "trials", arguments.trials, console=console, disable=not console.is_terminal):
             pass
         answers = f"their answers to {arguments.sealed}"
-        print(f"wrote {arguments.trials} trials and a baseline to {arguments.out}, {answers}")
+        say(f"wrote {arguments.trials} trials and a baseline to {arguments.out}, {answers}")
         return 0
     truth_file = arguments.truth
     if truth_file is not None and _inside(truth_file, arguments.out):
@@ -55,14 +59,15 @@ def run(arguments: argparse.Namespace) -> int:
         name=arguments.out.stem,
         clean_midline=arguments.video is not None,
     )
-    write_simulated(recording, film, arguments.out, arguments.seed)
-    if truth_file is not None:
-        truth_file.write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
-    print(f"wrote {arguments.out}: {arguments.duration:g} s, {arguments.fps:g} frames/s, {arguments.links} links")
+    with ExitStack() as both:  # the recording and its truth: both or none
+        if truth_file is not None:
+            both.enter_context(written_file(truth_file)).write_text(json.dumps(truth, indent=1) + "\n", "utf-8")
+        write_simulated(recording, film, arguments.out, arguments.seed)
+    say(f"wrote {arguments.out}: {arguments.duration:g} s, {arguments.fps:g} frames/s, {arguments.links} links")
     for effect, values in truth["effects"].items():
-        print(f"hidden: {effect} " + ", ".join(f"{name} = {value:.4g}" for name, value in values.items()))
+        say(f"hidden: {effect} " + ", ".join(f"{name} = {value:.4g}" for name, value in values.items()))
     if truth["effects"]:
-        print(f"it moves the midline by {truth['moved_mm']:.3f} mm rms")
+        say(f"it moves the midline by {truth['moved_mm']:.3f} mm rms")
     return 0
 
 

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tentacle.cli._output import remark, say, say_text
+
 if TYPE_CHECKING:
     from tentacle.recording import Recording
     from vision.lens import Lens
@@ -76,7 +78,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
     if arguments.overlay is not None:
         overlay_picture(arguments.overlay, video, recording, () if tracked is None else tracked.seen)
     told = tracking_summary(shape, tracked, arguments.out)
-    print(tracking_json(told) if arguments.json else in_words(told, source, recording, shape))
+    say_text(tracking_json(told)) if arguments.json else say(*in_words(told, source, recording, shape))
     return 0
 
 
@@ -84,7 +86,6 @@ def _tracked(
     source: Path, recording: Recording, arguments: argparse.Namespace, lens: Lens | None, verdicts: dict[int, bool]
 ) -> Tracking:
     """Track with a bar or, with --live, with one line for each frame; warnings go to standard error at once."""
-    import sys
 
     from tentacle.cli._progress import stages
     from tentacle.cli.pages.tracking import print_frame
@@ -99,5 +100,5 @@ def _tracked(
             recording.motor,
             Following(arguments.order, lens, arguments.live, verdicts=verdicts, outlines=arguments.overlay is not None),
             print_frame if arguments.live else told_frames(stage, source, recording.video),
-            warn=lambda words: print(f"tentacle: {words}", file=sys.stderr, flush=True),
+            warn=remark,
         )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "render, track and judge test videos of every look: error over the Cramer-Rao limit, misses, false accepts"
 
 
@@ -22,6 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
     import json
 
     from tentacle.errors import InputError
+    from tentacle.io.result_folder import written
     from vision.looks import LOOKS, look_named
     from vision.validate import judge_disturbed, judge_look, look_table, results_json
 
@@ -35,15 +38,15 @@ def run(arguments: argparse.Namespace) -> int:
     for look in looks:
         results.append(judge_look(look, seeds, arguments.frames, size))
         lines = look_table(results).splitlines()
-        print("\n".join(lines[:3] if len(results) == 1 else lines[-1:]), flush=True)
+        say(*(lines[:3] if len(results) == 1 else lines[-1:]))
     lines = [look_table(results), ""]
     for disturb, words in (("hand", "a hand in the tank"), ("second_arm", "a second arm")):
         tracked, wrong = judge_disturbed(disturb, seeds[0], min(arguments.frames, 60), size)
         accepted = f"{tracked.shape.accepted.mean():.0%} of frames accepted, {wrong} of them wrongly"
         lines.append(f"{words}: {accepted}; {'; '.join(tracked.remarks) or 'nothing to remark'}")
-        print(lines[-1], flush=True)
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    (arguments.out / "validation.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    (arguments.out / "validation.json").write_text(json.dumps(results_json(results), indent=1) + "\n", encoding="utf-8")
-    print(f"wrote {arguments.out / 'validation.txt'} and validation.json")
+        say(lines[-1])
+    with written(arguments.out) as folder:
+        (folder / "validation.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        (folder / "validation.json").write_text(json.dumps(results_json(results), indent=1) + "\n", encoding="utf-8")
+    say(f"wrote {arguments.out / 'validation.txt'} and validation.json")
     return 0

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._output import say
+
 HELP = "show recordings and sessions in the viewer, in a browser, or as a picture without a screen"
 
 
@@ -40,8 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="tentacle-view-") as folder:
         shown = [with_layout(file, Path(folder) / f"{number}.rrd") for number, file in enumerate(arguments.files)]
         if arguments.screenshot is not None:
-            print(viewer.screenshot(shown, arguments.screenshot, arguments.at))
+            say(viewer.screenshot(shown, arguments.screenshot, arguments.at))
             return 0
         if arguments.web:
-            return serve_web(shown, told=lambda words: print(words, flush=True))
+            return serve_web(shown, told=say)
         return viewer.open_native(shown)

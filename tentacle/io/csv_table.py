@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.io.plain_file import read_plain
+from tentacle.io.written_file import write_text
 from tentacle.signals import Array
 
 
@@ -220,9 +221,9 @@ def _row_numbers(body: bytes, header_row: int, count: int) -> NDArray[np.int64]:
 
 
 def write_csv(file: Path, columns: dict[str, Array]) -> None:
-    """A CSV file of columns (N,) each, every digit kept; NaN becomes a blank cell."""
+    """A CSV file of columns (N,) each, whole or not at all, every digit kept; NaN becomes a blank cell."""
     texts = []
     for values in columns.values():
         texts.append(["" if value != value else repr(value) for value in np.asarray(values, dtype=float).tolist()])
     lines = [",".join(columns), *map(",".join, zip(*texts, strict=True))]
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    write_text(file, "\n".join(lines) + "\n")

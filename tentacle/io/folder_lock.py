@@ -35,7 +35,7 @@ def owned(lock: Path, folder: Path, expected: str) -> Iterator[None]:
         raise InputError(error.strerror or str(error), file=folder, expected="a folder that can be written") from None
     with file:
         try:
-            _lock(file)
+            lock_file(file)
         except OSError:
             raise InputError("is in use by another process", file=folder, expected=expected) from None
         try:
@@ -46,7 +46,7 @@ def owned(lock: Path, folder: Path, expected: str) -> Iterator[None]:
                     lock.unlink()
 
 
-def _lock(file: IO[str]) -> None:
+def lock_file(file: IO[str]) -> None:
     """Take the file for this process alone; OSError where another process has it."""
     if sys.platform == "win32":
         import msvcrt

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import os
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -28,7 +29,7 @@ def written(folder: Path) -> Iterator[Path]:
     """
     if folder.exists() and not folder.is_dir():
         raise InputError("is a file", file=folder, expected="a folder for the results")
-    folder = folder.absolute()
+    folder = Path(os.path.realpath(folder))  # a link may lead to another disk, and `..` is no name
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -20,6 +20,8 @@ def written_file(file: Path) -> Iterator[Path]:
     """
     if not file.name:
         raise InputError("is no file name", file=repr(str(file)), expected="the name of a file to write")
+    if not file.parent.is_dir():
+        raise InputError("no such folder", file=file.parent, expected="a folder to write to")
     if file.exists() and not file.is_file():
         raise InputError("is there, and is no plain file", file=file, expected="a name that is free, or a file")
     head = f".{file.name[:100]}."
@@ -32,6 +34,10 @@ def written_file(file: Path) -> Iterator[Path]:
         sync(partial)
         partial.replace(file)
         sync(file.parent)
+    except OSError as error:
+        if error.filename == str(partial):  # nobody knows that name
+            error.filename = str(file)
+        raise
     finally:
         partial.unlink(missing_ok=True)
 

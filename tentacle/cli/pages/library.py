@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tentacle.cli._output import cell, say, show
+
 if TYPE_CHECKING:
     import pyarrow as pa
 
@@ -19,7 +21,6 @@ FILE_WIDTH = 160  # characters, where the output is no terminal
 def print_rows(table: pa.Table) -> None:
     """The first rows, and how many more there are."""
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     from viz.words import number
@@ -29,13 +30,10 @@ def print_rows(table: pa.Table) -> None:
     for name in columns:
         shown.add_column(name, no_wrap=True)
     for row in table.select(columns).slice(0, PRINTED_ROWS).to_pylist():
-        shown.add_row(*(number(v) if isinstance(v, float) else _text(v) for v in row.values()))
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=FILE_WIDTH)
-    console.print(shown)
+        shown.add_row(*(cell(number(v) if isinstance(v, float) else _text(v)) for v in row.values()))
+    show(shown, width=FILE_WIDTH)
     if table.num_rows > PRINTED_ROWS:
-        console.print(f"and {table.num_rows - PRINTED_ROWS} more: the page and --csv hold all")
+        say(f"and {table.num_rows - PRINTED_ROWS} more: the page and --csv hold all")
 
 
 def _text(value: Any) -> str:
@@ -69,6 +67,6 @@ def print_joint(library: Library) -> None:
 
     rows = {row["sha256"]: row for row in library.table().to_pylist()}
     for arm in read_joint(library.joint_file):
-        print(arm_title(arm))
+        say(arm_title(arm))
         for sentence in joint_sentences(arm, rows):
-            print(f"  {sentence}")
+            say(f"  {sentence}")

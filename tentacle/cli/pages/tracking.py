@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from tentacle.cli._output import say
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.recording import Recording
 from tentacle.signals import ShapeTrack
@@ -40,7 +41,7 @@ def tracking_json(told: dict[str, Any]) -> str:
     return json.dumps({key: None if value != value else value for key, value in told.items()}, indent=1)
 
 
-def in_words(told: dict[str, Any], source: Path, recording: Recording, shape: ShapeTrack) -> str:
+def in_words(told: dict[str, Any], source: Path, recording: Recording, shape: ShapeTrack) -> list[str]:
     """The summary for people, line by line."""
     aside, along = 1e3 * shape.base_shift
     lines = [
@@ -54,13 +55,13 @@ def in_words(told: dict[str, Any], source: Path, recording: Recording, shape: Sh
         lines.append(f"most doubtful of the accepted: frames {doubtful} (--reject takes them out)")
     if not is_recording(source):
         lines.append(camera_line(recording, shape))
-    return "\n".join([*lines, f"wrote {told['wrote']}"])
+    return [*lines, f"wrote {told['wrote']}"]
 
 
 def print_frame(result: TrackedFrame) -> None:
     """Print one frame's shape at once."""
     words = "  ".join(f"{value:8.4f}" for value in result.x) if result.accepted else result.reason
-    print(f"{result.t:9.4f}  {words}", flush=True)
+    say(f"{result.t:9.4f}  {words}")
 
 
 def camera_line(recording: Recording, shape: ShapeTrack) -> str:

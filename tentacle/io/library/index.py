@@ -6,6 +6,7 @@ A file counts as unchanged where its size and time of change are as they were; t
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -19,12 +20,14 @@ import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import parse_recording_file, specimen_table
-from tentacle.io.plain_file import require_plain
+from tentacle.io.plain_file import read_plain, require_plain
 from tentacle.io.rrd_chunks import just_written
 from tentacle.io.rrd_columns import read_entities
 from tentacle.io.toml_table import parse_toml
+from tentacle.io.written_file import written_file
 
 DATE_NOTE = "date"  # a recording's note that says when it was made, ISO 8601; else the file's own time counts
+LONGEST_PATH = 4096  # characters, Linux's limit
 FEW, BATCH = 8, 50  # files that are read by a child each; that are asked of a shared child at once
 SCHEMA = pa.schema(
     [
@@ -38,21 +41,25 @@ SCHEMA = pa.schema(
 
 
 def read_index(file: Path) -> pa.Table:
-    """The index as it was written; empty where there is none, or one of another make."""
-    if not file.exists():
-        return SCHEMA.empty_table()
-    try:
-        found = pq.read_table(file)
-    except (pa.ArrowInvalid, OSError):
-        return SCHEMA.empty_table()
-    return found if found.schema.equals(SCHEMA) else SCHEMA.empty_table()
+    """The index as it was written; empty where there is none, or one that is torn or of another make."""
+    return read_parquet(file, SCHEMA)
 
 
 def write_parquet(table: pa.Table, file: Path) -> None:
     """Write a table; the file appears whole or not at all."""
-    partial = file.with_name(f".{file.name}.partial")
-    pq.write_table(table, partial)
-    partial.replace(file)
+    with written_file(file) as partial:
+        pq.write_table(table, partial)
+
+
+def read_parquet(file: Path, schema: pa.Schema) -> pa.Table:
+    """A table as it was written; empty where there is none, or one that is torn or of another make."""
+    if not file.exists():
+        return schema.empty_table()
+    try:
+        found = pq.read_table(file)
+    except (pa.ArrowException, OSError):
+        return schema.empty_table()
+    return found if found.schema.equals(schema) else schema.empty_table()
 
 
 def refreshed(old: pa.Table, files: Sequence[Path], told: Callable[[int, int], None]) -> tuple[pa.Table, int]:
@@ -123,13 +130,21 @@ def _is_result(path: Path) -> bool:
     return any(part.startswith(".") or part.endswith(".library") for part in path.parts)
 
 
+def _lines(source: Path) -> list[str]:
+    try:
+        return read_plain(source, "a text with the path of an .rrd file a line").decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise InputError("is no UTF-8 text", file=source, expected="the path of an .rrd file a line") from None
+
+
 def _listed(source: Path) -> Iterable[Path]:
-    for row, line in enumerate(source.read_text(encoding="utf-8").splitlines(), start=1):
+    for row, line in enumerate(_lines(source), start=1):
         text = line.partition("#")[0].strip()
         if not text:
             continue
-        path = (source.parent / text).resolve()
-        if not path.is_file():
+        path = Path(os.path.realpath(source.parent / text)) if len(text) <= LONGEST_PATH and "\0" not in text else None
+        if path is None or not path.is_file():
+            text = text[:100]
             raise InputError(f"{text}: no such file", file=source, row=row, expected="the path of an .rrd file")
         yield path
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.util import find_spec
@@ -21,6 +20,9 @@ from typing import Any
 
 import pyarrow as pa
 import pyarrow.compute as pc
+
+from tentacle.errors import InputError
+from tentacle.io.written_file import write_text
 
 LIBRARY_ROOMS = ("tentacle", "affine_model", "vision", "inference", "discovery")
 LAYERS = pa.schema(
@@ -62,10 +64,18 @@ def write_layer(layer: Mapping[str, Any], folder: Path) -> None:
     """A layer's data into its folder, whole or not at all; the residual stands in a file of its own."""
     folder.mkdir(parents=True, exist_ok=True)
     layer = dict(layer)
-    (folder / RESIDUAL).write_text(json.dumps(layer.pop("residual_mm", [])) + "\n", encoding="utf-8")
-    partial = folder / f".{LAYER}.{os.getpid()}.partial"
-    partial.write_text(json.dumps(layer) + "\n", encoding="utf-8")
-    partial.replace(folder / LAYER)
+    write_text(folder / RESIDUAL, json.dumps(layer.pop("residual_mm", [])) + "\n")
+    write_text(folder / LAYER, json.dumps(layer) + "\n")
+
+
+def _read_layer(file: Path) -> dict[str, Any]:
+    """A layer's data. InputError where it is damaged."""
+    try:
+        layer = json.loads(file.read_text(encoding="utf-8"))
+        return {**layer, "sha256": str(layer["sha256"]), "parameters": list(layer["parameters"])}
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        words = f"is damaged: {type(error).__name__}"
+        raise InputError(words, file=file, expected="delete this file, and the recording is diagnosed again") from None
 
 
 def layers_and_parameters(folders: Sequence[Path], layers: pa.Table, parameters: pa.Table) -> tuple[pa.Table, pa.Table]:
@@ -79,7 +89,7 @@ def layers_and_parameters(folders: Sequence[Path], layers: pa.Table, parameters:
             rows.append(row)
             kept.append(folder.name)
             continue
-        layer = json.loads((folder / LAYER).read_text(encoding="utf-8"))
+        layer = _read_layer(folder / LAYER)
         own = {"key": folder.name, "written_ns": written_ns}
         rows.append({name: layer.get(name) for name in LAYERS.names} | own)
         added += [{"key": folder.name, "sha256": layer["sha256"], **values} for values in layer["parameters"]]

@@ -11,12 +11,12 @@ from typing import Any
 
 import pyarrow as pa
 import pyarrow.compute as pc
-import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
-from tentacle.io.library.index import read_index, recordings_of, refreshed, write_parquet
+from tentacle.io.library.index import read_index, read_parquet, recordings_of, refreshed, write_parquet
 from tentacle.io.library.joint import joint_column, read_joint
 from tentacle.io.library.layers import LAYER, LAYERS, PARAMETERS, layer_key, layers_and_parameters, library_code_version
+from tentacle.io.written_file import write_text
 
 SETTINGS = "settings.json"
 
@@ -98,11 +98,7 @@ class Library:
         return self._stored("parameters.parquet", PARAMETERS)
 
     def _stored(self, name: str, schema: pa.Schema) -> pa.Table:
-        file = self.home / name
-        if not file.exists():
-            return schema.empty_table()
-        found = pq.read_table(file)
-        return found if found.schema.equals(schema) else schema.empty_table()
+        return read_parquet(self.home / name, schema)
 
 
 def _states(table: pa.Table) -> pa.ChunkedArray:
@@ -137,7 +133,18 @@ def open_library(source: Path, home: Path | None = None, settings: Mapping[str, 
     if settings is not None:
         chosen.update(settings)
         home.mkdir(parents=True, exist_ok=True)
-        memory.write_text(json.dumps(chosen) + "\n", encoding="utf-8")
+        write_text(memory, json.dumps(chosen) + "\n")
     elif memory.exists():
-        chosen.update(json.loads(memory.read_text(encoding="utf-8")))
+        chosen.update(_settings(memory))
     return Library(source, home.resolve(), chosen)
+
+
+def _settings(memory: Path) -> dict[str, Any]:
+    """The settings of the last diagnosis. InputError where the file is damaged."""
+    try:
+        found = json.loads(memory.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise InputError("damaged", file=memory, expected="the settings of a diagnosis; without the file: the default")
+    return found
