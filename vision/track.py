@@ -18,7 +18,7 @@ from vision.frame_loop import follow_frames
 from vision.frames import read_frames
 from vision.kinematics import Geometry
 from vision.lens import Lens
-from vision.pool import COORDINATE_PENALTY, KnownBefore, Pooled, pool
+from vision.pool import COORDINATE_PENALTY, KnownBefore, Pooled, PoolResult, pool
 from vision.remedy import Watch
 from vision.servo_sign import check_sign
 from vision.tracked_frame import TrackedFrame
@@ -195,6 +195,8 @@ def _remarks(seen: list[TrackedFrame], pooled: Pooled) -> tuple[str, ...]:
         dropped = int(np.sum(np.rint(steps / np.median(steps)) - 1))
         if dropped > 0:
             remarks.append(f"{dropped} frames are missing between the time stamps")
+    if pooled.result is PoolResult.MAX_TURNS:
+        remarks.append(f"{pooled.result.message} Its stated errors may be wrong")
     left = pooled.evidence.get(pooled.order, 0.0)
     if left > COORDINATE_PENALTY * (len(seen[0].x) - 1 - pooled.order):
         remarks.append(
