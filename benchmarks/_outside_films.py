@@ -108,21 +108,17 @@ class Painter:
         self.widths = np.linspace(*film.widths, STEPS + 1)
         self._light = 1.0 - film.uneven * np.add.outer(np.linspace(0, 0.5, height), np.linspace(0, 0.5, width))
         dirt = sum(cv2.GaussianBlur(rng.standard_normal((height, width)), (0, 0), s) * s for s in (1.5, 4.0, 10.0))
-        self._dirt = film.texture * dirt / max(float(np.std(dirt)), 1e-9)
+        self.dirt = np.asarray(film.texture * dirt / max(float(np.std(dirt)), 1e-9), dtype=float)
 
-    def line(
-        self, k: int, bends: Array | float = 0.0, turn: float = 0.0, shift=(0.0, 0.0), longer: float = 0.0
-    ) -> Array:
-        """Frame k's midline (STEPS + 1, 2) [px], changed by bends [rad], turned, shifted [px] and made longer."""
+    def line(self, k: int, turn: Array | float = 0.0, shift: Array | float = 0.0, longer: float = 0.0) -> Array:
+        """Frame k's midline (STEPS + 1, 2) [px], turned by turn (STEPS,) [rad], shifted (2,) [px] and made longer."""
         heading = self.rest + self.theta[k] + turn
-        return midline(
-            self.base + shift, heading, self.bends[k] + bends, self.film.length * (1.0 + longer), self.film.wave
-        )
+        return midline(self.base + shift, heading, self.bends[k], self.film.length * (1.0 + longer), self.film.wave)
 
     def paint(self, k: int, line: Array) -> tuple[Array, float]:
         """Grey (H, W) of frame k, and the share of its own midline that something in front hides."""
         film, (width, height) = self.film, self.film.size
-        scene = np.asarray(film.ground + self._dirt, dtype=float)
+        scene = np.asarray(film.ground + self.dirt, dtype=float)
         if film.intruder == "second_arm":
             aside = np.array([0.2 * width, 0.0])
             bends = -0.7 * self.bends[(k + 7) % film.frames]
@@ -132,7 +128,7 @@ class Painter:
         if film.halo:
             rim = _share(film, [_body(line, self.widths + 5.0)])
             scene += film.halo * np.clip(rim - arm, 0.0, 1.0)
-        seen = film.arm + 0.3 * self._dirt
+        seen = film.arm + 0.3 * self.dirt
         if film.fade:
             seen = seen + film.fade * (film.ground - film.arm) * _nearest_station(line, film.size) ** 2
         scene = _over(scene, arm, seen)

@@ -1,8 +1,9 @@
 """Tracking of the outside program's films: accepted, wrongly accepted, and errors against the film's own limit.
 
-The limit is Cramer and Rao's of the delivered pictures: sum over pixels of the slopes' products, over the noise that
-coding and camera left about the arm. Base, angle offset and length are constants that the film's frames must tell; the
-slopes are central differences of the painted pictures.
+The limit is Cramer and Rao's of the delivered pictures, I_ij = sum over waves k of conj(G_i) G_j / S: G is the spectrum
+of a slope (a central difference of the painted pictures), S that of the noise which camera, coding and a dirty ground
+leave about the arm. Codecs and dirt err alike in neighbouring pixels, so S is not that of white noise. Base, angle
+offset and length are constants that the film's frames must tell.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from _outside_films import Drawn, draw_film
@@ -29,6 +31,9 @@ SIGMAS = 4.0  # of its own stated error, where that is larger
 VISIBLE = 0.03  # share of the midline that may be hidden
 DECLARED_OFF = (1.5, -1.0)  # px: a base that was read off the picture by hand
 BEND_STEP, TURN_STEP, SHIFT_STEP, LENGTH_STEP = 4e-3, 4e-3, 0.15, 2e-3
+POLYNOMIAL, WAVE = 3, 5  # free coordinates of the limit: those of the motion; a wave is not known to be one
+CODED, DIRTY = 8, 40  # px: farther apart, pixels err independently (a codec's block; dirt of 10 px and less)
+ROUNDING = 1.0 / 12.0  # variance of a rounded grey
 
 
 @dataclass(frozen=True)
@@ -105,24 +110,30 @@ def sideways(lines: Array, true: Array) -> Array:
 def limit(drawn: Drawn, order: int, frames: NDArray[np.intp], count: int) -> float:
     """Rms over the midline of the least sideways standard deviation [px] that count such frames allow."""
     painter = drawn.painter
-    changes = [({"bends": sign * BEND_STEP * row}, BEND_STEP) for row in np.eye(4)[:order] for sign in (1, -1)]
+    middle = (np.arange(STEPS) + 0.5) / STEPS
+    changes: list[tuple[dict[str, Any], float]] = []
+    for k in range(1, order + 1):
+        changes += [({"turn": sign * BEND_STEP * middle**k / k}, BEND_STEP) for sign in (1, -1)]
     for name, step in (("turn", TURN_STEP), ("longer", LENGTH_STEP)):
         changes += [({name: step}, step), ({name: -step}, step)]
     for axis in np.eye(2):
         changes += [({"shift": SHIFT_STEP * axis}, SHIFT_STEP), ({"shift": -SHIFT_STEP * axis}, SHIFT_STEP)]
-    information, slopes = [], []
+    steps = np.array([step for _, step in changes])[::2]
     shown = {k: int(np.flatnonzero(np.all(drawn.midlines == painter.line(k), axis=(1, 2)))[0]) for k in frames.tolist()}
+    rates, left, slopes = [], [], []
     for k, at in shown.items():
         lines = [painter.line(k, **change) for change, _ in changes]
-        steps = np.array([step for _, step in changes])[::2]
         pictures = np.array([painter.paint(k, line)[0] for line in lines])
         rate = (pictures[::2] - pictures[1::2]) / (2.0 * steps[:, None, None])
         near = np.abs(rate).sum(axis=0) > 0.02 * np.abs(rate).sum(axis=0).max()
-        left = float(np.mean((drawn.pictures[at][near] - drawn.plain[at][near]) ** 2))
-        noise = max(np.sqrt(left + painter.film.texture**2), 0.3)  # a dirty ground is not known to anybody
-        information.append(np.einsum("ixy,jxy->ij", rate, rate) / noise**2)
+        rates.append(rate)
+        left.append(np.where(near, drawn.pictures[at] - drawn.plain[at], np.nan))
         moved = np.array([sideways(line[None], painter.line(k)[None])[0] for line in lines])
         slopes.append((moved[::2] - moved[1::2]) / (2.0 * steps[:, None]))
+    noise = (
+        noise_spectrum(left, CODED) + noise_spectrum([painter.dirt], DIRTY) + ROUNDING
+    )  # a dirty ground is not known to anybody
+    information = [_information(rate, noise) for rate in rates]
     shared = np.zeros((4, 4))
     for info in information:
         shared += info[order:, order:] - info[order:, :order] @ np.linalg.solve(
@@ -136,6 +147,30 @@ def limit(drawn: Drawn, order: int, frames: NDArray[np.intp], count: int) -> flo
         covariance = np.block([[own + dx_dg @ common @ dx_dg.T, dx_dg @ common], [common @ dx_dg.T, common]])
         variances.append(np.mean(np.einsum("is,ij,js->s", slope, covariance, slope)))
     return float(np.sqrt(np.mean(variances)))
+
+
+def noise_spectrum(pictures: list[Array], alike: int) -> Array:
+    """Power (H, W) of stationary noise from pictures (H, W) that show it, NaN where they do not.
+
+    White noise of variance v has the power v everywhere. The covariance at each distance is averaged over the pairs of
+    pixels that show it and tapered to zero at alike px (Bartlett's window, which keeps powers positive).
+    """
+    height, width = pictures[0].shape
+    product, pairs = np.zeros((height, width)), np.zeros((height, width))
+    for picture in pictures:
+        there = np.isfinite(picture)
+        seen = np.fft.fft2(np.where(there, picture, 0.0))
+        product += np.fft.ifft2(np.abs(seen) ** 2).real
+        pairs += np.fft.ifft2(np.abs(np.fft.fft2(there.astype(float))) ** 2).real
+    apart = [np.abs(np.fft.fftfreq(size, 1.0 / size)) for size in (height, width)]
+    taper = np.multiply.outer(*(np.clip(1.0 - far / alike, 0.0, None) for far in apart))
+    return np.maximum(np.fft.fft2(taper * product / np.maximum(pairs, 1.0)).real, 0.0)
+
+
+def _information(rate: Array, noise: Array) -> Array:
+    """Fisher information (P, P) of slopes (P, H, W) in noise of that power (H, W)."""
+    waves = np.fft.fft2(rate) / np.sqrt(noise * noise.size)
+    return np.asarray(np.einsum("ixy,jxy->ij", waves.conj(), waves).real, dtype=float)
 
 
 def judge_film(film: Film, seed: int = 1) -> Judged:
@@ -159,7 +194,7 @@ def judge_film(film: Film, seed: int = 1) -> Judged:
     plain, part = kept & visible[index], kept & hidden[index]
     some = np.flatnonzero(visible)[:: max(visible.sum() // 3, 1)] if visible.any() else np.flatnonzero(hidden)[::20]
     own = np.unique(np.cumsum(drawn.fresh)[some] - 1)
-    least = limit(drawn, 3, own, int(drawn.fresh.sum()))
+    least = limit(drawn, WAVE if film.wave else POLYNOMIAL, own, int(drawn.fresh.sum()))
     stated = np.sqrt(np.maximum(sigma[:, 20:], 1e-6) ** 2)
     z = np.sqrt(np.mean((off[:, 20:] / stated) ** 2, axis=1))
     reasons = [reason for reason in shape.reason if reason]

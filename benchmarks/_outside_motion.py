@@ -119,7 +119,7 @@ def motion(film: Film, seed: int) -> tuple[Array, Array]:
     return theta, bends
 
 
-def midline(base: Array, heading: float, bends: Array, length: float, wave: bool = False) -> Array:
+def midline(base: Array, heading: Array | float, bends: Array, length: float, wave: bool = False) -> Array:
     """Points (STEPS + 1, 2) from base to tip, by the middle of each step."""
     middle = (np.arange(STEPS) + 0.5) / STEPS
     if wave:

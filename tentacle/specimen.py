@@ -113,7 +113,9 @@ class Specimen:
     length [m], density [kg/m^3], tip_mass [kg] (declared payload). stiffness says which law the fit
     uses for k(s) and d(s): "section" (k = E I(s)/L, d = eta I(s)/L) or "affine" (k0 + k1 s, d0 + d1 s; eq. 13-14).
     The payload's centre lies tip_mass_reach [m] beyond s = 1 along the tangent, and tip_mass_drop [m] beside the axis
-    along the normal; tip_mass_density [kg/m^3] gives its volume.
+    along the normal; tip_mass_density [kg/m^3] gives its volume. tip_rounding [m]: radius with which the end of the
+    silicone is rounded in a side view, 0 for a flat cut, None if unknown; the length ends at the outermost point. It
+    shapes the outline in a picture only: mass and stiffness neglect the silicone that a rounding takes off.
     """
 
     section: Section
@@ -124,6 +126,7 @@ class Specimen:
     tip_mass_reach: float = 0.0
     tip_mass_drop: float = 0.0
     tip_mass_density: float = STEEL
+    tip_rounding: float | None = None
 
     def __post_init__(self) -> None:
         _require_positive(
@@ -134,8 +137,22 @@ class Specimen:
                 raise InputError(f"{place!r} is not usable", field=name, expected="metres, within an arm's length")
         if not (np.isfinite(self.tip_mass) and self.tip_mass >= 0):
             raise InputError(f"{self.tip_mass!r} is not usable", field="tip_mass_kg", expected="a number >= 0")
+        rounding, widest = self.tip_rounding, float(self.section.half_thickness(1.0))
+        if rounding is not None and not 0.0 <= rounding <= widest * (1.0 + 1e-9):
+            expected = f"metres, from 0 (a flat cut) to the tip's radius of {widest:g}"
+            raise InputError(f"{rounding!r} is not usable", field="tip_rounding_m", expected=expected)
         if self.stiffness not in ("section", "affine"):
             raise InputError(f"{self.stiffness!r} is not known", field="stiffness", expected='"section" or "affine"')
+
+    def seen_half_thickness(self, s: ArrayLike) -> Array:
+        """Half the thickness in the plane of motion [m], with the rounded end: r(s) - R + sqrt(R^2 - (R - d)^2).
+
+        R is the tip's rounding, d = L (1 - s) < R the distance from the end.
+        """
+        s = np.asarray(s, dtype=float)
+        half, rounding = self.section.half_thickness(s), self.tip_rounding or 0.0
+        inward = np.clip(rounding - self.length * (1.0 - s), 0.0, rounding)
+        return np.asarray(half - rounding + np.sqrt(rounding**2 - inward**2))
 
     @property
     def mass(self) -> float:

@@ -108,8 +108,14 @@ def track_one(task: Mapping[str, Any]) -> dict[str, Any]:
         "accepted": int(shape.accepted.sum()),
         "repeats": repeats,
         "scale": round(shape.scale, 6),
-        "problem": "" if shape.accepted.any() else "no frame was accepted",
+        "problem": "" if shape.accepted.any() else _nothing_accepted(shape.reason),
     }
+
+
+def _nothing_accepted(reasons: Sequence[str]) -> str:
+    """Why a video has no accepted frame, in words, and what to try."""
+    often = max(set(reasons), key=reasons.count)
+    return f"no frame was accepted ({often}): tentacle track of it alone with --pick shows where base and tip are"
 
 
 def _names(sources: Sequence[Path]) -> list[str]:

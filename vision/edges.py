@@ -58,12 +58,13 @@ class Optics:
 @dataclass(frozen=True)
 class Before:
     """Earlier results about the edges: alone, each fitted by itself; sound (E,), those usable for the greys; light, the
-    greys from earlier pictures.
+    greys from earlier pictures; fade (E,), EdgeLook.fade_at.
     """
 
     alone: Edges
     sound: NDArray[np.bool_]
     light: Light | None
+    fade: Array
 
 
 def search_edges(image: NDArray[np.uint8], expected: Outline, lens: Lens, reach: float, polarity: float) -> Edges:
@@ -123,12 +124,14 @@ def measure_edges(
     lit = KnownLight(np.zeros((count, 4)), np.zeros(count, dtype=np.bool_))
     if light is not None:
         lit = KnownLight(*light.beside(expected.points, expected.normals, optics.lens))
-    sums = level_sums(pixels, bars, ratio, np.zeros((count, 2)))
+        lit.greys[:, 0] = lit.greys[:, 1] - (lit.greys[:, 1] - lit.greys[:, 0]) / before.fade
+    sums = level_sums(pixels, bars, ratio, np.zeros((count, 2)), before.fade)
     beside = (expected.kind, tell, sums, ratio, lit)
     greys, known, contradicted = side_greys(*beside, np.zeros((0, 16)))
     if contradicted > FEW:
-        outside = level_sums(pixels, bars, 0.0, np.ascontiguousarray(lit.greys[:, ::3]))
+        outside = level_sums(pixels, bars, 0.0, np.ascontiguousarray(lit.greys[:, ::3]), before.fade)
         greys, known, _ = side_greys(*beside, outside)
+    greys[:, 0] = greys[:, 1] - before.fade * (greys[:, 1] - greys[:, 0])
     contrast = greys[:, 1] - greys[:, 0]
     measured = measure_profiles(pixels, bars, greys, float(reach))
     return Edges(

@@ -37,21 +37,25 @@ SLOW = slice(8, 25)  # cosine orders along the arm: longer than a profile's surr
 class FrameFit:
     """A frame's fit about its working point, before the frames are pooled.
 
-    x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): normal equations for an edge
-    noise of 1 px. sigma [px]: standard deviation of an edge of unit weight. waves (W,): the residuals' slow waves
-    along the arm; edges that err independently have a variance of 1 in each. edges, expected and weight (E,) stay for
-    the judge, own_contrast (E,) [grey], of each edge by itself and 0 where none was found, for the sight.
+    x (K,): offset and q at the working g. information (K + G, K + G), gradient (K + G,): the edges' normal equations
+    for a noise of 1 px. held (K, K): information of the arm's usual bend on x, in the same units. sigma [px]: standard
+    deviation of an edge of unit weight. waves (W,): the residuals' slow waves along the arm; edges that err
+    independently have a variance of 1 in each. edges, expected and weight (E,) stay for the judge, own_contrast (E,)
+    [grey], of each edge by itself and 0 where none was found, and own_light (E,) [grey], the lighter side of it, for
+    the sight.
     """
 
     x: Array
     information: Array
     gradient: Array
+    held: Array
     sigma: float
     waves: Array
     edges: Edges
     expected: Outline
     weight: Array
     own_contrast: Array
+    own_light: Array
 
 
 @dataclass(frozen=True)
@@ -117,11 +121,14 @@ def refine(
         expected = expected if first is None else arm.outline(x)
         jacobian = np.ascontiguousarray(expected.jacobian[:, :order])
         place = (image, expected, optics, reach, swept)
-        edges = fit_edges(*place) if first is None else measure_edges(*place, Before(first, sound, picture.light))
+        if first is None:
+            edges = fit_edges(*place)
+        else:
+            edges = measure_edges(*place, Before(first, sound, picture.light, sight.fade_at(expected.s)))
         usable = _usable(edges, expected, sight) & _clear_of_ends(geometry, arm.shared, expected, swept)
         floor = max(0.5 * ordinary_misfit(edges, usable), PLAIN * sight.contrast)
-        contrast = edges.contrast * (sight.contrast / sight.contrast_at(expected.s))
-        usable &= ~disturbed(expected.kind, contrast, edges.misfit, usable, floor)
+        course = sight.contrast_at(expected.s)
+        usable &= ~disturbed(expected.kind, edges.contrast, course, edges.misfit, usable, floor)
         usable &= ~another_width(expected, edges, usable, sight.wider)
         usable &= True if first is None else sound
         if np.count_nonzero(usable) < 4 * order:
@@ -138,7 +145,8 @@ def refine(
                 weight[end] = most * (offset != 0.0) / (1.0 + np.count_nonzero(offset) * END_ERROR)
                 edges.offset[end] = offset
             fit = _summary(x + step, expected, edges, weight, step)
-            return replace(fit, own_contrast=np.where(first.found, first.contrast, 0.0))
+            light = np.maximum(first.level, first.level + first.contrast)
+            return replace(fit, own_contrast=np.where(first.found, first.contrast, 0.0), own_light=light)
         x, first, sound = x + step, edges, weight > 0
         if _wild(geometry, x):
             return None
@@ -198,19 +206,19 @@ def _summary(x: Array, expected: Outline, edges: Edges, weight: Array, step: Arr
     used = np.count_nonzero(sway)
     variance = BIWEIGHT * float(sway @ sway) / max(used - order - SHARED, 1)
     sigma = max(float(np.sqrt(variance)), 1e-3)
-    known, expects = usual_bend(x, sigma)
-    information[:order, :order] += known
-    gradient[:order] += expects
+    held, _ = usual_bend(x, sigma)
     return FrameFit(
         x=x,
         information=information,
         gradient=gradient,
+        held=held,
         sigma=sigma,
         waves=_waves(sway),
         edges=edges,
         expected=expected,
         weight=weight,
         own_contrast=edges.contrast,
+        own_light=edges.level,
     )
 
 

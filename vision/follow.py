@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tentacle.errors import InputError
 from tentacle.signals import Array
-from vision.edge_look import EdgeLook, contrast_along
+from vision.edge_look import EdgeLook, seen_along
 from vision.fit import (
     END_PIXELS,
     Exposure,
@@ -21,16 +21,16 @@ from vision.fit import (
     refine,
 )
 from vision.frames import Frame
-from vision.judge import why_rejected
+from vision.judge import Judged, judge_frame
 from vision.kinematics import SHARED, Geometry
 from vision.light import Light
 from vision.locate import locate
 from vision.motion import ShapeMotion
-from vision.reach import seen_reach
+from vision.reach import led_to_end, seen_reach
 from vision.remedy import remedies
 from vision.repeats import Repeats
-from vision.settle import prior_of, settle
-from vision.tracked_frame import TrackedFrame, eliminate, refused
+from vision.settle import Reach, prior_of, settle
+from vision.tracked_frame import TrackedFrame, doubted_end, eliminate, refused
 from vision.width import usual_widths
 
 LEAST_COARSE_SCORE = 0.45  # of a coarse find
@@ -41,6 +41,7 @@ STARTING = (16.0, 8.0, 5.0)  # px, reaches while the recording's parameters are 
 LOOK_AGAIN = 5  # frames between searches for a lost arm
 END_SHARE = 0.03  # of a short arm: range of the search for its ends, because the reach gives its length this well
 SIDES_SHARE = 5e-4  # weight of the sides' information on g at the start, while the shape is known only roughly
+MISSED_END, MISSED_SHARE = 1.0, 0.01  # px, of the arm: a fit that ends farther beside the seen end misses it
 NEAREST_FRAMES = 3  # frames: a neighbour farther away gives no speed
 
 
@@ -116,7 +117,8 @@ class Follower:
                 raise InputError("the arm's edges cannot be followed in the first frames", expected="the arm in view")
             reaches_seen = [self._reach(frames[k].image, frames[k].t, fits[k]) for k in fits]
             share = SIDES_SHARE if sweep < 2 else 1.0
-            self.shared, self.told = settle(self.shared, self.prior, list(fits.values()), reaches_seen, share)
+            self.shared, self.told = settle(self.shared, self.geometry, list(fits.values()), reaches_seen, share)
+            self._look_along(list(fits.values()))
             if sweep < 2:
                 motion = self._among(frames, shapes, index)
                 self._look_at_edges(frames[index], shapes.get(index, begin), motion, list(fits.values()))
@@ -170,18 +172,19 @@ class Follower:
         noise = ordinary_misfit(fit.edges, fit.weight > 0)
         self._light.learn(frame.t, frame.image, self.geometry.lens, sides, (told[:, 0], told[:, 1]), noise)
 
-    def _reach(self, image: NDArray[np.uint8], t: float, fit: FrameFit) -> float:
-        """Share of the arm's length that a picture shows."""
+    def _reach(self, image: NDArray[np.uint8], t: float, fit: FrameFit) -> Reach:
+        """How far a picture shows the arm."""
         assert self.sight is not None
-        course = self.geometry.midline(self.theta(t), fit.x, self.shared)
-        return seen_reach(image, self.geometry, course, self.shared, self.sight)[0]
+        centre, phi = self.geometry.midline(self.theta(t), fit.x, self.shared)
+        seen = seen_reach(image, self.geometry, (centre, phi), self.shared, self.sight)
+        return Reach(seen.share, self.geometry.heading(float(phi[0])))
 
     def _look_at_edges(self, frame: Frame, x: Array, motion: ShapeMotion, fits: list[FrameFit]) -> None:
         """Choose contrast and blur from the edges."""
         assert self.sight is not None
         polarity = self.sight.polarity
         contrast = np.median([np.median((polarity * f.edges.contrast)[f.weight > 0.1]) for f in fits])
-        self.sight = replace(self.sight, contrast=float(contrast), along=_contrast_along(fits, polarity))
+        self.sight = replace(self.sight, contrast=float(contrast))
         best = np.inf
         chosen = self.sight
         for blur in BLURS:
@@ -193,6 +196,12 @@ class Follower:
             if misfit < best:
                 best, chosen = misfit, self.sight
         self.sight = chosen
+
+    def _look_along(self, fits: list[FrameFit]) -> None:
+        """The contrast's course along the arm, and that of the body's own part in it."""
+        assert self.sight is not None
+        parts = [np.stack([f.expected.s, f.own_contrast, f.own_light])[:, f.expected.kind < 2] for f in fits]
+        self.sight = seen_along(self.sight, *np.concatenate(parts, axis=1))
 
     def _sharpen(self, fits: list[FrameFit], gain: float = 1.0) -> None:
         """One step of the blur towards that of the fitted edges, by a factor between two thirds and three halves."""
@@ -213,13 +222,13 @@ class Follower:
             return refused(frame.t, self.theta(frame.t), self.size, "rejected by hand")
         if repeats and not verdict:
             return refused(frame.t, self.theta(frame.t), self.size, "repeats the frame before")
-        fit, reason = None, "arm not found"
+        fit, off, reason = None, 0.0, "arm not found"
         for x, motion, reaches in self._starts(frame):
             fit = self._fit(frame, x, motion, reaches)
             if fit is None:
                 continue
-            arm = (self.geometry, self.theta(frame.t), self.shared)
-            reason = "" if verdict else why_rejected(frame.image, *arm, fit, self.sight)
+            fit, judged = self._judged(frame, fit, motion)
+            off, reason = judged.end.off, "" if verdict else judged.reason
             if not reason:
                 break
         if fit is None or reason:
@@ -233,6 +242,8 @@ class Follower:
         self._sharpen([fit], SLOWLY)
         self._learn(frame, fit)
         covariance, dx_dg, shared_information, shared_gradient = eliminate(fit)
+        if self._misses(off):
+            covariance = doubted_end(fit, covariance, off)
         return TrackedFrame(
             t=frame.t,
             theta=self.theta(frame.t),
@@ -246,6 +257,23 @@ class Follower:
             waves=fit.waves,
             outline_px=self.geometry.lens.bend(fit_outline(fit)),
         )
+
+    def _judged(self, frame: Frame, fit: FrameFit, motion: ShapeMotion) -> tuple[FrameFit, Judged]:
+        """A fit and its judgement. A fit that misses the seen end is led there; the better of both is taken."""
+        assert self.sight is not None
+        arm = (self.geometry, self.theta(frame.t), self.shared)
+        judged = judge_frame(frame.image, arm, fit, self.sight)
+        missed = self._misses(judged.end.off)
+        led = self._fit(frame, led_to_end(fit.x, judged.end), motion, (5.0,)) if missed else None
+        if led is None:
+            return fit, judged
+        again = judge_frame(frame.image, arm, led, self.sight)
+        better = (bool(again.reason), again.end.off) < (bool(judged.reason), judged.end.off)
+        return (led, again) if better else (fit, judged)
+
+    def _misses(self, off: float) -> bool:
+        """Whether a fit ends farther [px] beside the seen end than the coarse arcs explain."""
+        return off > max(MISSED_END, MISSED_SHARE * self.geometry.length)
 
     def _starts(self, frame: Frame) -> Iterator[tuple[Array, ShapeMotion, tuple[float, ...]]]:
         """Starts of the fit: constant velocity, then the last shape with longer profiles, then a search of the
@@ -267,14 +295,5 @@ class Follower:
             polarities = (self.sight.polarity,)
             found = locate(frame.image, self.geometry, self.shared, self._known(frame.t), polarities, self.size)
             if found.score > LEAST_COARSE_SCORE:
-                yield (
-                    self._filled(found.x),
-                    ShapeMotion(),
-                    (3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0, 10.0, 5.0),
-                )
-
-
-def _contrast_along(fits: list[FrameFit], polarity: float) -> tuple[float, ...]:
-    s = np.concatenate([fit.expected.s[fit.expected.kind < 2] for fit in fits])
-    contrast = np.concatenate([polarity * fit.own_contrast[fit.expected.kind < 2] for fit in fits])
-    return contrast_along(s, contrast)
+                widest = 3.0 * max(self.geometry.length / 120.0, 1.0) + 6.0
+                yield self._filled(found.x), ShapeMotion(), (widest, 10.0, 5.0)

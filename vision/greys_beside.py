@@ -14,13 +14,14 @@ BEYOND = 2.0  # distance from an edge to its plateaus, in blurs
 
 
 @njit(cache=True, nogil=True)
-def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array) -> Array:
+def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array, fade: Array) -> Array:
     """Normal equations of each edge's greys about its expected place, packed for levels.side_greys: (E, 16).
 
     Unknowns: grey inside and outside at the edge, slope of the ground outward [grey/px] (inside it is ratio times
     that), and contrast times a shift, so that a small error of the place does not bias the greys. inside (E, 2): grey
-    and slope of the arm that are subtracted first. Packed: lower triangle of the matrix (10), right side (4), sum of
-    squares, number of pixels.
+    and slope of the arm that are subtracted first. fade (E,): share of the light that the body takes there, over the
+    usual share; the grey inside is that of a body without fade. Packed: lower triangle of the matrix (10), right side
+    (4), sum of squares, number of pixels.
     """
     start, grey, place = pixels
     depth, blur, half = bars
@@ -29,9 +30,9 @@ def level_sums(pixels: Pixels, bars: Bars, ratio: float, inside: Array) -> Array
     for e in range(len(start) - 1):
         thin = bar_is_thin(depth[e], blur, half[e])
         for k in range(start[e], start[e + 1]):
-            c = bar_share(place[k], depth[e], blur, half[e], thin)
+            c = 1.0 - fade[e] * (1.0 - bar_share(place[k], depth[e], blur, half[e], thin))
             row[0], row[1], row[2] = 1.0 - c, c, (ratio + (1.0 - ratio) * c) * place[k]
-            row[3] = steepness(place[k], blur, half[e])
+            row[3] = fade[e] * steepness(place[k], blur, half[e])
             rest = grey[k] - (1.0 - c) * (inside[e, 0] + inside[e, 1] * place[k])
             at = 0
             for i in range(4):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erf
@@ -11,7 +13,7 @@ from vision.edge_look import EdgeLook
 from vision.edges import grey_at
 from vision.fit import FrameFit
 from vision.kinematics import Geometry, Outline
-from vision.reach import seen_reach
+from vision.reach import SeenEnd, seen_reach
 
 LEAST_FOUND = 0.5  # share of the side edges that must carry weight
 STRETCHES, TIP_SEEN = 20, 0.85  # of the arm: share up to which the sides must be seen if the tip is seen
@@ -25,10 +27,24 @@ MARGINS = np.array([4.0, 7.0])  # px beyond the edge: probes outside
 _MIDDLES = (np.arange(STRETCHES) + 0.5) / STRETCHES
 
 
-def why_rejected(
-    image: NDArray[np.uint8], geometry: Geometry, theta: float, shared: Array, fit: FrameFit, sight: EdgeLook
+class Judged(NamedTuple):
+    """The reason of a rejection in a short phrase, "" for an accepted frame; and where its arm is seen to end."""
+
+    reason: str
+    end: SeenEnd
+
+
+def judge_frame(image: NDArray[np.uint8], arm: tuple[Geometry, float, Array], fit: FrameFit, sight: EdgeLook) -> Judged:
+    """Whether a fitted frame can be trusted. arm: geometry, motor's angle [rad], recording's parameters (G,)."""
+    geometry, theta, shared = arm
+    end = seen_reach(image, geometry, geometry.midline(theta, fit.x, shared), shared, sight)
+    return Judged(_why_rejected(image, arm, fit, sight, end), end)
+
+
+def _why_rejected(
+    image: NDArray[np.uint8], arm: tuple[Geometry, float, Array], fit: FrameFit, sight: EdgeLook, end: SeenEnd
 ) -> str:
-    """The reason of a rejection in a short phrase, "" for an accepted frame."""
+    geometry, theta, shared = arm
     height, width = image.shape
     centre, phi = geometry.midline(theta, fit.x, shared)
     radius = geometry.radius_at(shared)
@@ -37,8 +53,7 @@ def why_rejected(
     sides = expected.kind < 2
     there = _seen_stretches(expected, sides, sides & carries)
     until = float(np.flatnonzero(there)[-1] + 1) / len(there) if there.any() else 0.0  # beyond it: extrapolated
-    reach, off = seen_reach(image, geometry, (centre, phi), shared, sight)
-    beyond = (reach - 1.0) * geometry.length
+    off, beyond = end.off, (end.share - 1.0) * geometry.length
     seen = geometry.lens.bend(centre)
     inside = (seen > 1.0).all(axis=1) & (seen[:, 0] < width - 2) & (seen[:, 1] < height - 2)
     hidden_tip = (until <= TIP_SEEN and not abs(beyond) < LEAST_ON) or not inside[-1]
@@ -54,7 +69,7 @@ def why_rejected(
         return "edges scatter"
     if hidden_tip:
         course = geometry.midline(theta, fit.x, shared)
-        on, off = seen_reach(image, geometry, course, shared, sight, until)
+        on, off = seen_reach(image, geometry, course, shared, sight, until)[:2]
         if off > LEAST_TIP_OFF and (on - until) * geometry.length > LEAST_ON:
             return "the arm goes on beside the fit"
     else:

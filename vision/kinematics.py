@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tentacle.compiled import njit
 from tentacle.recording import Camera
@@ -18,12 +19,16 @@ from tentacle.specimen import Specimen
 from vision.lens import Lens
 
 SHARED = 6  # number of the recording's parameters g
+FLAT = 0.5  # px, half of the flat part of a rounded tip: less is none
 CORNER_PIXELS = 3.0  # px next to the arm's ends in which a side profile contains the corner
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """The declared arm in the picture: base (2,), length, radius (S + 1,) [px]; normal, arm (2,) unit vectors."""
+    """The declared arm in the picture: base (2,), length, radius (S + 1,) [px]; normal, arm (2,) unit vectors.
+
+    rounding [px]: radius of the rounded tip, which the radius contains; 0 for a flat cut.
+    """
 
     base: Array
     normal: Array
@@ -31,6 +36,7 @@ class Geometry:
     length: float
     radius: Array
     lens: Lens
+    rounding: float = 0.0
 
     @staticmethod
     def declared(specimen: Specimen, camera: Camera, lens: Lens | None = None) -> Geometry:
@@ -43,13 +49,18 @@ class Geometry:
             normal=np.array(camera.normal_px, dtype=float) / np.linalg.norm(arm),
             arm=arm / np.linalg.norm(arm),
             length=length,
-            radius=specimen.section.half_thickness(s) / camera.metres_per_px,
+            radius=specimen.seen_half_thickness(s) / camera.metres_per_px,
             lens=lens or Lens(),
+            rounding=(specimen.tip_rounding or 0.0) / camera.metres_per_px,
         )
 
     def radius_at(self, shared: Array) -> Array:
         """Radius (S + 1,) [px] with the recording's correction; never under 0.3 px."""
         return _corrected(self.radius, shared)
+
+    def heading(self, phi: float) -> Array:
+        """Unit vector (2,) in the picture along the arm where its angle is phi [rad]."""
+        return np.asarray(np.cos(phi) * self.arm - np.sin(phi) * self.normal, dtype=float)
 
     def midline(self, theta: float, x: Array, shared: Array) -> tuple[Array, Array]:
         """Centre points (S + 1, 2) [px] of the ideal picture, and angles phi (S + 1,) [rad]."""
@@ -147,7 +158,15 @@ def outline(geometry: Geometry, theta: float, x: Array, shared: Array, stride: i
     relative = 1.0 + shared[2]
     radius, axes = geometry.radius_at(shared), (geometry.normal, geometry.arm)
     length = geometry.length * relative
-    return Outline(*_edges(course, radius, axes, (length, relative), x, stride))
+    edges = Outline(*_edges(course, radius, axes, (length, relative), x, stride))
+    if geometry.rounding > 0.0:
+        edges.bulge[_on_cap(geometry, edges, length, float(radius[-1]))] += 1.0 / geometry.rounding
+    return edges
+
+
+def _on_cap(geometry: Geometry, edges: Outline, length: float, flat: float) -> NDArray[np.bool_]:
+    """Edges (E,) on the rounded tip: sides beside it, and its end if there the flat part (half of it [px]) is small."""
+    return np.where(edges.kind < 2, length * (1.0 - edges.s) < geometry.rounding, (edges.kind == 2) & (flat < FLAT))
 
 
 @njit(cache=True)

@@ -9,19 +9,36 @@ its own offset. To drop a coordinate is to hold its value at zero, so both are t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import Enum
 
 import numpy as np
 
 from tentacle.signals import Array
 from vision.kinematics import SHARED
 from vision.settle import PRIOR
+from vision.slow_waves import inflation
 from vision.tracked_frame import TrackedFrame
 
 LEAST_SPREAD = 3e-4  # rad, below the resolution of servo encoders: a smaller apparent motion is an error of edges
+MOVED = 16.3  # chi-square of three degrees of freedom that .1 % exceed: base and length are moved
 MOUNTING = 12.0  # gain in -2 log likelihood below which the base angle offset is held to be constant
-CONTRADICTION = 9.0  # chi-square above which two lengths contradict each other
+CONTRADICTION = 9.0  # chi-square above which two places of the tip contradict each other
 TURNS_FREELY = 3.0  # rad, prior spread of an unknown base angle
 COORDINATE_PENALTY = 5.0  # per coordinate and frame; with Akaike's 2 a bubble on the arm would give a false coordinate
+MOST_TURNS = 30  # rounds of g and tau
+
+
+class PoolResult(Enum):
+    """How the joint estimate ended; `message` is its sentence."""
+
+    SETTLED = "The frames' joint estimate settled."
+    MAX_TURNS = f"The spread of the base angle's offset had not settled after {MOST_TURNS} rounds."
+    NOTHING_SEEN = "No frame was accepted, so there is no joint estimate."
+
+    @property
+    def message(self) -> str:
+        """One sentence in plain words."""
+        return self.value
 
 
 @dataclass(frozen=True)
@@ -31,7 +48,7 @@ class Pooled:
     shared (G,) with shared_covariance (G, G). offset_mean, offset_spread [rad]: mean and tau of the base angle offset.
     evidence[n]: chi-square per frame of the coordinates above order n (about their number if they are noise).
     inflation, staying: factors from the slow waves in the edges' errors, on the variance of a frame's x, and further on
-    that of the shared parameters.
+    that of the shared parameters. result: how the estimate ended.
     """
 
     x: Array
@@ -44,6 +61,7 @@ class Pooled:
     evidence: dict[int, float]
     inflation: float
     staying: float
+    result: PoolResult
 
 
 @dataclass(frozen=True)
@@ -62,9 +80,12 @@ NOTHING_KNOWN = KnownBefore(np.zeros((SHARED, SHARED)), np.zeros(SHARED))
 
 @dataclass(frozen=True)
 class _Stack:
+    """The accepted frames. told (T, K, G): dx_dg of the coordinates whose known values tell of g."""
+
     x: Array
     covariance: Array
     dx_dg: Array
+    told: Array
     information: Array
     gradient: Array
     rigid: bool
@@ -77,6 +98,7 @@ class _Solution:
     mean: float
     tau: float
     objective: float
+    result: PoolResult
 
 
 def pool(
@@ -93,26 +115,27 @@ def pool(
     if not accepted.any():
         chosen = order or min(2, fitted)
         nan = np.full((len(seen), chosen + 1), np.nan)
-        spread = np.diag(prior**2)
-        return Pooled(nan, nan[:, :, None] * nan[:, None, :], chosen, start, spread, np.nan, np.nan, {}, 1.0, 1.0)
+        nans, spread, ended = nan[:, :, None] * nan[:, None, :], np.diag(prior**2), PoolResult.NOTHING_SEEN
+        return Pooled(nan, nans, chosen, start, spread, np.nan, np.nan, {}, 1.0, 1.0, ended)
     good = [frame for frame in seen if frame.accepted]
-    inflation, staying = _inflation(good)
+    power, staying = inflation(np.array([frame.waves for frame in good]))
+    # Without a log of the base's rotation only the sides tell g: then the whole persistent error counts.
+    common = power if known.rigid else power * staying
     stack = _Stack(
         x=np.array([frame.x for frame in good]),
-        covariance=inflation * np.array([frame.covariance for frame in good]),
+        covariance=power * np.array([frame.covariance for frame in good]),
         dx_dg=np.array([frame.dx_dg for frame in good]),
-        information=sum((frame.shared_information for frame in good), np.zeros((SHARED, SHARED))) / inflation,
-        gradient=sum((frame.shared_gradient for frame in good), np.zeros(SHARED)) / inflation,
+        told=np.array([frame.dx_dg for frame in good]),
+        information=sum((frame.shared_information for frame in good), np.zeros((SHARED, SHARED))) / common,
+        gradient=sum((frame.shared_gradient for frame in good), np.zeros(SHARED)) / common,
         rigid=known.rigid,
     )
-    evidence: dict[int, float] = {}
-    solutions = {n: _solve(stack, n, start, prior) for n in range(min(2, fitted), fitted + 1)}
-    full = solutions[fitted].objective
-    for n, solution in solutions.items():
-        evidence[n] = (solution.objective - full) / len(good)
-    chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
-    if chosen not in solutions:
-        solutions[chosen] = _solve(stack, chosen, start, prior)
+    evidence, solutions, chosen = _orders(stack, order, start, prior)
+    if not known.rigid and chosen < fitted:  # the sides alone tell g
+        free = replace(stack, told=stack.told * (np.arange(fitted + 1) == 0)[:, None])
+        if _moves(solutions[chosen], _solve(free, chosen, start, prior)):
+            stack = free
+            evidence, solutions, chosen = _orders(stack, order, start, prior)
     # do not hold coordinates at zero if this needs another length
     while order is None and chosen < fitted and _believed(solutions[chosen], known) < 1.0:
         chosen += 1
@@ -123,7 +146,11 @@ def pool(
         gradient=believed * stack.gradient + known.gradient,
     )
     solution = _solve(stack, chosen, start, prior)
-    solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
+    if known.rigid:
+        # A persistent error is common to all x and acts only in part on parameters that the arm's rotation shows. In
+        # rendered tanks the full factor gave stated errors 1.8 times too large, no factor up to 1.7 times too small:
+        # so its root is used.
+        solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
     # an excess in the coordinates above over their noise is an error, of a coordinate left out or of the edges: state
     # it
@@ -142,38 +169,49 @@ def pool(
         offset_mean=solution.mean,
         offset_spread=solution.tau,
         evidence=evidence,
-        inflation=inflation,
+        inflation=power,
         staying=staying,
+        result=solution.result,
     )
+
+
+def _orders(
+    stack: _Stack, order: int | None, start: Array, prior: Array
+) -> tuple[dict[int, float], dict[int, _Solution], int]:
+    """Pooled.evidence, the solutions by order, and the order that the data choose, or the given one."""
+    fitted = stack.x.shape[1] - 1
+    solutions = {n: _solve(stack, n, start, prior) for n in range(min(2, fitted), fitted + 1)}
+    full = solutions[fitted].objective
+    evidence = {n: (solution.objective - full) / len(stack.x) for n, solution in solutions.items()}
+    chosen = order or min(evidence, key=lambda n: evidence[n] + COORDINATE_PENALTY * n)
+    if chosen not in solutions:
+        solutions[chosen] = _solve(stack, chosen, start, prior)
+    return evidence, solutions, chosen
+
+
+def _moves(held: _Solution, free: _Solution) -> bool:
+    """Whether coordinates that are held at zero move the base or the length away from what all else says (Hausman).
+
+    A polynomial counted from another place, or over another length, is another one of the same order. If the
+    coordinates above the order are not zero, to hold them there moves base and length; then they may say nothing of g.
+    """
+    apart = (held.shared - free.shared)[:3]
+    return float(apart @ np.linalg.solve(free.covariance[:3, :3], apart)) > MOVED
 
 
 def _believed(solution: _Solution, known: KnownBefore) -> float:
     """Weight of the frames' information: 1 if their length agrees with the known one.
 
     Otherwise their unstated error is assumed to explain the difference: v / (d^2 - r^2), with d the difference of the
-    lengths, v and r^2 their variances.
+    tip's places along the arm, v and r^2 their variances.
     """
-    information = known.information[2, 2]
+    information = float(known.information[2, 2])
     if not information > 0.0:
         return 1.0
-    stated = solution.covariance[2, 2]
-    apart = float(solution.shared[2] - known.gradient[2] / information) ** 2
+    towards = known.information[2] / information  # change of the tip's place with g; that with the length is 1
+    stated = float(towards @ solution.covariance[:SHARED, :SHARED] @ towards)
+    apart = float(towards @ solution.shared - known.gradient[2] / information) ** 2
     return stated / (apart - 1.0 / information) if apart > CONTRADICTION * (stated + 1.0 / information) else 1.0
-
-
-def _inflation(good: list[TrackedFrame]) -> tuple[float, float]:
-    """Factors on the variance of q, and further on that of the shared parameters, over that for independent edges.
-
-    Both are at least 1 and come from the slow waves in the edges' errors: their power over all frames, and the share of
-    it that persists from frame to frame (a bubble on the arm, a mirror image) and that does not average out. The root
-    of the second factor is used, because a persistent error is common to all x and acts only in part on parameters that
-    the arm's rotation shows. In rendered tanks the full factor gave stated errors 1.8 times too large, no factor up to
-    1.7 times too small.
-    """
-    waves = np.array([frame.waves for frame in good])
-    power = float(np.mean(waves**2))
-    staying = len(waves) * float(np.mean(waves.mean(axis=0) ** 2)) / max(power, 1e-12)
-    return max(power, 1.0), max(staying, 1.0)
 
 
 def _rows(stack: _Stack, order: int) -> list[int]:
@@ -191,12 +229,12 @@ def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
     """g, the mean offset and tau for one order: generalised least squares and a likelihood step for tau, in turns."""
     rows = _rows(stack, order)
     tau = float(np.std(stack.x[:, 0])) if len(stack.x) > 1 else 0.5
-    design = np.concatenate([stack.dx_dg[:, rows], np.zeros((len(stack.x), len(rows), 1))], axis=2)
+    design = np.concatenate([stack.told[:, rows], np.zeros((len(stack.x), len(rows), 1))], axis=2)
     design[:, 0, -1] = -1.0  # the unknowns are (g, mean): residual = x + dx_dg g - mean
     target = stack.x[:, rows]
     solution = np.zeros(SHARED + 1)
-    covariance = np.eye(SHARED + 1)
-    for _ in range(30):
+    covariance, result = np.eye(SHARED + 1), PoolResult.MAX_TURNS
+    for _ in range(MOST_TURNS):
         weight, _ = _weights(stack, rows, tau)
         normal = np.einsum("tri,trs,tsj->ij", design, weight, design)
         right = -np.einsum("tri,trs,ts->i", design, weight, target)
@@ -208,7 +246,7 @@ def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
         residual = target + design @ solution
         updated = _likeliest_tau(stack, rows, residual)
         if abs(updated - tau) < 1e-6 + 1e-3 * tau:
-            tau = updated
+            tau, result = updated, PoolResult.SETTLED
             break
         tau = updated
     weight, _ = _weights(stack, rows, tau)
@@ -219,7 +257,7 @@ def _solve(stack: _Stack, order: int, start: Array, prior: Array) -> _Solution:
     # the likelihood of the offset is common to all orders up to tau: compare the coordinates held at zero beyond it
     alone = stack.covariance[:, 0, 0] + tau**2
     objective = chi_square - float(np.sum(residual[:, 0] ** 2 / alone)) + shared_cost
-    return _Solution(g, covariance, float(solution[-1]), tau, objective)
+    return _Solution(g, covariance, float(solution[-1]), tau, objective, result)
 
 
 def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:

@@ -20,6 +20,7 @@ from tentacle.errors import InputError
 from tentacle.recording import Camera
 from tentacle.signals import Array
 from vision.frames import Grey, read_frames
+from vision.shoulders import from_shoulders
 from vision.silhouette import Axis, find_ends, mean_axis
 
 LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
@@ -112,12 +113,13 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
     tips = [axis.points[-1] for axis in _base_first([axis for _, axis in both], pictures[0].shape)]
     # a flat end's two corners bend most: the middle of the base is half the perimeter from the tip
     ends = [_opposite(contour, tip) for (contour, _), tip in zip(both, tips, strict=True)]
-    whole = [_axis(contour, *pair) for (contour, _), pair in zip(both, ends, strict=True)]
-    found = [axis for axis in whole if axis is not None]
-    if not found:
+    whole = [(contour, _axis(contour, *pair)) for (contour, _), pair in zip(both, ends, strict=True)]
+    seen = [(contour, axis) for contour, axis in whole if axis is not None]
+    if not seen:
         raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
+    found = [axis for _, axis in seen]
     held = [_held(axis) for axis in found]
-    lines = [axis.points[first:] for axis, first in zip(found, held, strict=True)]
+    lines = [from_shoulders(contour, axis, first) for (contour, axis), first in zip(seen, held, strict=True)]
     score, alone = len(found) / len(pictures), _alone([_length(line) for line in lines], held)
     found, held, lines = [found[k] for k in alone], [held[k] for k in alone], [lines[k] for k in alone]
     base = np.median([line[0] for line in lines], axis=0)

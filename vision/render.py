@@ -1,6 +1,6 @@
 """Test videos of a tentacle in a tank, rendered from a midline. They share no code with the fit that they test.
 
-The outline is that of eq. (4), the midline plus and minus the half thickness along its normal, with a flat end.
+The outline is that of eq. (4), the midline plus and minus the half thickness along its normal, its end flat or rounded.
 Coverage is exact on the pixel grid, smear is the mean over the exposure: a frame's truth is known far below 0.01 px.
 """
 
@@ -23,6 +23,7 @@ from vision.looks import Look
 from vision.scenery import Scenery, frame_faults
 
 OPTICAL_BLUR_SHARE = 0.5  # px, part of the lens' blur that acts on the arm before the pixels; the rest acts after them
+ROUND_POINTS = 40  # of the outline, on either side of a rounded tip
 SMEAR_STEP = 0.7  # px, largest motion of an outline point between two instants of one exposure
 
 
@@ -58,7 +59,11 @@ class _Arm:
         self.size, self.look, self.camera = size, look, camera
         along = CubicSpline(midline.s, midline.xy, axis=1)
         self.s = np.linspace(0.0, 1.0, int(np.clip(specimen.length / camera.metres_per_px, 60, 600)))
-        self.half = specimen.section.half_thickness(self.s)[:, None]
+        if specimen.tip_rounding:
+            turn = np.linspace(0.0, 0.5 * np.pi, ROUND_POINTS)
+            cap = 1.0 - specimen.tip_rounding / specimen.length * (1.0 - np.cos(turn))
+            self.s = np.unique(np.concatenate([self.s, cap]))
+        self.half = specimen.seen_half_thickness(self.s)[:, None]
         self._centre = self._over_time(midline.t, along(self.s))
         tangents = along(self.s, 1)
         self._tangent = self._over_time(midline.t, tangents)

@@ -60,27 +60,29 @@ def robust_step(
 
 @njit(cache=True, nogil=True)
 def disturbed(
-    kind: Array, contrast: Array, misfit: Array, usable: NDArray[np.bool_], floor: float
+    kind: Array, contrast: Array, course: Array, misfit: Array, usable: NDArray[np.bool_], floor: float
 ) -> NDArray[np.bool_]:
     """Edges (E,) whose profile is no plain step, or whose contrast jumps, with their neighbours: a bubble is there.
 
-    The usual value is the local median along the same side, because light and smear change along the arm. floor [grey]:
-    a profile's residual below twice this value is never a disturbance.
+    The usual value is the local median along the same side, because light and smear change along the arm. course (E,)
+    [grey]: the usual contrast of the edges. floor [grey]: a profile's residual below twice this value is never a
+    disturbance.
     """
     odd = np.zeros(len(kind), dtype=np.bool_)
     for side in (0, 1):
         index = np.flatnonzero((kind == side) & usable)
         count = len(index)
-        usual_contrast, usual_misfit = 0.0, 0.0
+        usual_share, usual_misfit = 0.0, 0.0
         strange = np.zeros(count, dtype=np.bool_)
         for k in range(count):
             if k % STRIDE == 0:
                 around = index[max(k - AROUND, 0) : min(k + AROUND + STRIDE, count) : 2]
-                usual_contrast = np.median(np.abs(contrast[around]))
+                usual_share = np.median(np.abs(contrast[around]) / course[around])
                 usual_misfit = max(np.median(misfit[around]), floor)
             e = index[k]
             # a profile's contrast scatters by about its residual: a change by noise is no jump
-            leaps = abs(abs(contrast[e]) - usual_contrast) > max(LEAP * usual_contrast, 4.0 * usual_misfit)
+            usual = usual_share * course[e]
+            leaps = abs(abs(contrast[e]) - usual) > max(LEAP * usual, 4.0 * usual_misfit)
             strange[k] = leaps or misfit[e] > MISFIT * usual_misfit
         for k in range(count):  # a bubble is wider than one profile: a lone strange one is noise
             if strange[k] and np.count_nonzero(strange[max(k - 2, 0) : k + 3]) >= TOGETHER:

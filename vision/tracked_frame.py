@@ -51,10 +51,29 @@ def refused(t: float, theta: float, size: int, reason: str) -> TrackedFrame:
 
 
 def eliminate(fit: FrameFit) -> tuple[Array, Array, Array, Array]:
-    """Covariance of x given g (K, K), dx_dg (K, G), and information and gradient on g: (G, G) and (G,)."""
+    """Covariance of x given g (K, K), dx_dg (K, G), and information and gradient of the edges on g: (G, G) and (G,).
+
+    The usual bend (fit.held) says nothing of g. A polynomial that is counted from another place, or over another
+    length, is another polynomial, so the sides hardly show where an arm begins and how long it is. A prior on less
+    bend, which a shorter arm needs, would decide both.
+    """
     k = len(fit.x)
     normal = fit.information / fit.sigma**2
     gradient = fit.gradient / fit.sigma**2
-    covariance = np.asarray(np.linalg.inv(normal[:k, :k] + 1e-6 * np.eye(k)), dtype=float)
-    dx_dg = -covariance @ normal[:k, k:]
-    return covariance, dx_dg, normal[k:, k:] + normal[k:, :k] @ dx_dg, gradient[k:] + dx_dg.T @ gradient[:k]
+    within, across = normal[:k, :k] + 1e-6 * np.eye(k), normal[:k, k:]
+    covariance = np.asarray(np.linalg.inv(within + fit.held / fit.sigma**2), dtype=float)
+    free = np.linalg.solve(within, np.column_stack([across, gradient[:k]]))
+    told, slope = normal[k:, k:] - across.T @ free[:, :-1], gradient[k:] - across.T @ free[:, -1]
+    return covariance, -covariance @ across, 0.5 * (told + told.T), slope
+
+
+def doubted_end(fit: FrameFit, covariance: Array, off: float) -> Array:
+    """The covariance (K, K) of a fit that ends off [px] beside the seen end: C + off^2 d d', d = C j / (j' C j).
+
+    d is the likeliest change of x that moves the last side edge by 1 px, j (K,) the derivative of that edge by x. The
+    other edges hardly move.
+    """
+    last = np.flatnonzero(fit.expected.kind == 0)[-1]
+    lean = fit.expected.jacobian[last, : len(fit.x)]
+    way = covariance @ lean / float(lean @ covariance @ lean)
+    return covariance + off**2 * np.outer(way, way)

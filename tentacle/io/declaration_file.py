@@ -94,6 +94,7 @@ def parse_specimen(table: Table) -> Specimen:
         tip_mass_reach=table.measured("tip_mass_reach_m", 0.0, least=-length, most=length),
         tip_mass_drop=table.measured("tip_mass_drop_m", 0.0, least=-length, most=length),
         tip_mass_density=table.measured("tip_mass_density_kg_m3", STEEL, least=LIGHTEST_SOLID),
+        tip_rounding=table.number("tip_rounding_m", least=0) if "tip_rounding_m" in table else None,
     )
     table.finish()
     thickness = 2.0 * float(section.half_thickness(0.0))
@@ -227,6 +228,7 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         sizes = {"section": "cone", "base_radius_m": section.base_radius, "tip_radius_m": section.tip_radius}
     else:
         sizes = {"section": "rectangle", "width_m": section.section_width, "height_m": section.height}
+    rounded = {} if specimen.tip_rounding is None else {"tip_rounding_m": specimen.tip_rounding}
     placed = (
         ("tip_mass_reach_m", specimen.tip_mass_reach, 0.0),
         ("tip_mass_drop_m", specimen.tip_mass_drop, 0.0),
@@ -238,6 +240,7 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         "density_kg_m3": specimen.density,
         "tip_mass_kg": specimen.tip_mass,
         "stiffness": specimen.stiffness,
+        **rounded,
     } | {key: value for key, value, usual in placed if value != usual}
 
 

@@ -129,8 +129,8 @@ def test_greys_are_the_lights_unless_the_picture_contradicts_it(shadow):
     shape = Pixels(start, grey, place), Bars(np.full(240, 40.0), 1.0, np.zeros(240))
     lit = np.tile([60.2, 179.9, 0.0, 0.0], (240, 1))
     light = KnownLight(lit, np.ones(240, dtype=bool))
-    sums = level_sums(*shape, 1.0 / 3.0, np.zeros((240, 2)))
-    without = level_sums(*shape, 0.0, np.ascontiguousarray(lit[:, ::3]))
+    sums = level_sums(*shape, 1.0 / 3.0, np.zeros((240, 2)), np.ones(240))
+    without = level_sums(*shape, 0.0, np.ascontiguousarray(lit[:, ::3]), np.ones(240))
     greys, known, contradicted = side_greys(kind, np.ones(240, dtype=bool), sums, 1.0 / 3.0, light, without)
     assert known.all()
     if not shadow:

@@ -36,6 +36,19 @@ def test_base_tip_and_width_are_found_in_a_film(tmp_path, look, polarity, near):
     assert np.ptp(shown.astype(int), axis=2).max() > 100  # something is drawn in colour
 
 
+@pytest.mark.parametrize("turned", [0, 1, 2, 3])
+def test_the_base_is_where_the_arm_leaves_a_clamp_at_any_side_of_the_picture(turned):
+    scene = swaying(seed=3, frames=30, size=(320, 240))
+    look = replace(CLEAN, clamp=True, arm_level=80.0)
+    film = list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, look, 1), scene.theta))
+    found = propose_among([np.ascontiguousarray(np.rot90(picture, turned)) for picture in film[::3]])
+    u, v = scene.camera.base_px
+    width, height = scene.size
+    base = [(u, v), (v, width - 1 - u), (width - 1 - u, height - 1 - v), (height - 1 - v, u)][turned]
+    assert np.linalg.norm(np.subtract(found.base_px, base)) < 2.0  # px; the threshold rounds the inner corners
+    assert found.length_px == pytest.approx(scene.specimen.length / scene.camera.metres_per_px, rel=0.02)
+
+
 @pytest.mark.parametrize(("mean", "straight"), [(0.03, 0.0), (-0.09, 0.0), (0.2, 0.2), (1.6, np.pi / 2)])
 def test_the_straight_arm_hangs_along_the_pictures_axis_if_its_mean_is_near(mean, straight):
     arm_px = (np.sin(mean), np.cos(mean))

@@ -10,7 +10,7 @@ from vision.edges import Edges
 from vision.kinematics import SHARED, Geometry, outline
 from vision.looks import CLEAN
 from vision.pool import KnownBefore, pool
-from vision.reach import seen_reach
+from vision.reach import FROM, SeenEnd, led_to_end, seen_reach
 from vision.render import RenderSettings, render
 from vision.scene import swaying
 from vision.tracked_frame import TrackedFrame
@@ -28,14 +28,14 @@ def test_the_reach_tells_how_long_an_arm_is_and_whether_its_tip_lies_beside_the_
     sight = EdgeLook(1.0, 1.0, float(light - dark))
     shared = np.zeros(SHARED)
     course = geometry.midline(scene.theta[0], x, shared)
-    reach, off = seen_reach(picture, geometry, course, shared, sight)
+    reach, off = seen_reach(picture, geometry, course, shared, sight)[:2]
     assert reach == pytest.approx(1.0 / declared, abs=0.03)
     assert off < 2.0
     line, heading = course
     last = round(0.85 * len(line))
     turn = np.array([[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]])
     bent = np.concatenate([line[:last], line[last] + (line[last:] - line[last]) @ turn])
-    assert seen_reach(picture, geometry, (bent, heading), shared, sight)[1] > 2.0
+    assert seen_reach(picture, geometry, (bent, heading), shared, sight).off > 2.0
 
 
 def test_a_side_that_something_covers_is_told_by_the_arms_width():
@@ -79,3 +79,27 @@ def test_sides_that_contradict_the_seen_length_are_believed_less():
     assert contradicted.shared_covariance[2, 2] > (0.005) ** 2
     agreed = pool(frames, np.zeros(SHARED), 2, known=KnownBefore(seen, 0.06 * seen[:, 2]))
     assert agreed.shared[2] == pytest.approx(0.08, abs=1e-3)
+
+
+def test_an_arm_that_leaves_the_picture_does_not_tell_where_it_ends():
+    scene = swaying(seed=3, frames=1, size=(320, 240))
+    whole = next(iter(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1))))
+    geometry = Geometry.declared(scene.specimen, scene.camera)
+    dark, light = np.quantile(whole, (0.005, 0.5))
+    course = geometry.midline(scene.theta[0], np.array([scene.offset, *scene.q[0]]), np.zeros(SHARED))
+    leaves = round(0.8 * (len(course[0]) - 1))
+    cut = np.ascontiguousarray(whole[: int(course[0][leaves, 1])])
+    seen = seen_reach(cut, geometry, course, np.zeros(SHARED), EdgeLook(1.0, 1.0, float(light - dark)))
+    assert np.isnan(seen.share)
+    assert np.isnan(seen.off)
+
+
+def test_a_shape_is_led_along_the_arc_to_the_seen_end():
+    x = np.array([0.1, 0.8, -0.5, 0.3, 0.0, 0.0])
+    s = np.linspace(0.0, 1.0, 101)
+    powers = np.array([np.ones(len(s)), *(s**k / k for k in range(1, 6))]).T
+    turn, bend = 0.15, -2.0
+    led = powers @ led_to_end(x, SeenEnd(1.0, 3.0, turn, bend))
+    at = np.interp(FROM, s, powers @ x)
+    wanted = np.where(s > FROM, at + turn + bend * (s - FROM), powers @ x)
+    assert np.sqrt(np.mean((led - wanted) ** 2)) < 0.05  # rad: a polynomial has no kink
