@@ -59,7 +59,7 @@ def columns_of(recording: Recording) -> RegressionData:
 
 def _regressed(effect: Effect) -> bool:
     """Whether the effect is a column of eq. 18: those of the servo and the camera are not."""
-    return bool(effect.strengths) and effect.base is None and effect.measurement is None
+    return bool(effect.strengths) and effect.base is None and effect.sight is None
 
 
 @dataclass(frozen=True)
