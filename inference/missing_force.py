@@ -14,12 +14,13 @@ missing force.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from affine_model.arm import Arm, active_effects
+from affine_model.arm import Arm, active_effects, parameter_rows
 from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
@@ -126,8 +127,8 @@ class SmallMotions:
         (d, d')_k+1 = advance_k (d, d')_k + push_k force_k,        observation of frame f = rows_f d(place_f)
 
     advance (T, 2n, 2n); push (T, 2n, n); place (F,) [steps] of the frames; rows (F, K, n) in noise deviations. target
-    (F K,): measured minus smoothed, minus the response to -Q. absorbed (F K, P): orthonormal basis of what a refit of
-    the model's own unknowns can absorb.
+    (F K,): measured minus smoothed, minus the response to -Q. by_state (F K, S): responses to the initial state and to
+    the clamp's shift; by_parameters (F K, P): to a change of each free parameter of the model by its scale.
     """
 
     motion: SeenMotion
@@ -136,7 +137,18 @@ class SmallMotions:
     place: Array
     rows: Array
     target: Array
-    absorbed: Array
+    by_state: Array
+    by_parameters: Array
+
+    @cached_property
+    def absorbed(self) -> Array:
+        """Orthonormal basis (F K, P) of what a refit of the model's own unknowns can absorb."""
+        return _basis(np.concatenate([self.by_state, self.by_parameters], axis=1))
+
+    @cached_property
+    def state_basis(self) -> Array:
+        """The same of the initial state and the clamp's shift alone."""
+        return _basis(self.by_state)
 
     def answer(self, force: Array, start: Array | None = None) -> Array:
         """What is seen (F K, B) of small motions under generalised forces (T, n, B)."""
@@ -157,8 +169,15 @@ class SmallMotions:
         return columns - self.absorbed @ (self.absorbed.T @ columns)
 
 
+def _basis(columns: Array) -> Array:
+    size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)  # a tracker that knows the base sees no shift of it
+    left, singular, _ = np.linalg.svd(columns / size, full_matrices=False)
+    return np.asarray(left[:, singular > 1e-8 * singular[0]])
+
+
 def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion) -> SmallMotions:
     """The small motions about the smoothed motion of one recording."""
+    scales = law_scales(problem)
     problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
     arm, observation = experiment.arm(problem.arm), experiment.observation.shapes
@@ -185,17 +204,16 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     kept = min(n, observation.order)
     error[:, POSE : POSE + kept] -= q[:, :kept]
     left = np.einsum("fkl,fl->fk", observation.root[shown] / gain, error).reshape(-1)
-    bare = SmallMotions(motion, advance, push, when, rows, left, np.zeros((left.size, 0)))
-    still = np.zeros((motion.t.size, n, 1))
-    starts = [bare.answer(np.repeat(still, 2 * n, axis=2), np.eye(2 * n))]
-    moved = np.concatenate([(observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)], axis=1)
-    laws = bare.answer(_parameter_forces(problem, arm, own, motion))
-    absorbed = np.concatenate([*starts, moved, laws], axis=1)
-    size = np.maximum(np.linalg.norm(absorbed, axis=0), 1e-300)  # a tracker that knows the base sees no shift of it
-    left_basis, singular, _ = np.linalg.svd(absorbed / size, full_matrices=False)
-    basis = left_basis[:, singular > 1e-8 * singular[0]]
-    target = left + bare.answer(motion.force[:, :, None])[:, 0]
-    return SmallMotions(motion, advance, push, when, rows, target - basis @ (basis.T @ target), basis)
+    none = np.zeros((left.size, 0))
+    bare = SmallMotions(motion, advance, push, when, rows, left, none, none)
+    still = np.zeros((motion.t.size, n, 2 * n))
+    moved = (observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)
+    return replace(
+        bare,
+        target=left + bare.answer(motion.force[:, :, None])[:, 0],
+        by_state=np.concatenate([bare.answer(still, np.eye(2 * n)), moved], axis=1),
+        by_parameters=bare.answer(_parameter_forces(scales, arm, own, motion)),
+    )
 
 
 def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:
@@ -226,13 +244,19 @@ def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, 
     return advance, np.concatenate([0.5 * h * by_force, by_force], axis=1)
 
 
-def _parameter_forces(problem: Problem, arm: Arm, parameters: Array, motion: SeenMotion) -> Array:
-    """Derivatives (T, n, P) of the generalised forces by each free parameter of the model."""
+def law_scales(problem: Problem) -> list[tuple[int, float]]:
+    """Place in the vector and scale of each free parameter of the laws; declared numbers are not among them."""
+    laws = {row.index for row in parameter_rows()}
+    return [
+        (int(row), float(scale)) for row, scale in zip(problem.rows(), problem.scales(), strict=False) if row in laws
+    ]
+
+
+def _parameter_forces(scales: list[tuple[int, float]], arm: Arm, parameters: Array, motion: SeenMotion) -> Array:
+    """Derivatives (T, n, P) of the generalised forces by each free parameter of the laws, in units of its scale."""
     columns = []
     own = (motion.u, motion.rate, motion.acceleration)
-    for row, scale in zip(problem.rows(), problem.scales(), strict=False):
-        if row >= parameters.size:
-            continue
+    for row, scale in scales:
         pair = []
         for sign in (1.0, -1.0):
             moved = parameters.copy()

@@ -20,7 +20,9 @@ POWERS = (0.5, 1.0, 1.5, 2.0, 3.0)
 REACHES = (0.15, 0.3)  # arm lengths
 STRENGTH_UNIT = {"line": "N/m", "tip": "N", "moment": "1"}
 NOMINAL = {"line": 0.02, "tip": 0.002, "moment": 0.1}
-STRONGEST = {"line": 1e3, "tip": 1e4, "moment": 1e3}  # nominal strengths: about ten times the arm's own weight
+# Nominal strengths. A force on the tip of ten times the arm's weight; a line force may be far larger where it is shared
+# out by a bump that the arm only grazes.
+STRONGEST = {"line": 1e5, "tip": 1e4, "moment": 1e3}
 
 
 @dataclass(frozen=True)
