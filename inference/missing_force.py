@@ -27,7 +27,6 @@ from affine_model.dynamics import Instant, balance
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.observation import POSE
 from inference.smoother import Smoothed, likeliest
 from inference.trajectory import Fit, Problem
 
@@ -56,33 +55,39 @@ class SeenMotion:
 
 
 def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]:
-    """The motion and the missing force of every recording that shows shapes; None for one that does not."""
+    """The motion and the missing force of every recording; None for one that is complete."""
     problem, parameters = problem.known(fitted.parameters)
     forces = latent_forces(problem, parameters, fitted.nuisances)
     found: list[SeenMotion | None] = []
     for place, (experiment, force) in enumerate(zip(problem.experiments, forces, strict=True)):
-        if experiment.observation.shapes is None:
+        if experiment.complete:
             found.append(None)
             continue
         at, nuisances = parameters[:, None], fitted.nuisances[place][:, None]
         run = predict(problem.arm, experiment, at, nuisances, problem.step)
-        given = _cells_of(problem, experiment, force, whitened_residuals(experiment, at, run)[:, :, 0])
+        given = _cells_of(problem.arm, experiment, force, whitened_residuals(experiment, at, run)[:, :, 0])
         found.append(
             _motion(problem, experiment, (parameters, fitted.nuisances[place]), force, likeliest(force, given))
         )
     return tuple(found)
 
 
-def _cells_of(problem: Problem, experiment: Experiment, force: LatentForce, residuals: Array) -> tuple[Array, Array]:
+def _cells_of(arm: Arm, experiment: Experiment, force: LatentForce, residuals: Array) -> tuple[Array, Array]:
     """Whitened residuals (C, K) in the cells, and how they see (C, K, n + 2) the coordinates and the clamp's shift.
 
     The shift is in units of its prior. A model that lacks a force has an error in that shift too.
     """
-    observation = experiment.observation.shapes
-    assert observation is not None
-    shift = SHIFT_PRIOR * problem.arm.specimen.length * observation.root[:, :, 1:3] / experiment.noise_gain[:, None]
-    seen = np.concatenate([force.seen[:, :, : problem.arm.order], force.cells.averaged(shift)], axis=2)
+    shift = SHIFT_PRIOR * arm.specimen.length * _by_shift(experiment, residuals.shape)
+    seen = np.concatenate([force.seen[:, :, : arm.order], force.cells.averaged(shift)], axis=2)
     return force.cells.averaged(residuals[:, :, None])[:, :, 0], seen
+
+
+def _by_shift(experiment: Experiment, shape: tuple[int, ...]) -> Array:
+    """Derivatives (T, K, 2) of what is seen by a shift of the clamp [1/m]; 0 where it is known not to shift."""
+    shapes = experiment.observation.shapes
+    if shapes is None or not experiment.sees_shift:
+        return np.zeros((*shape, 2))
+    return np.asarray(shapes.root[:, :, 1:3] / experiment.noise_gain[:, None])
 
 
 def _motion(
@@ -95,8 +100,7 @@ def _motion(
     model = CubicSpline(run.t, run.q[:, :, 0] @ arm.from_monomial.T)
     base = CubicSpline(run.t, run.theta[:, 0])
     change = CubicSpline(force.cells.t, smooth.mean[:, :n])
-    observation = experiment.observation.shapes
-    assert observation is not None
+    observation = experiment.observation
     shown = observation.t[experiment.used & observation.seen]
     first, last = max(run.t[0], force.cells.t[0]), min(run.t[-1], force.cells.t[-1], shown[-1])
     t: Array = np.arange(first, last - MOTION_STEP, MOTION_STEP) + 0.5 * MOTION_STEP
@@ -180,8 +184,7 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     scales = law_scales(problem)
     problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
-    arm, observation = experiment.arm(problem.arm), experiment.observation.shapes
-    assert observation is not None
+    arm, observation = experiment.arm(problem.arm), experiment.observation
     n = arm.order
     own = experiment.own(parameters[:, None], fitted.nuisances[place][:, None])[:, 0]
     advance, push = _equations(arm, own, motion)
@@ -191,29 +194,37 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     t = sight.shown_times(observation.t)
     shown = np.flatnonzero(experiment.used & observation.seen & (t >= begin + END_MARGIN) & (t <= lasts - END_MARGIN))
     when = (t[shown] - begin) / MOTION_STEP
-    gain = experiment.noise_gain[:, None]
-    rows = observation.root[shown][:, :, POSE : POSE + n] / gain
-    spline = CubicSpline(motion.t, motion.u[:, : n + 1])(t[shown])
-    q, theta = spline[:, :n], spline[:, n]
-    shift = experiment.parts(n, fitted.nuisances[place])[3]
-    shift = shift + arm.specimen.length * np.array(sight.shift)
-    error = observation.coefficients[shown].copy()
-    error[:, 0] -= theta - observation.theta[shown] + sight.roll
-    error[:, 1:3] -= shift
-    error[:, 3] -= np.log1p(sight.excess)
-    kept = min(n, observation.order)
-    error[:, POSE : POSE + kept] -= q[:, :kept]
-    left = np.einsum("fkl,fl->fk", observation.root[shown] / gain, error).reshape(-1)
+    smooth = CubicSpline(motion.t, motion.u[:, : n + 1])(np.clip(t, begin, lasts))
+    residuals = _seen_of(arm, experiment, own, fitted.nuisances[place], smooth)
+    left = residuals[shown, :, 0].reshape(-1)
+    rows = (residuals[:, :, :1] - residuals[:, :, 1:])[shown] / STATE_DIFFERENCE
     none = np.zeros((left.size, 0))
     bare = SmallMotions(motion, advance, push, when, rows, left, none, none)
     still = np.zeros((motion.t.size, n, 2 * n))
-    moved = (observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)
+    moved = _by_shift(experiment, residuals.shape[:2])[shown].reshape(-1, 2)
     return replace(
         bare,
         target=left + bare.answer(motion.force[:, :, None])[:, 0],
         by_state=np.concatenate([bare.answer(still, np.eye(2 * n)), moved], axis=1),
         by_parameters=bare.answer(_parameter_forces(scales, arm, own, motion)),
     )
+
+
+def _seen_of(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, smooth: Array) -> Array:
+    """Whitened residuals (T, K, 1 + n) of the motion with z and theta = smooth (T, n + 1) at the frames, and of those
+    with one coordinate larger by STATE_DIFFERENCE.
+    """
+    n = arm.order
+    q = np.repeat((smooth[:, :n] @ arm.to_monomial.T)[:, :, None], 1 + n, axis=2)
+    q[:, :, 1:] += STATE_DIFFERENCE * arm.to_monomial
+    theta = np.repeat(smooth[:, n : n + 1], 1 + n, axis=1)
+    sight = sight_of(parameters)
+    shift = arm.specimen.length * np.array(sight.shift, dtype=float)
+    if experiment.sees_shift:
+        shift = shift + experiment.parts(n, nuisances)[3]
+    roll, scale = np.full(1 + n, sight.roll), np.full(1 + n, sight.excess)
+    rows = experiment.observation.predict(q, theta, roll, scale, np.repeat(shift[:, None], 1 + n, axis=1))
+    return rows / experiment.noise_gain[:, None]
 
 
 def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:

@@ -39,12 +39,12 @@ class Searched:
 
 
 def sought_at(point: tuple[Problem, Fit]) -> tuple[tuple[SeenMotion, ...], Sought]:
-    """The motions of the recordings that show shapes, and the answers of laws about them."""
+    """The motions of the recordings that a law may act in, and the answers of laws about them."""
     problem, fitted = point
     shown = [(place, motion) for place, motion in enumerate(seen_motions(problem, fitted)) if motion is not None]
     inputs = tuple(
         LawInputs(arm, small_motions(problem, fitted, place, motion), stiffness_along(arm, fitted.parameters))
-        for arm, (place, motion) in zip(arms_shown(problem, fitted), shown, strict=True)
+        for arm, (place, motion) in zip(arms_of(problem, fitted), shown, strict=True)
     )
     return tuple(motion for _, motion in shown), Sought(inputs)
 
@@ -78,10 +78,10 @@ def stiff_point(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> t
     return _at(base, {**changed, MODULUS: modulus})
 
 
-def arms_shown(problem: Problem, fitted: Fit) -> list[Arm]:
-    """The arm of every recording that shows shapes."""
+def arms_of(problem: Problem, fitted: Fit) -> list[Arm]:
+    """The arm of every recording that a law may act in."""
     known = problem.known(fitted.parameters)[0]
-    return [e.arm(known.arm) for e in known.experiments if e.observation.shapes is not None]
+    return [e.arm(known.arm) for e in known.experiments if not e.complete]
 
 
 def stiffness_along(arm: Arm, parameters: Array) -> Array:
@@ -97,7 +97,7 @@ def _balanced_modulus(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]
     elastic = rigid.copy()
     elastic[parameter_index(*MODULUS)] = 1.0
     squares = np.zeros(2)
-    for arm, motion in zip(arms_shown(*base), motions, strict=True):
+    for arm, motion in zip(arms_of(*base), motions, strict=True):
         own = (motion.u, motion.rate, motion.acceleration)
         without, unit = (lacking(arm, parameters, own, motion.instant)[:, 0] for parameters in (rigid, elastic))
         squares += without.size * np.array([np.var(without), np.var(unit - without)])

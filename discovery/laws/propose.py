@@ -13,7 +13,7 @@ from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter
 from affine_model.curvature import Array
 from discovery.answer import SERVO_UNDER_LOAD, proposal_words
 from discovery.laws.along import force_map
-from discovery.laws.operating_point import Searched, arms_shown, settled_search, sought_at
+from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
 from discovery.laws.search import FittedLaw
 from discovery.next_experiment import Proposal, propose_experiment
 from inference.compare import midline_error
@@ -45,13 +45,13 @@ LAW_KINDS = {
 def propose_laws(
     base: tuple[Problem, Fit], prepared: list[Prepared], progress: Callable[[str], None] = lambda _: None
 ) -> MissingForce:
-    """The missing force of a fitted model, and laws for it; empty where no recording shows shapes."""
+    """The missing force of a fitted model, and laws for it; empty where every recording is complete."""
     progress("smoothing the missing force")
     motions, sought = sought_at(base)
     if not motions:
         return MissingForce()
-    names = [e.name for e in base[0].experiments if e.observation.shapes is not None]
-    arms = arms_shown(*base)
+    names = [e.name for e in base[0].experiments if not e.complete]
+    arms = arms_of(*base)
     maps = tuple(force_map(*one) for one in zip(names, arms, motions, strict=True))
     if sought.size < LEAST_FORCE:
         return MissingForce(maps, (), (), ("The missing force does not stand out of the noise: no law is proposed.",))
@@ -144,7 +144,7 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         next_motion, motions = None, ()
         if accepted:
             best = accepted[0]
-            arms = arms_shown(best.problem, best.fitted)
+            arms = arms_of(best.problem, best.fitted)
             motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, searched.motions, strict=True))
             next_motion = propose_experiment(best, _rivals(accepted), SERVO_UNDER_LOAD, 0)
     return LawFits(tuple(one.proposed for one in accepted), motions, next_motion)
