@@ -75,7 +75,7 @@ def stiff_point(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> t
     modulus = STIFFER * _balanced_modulus(base, motions)
     if LOSS in changed:
         changed[LOSS] *= modulus / nominal[MODULUS]
-    return _at(base, {**changed, MODULUS: modulus})
+    return at_values(base, {**changed, MODULUS: modulus})
 
 
 def arms_of(problem: Problem, fitted: Fit) -> list[Arm]:
@@ -114,10 +114,10 @@ def _moved(point: tuple[Problem, Fit], change: Array) -> tuple[Problem, Fit]:
         if before > 0.0:
             low, high = max(low, before / FARTHEST), min(high, before * FARTHEST)
         changed[name] = float(np.clip(before + scale * step, low, high))
-    return _at(point, changed)
+    return at_values(point, changed)
 
 
-def _at(point: tuple[Problem, Fit], changed: dict[tuple[str, str], float]) -> tuple[Problem, Fit]:
+def at_values(point: tuple[Problem, Fit], changed: dict[tuple[str, str], float]) -> tuple[Problem, Fit]:
     """The model with other values of these parameters, not fitted again."""
     problem, fitted = point
     parameters = fitted.parameters.copy()

@@ -16,8 +16,11 @@ from discovery.laws.along import force_map
 from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
 from discovery.laws.search import FittedLaw
 from discovery.next_experiment import Proposal, propose_experiment
+from inference.base_fit import most_coordinates
 from inference.compare import midline_error
 from inference.missing_force import SeenMotion, lacking
+from inference.more_coordinates import with_coordinates
+from inference.posterior import NOISE_REACH
 from inference.prepare import Prepared
 from inference.prior import laplace_evidence
 from inference.trajectory import Fit, ParameterName, Problem, fit
@@ -28,9 +31,10 @@ from tentacle.proposed_law import MissingForce, ProposedLaw
 
 FITTED, MOST = 8, 5  # laws that are fitted, and that are shown
 EXPLAINS = 0.9  # largest share of the missing force's answer that a law may leave and still be fitted
+ALIKE = 3.0  # nats: laws that are no farther apart do equally well
 RIVAL = 1.1  # of the best law's error on held-out frames: a law within it is its rival
 FIT_ROUNDS, FIT_TOLERANCE = 25, 1e-4
-BETTER = 1.0  # of the base's error on held-out frames: what a proposal must reach
+CLOSE_ROUNDS, CLOSE_TOLERANCE = 40, 1e-6
 LEAST_FORCE = 0.25  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
 LAW_KINDS = {
@@ -88,6 +92,16 @@ def as_found(found: FittedLaw) -> WrittenLaw:
 
 
 @dataclass(frozen=True)
+class LawFit:
+    """The model with a law, fitted. gain [nats]: of its evidence over that without a law (0: not known yet)."""
+
+    law: WrittenLaw
+    problem: Problem
+    fitted: Fit
+    gain: float = 0.0
+
+
+@dataclass(frozen=True)
 class LawHypothesis:
     """The model with a law, fitted, and what is said of it."""
 
@@ -124,27 +138,23 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         plain = _beside_laws(problem, own)
         bare = fit(plain, fitted.nuisances, tolerance=FIT_TOLERANCE, most=FIT_ROUNDS)
         start = _beside_laws(problem, moved)
-        fits = [(found, law, *_with_law(start, fitted, found, law)) for found, law in zip(worth, laws, strict=True)]
-        variance = max(1.0, min(2.0 * again.misfit / again.count for *_, again in fits))
+        fits = [_with_law(start, fitted, found, law) for found, law in zip(worth, laws, strict=True)]
+        variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
         nothing = laplace_evidence(plain, bare, variance)
+        judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
+        judged = sorted((one for one in judged if one.gain > GAIN), key=lambda one: -one.gain)[:MOST]
+        if judged and _leaves_more_than_noise(judged[0].fitted):
+            finer = [_with_more_coordinates(one) for one in judged]
+            judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in finer]
         accepted: list[LawHypothesis] = []
-        for _, law, problem_with, again in fits:
-            error = midline_error(prepared, problem_with, again, _held_out(prepared))
-            gain = laplace_evidence(problem_with, again, variance) - nothing
-            if gain < GAIN or (error is not None and before is not None and error > BETTER * before):
-                continue
-            values = {p.name: float(again.parameters[parameter_index(law.name, p.name)]) for p in law.parameters}
-            written = replace(law, parameters=tuple(_at(p, values[p.name]) for p in law.parameters))
-            proposed = ProposedLaw(
-                written, values, gain, error, _unexplained_share(bare, again), _deviations(law, again, variance),
-                problem.known(fitted.parameters)[0].arm.specimen.length,
-            )  # fmt: skip
-            accepted.append(LawHypothesis(proposed, problem_with, again))
-        accepted = sorted(accepted, key=lambda one: -one.proposed.evidence)[:MOST]
+        for one in sorted(judged, key=lambda one: -one.gain):
+            error = midline_error(prepared, one.problem, one.fitted, _held_out(prepared))
+            if error is None or before is None or error < before:
+                accepted.append(_hypothesis(one, error, _unexplained_share(bare, one.fitted), variance))
         next_motion, motions = None, ()
         if accepted:
             best = accepted[0]
-            arms = arms_of(best.problem, best.fitted)
+            arms = arms_of(*searched.point)
             motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, searched.motions, strict=True))
             next_motion = propose_experiment(best, _rivals(accepted), SERVO_UNDER_LOAD, 0)
     return LawFits(tuple(one.proposed for one in accepted), motions, next_motion)
@@ -207,7 +217,7 @@ def _unexplained_share(before: Fit, after: Fit) -> float:
     return float(np.sqrt(structure(after) / max(structure(before), 1e-12)))
 
 
-def _with_law(plain: Problem, base: Fit, found: FittedLaw, law: WrittenLaw) -> tuple[Problem, Fit]:
+def _with_law(plain: Problem, base: Fit, found: FittedLaw, law: WrittenLaw) -> LawFit:
     """The model with the law added, fitted from what the search found."""
     parameters = plain.parameters.copy()
     for name, value in found.values.items():
@@ -215,7 +225,33 @@ def _with_law(plain: Problem, base: Fit, found: FittedLaw, law: WrittenLaw) -> t
     own: tuple[ParameterName, ...] = tuple((law.name, p.name) for p in law.parameters)
     problem = replace(plain, free=(*plain.free, *own), parameters=parameters)
     fitted = fit(problem, base.nuisances, tolerance=FIT_TOLERANCE, most=FIT_ROUNDS)
-    return replace(problem, parameters=fitted.parameters), fitted
+    return LawFit(law, replace(problem, parameters=fitted.parameters), fitted)
+
+
+def _with_more_coordinates(one: LawFit) -> LawFit:
+    """The same fitted further with as many curvature coordinates as the recordings hold: a force at the tip or at one
+    place bends an arm more sharply than the coordinates that are seen without it.
+    """
+    order = max(most_coordinates(one.problem), one.problem.arm.order)
+    problem, nuisances = with_coordinates(one.problem, one.fitted.nuisances, order)
+    fitted = fit(problem, nuisances, tolerance=CLOSE_TOLERANCE, most=CLOSE_ROUNDS)
+    return LawFit(one.law, replace(problem, parameters=fitted.parameters), fitted)
+
+
+def _leaves_more_than_noise(fitted: Fit) -> bool:
+    return 2.0 * fitted.misfit / fitted.count > 1.0 + NOISE_REACH * float(np.sqrt(2.0 / fitted.count))
+
+
+def _hypothesis(one: LawFit, error: float | None, left: float, variance: float) -> LawHypothesis:
+    """The law with its fitted values, and what is said of it."""
+    parameters = one.fitted.parameters
+    values = {p.name: float(parameters[parameter_index(one.law.name, p.name)]) for p in one.law.parameters}
+    written = replace(one.law, parameters=tuple(_at(p, values[p.name]) for p in one.law.parameters))
+    proposed = ProposedLaw(
+        written, values, one.gain, error, left, _deviations(one.law, one.fitted, variance),
+        one.problem.known(parameters)[0].arm.specimen.length,
+    )  # fmt: skip
+    return LawHypothesis(proposed, one.problem, one.fitted)
 
 
 def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) -> tuple[str, ...]:
@@ -227,8 +263,10 @@ def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) 
         f"Proposed law: {best.words}. It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
         f"the error on held-out frames is {best.held_out_midline_mm:.2f} mm."
     ]
-    if len(laws) > 1:
-        words.append(f"The next law, {laws[1].words}, is {laws[0].evidence - laws[1].evidence:.0f} nats behind.")
+    if alike := [law.words for law in laws[1:] if best.evidence - law.evidence < ALIKE]:
+        words.append(f"These do as well, within {ALIKE:.0f} nats: {'; '.join(alike)}.")
+    elif len(laws) > 1:
+        words.append(f"The next law, {laws[1].words}, is {best.evidence - laws[1].evidence:.0f} nats behind.")
     if region := best.region_words:
         words.append(region)
     shares = ", ".join(f"{kind} {100.0 * left:.0f} %" for kind, left in sorted(kinds, key=lambda row: row[1]))
