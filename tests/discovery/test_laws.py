@@ -74,13 +74,13 @@ def test_a_law_is_found_from_parameters_that_the_missing_force_has_moved_far(mag
     lost = at_values(magnet, {("elasticity", "E"): MODULUS / 100.0, ("drag", "C_perp"): 0.0})
     motions, _ = sought_at(lost)
     stiff = stiff_point(lost, motions)[1].parameters[parameter_index("elasticity", "E")]
-    # Stiffer than the arm, so that no error grows; at most so much that the law's answer is not lost.
-    assert MODULUS < stiff < 4.0 * MODULUS
+    # Four times the balance of inertia and weight: near the arm's own, less where a magnet's pull bends it as much.
+    assert MODULUS / 5.0 < stiff < 5.0 * MODULUS
     searched = settled_search(lost, motions)
     best = searched.laws[0]
     assert best.form.law.name == "attraction"
     assert np.hypot(best.values["at_x"] - PLACE[0], best.values["at_y"] - PLACE[1]) < 0.05 * 0.14
-    # The two models agree on the stiffness within 3 % (docs/explanation/reference.md); the law is known as well.
+    # The recording is of the reference's chain: the reduced model's best stiffness differs from it by a few per cent.
     assert searched.point[1].parameters[parameter_index("elasticity", "E")] == pytest.approx(MODULUS, rel=0.05)
 
 
