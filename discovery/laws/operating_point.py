@@ -50,12 +50,16 @@ def sought_at(point: tuple[Problem, Fit]) -> tuple[tuple[SeenMotion, ...], Sough
 
 
 def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> Searched:
-    """The search, repeated from the stiff start until the best law leaves the parameters where they are."""
+    """The search, repeated from the stiff start until the best law leaves the parameters where they are.
+
+    A softer point shows a law larger and a stiffer one cleaner. So a move is taken back only if the best law then has
+    less evidence and also leaves a larger share.
+    """
     point, last = stiff_point(base, motions), None
     for _ in range(ROUNDS):
         seen, sought = sought_at(point)
         found = search_laws(sought)
-        if last is not None and found[0].unexplained > last.laws[0].unexplained:
+        if last is not None and _worse(found[0], last.laws[0]):
             return last
         last = Searched(point, seen, sought, found)
         change = sought.change(found[0])
@@ -64,6 +68,10 @@ def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -
         point = _moved(point, change)
     assert last is not None
     return last
+
+
+def _worse(law: FittedLaw, before: FittedLaw) -> bool:
+    return law.evidence < before.evidence and law.unexplained > before.unexplained
 
 
 def stiff_point(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> tuple[Problem, Fit]:
