@@ -1,20 +1,25 @@
 """Hidden laws and nulls: how often the search after an unknown finds the law that a plant hides, and how often it
 invents one.
 
-python benchmarks/laws.py --json FILE [--laws N] [--nulls N] [--seed S] [--only KIND ...] [--results FILE.jsonl]
+python benchmarks/laws.py --json FILE [--laws N] [--nulls N] [--seed S] [--only KIND ...] [--workers N]
 
 Laws are drawn from the grammar by a seed and hidden by the stranger (validation.trials.law_trial), 39 s of midline at
 .15 mm, 2 to 20 noise deviations large. A law is exact where its form is right, its power within .1 and its place within
 5 % of the length; naming the effect of the catalogue that the drawn law is counts as exact. Seeds below 1000 are for
-development. A stopped run goes on from its results; a row holds all that was proposed.
+development. The kinds take turns, so a part of a series is balanced over them. Each worker has one core. A stopped run
+goes on from its results (FILE.jsonl, or --results); a row holds all that was proposed, and the commit. A trial that
+ends with an error counts as a miss.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
+import os
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -25,8 +30,10 @@ from scipy.stats import binomtest
 # benchmarks/vision.py must not stand for the room of that name.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks._commit import commit_of
 from discovery.diagnose import diagnose
 from tentacle.diagnosis import Diagnosis
+from tentacle.errors import InputError
 from validation.trials.law_trial import CLASSES, IN_DISGUISE, law_recording, met
 
 LAWS, NULLS = 60, 60
@@ -37,15 +44,24 @@ TARGETS = {
 }  # fmt: skip
 
 
-def trial(seed: int, kind: str) -> dict[str, Any]:
-    """One trial's row."""
+def trial(asked: tuple[int, str]) -> dict[str, Any]:
+    """One trial's row; with the error alone where it ends with one."""
+    seed, kind = asked
+    try:
+        return _row(seed, kind)
+    except (InputError, ArithmeticError, ValueError, RuntimeError) as error:
+        return {"seed": seed, "kind": kind, "error": f"{type(error).__name__}: {error}"}
+
+
+def _row(seed: int, kind: str) -> dict[str, Any]:
     recording, truth = law_recording(seed, kind)
     begin = time.process_time(), time.perf_counter()
     found = diagnose([recording])
     cpu, wall = time.process_time() - begin[0], time.perf_counter() - begin[1]
     near = met(truth, found.missing.laws)
     return {
-        "seed": seed, "kind": kind, "numbers": truth["numbers"], "length": truth["arm"]["length"],
+        "seed": seed, "kind": kind, "commit": commit_of(Path(__file__).parent), "numbers": truth["numbers"],
+        "length": truth["arm"]["length"],
         "R": truth["moved_mm"] / truth["noise_mm"], "verdict": found.verdict, "effects": list(found.effects),
         "disguise": found.verdict in ("effect", "group") and IN_DISGUISE.get(kind) in found.effects,
         "laws": [{**asdict(one), "exact": one.exact, "values": law.values, "evidence": law.evidence}
@@ -60,32 +76,46 @@ def _held_out(found: Diagnosis) -> float | None:
     return found.missing.laws[0].held_out_midline_mm if found.missing.laws else found.after.midline_mm
 
 
+def right(row: dict[str, Any], mark: str, first: bool) -> bool:
+    """Whether the first law, or one of all, has this mark ("exact" or "form"); the law in disguise counts as both."""
+    laws = row.get("laws", [])[: 1 if first else None]
+    return bool(row.get("disguise")) or any(law[mark] for law in laws)
+
+
 def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Counts, shares with their 95 % intervals, and medians."""
     hidden, nulls = ([row for row in rows if (row["kind"] == "nothing") == bare] for bare in (False, True))
     counts = {
-        "exact_first": [row["disguise"] or (bool(row["laws"]) and row["laws"][0]["exact"]) for row in hidden],
-        "exact_in_five": [row["disguise"] or any(law["exact"] for law in row["laws"]) for row in hidden],
-        "form_first": [row["disguise"] or (bool(row["laws"]) and row["laws"][0]["form"]) for row in hidden],
-        "held_out_within": [bool(row["held_out_mm"]) and row["held_out_mm"] <= HELD_OUT_LIMIT * row["floor_mm"]
+        "exact_first": [right(row, "exact", True) for row in hidden],
+        "exact_in_five": [right(row, "exact", False) for row in hidden],
+        "form_first": [right(row, "form", True) for row in hidden],
+        "held_out_within": [bool(row.get("held_out_mm")) and row["held_out_mm"] <= HELD_OUT_LIMIT * row["floor_mm"]
                             for row in hidden],
-        "called_unknown": [row["verdict"] == "unknown" for row in hidden],
-        "invented": [bool(row["laws"]) for row in nulls],
+        "called_unknown": [row.get("verdict") == "unknown" for row in hidden],
+        "invented": [bool(row.get("laws")) for row in nulls],
+        "ended_with_an_error": ["error" in row for row in rows],
     }  # fmt: skip
     found: dict[str, Any] = {}
-    for name, right in counts.items():
-        if right:
-            low, high = binomtest(sum(right), len(right)).proportion_ci(method="wilson")
-            found[name] = {"right": sum(right), "of": len(right), "low": float(low), "high": float(high)}
+    for name, marks in counts.items():
+        if marks:
+            low, high = binomtest(sum(marks), len(marks)).proportion_ci(method="wilson")
+            found[name] = {"right": sum(marks), "of": len(marks), "low": float(low), "high": float(high)}
     for name in ("cpu_s", "wall_s"):
-        if hidden:
-            found[name] = float(np.median([row[name] for row in hidden]))
-            found[f"{name}_worst"] = max(row[name] for row in hidden)
+        times = [row[name] for row in hidden if name in row]
+        if times:
+            found[name] = float(np.median(times))
+            found[f"{name}_worst"] = max(times)
+    found["exact_first_by_kind"] = {
+        kind: f"{sum(right(row, 'exact', True) for row in own)} of {len(own)}"
+        for kind in CLASSES if (own := [row for row in hidden if row["kind"] == kind])
+    }  # fmt: skip
     return found
 
 
 def line_of(row: dict[str, Any]) -> str:
     """A row in a line."""
+    if "error" in row:
+        return f"{row['seed']:7d} {row['kind']:16s} {row['error']}"
     marks = [(law["name"], " EXACT" if law["exact"] else " form" if law["form"] else "") for law in row["laws"]]
     best = [name + mark for name, mark in marks]
     held = "-" if row["held_out_mm"] is None else f"{row['held_out_mm']:.3f}"
@@ -103,6 +133,7 @@ def main() -> None:
     parser.add_argument("--nulls", type=int, default=NULLS, metavar="N")
     parser.add_argument("--seed", type=int, default=0, help="of the first trial; the others follow it")
     parser.add_argument("--only", nargs="+", choices=CLASSES, default=CLASSES, metavar="KIND", help="these in turn")
+    parser.add_argument("--workers", type=int, default=1, metavar="N", help="processes, of one core each")
     parser.add_argument("--results", type=Path, metavar="FILE", help="rows; a stopped run goes on from them")
     arguments = parser.parse_args()
     results = arguments.results or arguments.json.with_suffix(".jsonl")
@@ -110,10 +141,7 @@ def main() -> None:
     done = {(row["seed"], row["kind"]) for row in rows}
     hidden = [(arguments.seed + k, arguments.only[k % len(arguments.only)]) for k in range(arguments.laws)]
     nulls = [(arguments.seed + arguments.laws + k, "nothing") for k in range(arguments.nulls)]
-    for seed, kind in mixed(hidden, nulls):
-        if (seed, kind) in done:
-            continue
-        row = trial(seed, kind)
+    for row in _rows([one for one in mixed(hidden, nulls) if one not in done], arguments.workers):
         rows.append(row)
         with results.open("a") as file:
             file.write(json.dumps(row) + "\n")
@@ -121,10 +149,37 @@ def main() -> None:
     wanted = set(hidden) | set(nulls)
     figures = summary([row for row in rows if (row["seed"], row["kind"]) in wanted])
     for name, value in figures.items():
-        shown = (f"{value['right']} of {value['of']} ({100 * value['low']:.0f} to {100 * value['high']:.0f} %)"
-                 if isinstance(value, dict) else f"{value:.0f}")  # fmt: skip
-        print(f"{name:18s} {shown:26s} {TARGETS.get(name, '')}")
+        print(f"{name:20s} {_shown(value):28s} {TARGETS.get(name, '')}")
     arguments.json.write_text(json.dumps({"figures": figures}, indent=1) + "\n")
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.0f}"
+    if "of" in value:
+        return f"{value['right']} of {value['of']} ({100 * value['low']:.0f} to {100 * value['high']:.0f} %)"
+    return ", ".join(f"{kind} {share}" for kind, share in value.items())
+
+
+def _rows(asked: list[tuple[int, str]], workers: int) -> Iterator[dict[str, Any]]:
+    """The trials' rows as they come."""
+    if workers == 1:
+        yield from map(trial, asked)
+        return
+    context = multiprocessing.get_context("spawn")
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    free = context.Queue()
+    for k in range(workers):
+        free.put(cores[k % len(cores)] if cores else None)
+    with context.Pool(workers, _on_one_core, (free,)) as pool:
+        yield from pool.imap_unordered(trial, asked)
+
+
+def _on_one_core(free: Any) -> None:
+    """Keep this worker on one core: its simulations then use one thread."""
+    core = free.get()
+    if core is not None:
+        os.sched_setaffinity(0, {core})
 
 
 def mixed(one: list[tuple[int, str]], other: list[tuple[int, str]]) -> list[tuple[int, str]]:

@@ -14,19 +14,19 @@ missing force.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from affine_model.arm import Arm, active_effects
+from affine_model.arm import Arm, active_effects, parameter_rows
 from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.observation import POSE
 from inference.smoother import Smoothed, likeliest
 from inference.trajectory import Fit, Problem
 
@@ -55,33 +55,39 @@ class SeenMotion:
 
 
 def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]:
-    """The motion and the missing force of every recording that shows shapes; None for one that does not."""
+    """The motion and the missing force of every recording; None for one that is complete."""
     problem, parameters = problem.known(fitted.parameters)
     forces = latent_forces(problem, parameters, fitted.nuisances)
     found: list[SeenMotion | None] = []
     for place, (experiment, force) in enumerate(zip(problem.experiments, forces, strict=True)):
-        if experiment.observation.shapes is None:
+        if experiment.complete:
             found.append(None)
             continue
         at, nuisances = parameters[:, None], fitted.nuisances[place][:, None]
         run = predict(problem.arm, experiment, at, nuisances, problem.step)
-        given = _cells_of(problem, experiment, force, whitened_residuals(experiment, at, run)[:, :, 0])
+        given = _cells_of(problem.arm, experiment, force, whitened_residuals(experiment, at, run)[:, :, 0])
         found.append(
             _motion(problem, experiment, (parameters, fitted.nuisances[place]), force, likeliest(force, given))
         )
     return tuple(found)
 
 
-def _cells_of(problem: Problem, experiment: Experiment, force: LatentForce, residuals: Array) -> tuple[Array, Array]:
+def _cells_of(arm: Arm, experiment: Experiment, force: LatentForce, residuals: Array) -> tuple[Array, Array]:
     """Whitened residuals (C, K) in the cells, and how they see (C, K, n + 2) the coordinates and the clamp's shift.
 
     The shift is in units of its prior. A model that lacks a force has an error in that shift too.
     """
-    observation = experiment.observation.shapes
-    assert observation is not None
-    shift = SHIFT_PRIOR * problem.arm.specimen.length * observation.root[:, :, 1:3] / experiment.noise_gain[:, None]
-    seen = np.concatenate([force.seen[:, :, : problem.arm.order], force.cells.averaged(shift)], axis=2)
+    shift = SHIFT_PRIOR * arm.specimen.length * _by_shift(experiment, residuals.shape)
+    seen = np.concatenate([force.seen[:, :, : arm.order], force.cells.averaged(shift)], axis=2)
     return force.cells.averaged(residuals[:, :, None])[:, :, 0], seen
+
+
+def _by_shift(experiment: Experiment, shape: tuple[int, ...]) -> Array:
+    """Derivatives (T, K, 2) of what is seen by a shift of the clamp [1/m]; 0 where it is known not to shift."""
+    shapes = experiment.observation.shapes
+    if shapes is None or not experiment.sees_shift:
+        return np.zeros((*shape, 2))
+    return np.asarray(shapes.root[:, :, 1:3] / experiment.noise_gain[:, None])
 
 
 def _motion(
@@ -94,8 +100,7 @@ def _motion(
     model = CubicSpline(run.t, run.q[:, :, 0] @ arm.from_monomial.T)
     base = CubicSpline(run.t, run.theta[:, 0])
     change = CubicSpline(force.cells.t, smooth.mean[:, :n])
-    observation = experiment.observation.shapes
-    assert observation is not None
+    observation = experiment.observation
     shown = observation.t[experiment.used & observation.seen]
     first, last = max(run.t[0], force.cells.t[0]), min(run.t[-1], force.cells.t[-1], shown[-1])
     t: Array = np.arange(first, last - MOTION_STEP, MOTION_STEP) + 0.5 * MOTION_STEP
@@ -126,8 +131,8 @@ class SmallMotions:
         (d, d')_k+1 = advance_k (d, d')_k + push_k force_k,        observation of frame f = rows_f d(place_f)
 
     advance (T, 2n, 2n); push (T, 2n, n); place (F,) [steps] of the frames; rows (F, K, n) in noise deviations. target
-    (F K,): measured minus smoothed, minus the response to -Q. absorbed (F K, P): orthonormal basis of what a refit of
-    the model's own unknowns can absorb.
+    (F K,): measured minus smoothed, minus the response to -Q. by_state (F K, S): responses to the initial state and to
+    the clamp's shift; by_parameters (F K, P): to a change of each free parameter of the model by its scale.
     """
 
     motion: SeenMotion
@@ -136,7 +141,18 @@ class SmallMotions:
     place: Array
     rows: Array
     target: Array
-    absorbed: Array
+    by_state: Array
+    by_parameters: Array
+
+    @cached_property
+    def absorbed(self) -> Array:
+        """Orthonormal basis (F K, P) of what a refit of the model's own unknowns can absorb."""
+        return _basis(np.concatenate([self.by_state, self.by_parameters], axis=1))
+
+    @cached_property
+    def state_basis(self) -> Array:
+        """The same of the initial state and the clamp's shift alone."""
+        return _basis(self.by_state)
 
     def answer(self, force: Array, start: Array | None = None) -> Array:
         """What is seen (F K, B) of small motions under generalised forces (T, n, B)."""
@@ -157,12 +173,18 @@ class SmallMotions:
         return columns - self.absorbed @ (self.absorbed.T @ columns)
 
 
+def _basis(columns: Array) -> Array:
+    size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)  # a tracker that knows the base sees no shift of it
+    left, singular, _ = np.linalg.svd(columns / size, full_matrices=False)
+    return np.asarray(left[:, singular > 1e-8 * singular[0]])
+
+
 def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion) -> SmallMotions:
     """The small motions about the smoothed motion of one recording."""
+    scales = law_scales(problem)
     problem, parameters = problem.known(fitted.parameters)
     experiment = problem.experiments[place]
-    arm, observation = experiment.arm(problem.arm), experiment.observation.shapes
-    assert observation is not None
+    arm, observation = experiment.arm(problem.arm), experiment.observation
     n = arm.order
     own = experiment.own(parameters[:, None], fitted.nuisances[place][:, None])[:, 0]
     advance, push = _equations(arm, own, motion)
@@ -172,30 +194,37 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     t = sight.shown_times(observation.t)
     shown = np.flatnonzero(experiment.used & observation.seen & (t >= begin + END_MARGIN) & (t <= lasts - END_MARGIN))
     when = (t[shown] - begin) / MOTION_STEP
-    gain = experiment.noise_gain[:, None]
-    rows = observation.root[shown][:, :, POSE : POSE + n] / gain
-    spline = CubicSpline(motion.t, motion.u[:, : n + 1])(t[shown])
-    q, theta = spline[:, :n], spline[:, n]
-    shift = experiment.parts(n, fitted.nuisances[place])[3]
-    shift = shift + arm.specimen.length * np.array(sight.shift)
-    error = observation.coefficients[shown].copy()
-    error[:, 0] -= theta - observation.theta[shown] + sight.roll
-    error[:, 1:3] -= shift
-    error[:, 3] -= np.log1p(sight.excess)
-    kept = min(n, observation.order)
-    error[:, POSE : POSE + kept] -= q[:, :kept]
-    left = np.einsum("fkl,fl->fk", observation.root[shown] / gain, error).reshape(-1)
-    bare = SmallMotions(motion, advance, push, when, rows, left, np.zeros((left.size, 0)))
-    still = np.zeros((motion.t.size, n, 1))
-    starts = [bare.answer(np.repeat(still, 2 * n, axis=2), np.eye(2 * n))]
-    moved = np.concatenate([(observation.root[shown] / gain)[:, :, 1:3].reshape(-1, 2)], axis=1)
-    laws = bare.answer(_parameter_forces(problem, arm, own, motion))
-    absorbed = np.concatenate([*starts, moved, laws], axis=1)
-    size = np.maximum(np.linalg.norm(absorbed, axis=0), 1e-300)  # a tracker that knows the base sees no shift of it
-    left_basis, singular, _ = np.linalg.svd(absorbed / size, full_matrices=False)
-    basis = left_basis[:, singular > 1e-8 * singular[0]]
-    target = left + bare.answer(motion.force[:, :, None])[:, 0]
-    return SmallMotions(motion, advance, push, when, rows, target - basis @ (basis.T @ target), basis)
+    smooth = CubicSpline(motion.t, motion.u[:, : n + 1])(np.clip(t, begin, lasts))
+    residuals = _seen_of(arm, experiment, own, fitted.nuisances[place], smooth)
+    left = residuals[shown, :, 0].reshape(-1)
+    rows = (residuals[:, :, :1] - residuals[:, :, 1:])[shown] / STATE_DIFFERENCE
+    none = np.zeros((left.size, 0))
+    bare = SmallMotions(motion, advance, push, when, rows, left, none, none)
+    still = np.zeros((motion.t.size, n, 2 * n))
+    moved = _by_shift(experiment, residuals.shape[:2])[shown].reshape(-1, 2)
+    return replace(
+        bare,
+        target=left + bare.answer(motion.force[:, :, None])[:, 0],
+        by_state=np.concatenate([bare.answer(still, np.eye(2 * n)), moved], axis=1),
+        by_parameters=bare.answer(_parameter_forces(scales, arm, own, motion)),
+    )
+
+
+def _seen_of(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, smooth: Array) -> Array:
+    """Whitened residuals (T, K, 1 + n) of the motion with z and theta = smooth (T, n + 1) at the frames, and of those
+    with one coordinate larger by STATE_DIFFERENCE.
+    """
+    n = arm.order
+    q = np.repeat((smooth[:, :n] @ arm.to_monomial.T)[:, :, None], 1 + n, axis=2)
+    q[:, :, 1:] += STATE_DIFFERENCE * arm.to_monomial
+    theta = np.repeat(smooth[:, n : n + 1], 1 + n, axis=1)
+    sight = sight_of(parameters)
+    shift = arm.specimen.length * np.array(sight.shift, dtype=float)
+    if experiment.sees_shift:
+        shift = shift + experiment.parts(n, nuisances)[3]
+    roll, scale = np.full(1 + n, sight.roll), np.full(1 + n, sight.excess)
+    rows = experiment.observation.predict(q, theta, roll, scale, np.repeat(shift[:, None], 1 + n, axis=1))
+    return rows / experiment.noise_gain[:, None]
 
 
 def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:
@@ -226,13 +255,19 @@ def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, 
     return advance, np.concatenate([0.5 * h * by_force, by_force], axis=1)
 
 
-def _parameter_forces(problem: Problem, arm: Arm, parameters: Array, motion: SeenMotion) -> Array:
-    """Derivatives (T, n, P) of the generalised forces by each free parameter of the model."""
+def law_scales(problem: Problem) -> list[tuple[int, float]]:
+    """Place in the vector and scale of each free parameter of the laws; declared numbers are not among them."""
+    laws = {row.index for row in parameter_rows()}
+    return [
+        (int(row), float(scale)) for row, scale in zip(problem.rows(), problem.scales(), strict=False) if row in laws
+    ]
+
+
+def _parameter_forces(scales: list[tuple[int, float]], arm: Arm, parameters: Array, motion: SeenMotion) -> Array:
+    """Derivatives (T, n, P) of the generalised forces by each free parameter of the laws, in units of its scale."""
     columns = []
     own = (motion.u, motion.rate, motion.acceleration)
-    for row, scale in zip(problem.rows(), problem.scales(), strict=False):
-        if row >= parameters.size:
-            continue
+    for row, scale in scales:
         pair = []
         for sign in (1.0, -1.0):
             moved = parameters.copy()

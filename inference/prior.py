@@ -55,3 +55,13 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
             total -= np.log(high - low)
     memories = sum(problem.arm.order for experiment in problem.experiments if experiment.begins_with_memory)
     return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))
+
+
+def laplace_evidence(problem: Problem, fitted: Fit, variance: float) -> float:
+    """Log evidence [nats] of a model without unknown forces, by Laplace's method; variance: of its whitened noise."""
+    scale = problem.scales()
+    columns = fitted.jacobian * scale
+    information = columns.T @ columns / variance + np.diag(prior_precision(problem, fitted) * scale**2)
+    half = 0.5 * float(np.linalg.slogdet(information)[1])
+    constant = 0.5 * scale.size * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
+    return float(constant - fitted.misfit / variance - half)

@@ -21,6 +21,7 @@ REACHES = (0.15, 0.3)  # arm lengths
 STRENGTH_UNIT = {"line": "N/m", "tip": "N", "moment": "1"}
 NOMINAL = {"line": 0.02, "tip": 0.002, "moment": 0.1}
 STRONGEST = {"line": 1e3, "tip": 1e4, "moment": 1e3}  # nominal strengths: about ten times the arm's own weight
+SLENDER = 20.0  # length over width, about: strengths of forces per width are as much larger
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,10 @@ def _form(
     """A form with the strengths a, and b where it is named; a shape called tau is the time of its memory."""
     unit, nominal = STRENGTH_UNIT[acts], NOMINAL[acts]
     used = set().union(*(names_in(parse(part)) for part in components.values()))
-    limits = (-STRONGEST[acts] * nominal, STRONGEST[acts] * nominal)
+    most = (
+        STRONGEST[acts] * nominal * (SLENDER if any("width / length" in part for part in components.values()) else 1.0)
+    )
+    limits = (-most, most)
     own = [WrittenParameter(s, unit, nominal, limits, "strength") for s in ("a", "b") if s in used]
     relaxation = "tau" if any(shape.name == "tau" for shape in shapes) else None
     text = " ".join([*components.values(), *(defined or {}).values()])

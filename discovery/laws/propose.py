@@ -13,26 +13,30 @@ from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter
 from affine_model.curvature import Array
 from discovery.answer import SERVO_UNDER_LOAD, proposal_words
 from discovery.laws.along import force_map
-from discovery.laws.search import FittedLaw, LawInputs, Sought, search_laws
+from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
+from discovery.laws.search import FittedLaw
 from discovery.next_experiment import Proposal, propose_experiment
+from inference.base_fit import most_coordinates
 from inference.compare import midline_error
-from inference.missing_force import SeenMotion, lacking, seen_motions, small_motions
+from inference.missing_force import SeenMotion, lacking
+from inference.more_coordinates import with_coordinates
+from inference.posterior import NOISE_REACH
 from inference.prepare import Prepared
-from inference.trajectory import Fit, ParameterName, Problem, fit, unfitted
+from inference.prior import laplace_evidence
+from inference.trajectory import Fit, ParameterName, Problem, fit
 from tentacle.io.waveform_file import waveform_table
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter
 from tentacle.proposed_law import MissingForce, ProposedLaw
 
-MOST = 5  # laws that are fitted and shown
-EXPLAINS = 0.7  # largest share of the missing force's answer that a law may leave and still be fitted
-BEHIND = 0.15  # of that share beyond the best law's: a law that leaves more is not fitted
+FITTED, MOST = 8, 5  # laws that are fitted, and that are shown
+EXPLAINS = 0.9  # largest share of the missing force's answer that a law may leave and still be fitted
+ALIKE = 3.0  # nats: laws that are no farther apart do equally well
 RIVAL = 1.1  # of the best law's error on held-out frames: a law within it is its rival
-FIT_ROUNDS, FIT_TOLERANCE = 15, 1e-4
-BETTER = 0.8  # of the base's error on held-out frames: what a proposal must reach
-LEAST_FORCE = 0.5  # noise deviations rms of the missing force's answer, below which nothing is sought
+FIT_ROUNDS, FIT_TOLERANCE = 25, 1e-4
+CLOSE_ROUNDS, CLOSE_TOLERANCE = 40, 1e-6
+LEAST_FORCE = 0.25  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
-NOISE_SCALE = 1.0  # the answer of noise alone has this rms
 LAW_KINDS = {
     "the speed": ("drag_", "skin_", "one_way", "tip_drag"), "the speed near a place": ("patch_",),
     "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"), 
@@ -45,63 +49,56 @@ LAW_KINDS = {
 def propose_laws(
     base: tuple[Problem, Fit], prepared: list[Prepared], progress: Callable[[str], None] = lambda _: None
 ) -> MissingForce:
-    """The missing force of a fitted model, and laws for it; empty where no recording shows shapes."""
-    problem, fitted = base
+    """The missing force of a fitted model, and laws for it; empty where every recording is complete."""
     progress("smoothing the missing force")
-    motions = seen_motions(problem, fitted)
-    shown = [(place, motion) for place, motion in enumerate(motions) if motion is not None]
-    if not shown:
+    motions, sought = sought_at(base)
+    if not motions:
         return MissingForce()
-    arms = _arms_shown(problem, fitted)
-    names = [problem.experiments[place].name for place, _ in shown]
-    maps = tuple(force_map(name, arm, motion) for name, arm, (_, motion) in zip(names, arms, shown, strict=True))
-    seen = tuple(
-        LawInputs(arm, small_motions(problem, fitted, place, motion), _stiffness(arm, fitted.parameters))
-        for arm, (place, motion) in zip(arms, shown, strict=True)
-    )
-    sought = Sought(seen)
-    size = float(np.sqrt(max(np.mean(sought.target**2) - NOISE_SCALE, 0.0)))
-    if size < LEAST_FORCE:
+    names = [e.name for e in base[0].experiments if not e.complete]
+    arms = arms_of(*base)
+    maps = tuple(force_map(*one) for one in zip(names, arms, motions, strict=True))
+    if sought.size < LEAST_FORCE:
         return MissingForce(maps, (), (), ("The missing force does not stand out of the noise: no law is proposed.",))
     progress("searching laws for it")
-    found = search_laws(sought)
+    searched = settled_search(base, motions)
+    found = searched.laws
+    maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
     kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
                   for kind, starts in LAW_KINDS.items()
                   if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
-    limit = min(EXPLAINS, min(one.unexplained for one in found) + BEHIND)
-    worth = [one for one in found if one.evidence > GAIN and one.unexplained < limit][:MOST]
+    worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
         words = ("No law of the grammar explains the missing force: the best leaves "
                  f"{100.0 * min(one.unexplained for one in found):.0f} % of its effect.",)  # fmt: skip
         return MissingForce(maps, (), kinds, words)
     progress("fitting the best laws")
-    fits = _fitted(base, prepared, worth, tuple(motion for _, motion in shown))
-    maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
+    fits = _fitted(base, searched, prepared, worth)
+    if fits.motions:
+        maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     words = _words(fits.laws, kinds)
     if fits.next_motion is not None:
         words = (*words, proposal_words(fits.next_motion))
     return MissingForce(maps, fits.laws, kinds, words, fits.next_motion and waveform_table(fits.next_motion.waveform))
 
 
-def _stiffness(arm: Arm, parameters: Array) -> Array:
-    """k(s) (N,) [N m/rad] at the nodes."""
-    E, k0, k1 = (parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
-    node = arm.node_quantities
-    return E * node["second_moment"] / arm.specimen.length + k0 + k1 * node["s"]
-
-
 def as_found(found: FittedLaw) -> WrittenLaw:
-    """The law with the fitted values as its nominal ones, and a name of its own."""
+    """The form's law with a name of its own, and the values that the search found for its shapes."""
 
     def own(p: WrittenParameter) -> WrittenParameter:
-        value = found.values[p.name]
-        if p.scan:
-            return replace(p, nominal=value or p.nominal, scan=(value,))
-        size = abs(value) or p.nominal
-        return replace(p, nominal=size, bounds=(-50.0 * size, 50.0 * size))
+        return replace(p, scan=(found.values[p.name],)) if p.scan else p
 
     law = found.form.law
     return replace(law, name=f"law_{law.name}", parameters=tuple(own(p) for p in law.parameters))
+
+
+@dataclass(frozen=True)
+class LawFit:
+    """The model with a law, fitted. gain [nats]: of its evidence over that without a law (0: not known yet)."""
+
+    law: WrittenLaw
+    problem: Problem
+    fitted: Fit
+    gain: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -131,43 +128,57 @@ class LawFits:
     next_motion: Proposal | None
 
 
-def _fitted(
-    base: tuple[Problem, Fit], prepared: list[Prepared], worth: list[FittedLaw], motions: tuple[SeenMotion, ...]
-) -> LawFits:
-    """The laws fitted one by one in the model's own simulation, best first on the fitted frames."""
+def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepared], worth: list[FittedLaw]) -> LawFits:
+    """The laws fitted one by one in the model's own simulation, best first by their evidence on the fitted frames."""
     problem, fitted = base
     before = midline_error(prepared, problem, fitted, _held_out(prepared))
     laws = [as_found(one) for one in worth]
-    known = {(row.effect, row.parameter.name): fitted.parameters[row.index] for row in parameter_rows()}
-    declared = fitted.parameters[len(known) :]
-    accepted: list[LawHypothesis] = []
+    own, moved = (_by_name(problem, one.parameters) for one in (fitted, searched.point[1]))
     with using(laws):
-        bare = neutral_parameters()
-        for name, value in known.items():
-            bare[parameter_index(*name)] = value
-        plain = replace(problem, parameters=np.concatenate([bare, declared]))
-        start = unfitted(plain, fitted.nuisances)
-        for found, law in zip(worth, laws, strict=True):
-            problem_with, again = _with_law(plain, start, found, law)
-            error = midline_error(prepared, problem_with, again, _held_out(prepared))
-            values = {p.name: float(again.parameters[parameter_index(law.name, p.name)]) for p in law.parameters}
-            gain = start.misfit - again.misfit - found.price
-            if gain < GAIN or (error is not None and before is not None and error > BETTER * before):
-                continue
-            law = replace(law, parameters=tuple(_at(p, values[p.name]) for p in law.parameters))
-            proposed = ProposedLaw(
-                law, values, gain, error, _unexplained_share(start, again), dict(found.deviations),
-                problem.known(fitted.parameters)[0].arm.specimen.length,
-            )  # fmt: skip
-            accepted.append(LawHypothesis(proposed, problem_with, again))
-        accepted.sort(key=lambda one: -one.proposed.evidence)
-        next_motion = None
+        plain = _beside_laws(problem, own)
+        bare = fit(plain, fitted.nuisances, tolerance=FIT_TOLERANCE, most=FIT_ROUNDS)
+        start = _beside_laws(problem, moved)
+        fits = [_with_law(start, fitted, found, law) for found, law in zip(worth, laws, strict=True)]
+        variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
+        nothing = laplace_evidence(plain, bare, variance)
+        judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
+        judged = sorted((one for one in judged if one.gain > GAIN), key=lambda one: -one.gain)[:MOST]
+        if judged and _leaves_more_than_noise(judged[0].fitted):
+            finer = [_with_more_coordinates(one) for one in judged]
+            judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in finer]
+        accepted: list[LawHypothesis] = []
+        for one in sorted(judged, key=lambda one: -one.gain):
+            error = midline_error(prepared, one.problem, one.fitted, _held_out(prepared))
+            if error is None or before is None or error < before:
+                accepted.append(_hypothesis(one, error, _unexplained_share(bare, one.fitted), variance))
+        next_motion, motions = None, ()
         if accepted:
             best = accepted[0]
-            arms = _arms_shown(best.problem, best.fitted)
-            motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, motions, strict=True))
+            arms = arms_of(*searched.point)
+            motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, searched.motions, strict=True))
             next_motion = propose_experiment(best, _rivals(accepted), SERVO_UNDER_LOAD, 0)
     return LawFits(tuple(one.proposed for one in accepted), motions, next_motion)
+
+
+def _by_name(problem: Problem, parameters: Array) -> tuple[dict[ParameterName, float], Array]:
+    """A whole parameter vector as values by name, and those of the declared numbers."""
+    known = {(row.effect, row.parameter.name): float(parameters[row.index]) for row in parameter_rows()}
+    return known, parameters[parameters.size - len(problem.declared) :]
+
+
+def _beside_laws(problem: Problem, values: tuple[dict[ParameterName, float], Array]) -> Problem:
+    """The model at these values, with every other law in use absent."""
+    parameters, (known, declared) = neutral_parameters(), values
+    for name, value in known.items():
+        parameters[parameter_index(*name)] = value
+    return replace(problem, parameters=np.concatenate([parameters, declared]))
+
+
+def _deviations(law: WrittenLaw, fitted: Fit, variance: float) -> dict[str, float]:
+    """Standard deviations of the law's shapes, if it is true."""
+    spread = np.sqrt(variance * np.maximum(np.diag(fitted.covariance), 0.0))
+    places = {name: k for k, name in enumerate(fitted.free)}
+    return {p.name: float(spread[places[law.name, p.name]]) for p in law.parameters if p.scan}
 
 
 def _rivals(accepted: list[LawHypothesis]) -> tuple[LawHypothesis, ...]:
@@ -175,12 +186,6 @@ def _rivals(accepted: list[LawHypothesis]) -> tuple[LawHypothesis, ...]:
     best = accepted[0].proposed.held_out_midline_mm
     errors = [(one, one.proposed.held_out_midline_mm) for one in accepted[1:]]
     return tuple(one for one, error in errors if best is not None and error is not None and error <= RIVAL * best)
-
-
-def _arms_shown(problem: Problem, fitted: Fit) -> list[Arm]:
-    """The arm of every recording that shows shapes."""
-    known = problem.known(fitted.parameters)[0]
-    return [e.arm(known.arm) for e in known.experiments if e.observation.shapes is not None]
 
 
 def _beside(best: LawHypothesis, arm: Arm, motion: SeenMotion) -> SeenMotion:
@@ -212,15 +217,41 @@ def _unexplained_share(before: Fit, after: Fit) -> float:
     return float(np.sqrt(structure(after) / max(structure(before), 1e-12)))
 
 
-def _with_law(plain: Problem, start: Fit, found: FittedLaw, law: WrittenLaw) -> tuple[Problem, Fit]:
+def _with_law(plain: Problem, base: Fit, found: FittedLaw, law: WrittenLaw) -> LawFit:
     """The model with the law added, fitted from what the search found."""
     parameters = plain.parameters.copy()
     for name, value in found.values.items():
         parameters[parameter_index(law.name, name)] = value
     own: tuple[ParameterName, ...] = tuple((law.name, p.name) for p in law.parameters)
     problem = replace(plain, free=(*plain.free, *own), parameters=parameters)
-    fitted = fit(problem, start.nuisances, tolerance=FIT_TOLERANCE, most=FIT_ROUNDS)
-    return replace(problem, parameters=fitted.parameters), fitted
+    fitted = fit(problem, base.nuisances, tolerance=FIT_TOLERANCE, most=FIT_ROUNDS)
+    return LawFit(law, replace(problem, parameters=fitted.parameters), fitted)
+
+
+def _with_more_coordinates(one: LawFit) -> LawFit:
+    """The same fitted further with as many curvature coordinates as the recordings hold: a force at the tip or at one
+    place bends an arm more sharply than the coordinates that are seen without it.
+    """
+    order = max(most_coordinates(one.problem), one.problem.arm.order)
+    problem, nuisances = with_coordinates(one.problem, one.fitted.nuisances, order)
+    fitted = fit(problem, nuisances, tolerance=CLOSE_TOLERANCE, most=CLOSE_ROUNDS)
+    return LawFit(one.law, replace(problem, parameters=fitted.parameters), fitted)
+
+
+def _leaves_more_than_noise(fitted: Fit) -> bool:
+    return 2.0 * fitted.misfit / fitted.count > 1.0 + NOISE_REACH * float(np.sqrt(2.0 / fitted.count))
+
+
+def _hypothesis(one: LawFit, error: float | None, left: float, variance: float) -> LawHypothesis:
+    """The law with its fitted values, and what is said of it."""
+    parameters = one.fitted.parameters
+    values = {p.name: float(parameters[parameter_index(one.law.name, p.name)]) for p in one.law.parameters}
+    written = replace(one.law, parameters=tuple(_at(p, values[p.name]) for p in one.law.parameters))
+    proposed = ProposedLaw(
+        written, values, one.gain, error, left, _deviations(one.law, one.fitted, variance),
+        one.problem.known(parameters)[0].arm.specimen.length,
+    )  # fmt: skip
+    return LawHypothesis(proposed, one.problem, one.fitted)
 
 
 def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) -> tuple[str, ...]:
@@ -232,8 +263,10 @@ def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) 
         f"Proposed law: {best.words}. It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
         f"the error on held-out frames is {best.held_out_midline_mm:.2f} mm."
     ]
-    if len(laws) > 1:
-        words.append(f"The next law, {laws[1].words}, is {laws[0].evidence - laws[1].evidence:.0f} nats behind.")
+    if alike := [law.words for law in laws[1:] if best.evidence - law.evidence < ALIKE]:
+        words.append(f"These do as well, within {ALIKE:.0f} nats: {'; '.join(alike)}.")
+    elif len(laws) > 1:
+        words.append(f"The next law, {laws[1].words}, is {best.evidence - laws[1].evidence:.0f} nats behind.")
     if region := best.region_words:
         words.append(region)
     shares = ", ".join(f"{kind} {100.0 * left:.0f} %" for kind, left in sorted(kinds, key=lambda row: row[1]))

@@ -16,6 +16,7 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
+from scipy.signal import lfilter
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array, angle_basis
@@ -129,17 +130,35 @@ class LawInputs:
             "phi_rate": turning, "u_n": u_n, "u_t": u_t, "speed": np.sqrt(u_n**2 + u_t**2 + 1e-16),
         }  # fmt: skip
 
+    @cached_property
+    def _levers(self) -> dict[str, tuple[Array, Array]]:
+        """Of each component: what a unit of it at the nodes (T, N, n) and at the tip (T, n) adds to the generalised
+        force, quadrature included.
+        """
+        phi, levers, at_tip, _, _, tip_phi = self._geometry
+        along = self.arm.specimen.length * self.arm.rule.weights[:, None]
+
+        def of(x: Array, y: Array, tip_x: Array, tip_y: Array) -> tuple[Array, Array]:
+            line = along * (x[..., None] * levers[:, :, 0] + y[..., None] * levers[:, :, 1])
+            return line, tip_x[:, None] * at_tip[:, 0] + tip_y[:, None] * at_tip[:, 1]
+
+        cos, sin, tip_cos, tip_sin = np.cos(phi), np.sin(phi), np.cos(tip_phi), np.sin(tip_phi)
+        one, none, tip_one, tip_none = np.ones_like(phi), 0.0 * phi, np.ones_like(tip_phi), 0.0 * tip_phi
+        return {
+            "force_n": of(cos, sin, tip_cos, tip_sin), "force_t": of(-sin, cos, -tip_sin, tip_cos),
+            "force_x": of(one, none, tip_one, tip_none), "force_y": of(none, one, tip_none, tip_one),
+        }  # fmt: skip
+
     def remembered(self, tau: float) -> Array:
         """The memory (T, N) of a spring in series with a dashpot of that relaxation time [s]."""
-        c_rate = self.along["c_rate"]
-        memory = np.zeros_like(c_rate)
-        for k in range(1, len(c_rate)):
-            memory[k] = relaxed(memory[k - 1], c_rate[k], MOTION_STEP, tau)
-        return memory
+        keeps, takes = relaxed(1.0, 0.0, MOTION_STEP, tau), relaxed(0.0, 1.0, MOTION_STEP, tau)
+        rate = self.along["c_rate"].copy()
+        rate[0] = 0.0
+        return np.asarray(lfilter([takes], [1.0, -keeps], rate, axis=0))
 
     def force(self, law: WrittenLaw, values: Mapping[str, float]) -> Array:
         """The law's generalised force (T, n)."""
-        arm, (phi, levers, tip_levers, _, _, tip_phi) = self.arm, self._geometry
+        arm = self.arm
         x = dict(self.at_tip if law.acts == "tip" else self.along)
         if law.acts == "moment":
             x["stiffness"] = self.stiffness
@@ -147,15 +166,16 @@ class LawInputs:
                 x["memory"] = self.remembered(float(law.relaxation_time(values, NUMPY)))
         found = law.values(x, values, NUMPY)
         if law.acts == "moment":
-            return -np.einsum("i,ij,ti->tj", arm.rule.weights, arm.curvature_basis, found["moment"] + 0.0 * phi)
-        angle = tip_phi if law.acts == "tip" else phi
-        none = np.zeros_like(angle)
-        n, tangent, along_x, along_y = (found.get(k, none) for k in ("force_n", "force_t", "force_x", "force_y"))
-        push = np.stack([n * np.cos(angle) - tangent * np.sin(angle) + along_x,
-                         n * np.sin(angle) + tangent * np.cos(angle) + along_y], -1)  # fmt: skip
-        if law.acts == "tip":
-            return np.einsum("txj,tx->tj", tip_levers, push)
-        return np.einsum("i,tixj,tix->tj", arm.specimen.length * arm.rule.weights, levers, push)
+            moment = np.broadcast_to(found["moment"], self._geometry[0].shape)
+            return np.asarray(-(moment * arm.rule.weights) @ arm.curvature_basis)
+        total = np.zeros((self.motion.t.size, arm.order))
+        for name, size in found.items():
+            line, tip = self._levers[name]
+            if law.acts == "tip":
+                total += np.broadcast_to(size, tip.shape[:1])[:, None] * tip
+            else:
+                total += np.matmul(np.broadcast_to(size, line.shape[:2])[:, None], line)[:, 0]
+        return total
 
 
 @dataclass(frozen=True)
@@ -167,7 +187,7 @@ class Sought:
     @cached_property
     def target(self) -> Array:
         """The missing force's answer in all frames, whitened."""
-        return np.concatenate([one.small.target for one in self.seen])
+        return np.concatenate([one.small.freed(one.small.target[:, None])[:, 0] for one in self.seen])
 
     @property
     def frames(self) -> int:
@@ -180,6 +200,36 @@ class Sought:
         arm = self.seen[0].arm
         duration = max(one.motion.t.size for one in self.seen) * MOTION_STEP
         return Scale(arm.specimen.length, arm.fluid.density > 0.0, duration)
+
+    @property
+    def degrees(self) -> int:
+        """Values in the frames, less what the model's own unknowns take up."""
+        return max(self.target.size - sum(one.small.absorbed.shape[1] for one in self.seen), 1)
+
+    @property
+    def size(self) -> float:
+        """The missing force's answer beyond noise, rms, in noise deviations."""
+        return float(np.sqrt(max(float(self.target @ self.target) / self.degrees - 1.0, 0.0)))
+
+    def left(self, explained: float) -> float:
+        """The share (0 .. 1, rms) of that answer that a law leaves which explains so much of |t|^2."""
+        whole = float(self.target @ self.target)
+        return float(np.sqrt(max(whole - explained - self.degrees, 0.0) / max(whole - self.degrees, 1e-12 * whole)))
+
+    def change(self, found: FittedLaw) -> Array:
+        """What the model's free parameters change by beside that law, in their scales (P,): least squares over both."""
+        rows, target = [], []
+        for one in self.seen:
+            small, basis = one.small, one.small.state_basis
+            answer = small.answer(one.force(found.form.law, found.values)[:, :, None])
+            columns = np.concatenate([small.by_parameters, answer, small.target[:, None]], axis=1)
+            columns = columns - basis @ (basis.T @ columns)
+            rows.append(columns[:, :-1])
+            target.append(columns[:, -1])
+        columns = np.concatenate(rows)
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+        solution = np.linalg.lstsq(columns / size, np.concatenate(target), rcond=1e-8)[0] / size
+        return np.asarray(solution[:-1])
 
     def columns(self, form: Form, trials: list[tuple[float, ...]]) -> Array:
         """The answers (rows, trials * strengths) of the form's unit strengths at each trial's shapes."""
@@ -219,8 +269,7 @@ def search_laws(sought: Sought) -> tuple[FittedLaw, ...]:
     rough.sort(key=lambda row: -row[0])
     refined = [_refined(sought, form, starts) for _, form, starts in rough[:REFINED]]
     whole = float(sought.target @ sought.target)
-    degrees = max(sought.target.size - sum(one.small.absorbed.shape[1] for one in sought.seen), 1)
-    variance = max(1.0, min((whole - 2.0 * one.gain) / degrees for one in refined))
+    variance = max(1.0, min((whole - 2.0 * one.gain) / sought.degrees for one in refined))
     scaled = [replace(one, gain=one.gain / variance) for one in refined]
     return tuple(sorted(scaled, key=lambda one: -one.evidence))
 
@@ -252,7 +301,7 @@ def _batched(trials: list[tuple[float, ...]], size: int) -> Iterator[list[tuple[
 
 def _refined(sought: Sought, form: Form, starts: list[Start]) -> FittedLaw:
     """The form with its shapes refined, each within its bounds."""
-    whole, names = float(sought.target @ sought.target), [p.name for p in form.shapes]
+    names = [p.name for p in form.shapes]
 
     def answers(trials: Array) -> Array:
         return sought.columns(form, [tuple(float(v) for v in trial) for trial in trials])
@@ -268,7 +317,7 @@ def _refined(sought: Sought, form: Form, starts: list[Start]) -> FittedLaw:
         form, dict(zip(names, (float(v) for v in shapes), strict=True)),
         dict(zip((p.name for p in form.strengths), (float(v) for v in strengths[0]), strict=True)),
         0.5 * float(explained[0]), _price(form, sought.frames),
-        float(np.sqrt(max(whole - float(explained[0]), 0.0) / whole)),
+        sought.left(float(explained[0])),
         dict(zip(names, (float(v) for v in deviations), strict=True)),
     )  # fmt: skip
 

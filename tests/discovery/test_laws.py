@@ -8,10 +8,10 @@ import pytest
 
 from affine_model.arm import parameter_index
 from discovery.laws.grammar import Scale, forms
+from discovery.laws.operating_point import at_values, settled_search, sought_at, stiff_point
 from discovery.laws.propose import as_found, propose_laws
-from discovery.laws.search import LawInputs, Sought, search_laws
+from discovery.laws.search import search_laws
 from inference.base_fit import Setting, fit_base
-from inference.missing_force import seen_motions, small_motions
 from inference.prepare import prepare
 from mujoco_ref.undeclared import make_recording
 from mujoco_ref.undeclared.make import Scenario
@@ -22,12 +22,13 @@ from tentacle.waveform import Chirp
 
 MAGNET = Path(__file__).parents[2] / "examples" / "effects" / "magnet.toml"
 PLACE = (0.05, 0.15)  # m
+MODULUS = 2e5  # Pa
 MODEL = Model(Specimen(Cone(0.011, 0.004), 0.14, 1070.0), WATER)
 
 
 def recording(strength):
     """12 s of the reference, with a magnet of that pull at 5 cm [N] beside the tip."""
-    parameters = {"elasticity": {"E": 2e5}, "damping": {"eta": 3e3}, "drag": {"C_perp": 1.1}}
+    parameters = {"elasticity": {"E": MODULUS}, "damping": {"eta": 3e3}, "drag": {"C_perp": 1.1}}
     if strength:
         parameters["magnet"] = {"F": strength, "place_x": PLACE[0], "place_y": PLACE[1]}
     exact = {name: {k: Estimate.exact(v) for k, v in values.items()} for name, values in parameters.items()}
@@ -46,19 +47,11 @@ def magnet():
 
 @pytest.fixture(scope="module")
 def found(magnet):
-    return search_laws(sought_in(*magnet))
-
-
-def sought_in(problem, fitted):
-    (motion,) = seen_motions(problem, fitted)
-    assert motion is not None
-    arm = problem.arm
-    stiffness = fitted.parameters[parameter_index("elasticity", "E")] * arm.node_quantities["second_moment"]
-    return Sought((LawInputs(arm, small_motions(problem, fitted, 0, motion), stiffness / arm.specimen.length),))
+    return search_laws(sought_at(magnet)[1])
 
 
 def test_small_motions_under_the_missing_force_are_what_was_seen(magnet):
-    sought = sought_in(*magnet)
+    _, sought = sought_at(magnet)
     (one,) = sought.seen
     whole = one.small.freed(one.small.answer(one.motion.force[:, :, None]))[:, 0]
     # What the missing force itself does not explain is noise, of unit variance; of ten values a frame, two frames
@@ -74,6 +67,21 @@ def test_a_magnet_is_found_with_its_power_and_its_place(found):
     assert best.values["power"] == pytest.approx(2.0, abs=0.1)
     assert np.hypot(best.values["at_x"] - PLACE[0], best.values["at_y"] - PLACE[1]) < 0.05 * 0.14
     assert best.evidence - found[1].evidence > 100.0
+
+
+def test_a_law_is_found_from_parameters_that_the_missing_force_has_moved_far(magnet):
+    # A fit without the law can end anywhere: here with a hundredth of the stiffness and no drag.
+    lost = at_values(magnet, {("elasticity", "E"): MODULUS / 100.0, ("drag", "C_perp"): 0.0})
+    motions, _ = sought_at(lost)
+    stiff = stiff_point(lost, motions)[1].parameters[parameter_index("elasticity", "E")]
+    # Four times the balance of inertia and weight: near the arm's own, less where a magnet's pull bends it as much.
+    assert MODULUS / 5.0 < stiff < 5.0 * MODULUS
+    searched = settled_search(lost, motions)
+    best = searched.laws[0]
+    assert best.form.law.name == "attraction"
+    assert np.hypot(best.values["at_x"] - PLACE[0], best.values["at_y"] - PLACE[1]) < 0.05 * 0.14
+    # The recording is of the reference's chain: the reduced model's best stiffness differs from it by a few per cent.
+    assert searched.point[1].parameters[parameter_index("elasticity", "E")] == pytest.approx(MODULUS, rel=0.05)
 
 
 def test_a_proposal_is_an_effect_file(found, tmp_path):

@@ -18,6 +18,7 @@ FILMING = Filming(seconds=39.0, fps=50.0, sigma=1.5e-4)
 SIZE = (2.0, 20.0)  # noise deviations that the law moves the midline, rms
 POWER_OFF, PLACE_OFF = 0.1, 0.05  # tolerance of a power, and of a place in arm lengths, for an exact law
 CLASSES = KINDS[1:]
+SMALLER = 0.7  # of the size that was drawn: where the plant cannot move so far
 STIFFEST = 3.0  # largest stiffness of a delayed spring over the arm's: a stiffer one blocks the arm
 LINE, TIP, MOMENT = 0.02, 0.002, 0.2  # N/m, N, 1: strengths that the sizing starts from
 
@@ -65,7 +66,15 @@ def law_recording(seed: int, kind: str | None = None) -> tuple[Recording, dict[s
         law = Hidden(chosen, "as_it_is", {"law_kind": float(KINDS.index(chosen)), **numbers}, strengths, most)
         trial = replace(trial, hidden=(law,), size=(size,))
     plant = PLANTS["stranger"](trial)
-    run = shown(trial, plant)
+    while True:
+        try:
+            run = shown(trial, plant)
+            break
+        except FloatingPointError:  # a vortex force of that size drives the arm without bound
+            size *= SMALLER
+            trial = replace(trial, size=(size,))
+            if size < SIZE[0]:
+                raise
     if chosen != "nothing":  # the strength was found on a part of the film: correct it on the whole
         moved = float(np.sqrt(np.mean(np.sum((run.xy - run.bare) ** 2, axis=2)))) / trial.sigma
         trial = replace(trial, size=(size * float(np.clip(size / moved, 0.1, 10.0)),))
