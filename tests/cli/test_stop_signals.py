@@ -61,7 +61,7 @@ class HalfMade:
 def test_a_lost_interrupt_still_ends_the_command(
     number: int, lost: Callable[[int], None], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tentacle.cli._endings._close_output", lambda: None)  # the test's own goes on
+    monkeypatch.setattr("tentacle.cli._endings.close_output", lambda: None)  # the test's own goes on
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)  # it is left silent after a signal
     before = [signal.getsignal(one) for one in SIGNALS]
     with signals_as_interrupts() as asked, told(asked) as outcome:
