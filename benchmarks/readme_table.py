@@ -52,7 +52,7 @@ Two diagnoses ran at once on two cores. Half of the time goes into refits of eac
 which published laws differ.""",
     ("first_hour", "first_verdict_s"): """\
 In this time the demo draws its film, tracks it and diagnoses it, and the models are compiled. How much each part takes
-was not measured. Earlier runs of the diagnosis alone show that a faster diagnosis would gain most.""",
+was not measured.""",
     ("first_hour", "setup_mb"): """\
 Nothing in it can be left out from film to report:
 [the sizes of all its parts](#the-set-up-before-and-after). The viewer alone is 170 MB.""",
