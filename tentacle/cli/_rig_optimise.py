@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from rig.optimise import Suggestions
+from tentacle.cli._output import say
 from tentacle.errors import InputError
 
 
@@ -19,7 +20,7 @@ def optimise(arguments: argparse.Namespace) -> int:
     from rig.record import trial_runner
     from rig.reidentify import proposer
     from rig.setup_file import read_setup
-    from tentacle.cli._rig_terminal import rig_progress_bar, say
+    from tentacle.cli._rig_terminal import rig_progress_bar, tell
     from tentacle.io.model_file import read_model
     from tentacle.io.waveform_file import write_waveform
     from tentacle.units import in_mn
@@ -39,7 +40,7 @@ def optimise(arguments: argparse.Namespace) -> int:
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
         rig_progress_bar() as progress,
-        Interrupts(say) as interrupts,
+        Interrupts(tell) as interrupts,
     ):
         runner = trial_runner(setup, board, camera, interrupts, progress)
 
@@ -55,7 +56,7 @@ def optimise(arguments: argparse.Namespace) -> int:
                 told=say,
             )  # fmt: skip
         for trial in trials_of(
-            arguments.out, plan, runner, Suggestions(first, propose=propose), interrupts=interrupts, told=say
+            arguments.out, plan, runner, Suggestions(first, propose=propose), interrupts=interrupts, told=tell
         ):
             trials.append(trial)
             top = best(trials)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from tentacle.cli._output import say
 from tentacle.errors import InputError
 
 
@@ -14,7 +15,7 @@ def record(arguments: argparse.Namespace) -> int:
     from rig.interrupts import Interrupts
     from rig.motion import described, rig_motion
     from rig.setup_file import read_setup
-    from tentacle.cli._rig_terminal import rig_progress_bar, say, viewer
+    from tentacle.cli._rig_terminal import rig_progress_bar, tell, viewer
     from tentacle.io.waveform_file import read_waveform
 
     setup = read_setup(arguments.rig)
@@ -27,7 +28,7 @@ def record(arguments: argparse.Namespace) -> int:
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
         rig_progress_bar() as progress,
-        Interrupts(say) as interrupts,
+        Interrupts(tell) as interrupts,
     ):
         result = rig_record.record_run(
             setup,
@@ -51,7 +52,7 @@ def campaign(arguments: argparse.Namespace) -> int:
     from rig.interrupts import Interrupts
     from rig.record import Attendance
     from rig.setup_file import read_setup
-    from tentacle.cli._rig_terminal import rig_progress_bar, say
+    from tentacle.cli._rig_terminal import rig_progress_bar, tell
 
     setup = read_setup(arguments.rig)
     runs = read_campaign(arguments.campaign, setup)
@@ -59,7 +60,7 @@ def campaign(arguments: argparse.Namespace) -> int:
         connected(setup) as board,
         opened_camera(setup, board.time) as camera,
         rig_progress_bar() as progress,
-        Interrupts(say) as interrupts,
+        Interrupts(tell) as interrupts,
     ):
         for result in run_campaign(
             setup, board, camera, runs, arguments.out, attendance=Attendance(interrupts=interrupts, progress=progress)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 VIEWER_PORT = 9876
 
 
-def say(words: str) -> None:
+def tell(words: str) -> None:
     """A line on standard error."""
     remark(words, "\n")
 
