@@ -9,7 +9,7 @@ from tentacle.signals import Array
 
 DAMPED = 0.7  # of critical, a servo's loop of second order
 # A worn coupling has play and gives: the clamp's natural frequency [rad/s] on it at a play of WORN rad, and its damping
-# as a share of the critical one. The compliance is proportional to the play, so that no play is no effect.
+# as a share of the critical one. The compliance is proportional to the play. A coupling without play is rigid.
 SPRING, RATIO, WORN = 60.0, 0.35, 0.03
 RESOLVED = 0.3  # rad of the coupling's vibration a step, at most: a stiffer one follows like a rigid one
 
