@@ -33,17 +33,24 @@ def owned(lock: Path, folder: Path, expected: str) -> Iterator[None]:
         file = lock.open("a")
     except OSError as error:
         raise InputError(error.strerror or str(error), file=folder, expected="a folder that can be written") from None
+    with held(file, InputError("is in use by another process", file=folder, expected=expected)):
+        yield
+
+
+@contextmanager
+def held(file: IO[str], refusal: InputError) -> Iterator[None]:
+    """Locks the open file, and removes it afterwards. Raises `refusal` if another process holds it."""
     with file:
         try:
             lock_file(file)
         except OSError:
-            raise InputError("is in use by another process", file=folder, expected=expected) from None
+            raise refusal from None
         try:
             yield
         finally:
             if os.name == "posix":  # elsewhere a file that is open cannot be removed
                 with suppress(OSError):
-                    lock.unlink()
+                    Path(file.name).unlink()
 
 
 def lock_file(file: IO[str]) -> None:

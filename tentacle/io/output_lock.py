@@ -13,11 +13,11 @@ import os
 import stat
 import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from tentacle.errors import InputError
-from tentacle.io.folder_lock import lock_file
+from tentacle.io.folder_lock import held
 
 
 @contextmanager
@@ -38,18 +38,9 @@ def _owned(lock: Path, output: Path) -> Iterator[None]:
     except OSError:
         yield
         return
-    with file:
-        try:
-            lock_file(file)
-        except OSError:
-            expected = "another output, or wait until that command has ended"
-            raise InputError("is in use by another command", file=output, expected=expected) from None
-        try:
-            yield
-        finally:
-            if os.name == "posix":  # elsewhere a file that is open cannot be removed
-                with suppress(OSError):
-                    lock.unlink()
+    expected = "another output, or wait until that command has ended"
+    with held(file, InputError("is in use by another command", file=output, expected=expected)):
+        yield
 
 
 def _folder_of_locks() -> Path | None:
