@@ -170,11 +170,12 @@ def balance(
     applied = fluid + (total("weight") + 0 * phi)[..., None] * gravity - carried[..., None] * acceleration
     couple = total("couple") + normal_inertia * x.u_n * x.u_t
 
-    projected = xp.einsum("...ixj,...ix->...ij", jacobian, normal)
+    projected = xp.sum(jacobian * normal[..., None], -2)
     rotary = total("rotary_inertia") + 0 * phi
-    M = xp.einsum("i,...i,...ixj,...ixl->...jl", w, carried + carried_water, jacobian, jacobian)
-    M = M + xp.einsum("i,...i,...ij,...il->...jl", w, normal_inertia, projected, projected)
-    M = M + xp.einsum("i,...i,...ij,...il->...jl", w, rotary, angle_columns, angle_columns)
+    carried_all = w * (carried + carried_water)
+    motions = xp.concatenate([jacobian[..., 0, :], jacobian[..., 1, :], projected, angle_columns], -2)  # (..., 4 N, D)
+    inertia = xp.concatenate([carried_all, carried_all, w * normal_inertia, w * rotary], -1)
+    M = xp.swapaxes(motions * inertia[..., None], -1, -2) @ motions
     force = xp.einsum("i,...ixj,...ix->...j", w, jacobian, applied)
     force = force + xp.einsum("i,...ij,...i->...j", w, angle_columns, couple + 0 * phi)
     moment = x.stiffness * x.c

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
@@ -20,6 +21,7 @@ from discovery.laws.propose import propose_laws
 from discovery.laws.rivals import seeks_laws, with_laws
 from discovery.rank import ranking
 from discovery.search import search_posterior
+from discovery.side_by_side import side_by_side
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
 from inference.decay import fit_from_release, has_decay
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
@@ -35,7 +37,7 @@ from inference.posterior import (
     with_derivatives,
     with_rest,
 )
-from inference.prepare import Prepared, prepare
+from inference.prepare import CannotTellError, Prepared, prepare
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Fit, Problem
 from tentacle.diagnosis import Diagnosis
@@ -109,12 +111,11 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
 
     The choice is the one with the larger evidence.
     """
-    plain = _declared(problem, fitted.nuisances)
-    corrected = None if reduction is None else without_discrepancy(problem, reduction)
-    if corrected is None:
-        return plain
-    corrected_model = _declared(corrected, fitted.nuisances)
-    return corrected_model if corrected_model.log_evidence.max() > plain.log_evidence.max() else plain
+    measured = [problem] if reduction is None else [problem, without_discrepancy(problem, reduction)]
+    found = side_by_side([partial(_declared, one, fitted.nuisances) for one in measured if one is not None])
+    if not found:
+        raise CannotTellError("the runs of the declared model leave all bounds wherever it is fitted")
+    return max(found, key=lambda h: float(h.log_evidence.max()))
 
 
 def _with_baseline(base: Hypothesis, known: Hypothesis | None) -> Hypothesis:

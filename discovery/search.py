@@ -5,12 +5,9 @@ It repeats about the best of these, and stops when a round finds no better set.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
@@ -21,6 +18,7 @@ from affine_model.effects import catalogue
 from discovery.answer import MOST_EFFECTS
 from discovery.decide import MOST_DECLARED_FORM, log_masses, log_prior_of_set, missing_of
 from discovery.rank import RankedSet, Ranking, ranking
+from discovery.side_by_side import side_by_side
 from discovery.starts import Names, RefitStart, refit_starts
 from discovery.where import fit_where_it_acts
 from inference.decay import DECAY_SHARE, has_decay, horizons_of
@@ -31,7 +29,6 @@ from inference.score import Candidate
 from inference.trajectory import Fit, Problem, linearised_fit
 from inference.whitened_fit import LinearRefit
 
-T = TypeVar("T")
 SINGLES, SECOND, SETS = 7, 5, 2  # effects tried beside none, and beside others; sets of several tried at once
 EVERY_EFFECT = len(catalogue())  # tried beside a model that is far from the data
 ROUNDS = 6
@@ -84,8 +81,8 @@ def search_posterior(
             *(partial(added, centre, begun) for begun in wanted),
             *(partial(removed, centre, name) for name in centre.effects if len(centre.effects) > 1 or decays),
         ]
-        promising = _promising(_side_by_side(tasks))
-        found = _side_by_side([partial(_fitted, one, base.forces, temperature) for one in promising])
+        promising = _promising(side_by_side(tasks))
+        found = side_by_side([partial(_fitted, one, base.forces, temperature) for one in promising])
         temperature = missing_of([*tried.values(), *found]).temperature
         for h in found:
             if not h.effects:  # a decay's base, fitted from where an effect had left it
@@ -132,7 +129,7 @@ def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str],
     base = tried[frozenset()]
     base = base if base.alone is not None else with_rest(base)
     asked = [h for h in tried.values() if h.effects and h.alone is None and max(log_masses(h, missing)) > reach]
-    found = _side_by_side([partial(with_rest, h, base) for h in asked])
+    found = side_by_side([partial(with_rest, h, base) for h in asked])
     return tried | {frozenset(): base} | {frozenset(h.effects): h for h in found}
 
 
@@ -165,22 +162,6 @@ def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
     least, most = (costs.min(), costs.max()) if costs.size else (0.0, 0.0)
     reach = least + max(FAR, ROOM * (most - least))
     return [one for one in roughs if one.cost <= max(reach, best[len(one.effects)])]
-
-
-def _side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
-    """The results of the tasks that have one: the kernel and the filter let other threads run while they compute."""
-    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2
-    with ThreadPoolExecutor(workers) as pool:
-        results: list[T | None] = list(pool.map(lambda task: _done(task), tasks))
-    return [result for result in results if result is not None]
-
-
-def _done(task: Callable[[], T]) -> T | None:
-    """The task's result; None where its runs left all bounds, so that no likelihood is known of it."""
-    try:
-        return task()
-    except np.linalg.LinAlgError:
-        return None
 
 
 def _begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis, temperature: float) -> list[Begun]:
@@ -231,7 +212,7 @@ def _begun(
     refit: of the base about the centre, or the horizons of decays. Each choice of shapes has its own fit of a decay:
     it may end in another valley.
     """
-    begun = _side_by_side([lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, refit))) for one in ranked])
+    begun = side_by_side([lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, refit))) for one in ranked])
     best = sorted(begun, key=lambda one: one.starts[0].cost)[:most]
     fewer = [(one, names) for one in best for names in _left_out(one.chosen)]
     if isinstance(refit, LinearRefit):
@@ -240,7 +221,7 @@ def _begun(
         lambda one=one, names=names: Begun(one.chosen, names, tuple(refit_starts(centre, one.chosen, refit, names)))
         for one, names in fewer
     ]
-    return [*best, *_side_by_side(followed)]
+    return [*best, *side_by_side(followed)]
 
 
 def _left_out(chosen: RankedSet) -> list[Names]:

@@ -15,6 +15,7 @@ from affine_model.dynamics import Instant
 from affine_model.effects import catalogue
 from affine_model.simulate import Batch, Start, Timing, simulate
 from inference.arm_at import arm_at
+from inference.interpolate import at_times
 from inference.observation import Observation
 from tentacle.waveform import Waveform
 
@@ -186,34 +187,6 @@ class Prediction:
     batch: Batch
 
 
-def _hermite(batch: Batch, values: Array, rates: Array, times: Array) -> Array:
-    """Cubic interpolation of values (T, ..., B) at times (M, B), shape (M, ..., B).
-
-    Before the first instant the values follow the tangent there. It is horizontal if the arm is held until its release.
-    """
-    spacing = batch.t[1] - batch.t[0]
-    early = np.minimum(times - batch.t[0], 0.0)
-    place = np.clip((times - batch.t[0]) / spacing, 0.0, batch.t.size - 1 - 1e-9)
-    index = place.astype(int)
-    u = place - index
-    extra = values.ndim - 2
-    u = u.reshape(u.shape[:1] + (1,) * extra + u.shape[1:])
-    early = early.reshape(u.shape)
-    if times.shape[1] == 1:
-        a, b, da, db = values[index[:, 0]], values[index[:, 0] + 1], rates[index[:, 0]], rates[index[:, 0] + 1]
-    else:
-        lanes = np.arange(values.shape[-1])
-        pick = (lambda array, k: array[k, lanes]) if extra == 0 else (lambda array, k: _pick(array, k, lanes))
-        a, b, da, db = pick(values, index), pick(values, index + 1), pick(rates, index), pick(rates, index + 1)
-    h00, h10 = (1 + 2 * u) * (1 - u) ** 2, u * (1 - u) ** 2
-    return h00 * a + (1 - h00) * b + spacing * (h10 * da - u**2 * (1 - u) * db) + early * rates[0]
-
-
-def _pick(array: Array, index: np.ndarray, lanes: np.ndarray) -> Array:
-    """array[index[m, b], :, b] as (M, n, B)."""
-    return np.swapaxes(array[index, :, lanes], 1, 2)
-
-
 def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
     """The shapes of B simulated individuals, parameters (R, B) and nuisances (M, B), at the observed instants."""
     arm, n = experiment.arm(arm), arm.order
@@ -234,8 +207,8 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
         times = times - nuisances[n]
     if np.all(times == times[:, :1]):
         times = times[:, :1]
-    q = _hermite(batch, batch.q, batch.q_rate, times)
-    theta = _hermite(batch, batch.theta, batch.theta_rate, times)
+    q = at_times(batch.t, batch.q, batch.q_rate, times)
+    theta = at_times(batch.t, batch.theta[:, None], batch.theta_rate[:, None], times)[:, 0]
     shift = experiment.parts(n, nuisances)[3] if experiment.sees_shift else np.zeros((2, nuisances.shape[1]))
     return Prediction(q, theta, shift + arm.specimen.length * np.array(sight.shift), batch)
 

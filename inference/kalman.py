@@ -8,13 +8,14 @@ from tentacle.compiled import njit
 
 
 @njit(cache=True, nogil=True)
-def gains_along(transition, push, added, start, observation):
+def gains_along(transition, pushed, push, added, start, observation):
     """Gain (C, N, K), inverse Cholesky root (C, K, K) of every innovation, and half the log determinant.
 
-        x_k+1 = (transition + [0, push_k]) x_k + w,  cov(w) = added;    y_k = observation_k x_k + v,  cov(v) = 1
+        x_k+1 = (transition + [0, pushed push_k]) x_k + w,  cov(w) = added;    y_k = observation_k x_k + v,  cov(v) = 1
 
-    transition (N, N); push (C, N, J): how the last J entries of the state act on the others; added (N, N); start
-    (N, N): covariance at the start; observation (C, K, N). A cell whose rows are 0 adds no information.
+    transition (N, N); push (C, n, J): forces of the last J entries of the state; pushed (N, n): what a force does to
+    the others; added (N, N); start (N, N): covariance at the start; observation (C, K, N). A cell whose rows are 0
+    adds no information.
     """
     cells, count, size = observation.shape
     gain = np.zeros((cells, size, count))
@@ -25,7 +26,7 @@ def gains_along(transition, push, added, start, observation):
     half = 0.0
     for k in range(cells):
         if k > 0:
-            forward[:, constant:] = transition[:, constant:] + push[k - 1]
+            forward[:, constant:] = transition[:, constant:] + pushed @ push[k - 1]
             covariance = forward @ covariance @ np.ascontiguousarray(forward.T) + added
         rows = observation[k]
         cross = covariance @ np.ascontiguousarray(rows.T)
@@ -42,7 +43,7 @@ def gains_along(transition, push, added, start, observation):
 
 
 @njit(cache=True, nogil=True)
-def whitened_along(rows, transition, push, observation, gain, root):
+def whitened_along(rows, transition, pushed, push, observation, gain, root):
     """Columns of rows (C, K, B), each filtered by the same gains: independent rows of unit variance (C, K, B)."""
     cells, _, columns = rows.shape
     constant = transition.shape[0] - push.shape[2]
@@ -50,7 +51,7 @@ def whitened_along(rows, transition, push, observation, gain, root):
     white = np.empty_like(rows)
     for k in range(cells):
         if k > 0:
-            state = transition @ state + push[k - 1] @ state[constant:]
+            state = transition @ state + pushed @ (push[k - 1] @ state[constant:])
         error = rows[k] - observation[k] @ state
         white[k] = root[k] @ error
         state = state + gain[k] @ error

@@ -74,7 +74,8 @@ class Cells:
         """Rows (T, K, ...) of frames as those of cells (count, K, ...), of unit noise again; 0 in an empty cell."""
         total = np.zeros((self.t.size, *rows.shape[1:]))
         weight = self.weight.reshape(-1, *(1 for _ in rows.shape[1:]))
-        np.add.at(total, self.cell, rows[self.place] * weight)
+        seen, first = np.unique(self.cell, return_index=True)  # frames stand in the order of time
+        total[seen] = np.add.reduceat(rows[self.place] * weight, first, axis=0)
         return total
 
 
@@ -91,13 +92,14 @@ def cells_of(t: Array, frames: NDArray[np.bool_], time: float) -> Cells:
 
 @dataclass(frozen=True)
 class Filter:
-    """The Kalman filter of one recording at one share a: transition (N, N), push (C, N, J) of the last J states on the
-    others, observation (C, K, N), gain (C, N, K) and root (C, K, K): inverse of the innovation's Cholesky factor;
-    log_determinant: half that of the covariance [nats].
+    """The Kalman filter of one recording at one share a: transition (N, N); push (C, n, J), forces of the last J
+    states, and pushed (N, n), what a force does to the others; observation (C, K, N); gain (C, N, K); root (C, K, K):
+    inverse of the innovation's Cholesky factor; log_determinant: half that of the covariance [nats].
     """
 
     cells: Cells
     transition: Array
+    pushed: Array
     push: Array
     observation: Array
     gain: Array
@@ -107,7 +109,9 @@ class Filter:
     def whiten(self, rows: Array) -> Array:
         """Residual rows (T, K, B) as independent ones of unit variance (C K, B)."""
         averaged = np.ascontiguousarray(self.cells.averaged(rows))
-        white = whitened_along(averaged, self.transition, self.push, self.observation, self.gain, self.root)
+        white = whitened_along(
+            averaged, self.transition, self.pushed, self.push, self.observation, self.gain, self.root
+        )
         return white.reshape(-1, rows.shape[2])
 
 
@@ -186,16 +190,15 @@ class LatentForce:
         n = lin.mass.shape[0]
         drift, diffusion, start = self.state_equation(a)
         transition, added, held = discretised(drift, diffusion, self.cells.interval)
-        pushed = held[:, at["v"]] @ np.linalg.inv(lin.mass[:, :n])
-        share = a * lin.envelope[:, None, None] * lin.force_root
-        push = np.ascontiguousarray(np.einsum("sn,cnj->csj", pushed, np.concatenate([share, lin.laws], axis=2)))
+        pushed = np.ascontiguousarray(held[:, at["v"]] @ np.linalg.inv(lin.mass[:, :n]))
+        push = np.concatenate([a * lin.envelope[:, None, None] * lin.force_root, lin.laws], axis=2)
         rows = np.zeros((*self.seen.shape[:2], len(start)))
         rows[:, :, at["z"]], rows[:, :, at["b"]] = self.seen[:, :, :n], self.seen[:, :, n : n + 1]
         rows[:, :, at["e"]] = lin.envelope[:, None, None] * self.error.rows
         rows[:, :, at["pose"]] = self.seen[:, :, n : n + 2]
         rows[:, :, at["place"]] = self.seen[:, :, n + 2 :]
-        gain, root, half = gains_along(transition, push, added, start, rows)
-        return Filter(self.cells, transition, push, rows, gain, root, float(half))
+        gain, root, half = gains_along(transition, pushed, push, added, start, rows)
+        return Filter(self.cells, transition, pushed, push, rows, gain, root, float(half))
 
 
 def with_scaled_mass(mass: Array, stiffness: Array, time: float) -> Array:

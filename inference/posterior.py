@@ -10,8 +10,9 @@ between their bounds. The base parameters' and initial states' priors are those 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache, partial
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -26,6 +27,7 @@ from inference.whitened_fit import whitened_rows
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
 PIECE_FRAMES = 60  # of a recording: a second of most, longer than what an error is correlated over
+KEPT_FILTERS = 3  # of the shares next to each other: more would take most of the memory of a diagnosis
 NOISE_REACH = 2.0  # standard deviations of a mean square over pure noise
 ROUGHLY, CLOSELY = 1e-3, 5e-5  # tolerances of a fit, shares of its sum of squares: some nats, a tenth of a nat
 
@@ -131,22 +133,34 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     """
     problem, nuisances = rough.problem, rough.nuisances
     forces = latent_forces(problem, problem.parameters, nuisances, rough.effects, declared)
+    filters = lru_cache(KEPT_FILTERS)(partial(filters_at, forces))
     unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
     fitted = linearised_fit(corrected(problem, unknowns), unknowns, 0)
     tried, last = set[int](), 0
     while True:
-        evidences = log_evidences(problem, fitted, forces)
-        if not np.isfinite(evidences).all():
-            raise np.linalg.LinAlgError("the evidence is not finite")
-        best = int(np.argmax(evidences))
+        evidence = cache(partial(_log_evidence_beside, problem, fitted, filters))
+        best = _climbed(evidence, last)
+        if best in tried:
+            evidences = np.array([evidence(place) for place in range(len(FORCE_SHARES))])
+            best = int(np.argmax(evidences))
         if best in tried:
             return Hypothesis(rough.effects, problem, fitted, forces, evidences, fitted_at=last)
         tried.add(best)
         last = best
-        problem = replace(problem, filters=filters_at(forces, best))
+        problem = replace(problem, filters=filters(best))
         unknowns, lowest, coarse = minimised_at_step(problem, nuisances, tolerance=CLOSELY, most=40)
         problem, nuisances = _moved(problem, unknowns)
         fitted = replace(linearised_fit(coarse, unknowns, 0), result=lowest.result)
+
+
+def _climbed(evidence: Callable[[int], float], place: int) -> int:
+    """The place among FORCE_SHARES of the first maximum of the evidence, uphill from a place."""
+    while True:
+        beside = [k for k in (place - 1, place + 1) if 0 <= k < len(FORCE_SHARES)]
+        best = max((place, *beside), key=evidence)
+        if best == place:
+            return place
+        place = best
 
 
 def without_derivatives(h: Hypothesis) -> Hypothesis:
@@ -237,26 +251,37 @@ def filters_at(forces: tuple[LatentForce, ...], place: int) -> tuple[Filter, ...
 
 
 def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:
-    """Log evidence (A,) [nats] at each of FORCE_SHARES. At each, one Gauss-Newton step moves the unknowns.
+    """Log evidence (A,) [nats] at each of FORCE_SHARES.
 
     The filters are made one after the other: those of all shares would take most of the memory of a diagnosis.
     """
+    places = range(len(FORCE_SHARES))
+    return np.array([log_evidence(problem, fitted, filters_at(forces, place)) for place in places])
+
+
+def log_evidence(problem: Problem, fitted: Fit, filters: tuple[Filter, ...]) -> float:
+    """Log evidence [nats] beside the share of unknown forces of these filters, after one Gauss-Newton step.
+
+    LinAlgError if it is not finite.
+    """
     scale, precision = problem.scales(), prior_precision(problem, fitted)
     constant = 0.5 * len(scale) * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
-    found = []
-    for place in range(len(FORCE_SHARES)):
-        filters = filters_at(forces, place)
-        white = whitened_rows(problem, fitted, filters)
-        residual, columns = white[:, 0], white[:, 1:] * scale
-        information = columns.T @ columns
-        slope = columns.T @ residual
-        step = np.clip(np.linalg.lstsq(information, -slope, rcond=1e-12)[0], -1.0, 1.0)
-        square = float(residual @ residual + 2.0 * slope @ step + step @ information @ step)
-        _, half = np.linalg.slogdet(information + np.diag(precision * scale**2))
-        found.append(
-            constant
-            - 0.5 * min(square, float(residual @ residual))
-            - 0.5 * half
-            - sum(f.log_determinant for f in filters)
-        )
-    return np.array(found)
+    white = whitened_rows(problem, fitted, filters)
+    residual, columns = white[:, 0], white[:, 1:] * scale
+    information = columns.T @ columns
+    slope = columns.T @ residual
+    step = np.clip(np.linalg.lstsq(information, -slope, rcond=1e-12)[0], -1.0, 1.0)
+    square = float(residual @ residual + 2.0 * slope @ step + step @ information @ step)
+    _, half = np.linalg.slogdet(information + np.diag(precision * scale**2))
+    seen = sum(one.log_determinant for one in filters)
+    found = float(constant - 0.5 * min(square, float(residual @ residual)) - 0.5 * half - seen)
+    if not np.isfinite(found):
+        raise np.linalg.LinAlgError("the evidence is not finite")
+    return found
+
+
+def _log_evidence_beside(
+    problem: Problem, fitted: Fit, filters: Callable[[int], tuple[Filter, ...]], place: int
+) -> float:
+    """Log evidence [nats] at one of FORCE_SHARES."""
+    return log_evidence(problem, fitted, filters(place))
