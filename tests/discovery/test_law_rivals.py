@@ -20,7 +20,7 @@ def answer(verdict, effects, after):
         ("unknown", (), 0.2, True),
         ("nothing_missing", (), 0.2, False),
         ("effect", ("third_curvature",), 0.4, False),  # no effect is named: the model is only finer
-        ("effect", ("current",), 0.2, False),  # at the floor
+        ("effect", ("current",), 0.201, False),  # at the floor
         ("effect", ("current",), 0.21 * LEFT, True),
         ("effect", ("current", "linear_drag"), 0.2, True),
         ("group", ("time_offset", "servo_lag"), 0.2, False),
