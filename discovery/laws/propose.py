@@ -100,6 +100,11 @@ class LawFit:
     fitted: Fit
     gain: float = 0.0
 
+    @property
+    def stands_at_bound(self) -> bool:
+        """Whether a number of the law stands at a bound of the grammar: the law explains nothing there."""
+        return any(effect == self.law.name for effect, _ in self.fitted.at_bound)
+
 
 @dataclass(frozen=True)
 class LawHypothesis:
@@ -142,7 +147,8 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
         nothing = laplace_evidence(plain, bare, variance)
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
-        judged = sorted((one for one in judged if one.gain > GAIN), key=lambda one: -one.gain)[:MOST]
+        judged = [one for one in judged if one.gain > GAIN and not one.stands_at_bound]
+        judged = sorted(judged, key=lambda one: -one.gain)[:MOST]
         if judged and _leaves_more_than_noise(judged[0].fitted):
             finer = [_with_more_coordinates(one) for one in judged]
             judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in finer]
