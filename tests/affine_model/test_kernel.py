@@ -1,11 +1,13 @@
 """The compiled kernel against the readable assembly, effect by effect: same laws, so the same motion."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from affine_model.arm import Arm, active_effects, neutral_parameters, parameter_index, parameter_rows
-from affine_model.dynamics import Instant, advanced_memory, balance, remembering
+from affine_model.dynamics import Instant, advanced_memory, balance, parameters_of, remembering
 from affine_model.effects import catalogue
 from affine_model.simulate import Start, Timing, simulate
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
@@ -43,8 +45,9 @@ def accelerations(parameters, t, z, z_rate, memory):
 
 def reference_state(parameters, q0, memory0=0.0):
     n, nodes = ARM.order, ARM.nodes
-    relaxing = bool(remembering(active_effects(parameters)))
-    tau = parameters[parameter_index("viscoelasticity", "tau")]
+    relaxing = remembering(active_effects(parameters))
+    times = [effect.relaxation_time for effect in relaxing if effect.relaxation_time is not None]
+    tau = times[0](SimpleNamespace(**ARM.arm_quantities), parameters_of(relaxing[0], parameters)) if times else np.inf
 
     def rate(t, state):
         z, z_rate, memory = state[:n], state[n : 2 * n], state[2 * n :]

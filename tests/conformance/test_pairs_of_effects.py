@@ -16,6 +16,7 @@ from affine_model.statics import equilibrium
 from mujoco_ref.simulate import Setup, make_stepper, simulate
 from mujoco_ref.statics import chain_equilibrium as rest_of_chain
 from tentacle.law.in_use import laws_in_use
+from tentacle.law.quantities import POSITIVE_ROUNDING
 from tentacle.specimen import AIR, Gravity
 from tentacle.waveform import Sine
 from tests.conformance.both_models import ORDER, Motion, answers, bent, model_with, nominal, reduced
@@ -37,6 +38,14 @@ def pulls_from_outside(name):
 
 
 PULLING = {name for name in NAMES if name not in STREAMS and pulls_from_outside(name)}
+WRITTEN = {law.name for law in laws_in_use()}
+
+
+def rounding_of(names):
+    """rad: how far a one-sided law of a file, rounded to have slopes, may bend an arm of stiffness 1 at rest."""
+    return POSITIVE_ROUNDING if WRITTEN & set(names) else 0.0
+
+
 each_effect = pytest.mark.parametrize("first", NAMES)
 
 
@@ -101,7 +110,8 @@ def test_an_arm_that_nothing_pulls_keeps_the_shape_it_was_cast_in(first):
         parameters = nominal(pair) | {"intrinsic_curvature": {"c0": 0.5}, "stiffness_drift": {"rate": 0.02}}
         model = model_with(parameters, AIR, WEIGHTLESS)
         _, _, arm, p, _ = reduced(model, Motion.drawn(0, still=True))
-        np.testing.assert_allclose(equilibrium(arm, p, t=10.0), [0.5, *[0.0] * (ORDER - 1)], atol=1e-9)
+        rest = equilibrium(arm, p, t=10.0)
+        np.testing.assert_allclose(rest, [0.5, *[0.0] * (ORDER - 1)], atol=1e-9 + rounding_of(pair))
 
 
 @pytest.mark.parametrize("name", sorted({*NAMES, "amplitude_damping"} - PULLING))
@@ -109,7 +119,7 @@ def test_the_chain_too_rests_as_it_was_cast(name):
     parameters = nominal((name,)) | {"intrinsic_curvature": {"c0": 0.5}, "stiffness_drift": {"rate": 0.02}}
     stepper = make_stepper(model_with(parameters, AIR, WEIGHTLESS), links=12)
     state = rest_of_chain(stepper, 0.0)
-    np.testing.assert_allclose(12.0 * state.q[3:], 0.5, atol=1e-8)
+    np.testing.assert_allclose(12.0 * state.q[3:], 0.5, atol=1e-8 + rounding_of((name,)))
 
 
 def test_effects_beside_the_loop_s_agree_too():
