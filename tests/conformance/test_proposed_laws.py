@@ -36,19 +36,7 @@ def test_a_proposed_file_passes_the_conformance_tests(name: str, tmp_path: Path)
     law = as_proposed(FORMS[name])
     file = tmp_path / f"{law.name}.toml"
     file.write_text(effect_text(law))
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        *TESTS,
-        "-k",
-        law.name,
-        "--effects",
-        str(file),
-    ]
+    command = [sys.executable, "-m", "pytest", "-q", *TESTS, "-k", law.name, "--effects", str(file)]
     found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600, check=False)
     assert found.returncode == 0, found.stdout[-2000:]
     assert " passed" in found.stdout
