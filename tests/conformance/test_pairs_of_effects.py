@@ -30,11 +30,13 @@ WEIGHTLESS = Gravity(0.0, 0.0)
 
 
 def pulls_from_outside(name):
-    """Whether the effect, as a magnet, exerts a force on an arm at rest in weightless air."""
-    still = Motion.drawn(0, still=True)
-    forces = [reduced(model_with(effects, AIR, WEIGHTLESS), still)[1] for effects in (nominal((name,)), {})]
-    acts = catalogue()[name].force is not None or catalogue()[name].tip_force is not None
-    return acts and not np.allclose(*forces, rtol=0, atol=1e-12)
+    """Whether the effect, as a magnet or a stop, exerts a force on an arm at rest in weightless air, in some shape."""
+    if catalogue()[name].force is None and catalogue()[name].tip_force is None:
+        return False
+    models = [model_with(effects, AIR, WEIGHTLESS) for effects in (nominal((name,)), {})]
+    shapes = [Motion.drawn(seed, still=True) for seed in range(6)]
+    forces = [[reduced(model, shape)[1] for shape in shapes] for model in models]
+    return not np.allclose(*forces, rtol=0, atol=1e-12)
 
 
 PULLING = {name for name in NAMES if name not in STREAMS and pulls_from_outside(name)}
