@@ -234,9 +234,11 @@ def moving(folder: Path) -> None:
 
 
 def laws(folder: Path) -> None:
-    """The missing force of one hidden magnet and one hidden thread, on white, for dark pages too."""
+    """The missing force of a hidden magnet, a thread and a one-way drag, on white, for dark pages too."""
     from discovery.diagnose import diagnose
     from validation.plants import Filming, make
+    from validation.trials.law_trial import law_recording
+    from viz.figures.force_over import force_over_figure
     from viz.figures.missing_force import missing_force_figure
 
     for name, effect, seed in (("missing_magnet", "magnet", 5), ("missing_tether", "thread", 6)):
@@ -246,6 +248,10 @@ def laws(folder: Path) -> None:
         figure = missing_force_figure(missing.maps[0], missing.kinds)
         figure.savefig(folder / f"{name}.png", dpi=150, facecolor="white")
         keep(folder / f"{name}.png", name)
+    missing = diagnose([law_recording(741, "one_way_drag")[0]]).missing
+    print("missing_over", *missing.words, sep="\n")
+    force_over_figure(missing.over).savefig(folder / "missing_over.png", dpi=110, facecolor="white")
+    keep(folder / "missing_over.png", "missing_over")
 
 
 GROUPS = {"moving": moving, "examples": examples, "views": views, "reports": reports, "figures": figures, "maps": maps,

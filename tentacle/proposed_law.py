@@ -27,6 +27,25 @@ class ForceMap:
 
 
 @dataclass(frozen=True)
+class ForceOver:
+    """The missing force of a recording over one coordinate, as one normal force at the place s, which explains that
+    share of the missing generalised force. Means of the coordinate [unit] and of the force [N], and the force's
+    standard deviation (B,), in bins of equal count; predicted: share of the force's variance that this curve predicts
+    on stretches it was not drawn from, 0 .. 1.
+    """
+
+    name: str
+    s: float
+    explained: float
+    coordinate: str
+    unit: str
+    value: Array
+    force: Array
+    deviation: Array
+    predicted: float
+
+
+@dataclass(frozen=True)
 class ProposedLaw:
     """A law that explains the missing force. law: with the fitted values as nominal ones; values: of its parameters;
     evidence [nats] over no law, on the frames that were fitted; held_out_midline_mm: error of the model with it, on
@@ -100,7 +119,8 @@ class ProposedLaw:
 @dataclass(frozen=True)
 class MissingForce:
     """The results about it: maps, laws (best first), and rows (a kind of law, share that its best law does not
-    explain); next_motion: the table of a base motion that would separate the best law from its rivals.
+    explain); next_motion: the table of a base motion that would separate the best law from its rivals; over: the
+    force of the first recording over each coordinate, the one that predicts most of it first.
     """
 
     maps: tuple[ForceMap, ...] = ()
@@ -108,3 +128,4 @@ class MissingForce:
     kinds: tuple[tuple[str, float], ...] = ()
     words: tuple[str, ...] = ()
     next_motion: dict[str, Any] | None = None
+    over: tuple[ForceOver, ...] = ()

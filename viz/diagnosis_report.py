@@ -13,6 +13,7 @@ from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.figures.budget import budget_figure
 from viz.figures.coordinates import coordinates_figure
+from viz.figures.force_over import force_over_figure
 from viz.figures.missing_force import missing_force_figure
 from viz.figures.residual import residual_figure
 from viz.figures.shapes import shapes_figure
@@ -179,6 +180,10 @@ def missing_sections(missing: MissingForce) -> list[ReportSection]:
         )
         for k, one in enumerate(missing.maps[:DRAWN_RUNS])
     ]
+    if missing.over:
+        place = "the tip" if missing.over[0].s == 1.0 else f"s = {missing.over[0].s:.2f}"
+        words_of = f"{missing.over[0].name}: the missing force as one at {place}, over each coordinate of that place."
+        pictures.append(Picture(force_over_figure(missing.over), words_of))
     return [ReportSection("The missing force", words, (), pictures)]
 
 

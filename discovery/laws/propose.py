@@ -14,6 +14,7 @@ from affine_model.curvature import Array
 from discovery.answer import SERVO_UNDER_LOAD, proposal_words
 from discovery.laws.along import force_map
 from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
+from discovery.laws.over import over_coordinates, over_words
 from discovery.laws.search import FittedLaw
 from discovery.next_experiment import Proposal, propose_experiment
 from inference.base_fit import most_coordinates
@@ -63,22 +64,25 @@ def propose_laws(
     searched = settled_search(base, motions)
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
+    over = over_coordinates(names[0], arms[0], searched.motions[0])
     kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
                   for kind, starts in LAW_KINDS.items()
                   if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
     worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
         words = ("No law of the grammar explains the missing force: the best leaves "
-                 f"{100.0 * min(one.unexplained for one in found):.0f} % of its effect.",)  # fmt: skip
-        return MissingForce(maps, (), kinds, words)
+                 f"{100.0 * min(one.unexplained for one in found):.0f} % of its effect.", over_words(over))  # fmt: skip
+        return MissingForce(maps, (), kinds, words, over=over)
     progress("fitting the best laws")
     fits = _fitted(base, searched, prepared, worth)
     if fits.motions:
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
-    words = _words(fits.laws, kinds)
+        over = over_coordinates(names[0], arms[0], fits.motions[0])
+    words = (*_words(fits.laws, kinds), over_words(over))
     if fits.next_motion is not None:
         words = (*words, proposal_words(fits.next_motion))
-    return MissingForce(maps, fits.laws, kinds, words, fits.next_motion and waveform_table(fits.next_motion.waveform))
+    next_motion = fits.next_motion and waveform_table(fits.next_motion.waveform)
+    return MissingForce(maps, fits.laws, kinds, words, next_motion, over)
 
 
 def as_found(found: FittedLaw) -> WrittenLaw:

@@ -1,0 +1,90 @@
+"""On what a missing force depends: the place and the coordinate of a force that is known are found again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from affine_model.arm import Arm
+from affine_model.dynamics import Instant
+from discovery.laws.over import _levers, acting_place, over_coordinates, over_words, place_along, predicted
+from inference.missing_force import SeenMotion
+from tentacle.specimen import WATER, Cone, Specimen
+
+ARM = Arm(Specimen(Cone(0.011, 0.004), 0.14, 1070.0), WATER, order=4)
+N = ARM.order
+T = np.arange(0.0, 20.0, 1.0 / 150.0)
+EVERY = np.arange(T.size)
+
+
+def swinging():
+    """A motion of incommensurate frequencies, so that no coordinate is a function of another one."""
+    random = np.random.default_rng(1)
+    u, rate, acceleration = np.zeros((3, T.size, N + 2))
+    for j in range(N + 1):
+        for frequency in random.uniform(0.3, 2.5, 3):
+            size, phase, turn = 0.4 / (1.0 + j), random.uniform(0.0, 6.28), 2.0 * np.pi * frequency
+            u[:, j] += size * np.sin(turn * T + phase)
+            rate[:, j] += size * turn * np.cos(turn * T + phase)
+            acceleration[:, j] -= size * turn**2 * np.sin(turn * T + phase)
+    none = np.zeros((T.size, N))
+    return SeenMotion(T, u, rate, acceleration, none, none + 1e-6, 0.1, Instant(0.0))
+
+
+def with_force(motion, s, force):
+    """The motion with the generalised force of a normal force (T,) at s."""
+    return SeenMotion(**{**vars(motion), "force": _levers(ARM, motion.u, s) * force[:, None]})
+
+
+def test_levers_are_the_slopes_of_the_place_along_its_normal():
+    motion = swinging()
+    s, step = 0.7, 1e-6
+    place = place_along(ARM, motion, s, EVERY)
+    for j in range(N):
+        ahead = motion.u.copy()
+        ahead[:, j] += step
+        moved = place_along(ARM, SeenMotion(**{**vars(motion), "u": ahead}), s, EVERY)
+        slope = np.sum((moved.position - place.position) * place.normal, axis=1) / step
+        # A forward difference: off by step times the second derivative, of order .1 m.
+        assert _levers(ARM, motion.u, s)[:, j] == pytest.approx(slope, abs=1e-6)
+
+
+def test_velocity_and_acceleration_are_the_place_s_own():
+    place = place_along(ARM, swinging(), 0.6, EVERY)
+    interval = T[1] - T[0]
+    for value, slope in ((place.position, place.velocity), (place.velocity, place.acceleration)):
+        middle = (value[2:] - value[:-2]) / (2.0 * interval)
+        # Central differences at 150 a second of at most 3 Hz: (2 pi 3 / 150)^2 / 6 of the slope.
+        assert np.abs(middle - slope[1:-1]).max() < 0.01 * np.abs(slope).max()
+
+
+@pytest.mark.parametrize("s", [0.6, 1.0])
+def test_a_force_of_the_velocity_at_a_place_is_found_as_that(s):
+    motion = swinging()
+    place = place_along(ARM, motion, s, EVERY)
+    across = np.sum(place.velocity * place.normal, axis=1)
+    found = over_coordinates("one", ARM, with_force(motion, s, -(np.maximum(across, 0.0) ** 2)))
+    best = found[0]
+    assert best.s == pytest.approx(s)
+    assert best.explained == pytest.approx(1.0, abs=1e-9)
+    assert best.coordinate == "normal velocity"
+    assert best.predicted > 0.8  # 16 bins of a parabola: the last one holds half of its values' range
+    assert "normal velocity" in over_words(found)
+
+
+def test_a_curve_predicts_nothing_where_the_force_does_not_depend_on_it():
+    random = np.random.default_rng(2)
+    x, force = random.standard_normal((2, T.size))
+    assert predicted(T, x, force) < 0.01  # 16 means of 190 values each: 1 / 190 of the variance, below zero on average
+
+
+def test_forces_along_the_arm_are_no_single_one():
+    """Two independent forces at two places: no single place explains both."""
+    motion = swinging()
+    random = np.random.default_rng(3)
+    both = np.zeros((T.size, N))
+    for s in (0.3, 1.0):
+        levers = _levers(ARM, motion.u, s)
+        both += levers / np.linalg.norm(levers, axis=1)[:, None] * random.standard_normal(T.size)[:, None]
+    _, explained, _ = acting_place(ARM, SeenMotion(**{**vars(motion), "force": both}), EVERY)
+    assert explained < 0.97
