@@ -35,8 +35,8 @@ import numpy as np
 
 from affine_model.effects import absent_effects, catalogue
 from inference.posterior import Hypothesis
-from inference.solver_result import RESULTS
 from tentacle.diagnosis import Verdict
+from tentacle.solver_result import RESULTS
 
 COMPLETE = (0.4, 0.4, 0.15, 0.05)  # prior of none, one, two and three effects missing: chosen, not measured yet
 ELSE = 0.15  # prior of something outside the catalogue; chosen, its sensitivity is not measured yet

@@ -13,19 +13,24 @@ import numpy as np
 
 from affine_model.curvature import Array
 from inference.trajectory import Fit, ParameterName, Problem
+from tentacle.solver_result import RESULTS
 
 BLOCK_SECONDS = 1.0  # longer than the correlation time of a tracker's errors
 ROUNDS = 4
+SETTLED = 0.05  # of a parameter's spread: a last step that is smaller moves no end of an interval visibly
 
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """values (F, N) of the replicates; low and high (F,): the ends of the interval."""
+    """values (F, N) of the replicates; low and high (F,): the ends of the interval; result: how the replicates' fits
+    ended.
+    """
 
     free: tuple[ParameterName, ...]
     values: Array
     low: Array
     high: Array
+    result: RESULTS
 
 
 def _drawn(problem: Problem, fitted: Fit, random: np.random.Generator) -> Array:
@@ -59,9 +64,14 @@ def bootstrap(problem: Problem, fitted: Fit, *, replicates: int = 200, seed: int
     unknowns = np.repeat(np.concatenate([fitted.values, *fitted.nuisances])[:, None], replicates, axis=1)
     size = np.maximum(np.linalg.norm(fitted.jacobian, axis=0), 1e-300)
     inverse = np.linalg.pinv(fitted.jacobian / size) / size[:, None]
+    count, before = len(fitted.free), unknowns
     for _ in range(ROUNDS):
+        before = unknowns
         unknowns = unknowns - inverse @ (problem.residuals(unknowns)[0] + target)
         unknowns = np.clip(unknowns, low[:, None], high[:, None])
-    values = unknowns[: len(fitted.free)]
+    values = unknowns[:count]
+    last = np.sqrt(np.mean((values - before[:count]) ** 2, axis=1))
+    settled = bool(np.all(last <= SETTLED * np.std(values, axis=1)))
     tail = 50.0 * (1.0 - share)
-    return Bootstrap(fitted.free, values, *np.percentile(values, [tail, 100.0 - tail], axis=1))
+    ends = np.percentile(values, [tail, 100.0 - tail], axis=1)
+    return Bootstrap(fitted.free, values, ends[0], ends[1], RESULTS.CONVERGED if settled else RESULTS.MAX_STEPS)

@@ -32,6 +32,7 @@ from tentacle.recording import Recording
 
 CLOCK_DOUBT = 4.0  # standard errors: a larger offset of the clock is reported
 ILL = 0.99  # correlation of two estimates above which the data cannot separate them
+UNSETTLED = "The fits of the bootstrap did not converge: their intervals may be too narrow or too wide."
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ def identify(
             *_remarks(judged, correlation),
             *own_geometry_words(prepared),
             *_told(problem, known),
+            *([UNSETTLED] if drawn is not None and not drawn.result.converged else []),
             *declared_words(problem, fitted),
         ),
         adequate=judged.train.passed,

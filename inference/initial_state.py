@@ -55,4 +55,5 @@ def _shape_of_points(experiment: Experiment, order: int) -> Array:
         points = points_beside(to_monomial @ z, theta, markers.length, s, d)
         return np.concatenate([(points - there).ravel() / (PLACED * markers.length), z])
 
-    return np.asarray(least_squares(missed, np.zeros(order)).x)
+    found = least_squares(missed, np.zeros(order))
+    return np.asarray(found.x) if found.success else np.zeros(order)  # the straight arm, from which the fit begins too

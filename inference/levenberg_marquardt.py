@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
-from inference.solver_result import RESULTS
+from tentacle.solver_result import RESULTS
 
 LADDER = 10.0 ** np.arange(-3.0, 5.0)  # dampings tried, times the current one
 SMALLEST, LARGEST = 1e-9, 1e9

@@ -19,6 +19,7 @@ from inference.observation import POSE, MarkerObservation, ShapeObservation
 from tentacle.signals import Markers, Midline, ShapeTrack
 
 SHAPE_NODES = 16
+SETTLED = 1e-4  # rad, m and 1: last step of a frame that has converged, a hundredth of what a camera resolves
 
 
 @dataclass(frozen=True)
@@ -38,8 +39,8 @@ class Tracker:
 def fit_shapes(data: Midline, theta: Array, length: float, order: int, tracker: Tracker) -> ShapeObservation:
     """Least-squares shape coefficients of every frame of a midline.
 
-    theta (T,) recorded base angle. Frames with too few points get root 0 and have no weight. Gauss-Newton from the
-    straight arm along the points' mean direction; all frames at once.
+    theta (T,) recorded base angle. Frames with too few points, and frames whose fit does not converge, get root 0 and
+    have no weight. Gauss-Newton from the straight arm along the points' mean direction; all frames at once.
     """
     frames, points = data.xy.shape[:2]
     stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, tracker.sigma)
@@ -51,7 +52,7 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, tracker: 
     known = [*([0] if tracker.rigid else []), *(range(1, POSE) if tracker.by_edges else [])]
     usable = seen.sum(axis=1) * 2 >= count + 2
     coefficients = np.zeros((frames, count))
-    steps = 12
+    steps, last = 12, np.zeros(frames)
     jacobian = np.zeros((frames, points, 2, count))
     normal, error = np.zeros((frames, count, count)), np.zeros_like(xy)
     for _ in range(steps):
@@ -80,8 +81,10 @@ def fit_shapes(data: Midline, theta: Array, length: float, order: int, tracker: 
         update = np.linalg.solve(normal, gradient[..., None])[..., 0]
         limit = np.minimum(1.0, 1.5 / np.maximum(np.abs(update).max(axis=1), 1e-12))
         coefficients = coefficients + update * limit[:, None] * usable[:, None]
-        if np.abs(update[usable]).max(initial=0.0) < 1e-10:
+        last = np.abs(update).max(axis=1)
+        if last[usable].max(initial=0.0) < 1e-10:
             break
+    usable &= last < SETTLED
     root = np.swapaxes(np.linalg.cholesky(normal), 1, 2) * usable[:, None, None]
     chi2 = np.where(usable, np.einsum("tpx,tpx->t", error, error), 0.0)
     left = np.where(usable, 2 * seen.sum(axis=1) - count, 0)

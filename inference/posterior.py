@@ -140,11 +140,11 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     while True:
         evidence = cache(partial(_log_evidence_beside, problem, fitted, filters))
         best = _climbed(evidence, last)
-        if best in tried:
+        if best in tried:  # the fit is at its share: now all shares are needed
             evidences = np.array([evidence(place) for place in range(len(FORCE_SHARES))])
             best = int(np.argmax(evidences))
-        if best in tried:
-            return Hypothesis(rough.effects, problem, fitted, forces, evidences, fitted_at=last)
+            if best in tried:
+                return Hypothesis(rough.effects, problem, fitted, forces, evidences, fitted_at=last)
         tried.add(best)
         last = best
         problem = replace(problem, filters=filters(best))

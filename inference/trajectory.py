@@ -19,8 +19,8 @@ from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
 from inference.levenberg_marquardt import Minimum, minimise
 from inference.linear_fit import ParameterName
-from inference.solver_result import RESULTS
 from tentacle.declared import Uncertain
+from tentacle.solver_result import RESULTS
 
 PARAMETER_DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
 ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5

@@ -25,6 +25,7 @@ from affine_model.swim.waves import best_wave
 from tentacle.errors import InputError
 from tentacle.gait import Gait
 from tentacle.notebook import html_paragraph, html_table
+from tentacle.solver_result import RESULTS
 
 _SURE_SECONDS, _SURE_STEP = 300.0, 2e-3  # a gait of three frequencies beats: its largest angle may come late
 _RISE = 0.01  # relative rise of the search's best before the next climb
@@ -53,7 +54,8 @@ class Swimming:
 
     origin: start of the climb to this gait (ORIGINS). gain: the objective's value over the sine's, on the fine trial.
     evaluations (G,) and best (G,): the search's course; value, sine_value and best in the objective's unit. peaks (3,):
-    largest |theta|, |theta'|, |theta''| of the gait in 300 s.
+    largest |theta|, |theta'|, |theta''| of the gait in 300 s. polished: how the climb with the exact gradient
+    ended (None: not asked for).
     """
 
     objective: str
@@ -69,6 +71,7 @@ class Swimming:
     evaluations: Array
     best: Array
     peaks: Array
+    polished: RESULTS | None = None
 
     @property
     def gain(self) -> float:
@@ -127,7 +130,7 @@ def climb(trial: GaitTrial, objective: Objective, box: Box, unit: Array) -> tupl
     tied = box.unit(periodic(box.alpha(unit[:, None])[:, 0])[:, None])[:, 0]
     starts = np.stack([unit, tied], axis=1)
     start = starts[:, int(np.argmax(gait_scores(objective, trial, run(trial, box.alpha(starts)))))]
-    reached, _ = polish(trial, objective, box, start)
+    reached = polish(trial, objective, box, start).point  # the search climbs again from where this one stopped
     gait = box.alpha(reached[:, None])[:, 0]
     both = sure_of_limits(trial, np.stack([gait, periodic(gait)], axis=1))
     return both, float(np.max(gait_scores(objective, trial, run(trial, both))))
@@ -175,11 +178,12 @@ def optimise_gait(
     values = gait_scores(objective, fine, run(fine, candidates))
     leader = int(np.argmax(values))
     origin = ORIGINS[min((leader + 1) // 2, 2)]
+    polished = None
     if plan.polish:
         from affine_model.swim.exact_gradient import exact_gradient
 
-        reached, _ = polish(ready, objective, box, box.unit(candidates[:, [leader]])[:, 0], slope=exact_gradient)
-        candidates = np.concatenate([candidates, sure_of_limits(ready, box.alpha(reached[:, None]))], axis=1)
+        polished = polish(ready, objective, box, box.unit(candidates[:, [leader]])[:, 0], slope=exact_gradient)
+        candidates = np.concatenate([candidates, sure_of_limits(ready, box.alpha(polished.point[:, None]))], axis=1)
         values = np.append(values, gait_scores(objective, fine, run(fine, candidates[:, -1:])))
         leader = int(np.argmax(values))
     winner, value, sine_value = candidates[:, leader], float(values[leader]), float(values[0])
@@ -198,6 +202,7 @@ def optimise_gait(
         sine_promise=sine_promised,
         value=value,
         sine_value=sine_value,
+        polished=None if polished is None else polished.result,
         evaluations=np.array([generation.evaluations for generation in course]),
         best=np.array([generation.best_score for generation in course]),
         peaks=largest(trial, winner),

@@ -57,7 +57,7 @@ def pareto_front(trial: GaitTrial, box: Box, *, known: Array, evaluations: int, 
         for generation in search(trial, objective, box, SearchPlan("cmaes", evaluations=share, seed=seed + number)):
             best_unit = generation.best_unit
             tried.append(box.alpha(generation.unit))
-        polished, _ = polish(trial, objective, box, best_unit)
+        polished = polish(trial, objective, box, best_unit).point  # a start of the front, at its top or below
         # Between two exponents the front is filled by the same gait, weaker and weaker.
         shares = np.linspace(1.0, 0.6, 9)
         weaker = np.repeat(run(trial, box.alpha(polished[:, None])).alpha, len(shares), axis=1)

@@ -8,6 +8,7 @@ costs some hundred times as much.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
@@ -16,9 +17,19 @@ from affine_model.curvature import Array
 from affine_model.swim.limits import Box
 from affine_model.swim.objectives import Objective, gait_scores
 from affine_model.swim.trial import GaitTrial, run
+from tentacle.solver_result import RESULTS
 
 Slope = Callable[[GaitTrial, Objective, Box, Array], tuple[float, Array]]  # of a point (9,): score and gradient (9,)
 _OFFSET = 1e-4  # of the unit cube: truncation ~ offset^2, rounding ~ 1e-13 / offset
+
+
+@dataclass(frozen=True)
+class Polished:
+    """The best point (9,) of the unit cube that a climb met, its score, and how the climb ended."""
+
+    point: Array
+    score: float
+    result: RESULTS
 
 
 def value_and_gradient(
@@ -42,10 +53,8 @@ def polish(
     unit: Array,
     evaluations: int = 30,
     slope: Slope = value_and_gradient,
-) -> tuple[Array, float]:
-    """Climb from a point (9,): the best point met and its score, never worse than the start (L-BFGS-B, Byrd et al.
-    1995).
-    """
+) -> Polished:
+    """Climb from a point (9,), never to a worse one (L-BFGS-B, Byrd et al. 1995)."""
     scale = max(abs(float(gait_scores(objective, trial, run(trial, box.alpha(unit[:, None])))[0])), 1e-12)
     best: list[tuple[float, Array]] = []
 
@@ -56,6 +65,6 @@ def polish(
 
     bounds = [(0.0, 1.0)] * 6 + [(None, None)] * 3
     inside = np.concatenate([np.clip(unit[:6], 0.0, 1.0), unit[6:]])
-    minimize(falling, inside, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxfun": evaluations})
+    ended = minimize(falling, inside, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxfun": evaluations})
     value, point = max(best, key=lambda pair: pair[0])
-    return point, value
+    return Polished(point, value, RESULTS.CONVERGED if ended.success else RESULTS.MAX_STEPS)

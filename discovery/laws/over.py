@@ -57,7 +57,7 @@ def over_coordinates(name: str, arm: Arm, motion: SeenMotion) -> tuple[ForceOver
         ("tangential velocity", "m/s"): np.sum(place.velocity * place.tangent, axis=1),
         ("normal acceleration", "m/s^2"): np.sum(place.acceleration * place.normal, axis=1),
         ("time", "s"): t,
-        ("phase of the base", "rad"): np.angle(hilbert(turning))[keep],
+        ("phase of the base", "rad"): np.angle(np.asarray(hilbert(turning), dtype=np.complex128))[keep],
     }
     found = [
         ForceOver(name, s, explained, coordinate, unit, *curve(values, force), predicted(t, values, force))

@@ -18,6 +18,7 @@ from scipy.optimize import minimize
 from scipy.stats import t as student
 
 from tentacle.signals import Array
+from tentacle.solver_result import RESULTS
 
 FEWEST_DAYS = 4  # days that show a trend: two more than its line needs
 SMALLEST, LARGEST = 1e-4, 10.0  # of the values about their line: range of a spread between days or recordings
@@ -27,7 +28,8 @@ LEVELS = 7  # of each spread, from which its search begins
 @dataclass(frozen=True)
 class Trend:
     """start: the line's value at the first time, end: at the last; change = end - start with low, high (95 %) and
-    p_value, None where there are too few days. by_day, by_recording: spreads about the line. line (R,): its values.
+    p_value, None where there are too few days or the spreads' search did not converge. by_day, by_recording: spreads
+    about the line. line (R,): its values.
     """
 
     start: float
@@ -54,22 +56,26 @@ def fit_trend(days: Array, values: Array, deviations: Array) -> Trend:
     count = int(day.max()) + 1
     t = (np.bincount(day, weights=t) / np.bincount(day))[day]  # what changes within a day is no trend over days
     design = np.ones((t.size, 1)) if count < FEWEST_DAYS else np.stack([np.ones(t.size), t - t.min()], axis=1)
-    by_day, by_recording = (0.0, 0.0) if t.size < 3 else _spreads(design, y, s, day)
+    (by_day, by_recording), result = ((0.0, 0.0), RESULTS.CONVERGED) if t.size < 3 else _spreads(design, y, s, day)
     line, covariance, _ = _least_squares(design, y, s, day, (by_day, by_recording))
     if design.shape[1] == 1:
         return Trend(line[0], line[0], None, None, by_day, by_recording, np.full(days.size, line[0]))
+    course = line[0] + line[1] * (days - t.min())
     span = float(t.max() - t.min())
+    if not result.converged:
+        return Trend(line[0], line[0] + line[1] * span, None, None, by_day, by_recording, course)
     change, deviation = line[1] * span, float(np.sqrt(covariance[1, 1])) * span
     reach = float(student.ppf(0.975, count - 2)) * deviation
     p_value = float(2.0 * student.sf(abs(change) / deviation, count - 2))
-    course = line[0] + line[1] * (days - t.min())
     return Trend(
         line[0], line[0] + change, (change, change - reach, change + reach), p_value, by_day, by_recording, course
     )
 
 
-def _spreads(design: Array, y: Array, s: Array, day: NDArray[np.int64]) -> tuple[float, float]:
-    """Spreads by day and by recording of the largest restricted likelihood; of days with one each only their sum."""
+def _spreads(design: Array, y: Array, s: Array, day: NDArray[np.int64]) -> tuple[tuple[float, float], RESULTS]:
+    """Spreads by day and by recording of the largest restricted likelihood, and how the search for them ended; of days
+    with one recording each only their sum.
+    """
     alone = np.bincount(day).max() == 1
     left = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
     unit = max(float(np.std(left)), float(np.median(s)))
@@ -85,7 +91,8 @@ def _spreads(design: Array, y: Array, s: Array, day: NDArray[np.int64]) -> tuple
     starts = np.stack(np.meshgrid(*[levels] * (1 if alone else 2)), axis=-1).reshape(-1, 1 if alone else 2)
     start = min(starts, key=cost)
     bounds = [(levels[0], levels[-1])] * start.size
-    return spreads(minimize(cost, start, bounds=bounds, method="Nelder-Mead", options={"xatol": 0.01}).x)
+    found = minimize(cost, start, bounds=bounds, method="Nelder-Mead", options={"xatol": 0.01})
+    return spreads(found.x), RESULTS.CONVERGED if found.success else RESULTS.MAX_STEPS
 
 
 def _least_squares(

@@ -145,7 +145,7 @@ def test_polish_by_the_exact_gradient_never_loses():
 def test_polish_never_loses():
     unit = np.array([0.3, 0.4, 0.2, 0.4, 0.5, 0.3, 0.2, 0.6, 0.8])
     before = gait_scores(THRUST, TRIAL, run(TRIAL, BOX.alpha(unit[:, None])))[0]
-    _, after = polish(TRIAL, THRUST, BOX, unit, evaluations=6)
+    after = polish(TRIAL, THRUST, BOX, unit, evaluations=6).score
     assert after > before
 
 

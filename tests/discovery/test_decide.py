@@ -7,7 +7,7 @@ import pytest
 
 from discovery.decide import decide_by_mass, log_prior_of_set
 from inference.posterior import FORCE_SHARES, Hypothesis
-from inference.solver_result import RESULTS
+from tentacle.solver_result import RESULTS
 
 
 @pytest.fixture

@@ -16,10 +16,10 @@ from inference.experiment import Experiment
 from inference.levenberg_marquardt import minimise
 from inference.measured_shapes import Tracker, fit_shapes, from_track
 from inference.observation import POSE, ShapeObservation
-from inference.solver_result import RESULTS
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import RAN_AWAY, Problem, fit, unfitted
 from tentacle.signals import Midline, ShapeTrack
+from tentacle.solver_result import RESULTS
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp, Sine
 

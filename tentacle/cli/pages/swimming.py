@@ -100,4 +100,5 @@ def _search_words(found: Swimming) -> tuple[str, ...]:
         f"{found.evaluations[-1]} gaits by {found.method}, seed {found.seed}. A quasi-Newton method starts at the best "
         "wave, and at the search's best when it exceeds all earlier results.",
         f"The winner was chosen with a third of the step. Start of its climb: {found.origin}.",
+        *([] if found.polished is None else [f"The climb with the exact gradient: {found.polished.message}"]),
     )
