@@ -90,7 +90,7 @@ def refined_shapes(starts: list[Start], asked: Asked) -> tuple[Array, Array]:
     if best.normal is None:  # no start has strengths within their bounds
         return starts[0].shapes, UNKNOWN * spacing
     spread = np.sqrt(np.diag(np.linalg.inv(best.normal + UNKNOWN**-2 * np.eye(count))))
-    return best.x * spacing, spread * spacing
+    return np.clip(best.x * spacing, *bounds.T), spread * spacing  # the rounding of x * spacing may pass a bound
 
 
 def _judge(walk: _Walk, tried: tuple[Array, Array], part: Array, asked: Asked) -> None:

@@ -40,3 +40,16 @@ def test_a_strength_beyond_its_bounds_is_no_answer():
     target = 100.0 * answers([(0.4, 0.1)])[:, 0]
     found, _ = refined_shapes([Start(np.array([0.5, 0.2]), 0.0)], asked(target, 1.0))
     assert found == pytest.approx([0.5, 0.2])  # where it began: nowhere is the strength within its bounds
+
+
+def test_a_shape_on_its_bound_is_within_it():
+    """0.11 / 0.07 * 0.07 is a rounding above 0.11: refined in grid spacings, a shape could leave its bounds."""
+    bound, spacing = 0.11, 0.07
+    assert (bound / spacing) * spacing > bound
+    times = np.linspace(0.0, 1.0, 200)
+    wanted = Asked(
+        lambda trials: np.stack([np.exp(x * times) for (x,) in trials], axis=1), 30.0 * np.exp(2.0 * times),
+        np.array([[0.0, bound]]), np.array([spacing]), np.array([[-1e4, 1e4]]),
+    )  # fmt: skip
+    found, _ = refined_shapes([Start(np.array([0.05]), 0.0)], wanted)
+    assert found[0] == bound
