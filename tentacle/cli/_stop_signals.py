@@ -4,6 +4,9 @@ A signal's handler raises Ended wherever the program is. Within a callback from 
 removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. numba's compiler is such
 a place. There, the exception is raised again a moment later.
 
+numba's dispatcher, which is C code, crashes now and then if an exception comes out of the compiler that it called (4
+of 120 interrupts of `track`). So Ended waits until numba has returned, but not longer than LONGEST_WAIT.
+
 An object whose construction was interrupted may fail when it is removed; such errors are not reported.
 """
 
@@ -12,6 +15,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +23,8 @@ from types import FrameType
 from typing import Any
 
 AGAIN_AFTER = 0.1  # s
+LONGEST_WAIT = 8.0  # s; a function of ours is loaded in less than .5 s and compiled in some seconds
+COMPILERS = ("numba.", "llvmlite.")
 
 
 class Ended(KeyboardInterrupt):
@@ -31,19 +37,26 @@ class Ended(KeyboardInterrupt):
 
 @dataclass
 class StopAsked:
-    """number: of the signal that asked the command to end, 0 where none did."""
+    """number: of the signal that asked the command to end, 0 where none did; since [s]: when, by the monotonic
+    clock.
+    """
 
     number: int = 0
+    since: float = 0.0
 
-    def handle(self, number: int, _frame: FrameType | None) -> None:
+    def handle(self, number: int, frame: FrameType | None) -> None:
         """The signals' handler."""
         if number != signal.SIGINT:
             signal.signal(number, signal.SIG_IGN)  # only once: the clean-up must not be interrupted
+        self.since = self.since if self.number else time.monotonic()
         self.number = number
-        raise Ended(number)
+        self.again(number, frame)
 
-    def again(self, _number: int, _frame: FrameType | None) -> None:
-        """The timer's handler: what was lost is raised once more."""
+    def again(self, _number: int, frame: FrameType | None) -> None:
+        """The timer's handler: what was lost, or has waited, is raised."""
+        if _compiles(frame) and time.monotonic() - self.since < LONGEST_WAIT:
+            signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
+            return
         raise Ended(self.number)
 
     def unraisable(self, report: Any) -> None:
@@ -52,6 +65,15 @@ class StopAsked:
             signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
         elif not self.number and not isinstance(report.exc_value, KeyboardInterrupt):
             sys.__unraisablehook__(report)
+
+
+def _compiles(frame: FrameType | None) -> bool:
+    """Whether a compiler is at work in the frame, or in one that called it."""
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith(COMPILERS):
+            return True
+        frame = frame.f_back
+    return False
 
 
 @contextmanager

@@ -5,6 +5,7 @@ The parent has imported everything and run nothing, so a child starts in millise
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import re
 import resource
@@ -81,7 +82,7 @@ def judge(case: Case, material: Path, place: Path) -> Outcome:
             os._exit(71)  # whatever interrupts it: the parent's folders are not the child's to remove
     code = _waited(child, case.stop, case.signal)
     seconds = time.monotonic() - begun
-    said = place.with_suffix(".err").read_text(errors="replace")
+    said = re.sub(r"Extension modules: .*", "", place.with_suffix(".err").read_text(errors="replace"))
     kind = _kind(case, code, said) if place.is_dir() else "removed its folder"
     if kind in GOOD and (changed := [path for path, content in before.items() if _content(path) != content]):
         kind, said = "overwritten", f"{changed[0].relative_to(place)}: {said}"
@@ -120,6 +121,7 @@ def _run(case: Case, place: Path) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
         os.chdir(place)
         os.environ.update({"TENTACLE_TRACE": "1", **case.environment})
+        faulthandler.enable(os.open(place.with_suffix(".err"), os.O_WRONLY | os.O_CREAT | os.O_APPEND))
         out = os.open(place.with_suffix(".out"), os.O_WRONLY | os.O_CREAT)
         err = os.open(place.with_suffix(".err"), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
