@@ -1,4 +1,5 @@
-"""SIGINT, SIGTERM and SIGHUP (a closed terminal) end a command as Ctrl-C does, even where the interrupt is lost.
+"""SIGINT, SIGTERM, SIGHUP (a closed terminal) and SIGQUIT end a command as Ctrl-C does, even where the interrupt is
+lost.
 
 A signal's handler raises Ended wherever the program is. Within a callback from C code, or while an object is being
 removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. numba's compiler is such
@@ -86,7 +87,7 @@ def signals_as_interrupts() -> Iterator[StopAsked]:
     usual = (signal.SIG_DFL, signal.default_int_handler)
     before = {
         number: signal.signal(number, asked.handle)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
         if signal.getsignal(number) in usual
     }
     before[signal.SIGALRM] = signal.signal(signal.SIGALRM, asked.again)

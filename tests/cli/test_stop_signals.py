@@ -15,7 +15,7 @@ import pytest
 from tentacle.cli._endings import told
 from tentacle.cli._stop_signals import signals_as_interrupts
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
 def ask(number: int) -> None:

@@ -218,7 +218,7 @@ def _signals(seed: int) -> Iterator[Case]:
     for arguments, inputs in WORK:
         name = f"{' '.join(arguments[:2])}"
         random = _random(seed, name)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             yield Case(f"{number.name} in {name} ({arguments[-1]})", arguments, inputs,
                        stop=float(random.uniform(0.02, 1.5)), signal=number)  # fmt: skip
 

@@ -116,7 +116,7 @@ def _run(case: Case, place: Path) -> None:
     code = 71
     try:
         os.setsid()
-        for number in (signal.SIGTERM, signal.SIGHUP):  # whoever started the trials may ignore them
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):  # whoever started the trials may ignore them
             signal.signal(number, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         os.chdir(place)
@@ -197,7 +197,7 @@ def _others(group: int) -> bool:
 
 def _kind(case: Case, code: int, said: str) -> str:
     lines = [line for line in said.splitlines() if line.strip()]
-    stopped = {130: signal.SIGINT, 143: signal.SIGTERM, 129: signal.SIGHUP}
+    stopped = {130: signal.SIGINT, 143: signal.SIGTERM, 129: signal.SIGHUP, 131: signal.SIGQUIT}
     if code == -1000:
         return "hang"
     if code == 72:
