@@ -229,7 +229,7 @@ def log_video_file(stream: rr.RecordingStream, path: Path) -> None:
     asset = rr.AssetVideo(contents=content, media_type=MEDIA_TYPES[path.suffix])
     more = rr.AnyValues(suffix=path.suffix, sha256=hashlib.sha256(content).hexdigest())
     stream.log("camera/video", asset, more, static=True)
-    stamps = frame_stamps(path) if path.suffix == ".mp4" else []  # of others Rerun shows no picture
-    if len(stamps):
+    stamps = frame_stamps(path)
+    if len(stamps) and path.suffix == ".mp4":  # of others Rerun shows no picture
         references = rr.VideoFrameReference.columns_nanos(stamps)
         stream.send_columns("camera/video", [rr.TimeColumn("time", duration=1e-9 * stamps)], references)
