@@ -7,15 +7,20 @@ from pathlib import Path
 from tentacle.io.toml_table import Table, read_toml
 from vision.lens import Lens
 
+FARTHEST = 1e6  # px: a picture has at most 16384 a side
+MOST_BENT = 100.0  # of k1 and k2: the edge of a picture would lie a hundred times as far out
+
 
 def read_lens(path: Path) -> Lens:
     """The [lens] table of a file. Raises InputError that names file and field."""
     path = Path(path)
     text, tables = read_toml(path, "a TOML file with [lens]")
     table = Table(tables, file=path, text=text).required_table("lens")
-    u, v = table.numbers("centre_px", 2)
-    scale = table.number("m_per_px", above=0) if "m_per_px" in table else None
-    return Lens((u, v), table.number("reference_px", above=0), table.number("k1", 0.0), table.number("k2", 0.0), scale)
+    u, v = table.numbers("centre_px", 2, most=FARTHEST)
+    reference = table.number("reference_px", least=1.0, most=FARTHEST)
+    k1, k2 = (table.number(name, 0.0, least=-MOST_BENT, most=MOST_BENT) for name in ("k1", "k2"))
+    scale = table.number("m_per_px", least=1e-9, most=10.0) if "m_per_px" in table else None
+    return Lens((u, v), reference, k1, k2, scale)
 
 
 def format_lens(lens: Lens, **remarks: float) -> str:
