@@ -38,24 +38,24 @@ class Ended(KeyboardInterrupt):
 
 @dataclass
 class StopAsked:
-    """number: of the signal that asked the command to end, 0 where none did; since [s]: when, by the monotonic
-    clock.
+    """number: of the signal that asked the command to end, 0 where none did; latest [s]: until when Ended may wait, by
+    the monotonic clock.
     """
 
     number: int = 0
-    since: float = 0.0
+    latest: float = 0.0
 
     def handle(self, number: int, frame: FrameType | None) -> None:
         """The signals' handler."""
         if number != signal.SIGINT:
             signal.signal(number, signal.SIG_IGN)  # only once: the clean-up must not be interrupted
-        self.since = self.since if self.number else time.monotonic()
+        self.latest = self.latest if self.number else time.monotonic() + LONGEST_WAIT
         self.number = number
         self.again(number, frame)
 
     def again(self, _number: int, frame: FrameType | None) -> None:
         """The timer's handler: what was lost, or has waited, is raised."""
-        if _compiles(frame) and time.monotonic() - self.since < LONGEST_WAIT:
+        if _compiles(frame) and time.monotonic() < self.latest:
             signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
             return
         raise Ended(self.number)
