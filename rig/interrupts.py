@@ -11,7 +11,7 @@ from types import FrameType
 class Interrupts:
     """Counts SIGINT while used as a context manager; `say` reports the effect of each.
 
-    SIGTERM, and SIGHUP of a terminal that was closed, count as two.
+    SIGTERM, SIGHUP of a terminal that was closed, and SIGQUIT count as two.
     """
 
     def __init__(self, say: Callable[[str], None]) -> None:
@@ -36,7 +36,7 @@ class Interrupts:
         return 128 + self._last
 
     def __enter__(self) -> Interrupts:
-        names = ("SIGINT", "SIGTERM", "SIGHUP")  # Windows has no SIGHUP
+        names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")  # Windows has neither of the last two
         for number in (getattr(signal, name) for name in names if hasattr(signal, name)):
             self._before[number] = signal.signal(number, self._heard)
         return self

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import optuna
 from optuna.distributions import FloatDistribution
+from optuna.trial import TrialState
 
+from rig.journal_file import cut_torn_end
 from rig.run import Run
 from rig.run_file import read_run
 from tentacle.errors import InputError
@@ -22,6 +23,13 @@ def recording_path(folder: Path, number: int, attributes: Mapping[str, object]) 
     return folder / str(attributes.get(RECORDING, f"trial-{number:04d}.rrd"))
 
 
+def free_recording_path(folder: Path, number: int) -> Path:
+    """Where a new trial's recording goes: under its number, or the next that no file has."""
+    while (path := recording_path(folder, number, {})).exists():
+        number += 1
+    return path
+
+
 def set_aside(path: Path) -> Path:
     """Moves a file to a free name, never over another file; returns the new path."""
     number = 1
@@ -31,17 +39,14 @@ def set_aside(path: Path) -> Path:
 
 
 def whole_journal(folder: Path, told: Callable[[str], None]) -> Path:
-    """The study's journal, without a torn last line; one that is damaged elsewhere is set aside."""
+    """The study's journal, without a torn end; one that is damaged elsewhere is set aside."""
     journal = folder / JOURNAL
-    cut_torn_line(journal)
-    if journal.exists():
-        lines = journal.read_bytes().split(b"\n")[:-1]
-        bad = next((number for number, line in enumerate(lines, start=1) if not _is_entry(line)), None)
-        if bad is not None:
-            aside = set_aside(journal)
-            told(f"{journal}:{bad}: damaged; it is now {aside.name}")
-        elif not lines:
-            journal.unlink()
+    bad = cut_torn_end(journal)
+    if bad is not None:
+        aside = set_aside(journal)
+        told(f"{journal}:{bad}: damaged; it is now {aside.name}")
+    elif journal.exists() and not journal.stat().st_size:
+        journal.unlink()
     return journal
 
 
@@ -51,12 +56,14 @@ def recover(
     bounds: Mapping[str, tuple[float, float]],
     value_of: Callable[[Run, float], float],
 ) -> int:
-    """Adds the folder's complete recordings to a study that has none; returns their number. value_of: (run,
+    """Adds the folder's complete recordings that the study does not know; returns their number. value_of: (run,
     frequency).
     """
     count = 0
+    finished = study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
+    known = {recording_path(folder, t.number, t.user_attrs) for t in finished}
     distributions = {name: FloatDistribution(*pair) for name, pair in bounds.items()}
-    for path in sorted(folder.glob("trial-*.rrd")):
+    for path in sorted(set(folder.glob("trial-*.rrd")) - known):
         try:
             run = read_run(path)
             described = run.start["waveform"]
@@ -74,28 +81,3 @@ def recover(
         )
         count += 1
     return count
-
-
-def cut_torn_line(journal: Path) -> int:
-    """Removes the text after the last newline, because an incomplete line from a crash would make every later start
-    fail. Returns the number of bytes removed.
-    """
-    if not journal.exists():
-        return 0
-    data = journal.read_bytes()
-    whole = data.rfind(b"\n") + 1
-    while whole and not _is_entry(
-        data[data.rfind(b"\n", 0, whole - 1) + 1 : whole]
-    ):  # blocks of zeros after a power cut
-        whole = data.rfind(b"\n", 0, whole - 1) + 1
-    if whole < len(data):
-        with journal.open("rb+") as file:
-            file.truncate(whole)
-    return len(data) - whole
-
-
-def _is_entry(line: bytes) -> bool:
-    try:
-        return isinstance(json.loads(line), dict)
-    except ValueError:
-        return False

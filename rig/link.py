@@ -6,6 +6,7 @@ import contextlib
 import os
 import time
 from dataclasses import dataclass
+from urllib.parse import urlsplit
 
 import serial
 from serial.tools import list_ports
@@ -45,6 +46,16 @@ def require_scheme(url: str) -> None:
         raise InputError(f"{scheme}:// is not opened", field="port", expected=f"a device, or {known}")
     if separator and ("?" in url or "&" in url):
         raise InputError(f"{url} has options", field="port", expected="a port without a question mark")
+    if separator and scheme.lower() != "loop" and not _has_place(url):
+        raise InputError(f"{url} names no host and port", field="port", expected=f"{scheme}://HOST:PORT")
+
+
+def _has_place(url: str) -> bool:
+    try:
+        found = urlsplit(url)
+        return bool(found.hostname and found.port)
+    except ValueError:  # a port beyond 65535, or no number
+        return False
 
 
 class Link:
@@ -61,8 +72,9 @@ class Link:
         """Opens the port; Fault("link_lost") where it cannot be opened."""
         self.close()
         require_scheme(self.url)
-        target = self.url if "://" in self.url else os.path.realpath(self.url)  # a link's pty may change under its name
         try:
+            # A link's pty may change under its name.
+            target = self.url if "://" in self.url else os.path.realpath(self.url)
             port = serial.serial_for_url(target, baudrate=BAUD, timeout=READ_PATIENCE)
             if "://" not in self.url:
                 port.exclusive = True

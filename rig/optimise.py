@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,13 +18,13 @@ from typing import Any
 import numpy as np
 import optuna
 from optuna.storages import JournalStorage
-from optuna.storages.journal import JournalFileBackend
-from optuna.trial import TrialState
+from optuna.trial import FrozenTrial, TrialState
 
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
 from rig.interrupts import Interrupts
-from rig.journal import JOURNAL, recording_path, recover, set_aside, whole_journal
+from rig.journal import RECORDING, free_recording_path, recording_path, recover, whole_journal
+from rig.journal_file import JournalFile
 from rig.run import Run
 from rig.run_file import read_run
 from tentacle.errors import InputError
@@ -100,10 +99,8 @@ def optimise_on_rig(
     FAULTS_IN_A_ROW trials that did not complete; InputError
     where the folder is in use or holds another study.
     """
-    with _owned(folder):
+    with owned_folder(folder, "one optimisation a folder"):
         opened = _open(folder, study, told)
-        for number, point in _unfinished(opened):
-            _settle_unfinished(opened, folder, study, number, point)
         finished = _finished(opened, folder)
         yield from finished
         if not opened.trials:
@@ -154,20 +151,11 @@ def propulsion(run: Run, begin: float, end: float) -> float:
     return -float(np.trapezoid(np.interp(grid, t, thrust), grid) / (grid[-1] - grid[0]))
 
 
-@contextmanager
-def _owned(folder: Path) -> Iterator[None]:
-    """One process a study."""
-    with owned_folder(folder, "one optimisation a folder"):
-        for left in folder.glob(f"{JOURNAL}*.lock*"):  # Optuna's own lock outlives a killed process
-            left.unlink()
-        yield
-
-
 def _open(folder: Path, study: StudyPlan, told: Callable[[str], None]) -> optuna.Study:
     journal = whole_journal(folder, told)
-    lost = not journal.exists() and any(folder.glob("trial-*.rrd"))
+    lost = not journal.exists()
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    storage = JournalStorage(JournalFileBackend(str(journal)))
+    storage = JournalStorage(JournalFile(journal))
     sampler = optuna.samplers.GPSampler(
         seed=study.seed + (journal.stat().st_size if journal.exists() else 0),  # a resumed study must not repeat itself
         n_startup_trials=STARTUP,
@@ -182,32 +170,30 @@ def _open(folder: Path, study: StudyPlan, told: Callable[[str], None]) -> optuna
         opened.set_user_attr("bounds", bounds)
     elif known != json.loads(json.dumps(bounds)):
         raise InputError("holds a study of other bounds", file=folder, expected="a folder of its own for each study")
-    if lost:
-        count = recover(
-            opened, folder, study.space.bounds, lambda run, frequency: propulsion(run, *study.plan.window(frequency))
-        )
-        told(f"{journal}: was lost; {count} trials are recovered from their recordings")
+    for trial in opened.get_trials(states=(TrialState.RUNNING,)):
+        _settle_unfinished(opened, folder, study, trial)
+    count = recover(
+        opened, folder, study.space.bounds, lambda run, frequency: propulsion(run, *study.plan.window(frequency))
+    )
+    if count:
+        what = "was lost" if lost else "lacks its end"
+        told(f"{journal}: {what}; {count} trials are recovered from their recordings")
     return opened
 
 
-def _unfinished(opened: optuna.Study) -> list[tuple[int, dict[str, float]]]:
-    return [(t.number, dict(t.params)) for t in opened.get_trials(deepcopy=False, states=(TrialState.RUNNING,))]
-
-
-def _settle_unfinished(
-    opened: optuna.Study, folder: Path, study: StudyPlan, number: int, point: dict[str, float]
-) -> None:
+def _settle_unfinished(opened: optuna.Study, folder: Path, study: StudyPlan, trial: FrozenTrial) -> None:
     """A trial that was running when the process died: its recording counts if it is whole, else it is tried again."""
-    path = recording_path(folder, number, {})
-    if path.exists() and set(point) == set(study.space.bounds):
+    path, point = recording_path(folder, trial.number, trial.user_attrs), trial.params
+    complete = set(point) == set(study.space.bounds)
+    if path.exists() and complete:
         try:
             begin, end = study.plan.window(point["frequency_hz"])
-            opened.tell(number, propulsion(read_run(path), begin, end))
+            opened.tell(trial.number, propulsion(read_run(path), begin, end))
             return
         except InputError:
             pass
-    opened.tell(number, state=TrialState.FAIL)
-    if set(point) == set(study.space.bounds):
+    opened.tell(trial.number, state=TrialState.FAIL)
+    if complete:
         opened.enqueue_trial(point, user_attrs={"source": "again"})
 
 
@@ -215,9 +201,9 @@ def _one_trial(opened: optuna.Study, folder: Path, study: StudyPlan, run_trial: 
     asked = opened.ask()
     point = {name: asked.suggest_float(name, low, high) for name, (low, high) in study.space.bounds.items()}
     source = str(asked.user_attrs.get("source", "search"))
-    path = recording_path(folder, asked.number, {})
-    if path.exists():
-        set_aside(path)
+    path = free_recording_path(folder, asked.number)
+    if path != recording_path(folder, asked.number, {}):
+        asked.set_user_attr(RECORDING, path.name)
     description = {"kind": "gait", "trial": asked.number, "source": source, **point}
     run_trial(study.space.gait(point), study.plan.duration(point["frequency_hz"]), path, description)
     try:

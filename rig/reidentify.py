@@ -45,14 +45,17 @@ def proposer(
     progress: Stage = silent,
 ) -> Callable[[Sequence[Path]], list[dict[str, float]]]:
     """A function that diagnoses the recordings that differ most and gives a model's best gaits; told hears the verdict,
-    or why there is none (no arm to be seen, say): then nothing is proposed, and the search goes on.
+    or why there is none (no arm to be seen, say): then nothing is proposed, and the search goes on. A damaged recording
+    is named and left out.
 
     The model is the augmented one, unless the one `believed` so far, or the paper's as refitted, is nearer to the
     thrust that all the recordings measured: the load cell has no part in the diagnosis, and checks it.
     """
 
     def propose(recordings: Sequence[Path]) -> list[dict[str, float]]:
-        runs = [read_run(path) for path in recordings]
+        runs = _readable(recordings, told)
+        if not runs:
+            return []
         points = [{name: float(run.start["waveform"][name]) for name in space.bounds} for run in runs]
         chosen = unlike(points, space, MOST_RECORDINGS)
         try:
@@ -71,6 +74,17 @@ def proposer(
         return best_gaits(models[int(np.argmin(np.nan_to_num(misses, nan=np.inf)))], space, plan, PROPOSED, seed)
 
     return propose
+
+
+def _readable(recordings: Sequence[Path], told: Callable[[str], None]) -> list[Run]:
+    """The recordings that can be read; told hears of each that cannot."""
+    found = []
+    for path in recordings:
+        try:
+            found.append(read_run(path))
+        except InputError as error:
+            told(f"left out: {error}")
+    return found
 
 
 def unlike(points: Sequence[dict[str, float]], space: GaitSpace, count: int) -> list[int]:

@@ -1,6 +1,6 @@
-"""The stop document of a run beside its file, NAME.rrd.stop.json, until the file itself has it. A small file of zeros
-reserves its space from the start of the run. The document is written when the arm is at neutral; then the film is made,
-which takes long. The document stays if the file cannot take its stop record.
+"""The stop document of a run beside its file, NAME.rrd.stop.json, until the file itself has it. A small file that names
+the process reserves its space from the start of the run. The document is written when the arm is at neutral; then the
+film is made, which takes long. The document stays if the file cannot take its stop record.
 """
 
 from __future__ import annotations
@@ -11,13 +11,21 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from tentacle.io.written_file import is_running
+
 STOP_FILE_ROOM = 64 * 1024  # bytes
 
 
 def reserve(run: Path) -> None:
-    """Reserves room for a stop document, and removes that of an earlier run whose file is gone."""
+    """Reserves room for a stop document, and removes that of an earlier run whose file is gone. Removes the room of
+    runs in the folder whose process was killed, too.
+    """
+    for left in run.parent.glob(".*.rrd.reserve"):
+        with suppress(OSError):
+            if not is_running(left.read_bytes()[:32].rstrip(b"\0").decode(errors="replace")):
+                left.unlink()
     stop_file(run).unlink(missing_ok=True)
-    _reserved(run).write_bytes(bytes(STOP_FILE_ROOM))
+    _reserved(run).write_bytes(str(os.getpid()).encode().ljust(STOP_FILE_ROOM, b"\0"))
 
 
 def release(run: Path) -> None:

@@ -23,7 +23,7 @@ from tentacle.errors import InputError
 LEAST = {"RLIMIT_AS": (2.0e9, 0.25e9, "ulimit -v"), "RLIMIT_DATA": (0.8e9, 0.1e9, "ulimit -d")}  # bytes, a core more
 LEAST_FILES = 64  # open at once; the verbs had up to 22
 OWN_ENDS = (0, 1, 2, 3, 70)  # exit codes of ours; beside them those of signals that ask for an end
-ENDS_ASKED = ("SIGINT", "SIGTERM", "SIGHUP")
+ENDS_ASKED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
 REFUSED = 2  # exit code
 RESERVED = {"MIMALLOC_ARENA_RESERVE": "65536", "ARROW_DEFAULT_MEMORY_POOL": "system"}  # KiB; glibc's malloc
 WHAT_WE_SAY = (b"tentacle: ", b"0.", b"1.")  # beginnings of our own lines: a message, the share done
@@ -115,7 +115,7 @@ def _pass_signals_to(child: int) -> None:
         with suppress(ProcessLookupError):
             os.kill(child, number)
 
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, pass_on)
     signal.signal(signal.SIGINT, signal.SIG_IGN if os.isatty(0) else pass_on)

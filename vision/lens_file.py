@@ -2,39 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import Any
 
-from tentacle.errors import InputError
-from tentacle.io.toml_table import read_toml
+from tentacle.io.toml_table import Table, read_toml
 from vision.lens import Lens
+
+FARTHEST = 1e6  # px: a picture has at most 16384 a side
+MOST_BENT = 100.0  # of k1 and k2: the edge of a picture would lie a hundred times as far out
 
 
 def read_lens(path: Path) -> Lens:
     """The [lens] table of a file. Raises InputError that names file and field."""
     path = Path(path)
-    _, tables = read_toml(path, "a TOML file with [lens]")
-    table = tables.get("lens")
-    if not isinstance(table, dict):
-        raise InputError("there is no [lens]", file=path, expected="a file of tentacle calibrate")
-    centre = table.get("centre_px")
-    if not (isinstance(centre, list) and len(centre) == 2):
-        raise InputError(f"{centre!r} is not usable", file=path, field="centre_px", expected="[u, v]")
-    u, v = (_number({"centre_px": value}, "centre_px", path) for value in centre)
-    reference = _number(table, "reference_px", path)
-    scale = None if table.get("m_per_px") is None else _number(table, "m_per_px", path)
-    if reference <= 0 or (scale is not None and scale <= 0):
-        raise InputError("must be above zero", file=path, field="reference_px, m_per_px", expected="positive numbers")
-    k1, k2 = (_number({"k": table.get(name, 0.0)}, "k", path) for name in ("k1", "k2"))
+    text, tables = read_toml(path, "a TOML file with [lens]")
+    table = Table(tables, file=path, text=text).required_table("lens")
+    u, v = table.numbers("centre_px", 2, most=FARTHEST)
+    reference = table.number("reference_px", least=1.0, most=FARTHEST)
+    k1, k2 = (table.number(name, 0.0, least=-MOST_BENT, most=MOST_BENT) for name in ("k1", "k2"))
+    scale = table.number("m_per_px", least=1e-9, most=10.0) if "m_per_px" in table else None
     return Lens((u, v), reference, k1, k2, scale)
-
-
-def _number(table: dict[str, Any], name: str, path: Path) -> float:
-    value = table.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
-        raise InputError(f"{value!r} is not usable", file=path, field=name, expected="a number")
-    return float(value)
 
 
 def format_lens(lens: Lens, **remarks: float) -> str:

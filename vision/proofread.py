@@ -6,8 +6,8 @@ from 0 in the order of the file. The latest decision on a frame counts.
 
 from __future__ import annotations
 
+import os
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -15,20 +15,23 @@ import numpy as np
 import tomli_w
 
 from tentacle.errors import InputError
+from tentacle.io.toml_table import Table, read_toml
 from tentacle.io.written_file import write_text
 from vision.tracked_frame import TrackedFrame
 
-_RANGE = re.compile(r"(\d+)(?:-(\d+))?")
+_RANGE = re.compile(r"(\d{1,9})(?:-(\d{1,9}))?")
+MOST_FRAMES = 10_000_000  # of a video: 92 hours at 30 frames/s
 
 
-def parse_frames(words: str, field: str) -> list[int]:
+def parse_frames(words: str, field: str, file: Path | None = None) -> list[int]:
     """Frame numbers of a text like "7,120-131". InputError if it is no such list."""
     frames: list[int] = []
     for part in words.split(","):
         match = _RANGE.fullmatch(part.strip())
         first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
-        if last < first:
-            raise InputError(f"{part!r} is no frame or range", field=field, expected="frames as 7 or 120-131")
+        if not first <= last < MOST_FRAMES:
+            problem = f"{part[:60]!r} is no frame or range"
+            raise InputError(problem, file=file, field=field, expected=f"frames as 7 or 120-131, below {MOST_FRAMES}")
         frames.extend(range(first, last + 1))
     return frames
 
@@ -41,19 +44,18 @@ def file_beside(video: Path) -> Path:
 def read_verdicts(video: Path) -> dict[int, bool]:
     """A person's decisions by frame: True accepted, False rejected; {} if there is no file."""
     file = file_beside(video)
-    if not file.exists():
+    if not os.path.lexists(file):
         return {}
-    try:
-        table = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"is no TOML: {error}", file=file, expected='reject = ["120-131"]') from None
+    text, values = read_toml(file)
+    table = Table(values, file=file, text=text)
     verdicts: dict[int, bool] = {}
     for name, value in (("reject", False), ("accept", True)):
-        entries = table.get(name, [])
+        entries = table.raw(name, '["7", "120-131"]', [])
         if not isinstance(entries, list):
-            raise InputError("is no list", file=file, field=name, expected='["7", "120-131"]')
+            raise table.error("is no list", name, '["7", "120-131"]')
         for entry in entries:
-            verdicts |= dict.fromkeys(parse_frames(str(entry), name), value)
+            verdicts |= dict.fromkeys(parse_frames(str(entry), name, file), value)
+    table.finish()
     return verdicts
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from tentacle.errors import InputError
+from tentacle.io.plain_file import require_plain
 from tentacle.io.written_file import written_file
 
 if TYPE_CHECKING:
@@ -48,8 +49,9 @@ def viewer_environment() -> dict[str, str]:
 def require_recordings(files: Sequence[Path]) -> list[Path]:
     """The files as absolute paths. Raises InputError for one that is missing or no .rrd."""
     for file in files:
-        if not file.is_file():
-            raise InputError("no such file", file=file, expected="an .rrd recording")
+        require_plain(file, "an .rrd recording")
+        if not file.stat().st_size:
+            raise InputError("is empty", file=file, expected="an .rrd recording")
         with file.open("rb") as stream:
             if not stream.read(4).startswith(b"RR"):
                 raise InputError("is not a Rerun recording", file=file, expected="an .rrd recording")

@@ -19,6 +19,7 @@ import numpy as np
 from mujoco_ref.engine import mujoco
 from mujoco_ref.export.arm_forces import NAME_PREFIX
 from tentacle.errors import InputError
+from tentacle.io.declaration_file import LONGEST_ARM
 from tentacle.model import Estimate, Model
 from tentacle.signals import Array
 from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Section, Specimen
@@ -26,6 +27,16 @@ from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Section, Specimen
 SECTION_FITS = 0.2  # relative misfit up to which a law counts as the section's own
 STRAIGHTNESS = 1e-3  # of the arm's length: how far links may lie from a straight line
 FEWEST_HINGES = 3  # hinges that make an arm
+MEASURES = (
+    "body_mass",
+    "body_pos",
+    "geom_pos",
+    "geom_size",
+    "jnt_pos",
+    "jnt_stiffness",
+    "dof_damping",
+)  # MuJoCo's names
+LARGEST = 1e9  # of any of them, in SI units
 
 
 @dataclass(frozen=True)
@@ -52,6 +63,8 @@ def import_arm(file: Path, fluid_density: float | None = None) -> ImportedArm:
         return _arm_of(source, chain, fluid_density)
     except InputError as error:
         raise InputError(error.problem, file=file, field=error.field, expected=error.expected) from None
+    except UnicodeDecodeError:
+        raise InputError("a name in it is no UTF-8", file=file, expected="names in UTF-8") from None
 
 
 @dataclass(frozen=True)
@@ -70,6 +83,9 @@ class _HingeChain:
 
 def _chain_of(source: Any) -> _HingeChain:
     """The longest chain of bodies with one hinge each; a first hinge without a spring is the drive and is left out."""
+    for name in MEASURES:
+        if not np.all(np.abs(getattr(source, name)) < LARGEST):
+            raise InputError("is not finite, or huge", field=name, expected=f"numbers below {LARGEST:g}")
     hinge = int(mujoco.mjtJoint.mjJNT_HINGE)
     if np.any(source.jnt_type == int(mujoco.mjtJoint.mjJNT_BALL)):
         raise InputError("has ball joints", field="joint", expected="a planar chain of hinges")
@@ -88,6 +104,11 @@ def _chain_of(source: Any) -> _HingeChain:
     data = mujoco.MjData(source)
     mujoco.mj_forward(source, data)
     anchors, axes = data.xanchor[joints], data.xaxis[joints]
+    span = np.abs(anchors - anchors[0]).max()
+    if not 0.0 < span <= LONGEST_ARM:
+        raise InputError(
+            f"its hinges lie {span:.3g} m apart", field="body", expected=f"above 0 and up to {LONGEST_ARM:g} m"
+        )
     if np.any(np.abs(axes @ axes[0]) < 1.0 - 1e-6):
         raise InputError("its hinges turn about different axes", field="joint", expected="parallel axes: a planar arm")
     along = anchors[-1] - anchors[0]

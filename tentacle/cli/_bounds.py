@@ -19,7 +19,7 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "size": (16, 8192),
     "duration": (0, 86400),
     "seconds": (0, 86400),
-    "fps": (0, 10_000),
+    "fps": (1e-4, 10_000),
     "frames": (1, 1_000_000),
     "noise_mm": (0, 1000),
     "evaluations": (1, 100_000_000),

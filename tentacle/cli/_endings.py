@@ -5,7 +5,7 @@
 | 0 | done |
 | 2 | bad input, a full disk, a missing package: one line says what |
 | 70 | a defect of this program: one line says where its trace lies |
-| 128 + number | a signal: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP |
+| 128 + number | a signal: 130 Ctrl-C, 143 SIGTERM, 129 SIGHUP, 131 SIGQUIT |
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import tempfile
 import traceback
@@ -12,9 +13,11 @@ from tentacle.errors import printable
 
 
 def os_words(error: OSError) -> str:
-    """The file and what the system says of it."""
-    name = error.filename or ("the standard output" if _output_failed() else "")
-    where = f"{name}: " if name else ""
+    """The file and what the system says of it; of two, the one that was written. What is not finished yet goes by the
+    name that it was to have.
+    """
+    name = error.filename2 or error.filename or ("the standard output" if _output_failed() else "")
+    where = re.sub(r"\.([^/]+)\.partial-\w+", r"\1", f"{name}: ") if name else ""
     return printable(f"{where}{error.strerror or first_line(error)}")
 
 

@@ -1,8 +1,12 @@
-"""SIGINT, SIGTERM and SIGHUP (a closed terminal) end a command as Ctrl-C does, even where the interrupt is lost.
+"""SIGINT, SIGTERM, SIGHUP (a closed terminal) and SIGQUIT end a command as Ctrl-C does, even where the interrupt is
+lost.
 
 A signal's handler raises Ended wherever the program is. Within a callback from C code, or while an object is being
 removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. numba's compiler is such
 a place. There, the exception is raised again a moment later.
+
+numba's dispatcher, which is C code, crashes now and then if an exception comes out of the compiler that it called (4
+of 120 interrupts of `track`). So Ended waits until numba has returned, but not longer than LONGEST_WAIT.
 
 An object whose construction was interrupted may fail when it is removed; such errors are not reported.
 """
@@ -12,6 +16,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +24,8 @@ from types import FrameType
 from typing import Any
 
 AGAIN_AFTER = 0.1  # s
+LONGEST_WAIT = 8.0  # s; a function of ours is loaded in less than .5 s and compiled in some seconds
+COMPILERS = ("numba.", "llvmlite.")
 
 
 class Ended(KeyboardInterrupt):
@@ -31,19 +38,26 @@ class Ended(KeyboardInterrupt):
 
 @dataclass
 class StopAsked:
-    """number: of the signal that asked the command to end, 0 where none did."""
+    """number: of the signal that asked the command to end, 0 where none did; latest [s]: until when Ended may wait, by
+    the monotonic clock.
+    """
 
     number: int = 0
+    latest: float = 0.0
 
-    def handle(self, number: int, _frame: FrameType | None) -> None:
+    def handle(self, number: int, frame: FrameType | None) -> None:
         """The signals' handler."""
         if number != signal.SIGINT:
             signal.signal(number, signal.SIG_IGN)  # only once: the clean-up must not be interrupted
+        self.latest = self.latest if self.number else time.monotonic() + LONGEST_WAIT
         self.number = number
-        raise Ended(number)
+        self.again(number, frame)
 
-    def again(self, _number: int, _frame: FrameType | None) -> None:
-        """The timer's handler: what was lost is raised once more."""
+    def again(self, _number: int, frame: FrameType | None) -> None:
+        """The timer's handler: what was lost, or has waited, is raised."""
+        if _compiles(frame) and time.monotonic() < self.latest:
+            signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
+            return
         raise Ended(self.number)
 
     def unraisable(self, report: Any) -> None:
@@ -52,6 +66,15 @@ class StopAsked:
             signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
         elif not self.number and not isinstance(report.exc_value, KeyboardInterrupt):
             sys.__unraisablehook__(report)
+
+
+def _compiles(frame: FrameType | None) -> bool:
+    """Whether a compiler is at work in the frame, or in one that called it."""
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith(COMPILERS):
+            return True
+        frame = frame.f_back
+    return False
 
 
 @contextmanager
@@ -64,7 +87,7 @@ def signals_as_interrupts() -> Iterator[StopAsked]:
     usual = (signal.SIG_DFL, signal.default_int_handler)
     before = {
         number: signal.signal(number, asked.handle)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
         if signal.getsignal(number) in usual
     }
     before[signal.SIGALRM] = signal.signal(signal.SIGALRM, asked.again)

@@ -90,3 +90,7 @@ def check_outputs(arguments: argparse.Namespace) -> None:
     for path in (arguments.out, arguments.overlay, arguments.midline):
         if path is not None and not path.absolute().parent.is_dir():
             raise InputError("there is no such folder", file=path.absolute().parent, expected="a folder to write to")
+    if arguments.out.suffix == ".rrd":
+        from tentacle.io.recording_rrd import require_replaceable
+
+        require_replaceable(arguments.out)

@@ -45,8 +45,9 @@ def read_plain(file: Path, expected: str | None = None) -> bytes:
     """A plain file's content, of a size that a text can have."""
     require_plain(file, expected)
     try:
-        if file.stat().st_size > LARGEST_TEXT:
+        size = file.stat().st_size
+        if size > LARGEST_TEXT:
             raise InputError("is over a gigabyte", file=file, expected=expected or "a text")
-        return file.read_bytes()
+        return file.read_bytes() if size else b""  # files of /proc have no size, and some of them wait for ever
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=file, expected=expected) from None

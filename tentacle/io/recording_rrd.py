@@ -39,12 +39,12 @@ from tentacle.io.film_pieces import LARGE_VIDEO, log_film
 from tentacle.io.recording_from_rrd import read_rrd
 from tentacle.io.rrd_chunks import has_header, just_written
 from tentacle.io.rrd_stream import new_stream, saved
-from tentacle.io.video_file import frame_files
+from tentacle.io.video_file import frame_files, frame_stamps
 from tentacle.io.write_folder import describe
 from tentacle.io.written_file import written_file
 from tentacle.recording import Recording
 
-__all__ = ["log_recording", "read_rrd", "write_rrd"]
+__all__ = ["log_recording", "read_rrd", "require_replaceable", "write_rrd"]
 
 MEDIA_TYPES = {
     ".mp4": "video/mp4",
@@ -65,13 +65,18 @@ def write_rrd(recording: Recording, file: Path) -> None:
     file = Path(file)
     if not file.parent.is_dir():
         raise InputError("no such folder", file=file.parent)
-    if file.is_file() and file.stat().st_size and not has_header(file):
-        raise InputError("is there, and is no .rrd", file=file, expected="a name that is free, or an .rrd to replace")
+    require_replaceable(file)
     with written_file(file) as partial:
         stream = new_stream(_identity(recording))
         with saved(stream, partial):
             log_recording(recording, stream)
     just_written(file)
+
+
+def require_replaceable(file: Path) -> None:
+    """InputError where the file is there and is no .rrd."""
+    if file.is_file() and file.stat().st_size and not has_header(file):
+        raise InputError("is there, and is no .rrd", file=file, expected="a name that is free, or an .rrd to replace")
 
 
 def _identity(recording: Recording) -> str:
@@ -224,9 +229,7 @@ def log_video_file(stream: rr.RecordingStream, path: Path) -> None:
     asset = rr.AssetVideo(contents=content, media_type=MEDIA_TYPES[path.suffix])
     more = rr.AnyValues(suffix=path.suffix, sha256=hashlib.sha256(content).hexdigest())
     stream.log("camera/video", asset, more, static=True)
-    try:
-        stamps = asset.read_frame_timestamps_nanos()
-    except RuntimeError:  # a container that Rerun does not play: the bytes are kept, the viewer shows no picture
-        return
-    references = rr.VideoFrameReference.columns_nanos(stamps)
-    stream.send_columns("camera/video", [rr.TimeColumn("time", duration=1e-9 * stamps)], references)
+    stamps = frame_stamps(path)
+    if len(stamps) and path.suffix == ".mp4":  # of others Rerun shows no picture
+        references = rr.VideoFrameReference.columns_nanos(stamps)
+        stream.send_columns("camera/video", [rr.TimeColumn("time", duration=1e-9 * stamps)], references)

@@ -59,6 +59,8 @@ def read_chunks(file: Path) -> Iterator[Chunk]:
 
 def has_header(file: Path) -> bool:
     """Whether a file begins as an .rrd does. OSError where it cannot be read."""
+    if not file.stat().st_size:  # files of /proc have no size, and some of them wait for ever
+        return False
     with file.open("rb") as opened:
         return opened.read(len(MAGIC)) == MAGIC
 
@@ -106,6 +108,8 @@ def _whole_length(file: Path) -> int:
     InputError where a message is of no known kind: Rerun would end there without a word.
     """
     length = _length(file)
+    if not length:
+        raise InputError("not an .rrd file: it is empty", file=file, expected="a file that begins with RRF2")
     with file.open("rb") as opened:
         head = opened.read(STREAM_HEADER)
         if head[: len(MAGIC)] != MAGIC[: len(head)] or not head:

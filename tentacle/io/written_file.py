@@ -26,7 +26,7 @@ def written_file(file: Path) -> Iterator[Path]:
         raise InputError("is there, and is no plain file", file=file, expected="a name that is free, or a file")
     head = f".{file.name[:100]}."
     for left in file.parent.glob(glob.escape(head) + "*.partial"):
-        if not _is_running(left.name.removeprefix(head).removesuffix(".partial")):
+        if not is_running(left.name.removeprefix(head).removesuffix(".partial")):
             left.unlink(missing_ok=True)
     partial = file.with_name(f"{head}{os.getpid()}.partial")
     try:
@@ -58,7 +58,7 @@ def sync(path: Path) -> None:
         os.close(opened)
 
 
-def _is_running(process: str) -> bool:
+def is_running(process: str) -> bool:
     """Whether a process of that number may run; where that cannot be asked, it may."""
     if not process.isdigit() or sys.platform == "win32":
         return True

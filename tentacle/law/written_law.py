@@ -112,9 +112,15 @@ class WrittenLaw:
         strengths = {p.name: p.nominal for p in self.parameters if not p.scan}
         if not strengths:
             raise LawError("no parameter is a strength (one without scan values)")
-        with np.errstate(all="ignore"):
-            acting = self.values(x, {**shapes, **strengths}, NUMPY)
-            absent = self.values(x, {**shapes, **dict.fromkeys(strengths, 0.0)}, NUMPY)
+        try:
+            with np.errstate(all="ignore"):
+                acting = self.values(x, {**shapes, **strengths}, NUMPY)
+                absent = self.values(x, {**shapes, **dict.fromkeys(strengths, 0.0)}, NUMPY)
+                tau = 1.0 if self.relaxation is None else self.relaxation_time({**shapes, **strengths}, NUMPY)
+        except ArithmeticError as error:  # of plain numbers; arrays become infinite
+            raise LawError(f"cannot be computed at the nominal values: {error}") from None
+        if not (np.isfinite(tau) and tau > 0.0):
+            raise LawError(f"relaxation is {tau:g} s at the nominal values; expected a time above zero")
         for name in self.components:
             if not np.all(np.isfinite(acting[name])):
                 raise LawError(f"{name} is not finite everywhere: a power or root of what may be negative wants abs()")

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import tentacle.cli
+from tentacle.cli._error_words import os_words
 from tentacle.cli._output import cell, remark, say, show
 from tests.hostile.material import TEXTS
 from tests.tentacle.io.lab_folder import CONE, MIDLINE, lab_folder
@@ -54,6 +55,13 @@ def test_a_name_is_written_out(capsys: pytest.CaptureFixture[str]) -> None:
     assert printed.err == f"tentacle: {WRITTEN_OUT}\n"
     assert f" {WRITTEN_OUT} " in printed.out
     assert not {"\x1b", "\x07", "\u202e"} & set(printed.out + printed.err)
+
+
+def test_an_error_names_the_file_that_was_to_be_written() -> None:
+    """Of a copy the second one, and what is not finished yet by the name that it was to have."""
+    full = OSError(28, "No space left on device", "/tmp/made/video.mp4", None, "run/.out.partial-k3_x9/video.mp4")
+    assert os_words(full) == "run/out/video.mp4: No space left on device"
+    assert os_words(FileNotFoundError(2, "No such file", "a.toml")) == "a.toml: No such file"
 
 
 def _ran(shell: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -15,7 +15,7 @@ import pytest
 from tentacle.cli._endings import told
 from tentacle.cli._stop_signals import signals_as_interrupts
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
 def ask(number: int) -> None:
@@ -56,7 +56,16 @@ class HalfMade:
         del self.pointer
 
 
-@pytest.mark.parametrize("lost", [within_c, within_removal, then_broken, HalfMade])
+def within_numba(number: int) -> None:
+    """It returns first: an exception out of numba's compiler crashes its dispatcher."""
+    names = {"__name__": "numba.core.dispatcher", "ask": ask, "returned": []}
+    exec("def compiled(number):\n    ask(number)\n    returned.append(True)", names)
+    names["compiled"](number)
+    assert names["returned"] == [True]
+    time.sleep(5.0)
+
+
+@pytest.mark.parametrize("lost", [within_c, within_removal, then_broken, HalfMade, within_numba])
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_lost_interrupt_still_ends_the_command(
     number: int, lost: Callable[[int], None], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

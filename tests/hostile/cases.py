@@ -15,6 +15,7 @@ import numpy as np
 
 from tests.hostile.judge import Case
 from tests.hostile.mutations import KINDS, damaged_bytes, damaged_csv, damaged_toml, damaged_xml
+from tests.hostile.odd_inputs import odd_cases
 from tests.hostile.tables import BYTES, CSV, NUMBERS, OPTIONS, OUTS, PLACES, TOML, WORDS, WORK
 
 Damage = Callable[[Path], None]
@@ -23,7 +24,7 @@ Damage = Callable[[Path], None]
 def cases(seed: int) -> list[Case]:
     """All of them, in an order that mixes the kinds, so that a part of them is a fair sample."""
     found = [*_texts(seed), *_bytes(seed), *_stored(seed), *_places(), *_options(seed), *_disks(seed), *_outs(seed),
-             *_signals(seed), *_surroundings()]  # fmt: skip
+             *_signals(seed), *_surroundings(), *odd_cases()]  # fmt: skip
     met: Counter[str] = Counter()
     for place, case in enumerate(found):  # two commands may begin alike: the second says that it is one more
         met[case.name] += 1
@@ -218,7 +219,7 @@ def _signals(seed: int) -> Iterator[Case]:
     for arguments, inputs in WORK:
         name = f"{' '.join(arguments[:2])}"
         random = _random(seed, name)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             yield Case(f"{number.name} in {name} ({arguments[-1]})", arguments, inputs,
                        stop=float(random.uniform(0.02, 1.5)), signal=number)  # fmt: skip
 

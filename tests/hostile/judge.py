@@ -5,6 +5,7 @@ The parent has imported everything and run nothing, so a child starts in millise
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import re
 import resource
@@ -81,7 +82,7 @@ def judge(case: Case, material: Path, place: Path) -> Outcome:
             os._exit(71)  # whatever interrupts it: the parent's folders are not the child's to remove
     code = _waited(child, case.stop, case.signal)
     seconds = time.monotonic() - begun
-    said = place.with_suffix(".err").read_text(errors="replace")
+    said = re.sub(r"Extension modules: .*", "", place.with_suffix(".err").read_text(errors="replace"))
     kind = _kind(case, code, said) if place.is_dir() else "removed its folder"
     if kind in GOOD and (changed := [path for path, content in before.items() if _content(path) != content]):
         kind, said = "overwritten", f"{changed[0].relative_to(place)}: {said}"
@@ -115,11 +116,12 @@ def _run(case: Case, place: Path) -> None:
     code = 71
     try:
         os.setsid()
-        for number in (signal.SIGTERM, signal.SIGHUP):  # whoever started the trials may ignore them
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):  # whoever started the trials may ignore them
             signal.signal(number, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         os.chdir(place)
         os.environ.update({"TENTACLE_TRACE": "1", **case.environment})
+        faulthandler.enable(os.open(place.with_suffix(".err"), os.O_WRONLY | os.O_CREAT | os.O_APPEND))
         out = os.open(place.with_suffix(".out"), os.O_WRONLY | os.O_CREAT)
         err = os.open(place.with_suffix(".err"), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
@@ -195,7 +197,7 @@ def _others(group: int) -> bool:
 
 def _kind(case: Case, code: int, said: str) -> str:
     lines = [line for line in said.splitlines() if line.strip()]
-    stopped = {130: signal.SIGINT, 143: signal.SIGTERM, 129: signal.SIGHUP}
+    stopped = {130: signal.SIGINT, 143: signal.SIGTERM, 129: signal.SIGHUP, 131: signal.SIGQUIT}
     if code == -1000:
         return "hang"
     if code == 72:

@@ -151,6 +151,8 @@ def test_a_chain_of_another_program_becomes_a_specimen(tmp_path):
         (chain(5).replace('axis="0 1 0"', 'axis="0 0 1"', 1), "different axes"),
         (chain(5).replace('type="hinge"', 'type="ball"', 1), "ball joints"),
         ("<mujoco>", "MuJoCo cannot read it"),
+        (chain(5).replace('stiffness="0.02"', 'stiffness="1e99"', 1), "jnt_stiffness: is not finite, or huge"),
+        (chain(5).replace('pos="0.02', 'pos="2e5', 1), "its hinges lie"),
     ],
 )
 def test_what_is_no_planar_arm_is_refused(tmp_path, text, says):

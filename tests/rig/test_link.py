@@ -20,6 +20,7 @@ from rig.link import Link
 from rig.play import arm_board
 from rig.protocol import Type, WireFrame
 from rig.safety import ServoCalibration
+from tentacle.errors import InputError
 
 FRAMES = [
     WireFrame(Type.PING, 0, bytes([7, 0, 0, 0])),
@@ -158,9 +159,16 @@ def test_an_rfc2217_server_that_is_not_there_is_one_clear_fault() -> None:
             Link(f"rfc2217://127.0.0.1:{closed.getsockname()[1]}").open()
 
 
-def test_a_missing_port_is_one_clear_fault() -> None:
+@pytest.mark.parametrize("place", ["", "127.0.0.1", "127.0.0.1:99999", "127.0.0.1:x", ":5000"])
+def test_a_network_port_without_host_and_number_is_refused(place: str) -> None:
+    with pytest.raises(InputError, match="names no host and port"):
+        Link(f"socket://{place}").open()
+
+
+@pytest.mark.parametrize("name", ["/dev/no_such_port", "/dev/tty\0"])
+def test_a_missing_port_is_one_clear_fault(name: str) -> None:
     with pytest.raises(Fault, match="cannot be opened") as caught:
-        Link("/dev/no_such_port").open()
+        Link(name).open()
     assert caught.value.kind == "link_lost"
     assert "\n" not in str(caught.value)
 

@@ -4,7 +4,6 @@ climbs.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,8 @@ import pytest
 
 from rig.fault import Fault
 from rig.gait_space import GaitSpace, TrialPlan
-from rig.journal import JOURNAL, cut_torn_line
+from rig.journal import JOURNAL
+from rig.journal_file import JournalFile, cut_torn_end
 from rig.optimise import STEP_FROM_BEST, RigTrial, StudyPlan, Suggestions, best, optimise_on_rig, propulsion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
@@ -131,6 +131,52 @@ def test_a_damaged_journal_is_made_again_from_the_recordings(space: GaitSpace, t
         assert (tmp_path / name).read_bytes() == content
 
 
+def test_any_damage_of_the_journal_is_told_and_changes_no_answer(space: GaitSpace, tmp_path: Path) -> None:
+    """A turned bit, a line that is missing, doubled or elsewhere, zeros, and a cut: the same trials, and none again."""
+    study = StudyPlan(space, trials=4, plan=TrialPlan(3, 1))
+    before = list(optimise_on_rig(tmp_path, study, Bench(fails=(2,))))  # numbers and files differ after a failed one
+    whole = (tmp_path / JOURNAL).read_bytes()
+    recordings = {path.name: path.read_bytes() for path in tmp_path.glob("*.rrd")}
+    random = np.random.default_rng(3)
+    for k in range(24):
+        lines, at = whole.splitlines(keepends=True), int(random.integers(len(whole)))
+        row = int(random.integers(len(lines)))
+        damaged = (
+            whole[:at] + bytes([whole[at] ^ (1 << int(random.integers(8)))]) + whole[at + 1 :],
+            b"".join([*lines[:row], *lines[row + 1 :]]),
+            b"".join([*lines[:row], lines[row], *lines[row:]]),
+            whole[:at] + bytes(min(9, len(whole) - at)) + whole[at + 9 :],
+            whole[:at],
+            b"".join([*lines[row:], *lines[:row]]),
+        )[k % 6]
+        (tmp_path / JOURNAL).write_bytes(damaged)
+        bench, said = Bench(), []
+        again = list(optimise_on_rig(tmp_path, study, bench, told=said.append))
+        assert bench.runs == 0
+        assert sorted(t.recording for t in again) == sorted(t.recording for t in before)
+        for one, other in zip(sorted(again, key=lambda t: t.recording), before, strict=True):
+            assert (one.point, one.propulsion) == (other.point, other.propulsion)
+        assert {path.name: path.read_bytes() for path in tmp_path.glob("*.rrd")} == recordings
+        for aside in tmp_path.glob("*unfinished*"):
+            aside.unlink()
+
+
+def test_entries_of_a_journal_are_sound_up_to_the_first_that_is_not(tmp_path: Path) -> None:
+    file = tmp_path / JOURNAL
+    JournalFile(file).append_logs([{"a": 1}, {"a": 2}])
+    JournalFile(file).append_logs([{"a": 3}])
+    assert list(JournalFile(file).read_logs(1)) == [{"a": 2}, {"a": 3}]
+    whole = file.read_bytes()
+    for left in (b"0123456789abcdef {", bytes(50), b"\0\0\n"):  # as a crash or a power cut leaves it
+        file.write_bytes(whole + left)
+        assert cut_torn_end(file) is None
+        assert file.read_bytes() == whole
+    file.write_bytes(whole.replace(b'{"a":2}', b'{"a":7}'))
+    assert cut_torn_end(file) == 2
+    assert list(JournalFile(file).read_logs(0)) == [{"a": 1}]
+    assert cut_torn_end(tmp_path / "none") is None
+
+
 def test_a_killed_study_goes_on_where_it_was(space: GaitSpace, tmp_path: Path) -> None:
     study = StudyPlan(space, trials=4, plan=TrialPlan(3, 1))
 
@@ -204,17 +250,6 @@ def test_a_folder_of_another_study_is_refused(space: GaitSpace, limits: SafetyLi
     other = StudyPlan(GaitSpace(limits, (0.5, 2.0), 0), trials=1)
     with pytest.raises(InputError, match="other bounds"):
         list(optimise_on_rig(tmp_path, other, Bench()))
-
-
-def test_a_torn_last_line_is_cut(tmp_path: Path) -> None:
-    journal = tmp_path / "study.journal"
-    whole = json.dumps({"a": 1}).encode() + b"\n"
-    journal.write_bytes(whole + whole + b'{"a": ')
-    assert cut_torn_line(journal) == 6
-    assert journal.read_bytes() == whole + whole
-    journal.write_bytes(whole + b"\0\0\0\n")
-    assert cut_torn_line(journal) == 4
-    assert cut_torn_line(tmp_path / "none") == 0
 
 
 def test_propulsion_is_minus_thrust_less_rest(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from rig.recorder import Recorder
 from rig.run_file import read_run, to_recording
 from rig.settle import SettleRule
 from rig.setup_file import CameraSettings, RigSetup, read_setup, write_setup
-from rig.stop_file import stop_file
+from rig.stop_file import reserve, stop_file
 from tentacle.errors import InputError
 from tentacle.io.recording_from_rrd import read_rrd
 
@@ -113,6 +113,12 @@ def test_killed_host_leaves_a_readable_file_and_the_arm_at_neutral(emulator: Emu
     run = read_run(path)
     assert run.outcome == "crashed"
     assert killed - run.load_t[-1] < 0.3
+    left = path.with_name(f".{path.name}.reserve")
+    assert left.exists()
+    reserve(path.with_name("next.rrd"))  # the room of a killed process is given back; one's own is kept
+    reserve(path.with_name("third.rrd"))
+    assert not left.exists()
+    assert len(list(path.parent.glob(".*.reserve"))) == 2
     recording = read_rrd(path)
     assert recording.notes["outcome"] == "crashed"
     planned = f"of {run.start['duration_s']:.2f} s are missing"  # both readers tell of the same length

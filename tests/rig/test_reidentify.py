@@ -71,3 +71,10 @@ def test_recordings_that_show_no_arm_propose_nothing(space: GaitSpace, monkeypat
     assert proposer(space, PLAN, told=heard.append)([Path("0"), Path("1")]) == []
     assert len(heard) == 1
     assert "has no video" in heard[0]
+
+
+def test_recordings_that_cannot_be_read_are_left_out_and_named(space: GaitSpace, tmp_path: Path) -> None:
+    heard: list[str] = []
+    (tmp_path / "torn.rrd").write_bytes(bytes(100))
+    assert proposer(space, PLAN, told=heard.append)([tmp_path / "gone.rrd", tmp_path / "torn.rrd"]) == []
+    assert [name in words for name, words in zip(("gone.rrd", "torn.rrd"), heard, strict=True)] == [True, True]

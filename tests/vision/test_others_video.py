@@ -101,6 +101,8 @@ def test_what_a_person_decides_is_kept_and_holds_in_the_next_run(filmed):
     assert parse_frames("7, 3-5", "--reject") == [7, 3, 4, 5]
     with pytest.raises(InputError, match="no frame or range"):
         parse_frames("5-3", "--reject")
+    with pytest.raises(InputError, match="no frame or range"):
+        parse_frames("0-999999999", "--reject")  # 32 years of film
     decided(video, ["3-5", "40"], [])
     decided(video, [], ["4"])
     verdicts = read_verdicts(video)

@@ -76,6 +76,27 @@ def test_board_gives_its_scale_and_a_lens_survives_its_file(board, tmp_path):
     assert read_lens(tmp_path / "lens.toml") == found.lens
 
 
+@pytest.mark.parametrize(
+    ("line", "field"),
+    [
+        ("reference_px = 1e-300", "reference_px"),
+        (f"reference_px = {'9' * 400}", "reference_px"),
+        ("k1 = 1e300", "k1"),
+        ("m_per_px = 0", "m_per_px"),
+        ("centre_px = [1e300, 60]", "centre_px"),
+        ("centre_px = [80]", "centre_px"),
+    ],
+)
+def test_a_lens_that_no_camera_has_is_refused(line, field, tmp_path):
+    lines = {"centre_px": "[80, 60]", "reference_px": "100.0", "k1": "0.0", "m_per_px": "0.001"}
+    lines[field] = line.partition("= ")[2]
+    file = tmp_path / "lens.toml"
+    file.write_text("[lens]\n" + "".join(f"{name} = {value}\n" for name, value in lines.items()))
+    with pytest.raises(InputError) as caught:
+        read_lens(file)
+    assert caught.value.field == f"lens.{field}"
+
+
 @pytest.mark.parametrize("sizes", [(2, 8, 0.02, 0.015), (60, 60, 0.02, 0.015), (8, 6, 0.02, 0.02), (8, 6, 10.0, 0.015)])
 def test_what_is_no_board_is_refused(sizes):
     with pytest.raises(InputError, match="--"):

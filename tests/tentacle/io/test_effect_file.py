@@ -28,6 +28,9 @@ def test_a_law_is_written_as_it_is_read(file, tmp_path):
         ("F * reference^2 * (place_x", "F * reference^2 * (place_z", "law.force_x"),
         ("F * reference^2 * (place_x - x) / d^3", "reference / reference", "law.force_x"),
         ("F * reference^2 * (place_x - x) / d^3", "F * 1e-9^(-x / reference)^0.5", "law.force_x"),
+        ("F * reference^2 * (place_x - x) / d^3", "F * 0 ^ (0 - 1)", "law"),  # plain numbers, and no array of them
+        ("F * reference^2 * (place_x - x) / d^3", "F / 0", "law"),
+        ("F * reference^2 * (place_x - x) / d^3", "F * 10 ^ 10 ^ 10", "law"),
         ('unit = "N"', 'unit = "mN"', "parameters.F.unit"),
         ("bounds = [-0.5, 0.5]", "bounds = [0.5, -0.5]", "parameters.F.bounds"),
         ("place_x]", "stiffness]", "law.force_x"),

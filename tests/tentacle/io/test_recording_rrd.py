@@ -8,10 +8,12 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
+import rerun as rr
 
 import tentacle
 from tentacle.errors import InputError
 from tentacle.io.recording_rrd import write_rrd
+from tentacle.io.video_file import frame_stamps
 from tentacle.recording import Recording
 from tentacle.signals import ShapeTrack, Video
 from tests.tentacle.io.test_import_folder import assert_equal_recordings, random_recording
@@ -154,3 +156,25 @@ def test_a_file_of_another_kind_is_not_replaced(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"is there, and is no \.rrd"):
         write_rrd(full_recording(), taken)
     assert taken.read_text() == "not a recording"
+
+
+def test_a_film_at_which_reruns_reader_stands_still_is_stored_with_its_times(tmp_path: Path) -> None:
+    """A box of length 0 among the film's remarks; its pictures are sound."""
+    film = small_video(tmp_path / "video.mp4")
+    content = bytearray(film.read_bytes())
+    at = content.rfind(b"ilst")
+    content[at - 4 : at] = bytes(4)
+    film.write_bytes(content)
+    # 1/30 s in whole ticks of the container, rounded to whole nanoseconds.
+    assert np.diff(frame_stamps(film)) == pytest.approx(np.full(9, 1e9 / 30), abs=1.0)
+    write_rrd(replace(full_recording(), video=Video(film)), tmp_path / "film.rrd")
+    again = tentacle.read(tmp_path / "film.rrd")
+    assert again.video is not None
+    assert again.video.path.read_bytes() == bytes(content)
+
+
+def test_the_times_of_a_films_pictures_are_those_that_rerun_reads(tmp_path: Path) -> None:
+    film = small_video(tmp_path / "video.mp4")
+    assert np.array_equal(frame_stamps(film), rr.AssetVideo(path=film).read_frame_timestamps_nanos())
+    (tmp_path / "none.mp4").write_bytes(bytes(100))
+    assert len(frame_stamps(tmp_path / "none.mp4")) == 0
