@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import random
+import threading
+import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,18 +14,24 @@ import numpy as np
 import pytest
 
 from benchmarks._split_faults import FAULTS, FaultyBench, KilledError, decided
+from rig import until_split
 from rig.campaign import Campaign, CampaignRun
+from rig.connection import connected
+from rig.emulator import Emulator
 from rig.fault import Fault
-from rig.motion import described, rig_motion
+from rig.motion import RigMotion, described, rig_motion
+from rig.record import motion_runner
 from rig.safety import SafetyLimits
 from rig.sentinel import changes, numbers_of
 from rig.soundness import is_complete_run
+from rig.split_decision import Decision
 from rig.split_journal import NAME
 from rig.until_split import Bench, Conclusion, SplitPlan, run_until_split
 from tentacle.errors import InputError
 from tentacle.recording import Declaration, LoadCellSignal, Recording, ShapeTrack
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Chirp, Sine
+from tests.rig.test_campaign import setup_at
 
 MOTION = Sine(0.3, 1.0)
 
@@ -186,3 +195,40 @@ def test_the_sentinel_is_silent_where_nothing_changed() -> None:
 def test_a_reference_of_too_few_periods_is_refused() -> None:
     with pytest.raises(InputError, match="whole periods"):
         numbers_of(reference(1), Sine(0.3, 0.3))
+
+
+def test_an_unplugged_board_costs_one_run_on_the_emulated_rig(
+    emulator: Emulator, limits: SafetyLimits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Over a real pty: the board leaves in the first designed run; that run is set aside and made again."""
+    monkeypatch.setattr(until_split, "DURATION", 1.0)
+    monkeypatch.setattr(until_split, "REFERENCE_PERIODS", 1)
+    setup = setup_at(emulator.url, limits)
+    wave = Sine(0.3, 1.0)
+    plan = SplitPlan(Campaign("twins", (CampaignRun("sine", rig_motion(wave, 1.0, limits, described(wave))),)), limits)
+    judged: list[int] = []
+
+    def judge(runs: Sequence[Path]) -> Decision:
+        judged.append(len(runs))
+        return replace(decided(runs), mass=0.97 if len(runs) == 2 else 0.6)
+
+    with connected(setup) as board:
+        make, pulled = motion_runner(setup, board, None), threading.Event()
+
+        def pull() -> None:
+            emulator.say("unplug")
+            time.sleep(0.3)
+            emulator.say("replug")
+
+        def run(motion: RigMotion, path: Path) -> None:
+            timer = threading.Timer(1.0, pull)
+            if path.stem == "experiment-0002" and not pulled.is_set():
+                pulled.set()
+                timer.start()
+            make(motion, path)
+            timer.cancel()
+
+        found = run_until_split(tmp_path / "out", plan, Bench(run, judge, lambda _runs: []))
+    assert (found.ending, judged) == ("split", [1, 2])
+    assert all(is_complete_run(path) for path in found.experiments)
+    assert [path.name for path in (tmp_path / "out").glob("*.unfinished-*")] == ["experiment-0002.unfinished-1.rrd"]
