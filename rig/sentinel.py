@@ -104,6 +104,6 @@ def drift(runs: Sequence[Run], motion: Sine) -> list[Change]:
         return []
     first, last = runs[0], runs[-1]
     clocks = [float((run.start.get("camera") or {}).get("offset_sigma_s", 0.0)) for run in (first, last)]
-    sigma = 2 * np.pi * motion.frequency * float(np.hypot(*clocks))
-    numbers = [numbers_of(tracked(run), motion) for run in (first, last)]
-    return changes(*numbers, first.path.stem, sigma)
+    sigma = 2 * np.pi * motion.frequency * float(np.hypot(clocks[0], clocks[1]))
+    before, after = (numbers_of(tracked(run), motion) for run in (first, last))
+    return changes(before, after, first.path.stem, sigma)
