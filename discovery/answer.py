@@ -8,11 +8,10 @@ from discovery.next_experiment import DURATION, Proposal
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure
 from tentacle.model import Model
 from tentacle.recording import Recording
-from tentacle.servo_limits import ServoLimits
 
+SEPARATES = 5.0  # nats, from which a base motion is said to separate two models
 MOST_EFFECTS = 3  # that one answer names together
 ACCOUNTS = 3  # hypotheses of one effect that the next experiment separates after an unknown
-SERVO_UNDER_LOAD = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
 def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
@@ -52,7 +51,7 @@ def without_proposal(words: tuple[str, ...]) -> tuple[str, ...]:
 
 def proposal_words(proposal: Proposal) -> str:
     """A sentence on the effects that the proposed base motion is expected to separate."""
-    if proposal.nats < 5.0:
+    if proposal.nats < SEPARATES:
         return (
             f"{_NONE_SEPARATES} {', '.join(proposal.splits)}: the best one tried would give {proposal.nats:.1f} nats."
         )

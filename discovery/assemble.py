@@ -8,9 +8,10 @@ import numpy as np
 from scipy.optimize import root_scalar
 from scipy.special import ndtr
 
-from discovery.answer import ACCOUNTS, SERVO_UNDER_LOAD, error_budget, proposal_words
-from discovery.calibration import Calibration, tempered
+from discovery.answer import ACCOUNTS, error_budget, proposal_words
+from discovery.calibration import tempered
 from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, missing_of, usable
+from discovery.given import Deciding
 from discovery.next_experiment import propose_experiment
 from discovery.search import PosteriorSearch
 from inference.compare import floor_errors, midline_error, run_comparison, run_errors
@@ -48,12 +49,13 @@ def assemble_posterior(
     open_loop: Hypothesis,
     around: PosteriorContext,
     seed: int,
-    calibration: Calibration | None,
+    deciding: Deciding,
 ) -> Diagnosis:
     """The diagnosis from the hypotheses and the decision, with the paper's model beside the chosen one.
 
-    open_loop: the chosen model, as it is written. calibration: of the confidence (None: `tempered`).
+    open_loop: the chosen model, as it is written. deciding: how the confidence is calibrated, and the servo's limits.
     """
+    calibration = deciding.calibration
     paper, prepared, order, reduction = around.paper, around.prepared, around.order, around.reduction
     chosen = decision.leading
     is_held_out = any(bool((~p.experiment.used).any()) for p in prepared)
@@ -80,7 +82,7 @@ def assemble_posterior(
     known = _over_sets(decision, missing_of(found.hypotheses).temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
-    proposal = propose_experiment(*_to_be_split(found, decision), SERVO_UNDER_LOAD, seed)
+    proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
     words += declared_words(chosen.problem, chosen.fitted)
     words += _decision_words(found, decision)
     if withdrawn:
@@ -102,6 +104,7 @@ def assemble_posterior(
         held_out=is_held_out,
         ranking=_ranking(found, decision, prepared, is_held_out),
         next_experiment=None if proposal is None else waveform_table(proposal.waveform),
+        next_nats=None if proposal is None else proposal.nats,
         budget=error_budget(before, after, floor, lost),
         base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
         augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, written),

@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 from discovery.calibration import Calibration
 from inference.prepare import Prepared
 from tentacle.recording import Recording
+from tentacle.servo_limits import ServoLimits
+
+SERVO_UNDER_LOAD = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
 @dataclass(frozen=True)
@@ -29,10 +32,12 @@ class Deciding:
     """How a diagnosis is decided.
 
     calibration: of the confidence (None: discovery.calibration.tempered). laws: search laws after an unknown.
+    servo: limits of the motions among which the next experiment is chosen.
     """
 
     calibration: Calibration | None = None
     laws: bool = True
+    servo: ServoLimits = SERVO_UNDER_LOAD
 
 
 SETTLING = 2.0  # s at the start of a held-out recording, from which its initial state is fitted

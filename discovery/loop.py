@@ -48,7 +48,6 @@ FINER = 0.5  # of the sufficient step of the declared model: added laws may need
 
 def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
-    calibration = deciding.calibration
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
     prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
@@ -97,7 +96,7 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
         for p, experiment in zip(prepared, decision.leading.problem.experiments, strict=False)
     ]
     around = PosteriorContext(paper, shown, order, reduction, limits)
-    answer = assemble_posterior(found, decision, open_loop, around, seed, calibration)
+    answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
     if not deciding.laws or not seeks_laws(answer):
         return answer
     base = next(h for h in found.hypotheses if not h.effects)

@@ -11,7 +11,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,7 +21,7 @@ from rig.journal import set_aside
 from rig.motion import RigMotion, described, rig_motion
 from rig.record import UNATTENDED, Attendance, RunResult, record_run
 from rig.setup_file import RigSetup
-from rig.soundness import require_sound_run
+from rig.soundness import is_complete_run
 from tentacle.errors import InputError
 from tentacle.io.folder_lock import owned_folder
 from tentacle.io.sound_recording import LONGEST_SPAN
@@ -132,7 +131,4 @@ def _missing_runs(
 
 def _set_aside(path: Path) -> Path | None:
     """Where an unfinished recording was moved to; None where it is complete."""
-    with suppress(InputError):
-        if require_sound_run(path).outcome == "complete":
-            return None
-    return set_aside(path)
+    return None if is_complete_run(path) else set_aside(path)

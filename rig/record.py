@@ -6,6 +6,7 @@ import glob
 import shutil
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -119,6 +120,23 @@ def trial_runner(
         )
 
     return run_trial
+
+
+def motion_runner(
+    setup: RigSetup,
+    board: Board,
+    camera: CameraThread | None,
+    interrupts: Interrupts | None = None,
+    progress: Progress = lambda _phase, _share: None,
+) -> Callable[[RigMotion, Path], None]:
+    """A function that records a motion; a fault of the rig is in the recording, or leaves none, and is not raised."""
+
+    def run_motion(motion: RigMotion, path: Path) -> None:
+        with suppress(Fault):
+            connect_again(setup, board)
+            record_run(setup, board, camera, motion, path, Attendance(interrupts=interrupts, progress=progress))
+
+    return run_motion
 
 
 def _start_record(setup: RigSetup, board: Board, motion: RigMotion, name: str) -> dict[str, Any]:

@@ -109,3 +109,11 @@ def require_sound_run(file: Path) -> Run:
     if missing:
         raise InputError(missing, file=file, expected="a run with its stop record")
     return run
+
+
+def is_complete_run(file: Path) -> bool:
+    """Whether a file is there, sound, and a run that ended as planned."""
+    try:
+        return require_sound_run(file).outcome == "complete"
+    except InputError:
+        return False

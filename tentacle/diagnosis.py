@@ -135,6 +135,7 @@ class Diagnosis:
     runs: tuple[RunComparison, ...]
     words: tuple[str, ...]
     seed: int
+    next_nats: float | None = None  # by which the next experiment separates the two nearest explanations
     uncalibrated: float | None = None  # the confidence before blind trials corrected it; None: never corrected
     explained: Explained | None = None
     certain: tuple[str, ...] = ()

@@ -11,7 +11,8 @@ import numpy as np
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
-from discovery.answer import SERVO_UNDER_LOAD, proposal_words
+from discovery.answer import proposal_words
+from discovery.given import SERVO_UNDER_LOAD
 from discovery.laws.along import force_map
 from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
 from discovery.laws.over import over_coordinates, over_words

@@ -68,3 +68,22 @@ def configure_emulate(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--no-camera", action="store_true")
     parser.add_argument("--seed", type=int, default=1)
+
+
+def configure_split(parser: argparse.ArgumentParser) -> None:
+    """Arguments of a campaign that goes on until its explanations are split."""
+    parser.add_argument(
+        "--until-split",
+        action="store_true",
+        help="after the list: diagnose all runs together, run the motion that best separates the explanations left, "
+        "and repeat until one explanation holds 95 %% or no motion within the limits splits further",
+    )
+    parser.add_argument("--most", type=int, default=8, metavar="N", help="of --until-split: experiments (default: 8)")
+    parser.add_argument(
+        "--reference-every",
+        type=int,
+        default=2,
+        metavar="N",
+        help="of --until-split: repeat the reference motion before every Nth experiment (default: 2)",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of --until-split: of the diagnosis and the motions tried")

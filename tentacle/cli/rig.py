@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tentacle.cli._output import remark
-from tentacle.cli._rig_arguments import configure_calibrate, configure_emulate
+from tentacle.cli._rig_arguments import configure_calibrate, configure_emulate, configure_split
 
 HELP = "use the bench: find, check, calibrate, emulate, record, import, optimise, run a campaign"
 
@@ -72,12 +72,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     campaign = add("campaign", "make a list of runs; the same command continues an interrupted list")
     campaign.add_argument("campaign", type=Path, metavar="CAMPAIGN.toml")
     campaign.add_argument("--out", type=Path, required=True, metavar="FOLDER")
+    configure_split(campaign)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the subcommand; a fault of the rig is one line and exit code 3."""
     from rig.fault import Fault
-    from tentacle.cli import _rig_bench, _rig_calibrate, _rig_optimise, _rig_run
+    from tentacle.cli import _rig_bench, _rig_calibrate, _rig_optimise, _rig_run, _rig_split
 
     commands = {
         "ports": _rig_bench.ports,
@@ -87,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
         "import": _rig_bench.convert,
         "record": _rig_run.record,
         "optimise": _rig_optimise.optimise,
-        "campaign": _rig_run.campaign,
+        "campaign": _rig_split.until_split if getattr(arguments, "until_split", False) else _rig_run.campaign,
     }
     try:
         return commands[arguments.verb](arguments)
