@@ -1,9 +1,7 @@
-"""Compiles kernels before they are needed, in a separate process, while this one reads and tracks."""
+"""The kernels that the usual orders need, compiled before they are needed."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -20,26 +18,13 @@ def not_compiled(orders: Sequence[int] = USUAL_ORDERS) -> list[int]:
     return [order for order in orders if not is_compiled(arm_of(_model(order)).nodes, order)]
 
 
-def compile_orders(orders: Sequence[int]) -> None:
-    """Compile the kernels of these orders."""
+def compile_orders(orders: Sequence[int] = USUAL_ORDERS) -> None:
+    """Compile the kernels of these orders, where they are not there."""
     for order in orders:
         for lanes in (BLOCK, FEW):
             load_kernel(arm_of(_model(order)).nodes, order, lanes)
 
 
-def start_compiling(orders: Sequence[int] = USUAL_ORDERS) -> subprocess.Popen[bytes] | None:
-    """A process that compiles the kernels that are missing; None where there are none."""
-    missing = not_compiled(orders)
-    if not missing:
-        return None
-    words = [sys.executable, "-m", __name__, *map(str, missing)]
-    return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-
 def _model(order: int) -> Model:
     arm = Specimen(Cone(0.01, 0.005), 0.1, 1070.0)
     return replace(Model(arm, WATER).with_effect("elasticity", E=Estimate.exact(2e5, "Pa")), order=order)
-
-
-if __name__ == "__main__":
-    compile_orders([int(word) for word in sys.argv[1:]])

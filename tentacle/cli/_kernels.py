@@ -1,4 +1,4 @@
-"""Compiles the model, once on each computer, while a verb still reads and tracks."""
+"""Compiles what a verb runs, once on each computer, while the verb still reads, films or tracks."""
 
 from __future__ import annotations
 
@@ -8,14 +8,28 @@ from contextlib import contextmanager
 
 @contextmanager
 def kernels_ahead(stage: Callable[[str], None]) -> Iterator[Callable[[], None]]:
-    """Compiles in parallel to the block; the yielded function waits until the compiler is done."""
-    from affine_model.warm import start_compiling
+    """Compiles the model and its fit in parallel to the block; the yielded function waits until they are there."""
+    with _compiled_ahead(["kernels", "fit"], stage, "compiling the model for this computer (once)") as wait:
+        yield wait
 
-    compiler = start_compiling()
+
+@contextmanager
+def tracking_ahead(stage: Callable[[str], None]) -> Iterator[Callable[[], None]]:
+    """The same for the tracker: for a verb that has other work before it tracks."""
+    with _compiled_ahead(["tracking"], stage, "compiling the tracker for this computer (once)") as wait:
+        yield wait
+
+
+@contextmanager
+def _compiled_ahead(parts: list[str], stage: Callable[[str], None], words: str) -> Iterator[Callable[[], None]]:
+    from affine_model.warm import not_compiled
+    from tentacle.cli._compile_ahead import start
+
+    compiler = start(parts) if not_compiled() else None  # a computer without the kernels has not compiled the rest
 
     def wait() -> None:
         if compiler is not None and compiler.poll() is None:
-            stage("compiling the model for this computer (once)")
+            stage(words)
             compiler.wait()
 
     try:

@@ -13,12 +13,11 @@ from tentacle.cli._output import say
 if TYPE_CHECKING:
     from tentacle.diagnosis import Diagnosis
     from tentacle.progress import Stage
-    from tentacle.recording import Recording
 
 HELP = "make a tank video with an undeclared current, find it; then trace a real beam's undeclared weight"
 
-DURATION, FPS, SIZE, SEED = 12.0, 30.0, (640, 480), 4
-MAKING = (("simulating", 5.0), ("filming", 10.0))
+DURATION, FPS, SIZE, SEED = 12.0, 30.0, (480, 360), 4
+MAKING = (("simulating", 5.0), ("filming", 10.0), ("compiling the tracker", 8.0))
 BEAM_BASELINE, BEAM_LOADED = "beam_gravity_V2_a.csv", "beam_load52_V2_b.csv"
 
 
@@ -29,12 +28,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Both parts, each with its folder of results; the second only where the data are."""
-    from tentacle.cli._kernels import kernels_ahead
+    from tentacle.cli._kernels import kernels_ahead, tracking_ahead
     from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
+    from vision.tracked_recording import read_tracked
 
     source = arguments.out / "tank" / "recording"
-    with stages([*MAKING, *reading_plan([source]), *DIAGNOSING]) as stage, kernels_ahead(stage) as wait_for_kernels:
-        recording = _tank(source, stage)
+    plan = [*MAKING, *reading_plan([source]), *DIAGNOSING]
+    with (
+        stages(plan) as stage,
+        tracking_ahead(stage) as wait_for_tracker,
+        kernels_ahead(stage) as wait_for_kernels,
+    ):
+        if not source.exists():
+            _film_tank(source, stage)
+        wait_for_tracker()
+        recording = read_tracked(source, stage)
         wait_for_kernels()
         tank = _diagnosed([recording], [], arguments.out / "tank", [source], stage)
     _say(
@@ -60,8 +68,8 @@ def _say(title: str, diagnosis: Diagnosis, folder: Path) -> None:
     say(f"  report: {folder / 'report.html'}   replay: tentacle view {folder / 'session.rrd'}")
 
 
-def _tank(source: Path, stage: Stage) -> Recording:
-    """The recording, tracked: simulated in MuJoCo, filmed and written as an import folder where that is not there."""
+def _film_tank(source: Path, stage: Stage) -> None:
+    """The tank's import folder: simulated in MuJoCo and filmed."""
     import tempfile
 
     from mujoco_ref.undeclared import Scenario, make_recording
@@ -70,10 +78,7 @@ def _tank(source: Path, stage: Stage) -> Recording:
     from tentacle.specimen import WATER, Cone, Gravity, Specimen
     from tentacle.waveform import Chirp
     from validation.film import filmed
-    from vision.tracked_recording import read_tracked
 
-    if source.exists():
-        return read_tracked(source, stage)
     stage("simulating the tank in MuJoCo")
     parameters = {
         "elasticity": {"E": Estimate.exact(1.6e5, "Pa")},
@@ -89,7 +94,6 @@ def _tank(source: Path, stage: Stage) -> Recording:
         stage("filming the tank")
         source.parent.mkdir(parents=True, exist_ok=True)
         write_folder(filmed(recording, Path(scratch) / "video.mp4", "tank", SIZE, SEED), source)
-    return read_tracked(source, stage)
 
 
 def _beam_folder() -> Path | None:
