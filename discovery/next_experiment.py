@@ -11,7 +11,7 @@ from affine_model.curvature import Array
 from inference.deferred_correction import coarser
 from inference.experiment import Experiment, predict
 from inference.observation import POSE, ShapeObservation
-from inference.trajectory import Fit, Problem
+from inference.trajectory import RAN_AWAY, Fit, Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
@@ -131,7 +131,7 @@ def _rest(order: int) -> Array:
 
 
 def _gap(rival: FittedHypothesis, measured: Experiment) -> float:
-    """The nats of the difference that the rival cannot absorb, to first order."""
+    """The nats of the difference that the rival cannot absorb, to first order; 0 if its run leaves all bounds."""
     step = coarser(rival.problem) * rival.problem.step
     problem: Problem = replace(
         rival.problem, experiments=(measured,), parameters=rival.fitted.parameters, step=step,
@@ -139,6 +139,8 @@ def _gap(rival: FittedHypothesis, measured: Experiment) -> float:
     )  # fmt: skip
     start = np.concatenate([problem.parameters[problem.rows()], _rest(problem.arm.order)])
     residuals, slope = problem.slope(start)
+    if np.abs(residuals).max() >= RAN_AWAY:
+        return 0.0
     basis = tangent_basis(slope)
     rest = residuals - basis @ (basis.T @ residuals)
     return 0.5 * float(rest @ rest)

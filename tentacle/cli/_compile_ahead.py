@@ -44,14 +44,16 @@ def compile_tracking() -> None:
 
 
 def compile_fit() -> None:
-    """The filter that the fit of a model goes through: one state, seen twice."""
+    """The filter and the interpolation that the fit of a model goes through: one state, seen twice."""
     import numpy as np
 
+    from inference.interpolate import at_times
     from inference.kalman import gains_along, whitened_along
 
     one, push, seen = np.eye(1), np.zeros((2, 1, 1)), np.ones((2, 1, 1))
-    gain, root, _ = gains_along(one, push, one, one, seen)
-    whitened_along(np.zeros((2, 1, 1)), one, push, seen, gain, root)
+    gain, root, _ = gains_along(one, one, push, one, one, seen)
+    whitened_along(np.zeros((2, 1, 1)), one, one, push, seen, gain, root)
+    at_times(np.arange(2.0), seen, push, np.zeros((1, 1)))
 
 
 def compile_kernels() -> None:
