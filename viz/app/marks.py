@@ -91,7 +91,10 @@ def arm_outline(camera: Camera, length: float, radii: tuple[float, float], angle
 
 
 def drawing(marks: Marks, arm: Sequence[Point], size: float) -> str:
-    """SVG over the picture: every mark with its name, the ruler, the declared arm's outline. size [px]: of a mark."""
+    """SVG over the picture: every mark with its name, the ruler, the declared arm's outline. size [px]: of a mark.
+
+    The page sets --names, by which a name grows on a small screen.
+    """
     parts = []
     if arm:
         corners = " ".join(f"{u:.1f},{v:.1f}" for u, v in arm)
@@ -104,7 +107,8 @@ def drawing(marks: Marks, arm: Sequence[Point], size: float) -> str:
         side, anchor = (-1.5, "end") if place in ("base", "ruler start") else (1.5, "start")
         edge = f'stroke="white" stroke-width="{0.3 * size:.1f}"'
         parts.append(f'<circle cx="{u:.1f}" cy="{v:.1f}" r="{size:.1f}" fill="{MARK_COLOURS[place]}" {edge}/>')
-        where = f'x="{u + side * size:.1f}" y="{v:.1f}" text-anchor="{anchor}" font-size="{2.6 * size:.1f}"'
+        letters = f"font-size: calc({2.6 * size:.1f}px * var(--names, 1))"
+        where = f'x="{u + side * size:.1f}" y="{v:.1f}" text-anchor="{anchor}" style="{letters}"'
         ink = f'fill="{MARK_COLOURS[place]}" stroke="white" stroke-width="{0.5 * size:.1f}" paint-order="stroke"'
         parts.append(f"<text {where} {ink}>{place}</text>")
     return "".join(parts)
