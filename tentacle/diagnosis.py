@@ -147,6 +147,12 @@ class Diagnosis:
     )  # after an unknown: where a force is missing, and laws for it
 
     @property
+    def in_doubt(self) -> tuple[str, ...]:
+        """A group's effects of which the data cannot say which acts; those that are certain are not among them."""
+        left = tuple(effect for effect in self.effects if effect not in self.certain)
+        return left or self.effects
+
+    @property
     def headline(self) -> str:
         """The verdict in one sentence, with the error before and after."""
         if self.verdict == "unknown" and not self.runs:
@@ -158,10 +164,13 @@ class Diagnosis:
                 error += f" (floor {self.floor.midline_mm:.2f} mm)"
             error += ", on held-out data." if self.held_out else ", on the data that were fitted."
         names = " + ".join(self.effects)
+        sure = [effect for effect in self.effects if effect not in self.in_doubt]
+        doubt = " / ".join(self.in_doubt)
+        beside = f"{' + '.join(sure)} and " if sure else ""
         sentence = {
             "nothing_missing": "The declared model explains these data: no missing effect can be detected.",
             "effect": f"The declared model lacks {names}.",
-            "group": f"The declared model lacks one of {' / '.join(self.effects)}; these data cannot tell which.",
+            "group": f"The declared model lacks {beside}one of {doubt}; these data cannot tell which.",
             "unknown": "The declared model lacks an effect that is not in the catalogue, or that these data cannot "
             "identify.",
         }[self.verdict]

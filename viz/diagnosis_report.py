@@ -217,8 +217,8 @@ def diagnosis_report(
     before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
     merits = [
         ("confidence", f"{diagnosis.confidence:.0%}"),
-        ("error before", NO_VALUE if before is None else f"{number(before)} mm"),
-        ("error after", NO_VALUE if after is None else f"{number(after)} mm"),
+        ("error before", NO_VALUE if before is None else f"{before:.2f} mm"),
+        ("error after", NO_VALUE if after is None else f"{after:.2f} mm"),
     ]
     return render_report(
         Report(

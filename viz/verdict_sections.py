@@ -34,7 +34,9 @@ def title_of(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "effect" and names:
         return f"Missing: {listed(names)}"
     if diagnosis.verdict == "group" and names:
-        return f"Missing: {listed(names, 'or')}"
+        doubt = [effect_name(effect) for effect in diagnosis.in_doubt]
+        sure = [name for name in names if name not in doubt]
+        return f"Missing: {listed(sure)}, beside {listed(doubt, 'or')}" if sure else f"Missing: {listed(doubt, 'or')}"
     return VERDICT_TITLES[diagnosis.verdict]
 
 

@@ -17,7 +17,7 @@ from tentacle.model import Estimate
 from tests.page import parsed, problems
 from viz.diagnosis_report import diagnosis_report, twin_words
 from viz.report import write_report
-from viz.verdict_sections import DECLARED_AS, limits_sections, sure_words
+from viz.verdict_sections import DECLARED_AS, limits_sections, sure_words, title_of
 from viz.words import interval, value_of
 
 
@@ -188,3 +188,12 @@ def test_an_effect_that_a_wrong_declared_number_looks_like_says_which_number(cas
 def test_the_numbers_to_check_belong_to_effects_of_the_catalogue():
     for effect in DECLARED_AS:
         import_module(f"affine_model.effects.{effect}")
+
+
+def test_a_group_says_what_is_certain_beside_what_is_open(case):
+    group = replace(case.diagnosis, verdict="group", effects=("current", "skin_drag", "wall"), certain=("current",))
+    assert "lacks current and one of skin_drag / wall; these data cannot tell which." in group.headline
+    assert title_of(group) == "Missing: current, beside skin drag or wall"
+    none_certain = replace(group, certain=())
+    assert "lacks one of current / skin_drag / wall;" in none_certain.headline
+    assert title_of(none_certain) == "Missing: current, skin drag or wall"

@@ -106,6 +106,8 @@ def finding_figure(scene: ViewedRun, recording: Recording | None) -> Figure | No
             _lines(whole, scene, party, instant, 1.0)
             whole.set(xlim=box[:, 0], ylim=box[::-1, 1], aspect="equal", xlabel="x [mm]")
             whole.set_title(f"{party.role.name}: {number(float(rms_at(scene, party)[instant]))} mm off")
+            if still is not None:
+                tip.imshow(still.picture, cmap="gray", vmin=0, vmax=255, extent=still.extent, interpolation="none")
             _tip(whole, tip, scene, party, instant, window)
             labelled |= dict(zip(*reversed(whole.get_legend_handles_labels()), strict=True))
         panels[0, 0].set_ylabel("y along the straight arm [mm]")
