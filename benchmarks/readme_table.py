@@ -45,8 +45,8 @@ FIVE = (
 WHY = {
     ("hostile", "hostile_bad"): """\
 A seed that had not been run before found nine: five tracebacks, two crashes of the compiler under an interrupt, one
-answer of several lines, and a film whose reader never ended. Each cause is mended; these cases and 156 new kinds of input
-ran again without a bad one. The whole run was not repeated since.""",
+answer of several lines, and a film whose reader never ended. Each cause is mended; these cases and 156 new kinds of
+input ran again without a bad one. The whole run was not repeated since.""",
     ("blind", "calibration_gap"): """\
 This is the gap of the worst of ten bins, which holds few trials. A confidence that were exactly true would show the
 larger gap of the next row by chance. Many hundred trials would be needed to tell
