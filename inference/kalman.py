@@ -8,15 +8,16 @@ from tentacle.compiled import njit
 
 
 @njit(cache=True, nogil=True)
-def gains_along(transition, pushed, push, added, start, observation):
+def gains_along(motion, added, start, observation):
     """Gain (C, N, K), inverse Cholesky root (C, K, K) of every innovation, and half the log determinant.
 
         x_k+1 = (transition + [0, pushed push_k]) x_k + w,  cov(w) = added;    y_k = observation_k x_k + v,  cov(v) = 1
 
-    transition (N, N); push (C, n, J): forces of the last J entries of the state; pushed (N, n): what a force does to
-    the others; added (N, N); start (N, N): covariance at the start; observation (C, K, N). A cell whose rows are 0
-    adds no information.
+    motion: transition (N, N); pushed (N, n), what a force does to the state; push (C, n, J), forces of the state's last
+    J entries. added (N, N); start (N, N): covariance at the start; observation (C, K, N). A cell whose rows are 0 adds
+    no information.
     """
+    transition, pushed, push = motion
     cells, count, size = observation.shape
     gain = np.zeros((cells, size, count))
     root = np.zeros((cells, count, count))
@@ -43,8 +44,9 @@ def gains_along(transition, pushed, push, added, start, observation):
 
 
 @njit(cache=True, nogil=True)
-def whitened_along(rows, transition, pushed, push, observation, gain, root):
+def whitened_along(rows, motion, observation, gain, root):
     """Columns of rows (C, K, B), each filtered by the same gains: independent rows of unit variance (C, K, B)."""
+    transition, pushed, push = motion
     cells, _, columns = rows.shape
     constant = transition.shape[0] - push.shape[2]
     state = np.zeros((transition.shape[0], columns))

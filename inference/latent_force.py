@@ -109,9 +109,8 @@ class Filter:
     def whiten(self, rows: Array) -> Array:
         """Residual rows (T, K, B) as independent ones of unit variance (C K, B)."""
         averaged = np.ascontiguousarray(self.cells.averaged(rows))
-        white = whitened_along(
-            averaged, self.transition, self.pushed, self.push, self.observation, self.gain, self.root
-        )
+        motion = (self.transition, self.pushed, self.push)
+        white = whitened_along(averaged, motion, self.observation, self.gain, self.root)
         return white.reshape(-1, rows.shape[2])
 
 
@@ -197,7 +196,7 @@ class LatentForce:
         rows[:, :, at["e"]] = lin.envelope[:, None, None] * self.error.rows
         rows[:, :, at["pose"]] = self.seen[:, :, n : n + 2]
         rows[:, :, at["place"]] = self.seen[:, :, n + 2 :]
-        gain, root, half = gains_along(transition, pushed, push, added, start, rows)
+        gain, root, half = gains_along((transition, pushed, push), added, start, rows)
         return Filter(self.cells, transition, pushed, push, rows, gain, root, float(half))
 
 

@@ -23,7 +23,7 @@ def tracking_ahead(stage: Callable[[str], None]) -> Iterator[Callable[[], None]]
 @contextmanager
 def _compiled_ahead(parts: list[str], stage: Callable[[str], None], words: str) -> Iterator[Callable[[], None]]:
     from affine_model.warm import not_compiled
-    from tentacle.cli._compile_ahead import start
+    from validation.compile_ahead import start
 
     compiler = start(parts) if not_compiled() else None  # a computer without the kernels has not compiled the rest
 

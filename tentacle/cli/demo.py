@@ -1,6 +1,4 @@
-"""`tentacle demo`: the main job from end to end, on a tank video made now and on a real arm where its data are
-present.
-"""
+"""`tentacle demo`: the main job from end to end, on a tank video made now and, where its data are, on a real arm."""
 
 from __future__ import annotations
 
@@ -45,9 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
         recording = read_tracked(source, stage)
         wait_for_kernels()
         tank = _diagnosed([recording], [], arguments.out / "tank", [source], stage)
-    _say(
-        "A tank video, made now, in which a steady current is left out of the declaration", tank, arguments.out / "tank"
-    )
+    _say("A tank video, made now; its declaration leaves out a steady current", tank, arguments.out / "tank")
     beam = _beam_folder()
     if beam is None:
         say("The real silicone beam is not here: `tentacle data` says where to get it (TENTACLE_DATA).")

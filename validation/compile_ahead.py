@@ -1,4 +1,4 @@
-"""Fills the caches of compiled functions in a process of its own: python -m tentacle.cli._compile_ahead PART...
+"""Fills the caches of compiled functions in a process of its own: python -m validation.compile_ahead PART...
 
 Parts: tracking, kernels (of the model), fit. It tracks a short film that it draws, and runs the fit's filter on a few
 numbers. Nothing of that is kept.
@@ -51,8 +51,8 @@ def compile_fit() -> None:
     from inference.kalman import gains_along, whitened_along
 
     one, push, seen = np.eye(1), np.zeros((2, 1, 1)), np.ones((2, 1, 1))
-    gain, root, _ = gains_along(one, one, push, one, one, seen)
-    whitened_along(np.zeros((2, 1, 1)), one, one, push, seen, gain, root)
+    gain, root, _ = gains_along((one, one, push), one, one, seen)
+    whitened_along(np.zeros((2, 1, 1)), (one, one, push), seen, gain, root)
     at_times(np.arange(2.0), seen, push, np.zeros((1, 1)))
 
 

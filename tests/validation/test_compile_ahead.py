@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tentacle.cli._compile_ahead import start
+from validation.compile_ahead import start
 
 
 def test_the_verb_finds_the_filter_compiled(tmp_path, monkeypatch):
