@@ -55,8 +55,8 @@ a gap of .05 from chance.""",
 Two diagnoses ran at once on two cores. Half of the time goes into refits of each set with and without the shapes in
 which published laws differ.""",
     ("first_hour", "first_verdict_s"): """\
-In this time the demo draws its film, tracks it and diagnoses it, and the models are compiled. How much each part takes
-was not measured.""",
+In this time the demo draws its film, tracks it and diagnoses it. Two fifths of the sampled time was compiling tracker,
+filter and models; that now runs beside the rest.""",
     ("first_hour", "setup_mb"): """\
 Nothing in it can be left out from film to report:
 [the sizes of all its parts](#the-set-up-before-and-after). The viewer alone is 170 MB.""",
