@@ -10,7 +10,6 @@ or lost is a failure.
 from __future__ import annotations
 
 import argparse
-import json
 import random
 import tempfile
 from collections.abc import Callable
@@ -18,7 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks._figures import tell
 from benchmarks._split_faults import FAULTS, NEEDED, FaultyBench, KilledError, decided
+from benchmarks.export import arm
 from discovery.diagnose import diagnose
 from discovery.given import Deciding
 from discovery.next_experiment import DURATION, candidates
@@ -31,9 +32,7 @@ from rig.soundness import is_complete_run
 from rig.split_decision import Decision, decision_of, servo_limits
 from rig.until_split import Bench, SplitPlan, run_until_split
 from tentacle.io.waveform_file import waveform_from_table
-from tentacle.model import Estimate, Model
 from tentacle.recording import Recording
-from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Chirp, Multisine, Waveform
 
 LIMITS = SafetyLimits(min_angle=-0.8, max_angle=0.8, max_speed=6.0, max_current=0.9)
@@ -42,12 +41,6 @@ HIDDEN = ("linear_drag", "added_mass", "skin_drag", "viscoelasticity", "cubic_st
           "oscillating_drag", "dry_friction", "servo_lag")  # fmt: skip
 CHIRP = Chirp(0.25, 0.3, 1.5, DURATION)
 FPS, NOISE, MOST = 30.0, Noise(midline=4e-4), 3  # further recordings at most
-
-
-def arm() -> Model:
-    values = {"elasticity": {"E": 2e5}, "damping": {"eta": 300.0}, "drag": {"C_perp": 1.1}}
-    exact = {effect: {name: Estimate.exact(v) for name, v in held.items()} for effect, held in values.items()}
-    return Model(Specimen(Cone(0.0125, 0.0015), 0.14, 1070.0), WATER, order=2, parameters=exact)
 
 
 def recorded(hidden: str, strength: str, waveform: Waveform, seed: int) -> Recording:
@@ -151,10 +144,7 @@ def main() -> None:
         found = faults(arguments.faults, arguments.seed)
     else:
         found = groups(arguments.groups, arguments.strength, arguments.seed)
-    for name, value in found.items():
-        print(f"{name}: {value:.4g}")
-    if arguments.json is not None:
-        arguments.json.write_text(json.dumps({"figures": found}, indent=1) + "\n")
+    tell(found, arguments.json)
 
 
 if __name__ == "__main__":

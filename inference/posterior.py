@@ -138,7 +138,7 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     fitted = linearised_fit(corrected(problem, unknowns), unknowns, 0)
     tried, last = set[int](), 0
     while True:
-        evidence = cache(partial(_log_evidence_beside, problem, fitted, filters))
+        evidence = cache(lambda place, problem=problem, fitted=fitted: log_evidence(problem, fitted, filters(place)))
         best = _climbed(evidence, last)
         if best in tried:  # the fit is at its share: now all shares are needed
             evidences = np.array([evidence(place) for place in range(len(FORCE_SHARES))])
@@ -250,15 +250,6 @@ def filters_at(forces: tuple[LatentForce, ...], place: int) -> tuple[Filter, ...
     return tuple(force.filter(FORCE_SHARES[place]) for force in forces)
 
 
-def log_evidences(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...]) -> Array:
-    """Log evidence (A,) [nats] at each of FORCE_SHARES.
-
-    The filters are made one after the other: those of all shares would take most of the memory of a diagnosis.
-    """
-    places = range(len(FORCE_SHARES))
-    return np.array([log_evidence(problem, fitted, filters_at(forces, place)) for place in places])
-
-
 def log_evidence(problem: Problem, fitted: Fit, filters: tuple[Filter, ...]) -> float:
     """Log evidence [nats] beside the share of unknown forces of these filters, after one Gauss-Newton step.
 
@@ -278,10 +269,3 @@ def log_evidence(problem: Problem, fitted: Fit, filters: tuple[Filter, ...]) -> 
     if not np.isfinite(found):
         raise np.linalg.LinAlgError("the evidence is not finite")
     return found
-
-
-def _log_evidence_beside(
-    problem: Problem, fitted: Fit, filters: Callable[[int], tuple[Filter, ...]], place: int
-) -> float:
-    """Log evidence [nats] at one of FORCE_SHARES."""
-    return log_evidence(problem, fitted, filters(place))

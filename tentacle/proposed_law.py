@@ -44,6 +44,11 @@ class ForceOver:
     deviation: Array
     predicted: float
 
+    @property
+    def place(self) -> str:
+        """The place in words."""
+        return "the tip" if self.s == 1.0 else f"s = {self.s:.2f}"
+
 
 @dataclass(frozen=True)
 class ProposedLaw:

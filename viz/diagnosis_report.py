@@ -181,8 +181,8 @@ def missing_sections(missing: MissingForce) -> list[ReportSection]:
         for k, one in enumerate(missing.maps[:DRAWN_RUNS])
     ]
     if missing.over:
-        place = "the tip" if missing.over[0].s == 1.0 else f"s = {missing.over[0].s:.2f}"
-        words_of = f"{missing.over[0].name}: the missing force as one at {place}, over each coordinate of that place."
+        first = missing.over[0]
+        words_of = f"{first.name}: the missing force as one at {first.place}, over each coordinate of that place."
         pictures.append(Picture(force_over_figure(missing.over), words_of))
     return [ReportSection("The missing force", words, (), pictures)]
 

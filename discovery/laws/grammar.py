@@ -69,6 +69,12 @@ def _place(scale: Scale, count: int, name: str) -> list[WrittenParameter]:
     ]
 
 
+def _reach(length: float) -> WrittenParameter:
+    """The extent of a place, on an arm of that length [m]."""
+    bounds = (LEAST_REACH * length, 5.0 * length)
+    return WrittenParameter("reach", "m", 0.3 * length, bounds, "its extent", tuple(r * length for r in REACHES))
+
+
 def _frequency(scale: Scale) -> WrittenParameter:
     step = 0.5 / scale.duration
     scan = tuple(float(v) for v in np.arange(max(0.2, 2.0 * step), 5.0, step))
@@ -127,15 +133,12 @@ def _of_velocity(scale: Scale) -> list[Form]:
               {"force_n": f"-a * {_odd('u_n', 'u_0')}"}, [power()])
     )  # fmt: skip
     where = "exp(-((x - at_x)^2 + (y - at_y)^2) / reach^2)"
-    reach = WrittenParameter(
-        "reach", "m", 0.3 * scale.length, (LEAST_REACH * scale.length, 5.0 * scale.length), "its extent",
-        tuple(share * scale.length for share in REACHES),
-    )  # fmt: skip
     for exponent, words in ((1, "linear"), (2, "quadratic")):
         speed = "u_n / u_0" if exponent == 1 else "abs(u_n) * u_n / u_0^2"
         found.append(
             _form(f"patch_{words}", f"a {words} drag that is larger near a point", "line",
-                  {"force_n": f"-a * width / length * {speed} * {where}"}, [*_place(scale, 7, "at"), reach])
+                  {"force_n": f"-a * width / length * {speed} * {where}"},
+                  [*_place(scale, 7, "at"), _reach(scale.length)])
         )  # fmt: skip
     return found
 
@@ -150,8 +153,6 @@ def _of_place(scale: Scale) -> list[Form]:
                              tuple(share * L for share in (0.001, 0.2, 0.4, 0.6, 0.8)))  # fmt: skip
     edge = WrittenParameter("edge", "m", 0.2 * L, (-2.0 * L, 2.0 * L), "where it begins",
                             tuple(float(v) * L for v in np.linspace(-0.6, 0.6, 13)))  # fmt: skip
-    reach = WrittenParameter("reach", "m", 0.3 * L, (LEAST_REACH * L, 5.0 * L), "its extent",
-                             tuple(share * L for share in REACHES))  # fmt: skip
     jet = "exp(-((x - at_x)^2 + (y - at_y)^2) / reach^2)"
     found = [
         _form("attraction", "a force at the tip towards a point, with a power of the distance", "tip", magnet,
@@ -162,7 +163,7 @@ def _of_place(scale: Scale) -> list[Form]:
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
         _form("tip_push", "a steady force at the tip", "tip", {"force_x": "a", "force_y": "b"}, []),
         _form("jet", "a steady force near a point in space", "line",
-              {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), reach]),
+              {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), _reach(scale.length)]),
         _form("line_spring", "a force across all along the arm, with a power of the displacement", "line",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
     ]  # fmt: skip

@@ -18,11 +18,11 @@ from scipy.signal import hilbert
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array, angle_basis, curvature_basis
+from discovery.laws.along import FORCE_MAP_TIMES
 from inference.missing_force import SeenMotion
 from tentacle.proposed_law import ForceOver
 
 PLACES = np.linspace(0.1, 1.0, 19)  # of s
-MOST_TIMES = 3000
 BINS, FOLDS, STRETCH = 16, 5, 1.0  # bins of a curve, folds of the cross-validation, s of a stretch
 DEPENDS = 0.3  # predicted share of the variance, below which no single coordinate stands out
 
@@ -44,7 +44,7 @@ class Place:
 
 def over_coordinates(name: str, arm: Arm, motion: SeenMotion) -> tuple[ForceOver, ...]:
     """The force of a recording over each coordinate of the place where it acts, the one that predicts most first."""
-    keep = np.linspace(0, motion.t.size - 1, min(MOST_TIMES, motion.t.size)).astype(int)
+    keep = np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(int)
     s, explained, force = acting_place(arm, motion, keep)
     place, t = place_along(arm, motion, s, keep), motion.t[keep]
     turning = motion.u[:, arm.order] - motion.u[:, arm.order].mean()
@@ -71,10 +71,10 @@ def acting_place(arm: Arm, motion: SeenMotion, keep: NDArray[np.intp]) -> tuple[
     (of its square over its variance), and the force (T,) [N] there.
     """
     weight = 1.0 / np.maximum(motion.spread[keep], 1e-12 * np.abs(motion.force).max())
-    asked = motion.force[keep] * weight
+    u, asked = motion.u[keep], motion.force[keep] * weight
     whole, best = float(np.sum(asked**2)), (1.0, -np.inf, np.zeros(keep.size))
     for s in PLACES:
-        levers = _levers(arm, motion.u[keep], s) * weight
+        levers = _levers(arm, u, s) * weight
         force = np.sum(levers * asked, axis=1) / np.maximum(np.sum(levers**2, axis=1), 1e-300)
         explained = 1.0 - float(np.sum((asked - levers * force[:, None]) ** 2)) / max(whole, 1e-300)
         if explained > best[1]:
@@ -133,8 +133,7 @@ def predicted(t: Array, x: Array, force: Array) -> float:
 def over_words(found: tuple[ForceOver, ...]) -> str:
     """A sentence about where the force acts and the coordinate that it follows, with the evidence of both."""
     best, second = found[:2]
-    where = "the tip" if best.s == 1.0 else f"s = {best.s:.2f}"
-    acts = f"One normal force at {where} explains {100.0 * best.explained:.0f} % of the missing generalised force."
+    acts = f"One normal force at {best.place} explains {100.0 * best.explained:.0f} % of the missing generalised force."
     on = "on stretches that the curve was not drawn from"
     if best.predicted < DEPENDS:
         share = f"{100.0 * best.predicted:.0f} % of its variance {on}"

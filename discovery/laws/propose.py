@@ -65,12 +65,12 @@ def propose_laws(
     searched = settled_search(base, motions)
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
-    over = over_coordinates(names[0], arms[0], searched.motions[0])
     kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
                   for kind, starts in LAW_KINDS.items()
                   if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
     worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
+        over = over_coordinates(names[0], arms[0], searched.motions[0])
         words = ("No law of the grammar explains the missing force: the best leaves "
                  f"{100.0 * min(one.unexplained for one in found):.0f} % of its effect.", over_words(over))  # fmt: skip
         return MissingForce(maps, (), kinds, words, over=over)
@@ -78,7 +78,7 @@ def propose_laws(
     fits = _fitted(base, searched, prepared, worth)
     if fits.motions:
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
-        over = over_coordinates(names[0], arms[0], fits.motions[0])
+    over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
     words = (*_words(fits.laws, kinds), over_words(over))
     if fits.next_motion is not None:
         words = (*words, proposal_words(fits.next_motion))
