@@ -10,8 +10,9 @@ from affine_model.arm import parameter_index
 from affine_model.simulate import Timing, simulate
 from benchmarks._affine_arm import ARM, FREE, SPECIMEN, TRUTH, parameters
 from inference.experiment import Experiment
+from inference.fit import fit
 from inference.measured_shapes import from_track
-from inference.trajectory import Problem, fit
+from inference.trajectory import Problem
 from tentacle.signals import Array, ShapeTrack
 from tentacle.waveform import Chirp
 

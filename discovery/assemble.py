@@ -18,11 +18,12 @@ from inference.compare import floor_errors, midline_error, run_comparison, run_e
 from inference.declared_words import declared_words
 from inference.discrepancy import ModelDiscrepancy
 from inference.estimates import estimates
+from inference.fit import Fit
 from inference.one_arm import own_geometry_words
 from inference.posterior import Hypothesis
 from inference.prepare import Prepared
 from inference.score import twin_cosines
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 from tentacle.diagnosis import CredibleSet, Diagnosis, Explained, Limit, RankedEffect
 from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Estimate, Model

@@ -26,6 +26,7 @@ from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_c
 from inference.decay import fit_from_release, has_decay
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
 from inference.experiment import PARAMETER_SPREAD
+from inference.fit import Fit
 from inference.motion import motion_nats
 from inference.one_arm import one_arm
 from inference.posterior import (
@@ -39,7 +40,7 @@ from inference.posterior import (
 )
 from inference.prepare import CannotTellError, Prepared, prepare
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 from tentacle.diagnosis import Diagnosis
 from tentacle.progress import Stage
 

@@ -10,8 +10,9 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.deferred_correction import coarser
 from inference.experiment import Experiment, predict
+from inference.fit import Fit
 from inference.observation import POSE, ShapeObservation
-from inference.trajectory import RAN_AWAY, Fit, Problem
+from inference.trajectory import RAN_AWAY, Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform

@@ -22,11 +22,12 @@ from discovery.side_by_side import side_by_side
 from discovery.starts import Names, RefitStart, refit_starts
 from discovery.where import fit_where_it_acts
 from inference.decay import DECAY_SHARE, has_decay, horizons_of
+from inference.fit import Fit, linearised_fit
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
 from inference.posterior import Hypothesis, RoughFit, rough_fit, with_derivatives, with_rest, without_derivatives
 from inference.score import Candidate
-from inference.trajectory import Fit, Problem, linearised_fit
+from inference.trajectory import Problem
 from inference.whitened_fit import LinearRefit
 
 SINGLES, SECOND, SETS = 7, 5, 2  # effects tried beside none, and beside others; sets of several tried at once

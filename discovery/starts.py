@@ -17,9 +17,10 @@ from affine_model.curvature import Array
 from discovery.rank import RankedSet
 from inference.decay import LEFT, Points, followed_from_release, residuals_at
 from inference.deferred_correction import corrected
+from inference.fit import split
 from inference.posterior import Hypothesis
 from inference.score import Candidate
-from inference.trajectory import Problem, split
+from inference.trajectory import Problem
 from inference.whitened_fit import LinearRefit
 
 START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow

@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from inference.experiment import Experiment
+from inference.fit import minimised
 from inference.latent_force import LatentForce
 from inference.posterior import ROUGHLY, Hypothesis, RoughFit, fit_hypothesis
-from inference.trajectory import minimised
 
 MOST_ROUNDS = 20  # of a fit of one recording's own unknowns
 

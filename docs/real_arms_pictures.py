@@ -13,9 +13,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from affine_model.arm import parameter_index
 from inference.base_fit import Setting, fit_base
 from inference.compare import model_run
+from inference.fit import unfitted
 from inference.initial_state import initial_nuisances
 from inference.prepare import prepare
-from inference.trajectory import unfitted
 from tentacle.io.external_data import data_folder
 from tentacle.io.pressure_arm import read_pressure_arms
 from tentacle.io.silicone_beam import read_beam

@@ -9,8 +9,9 @@ from scipy.stats import chi2 as chi_square
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment
+from inference.fit import Fit
 from inference.observation import TRACKER_ERROR
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.diagnosis import Gate
 

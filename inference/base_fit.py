@@ -10,13 +10,15 @@ from affine_model.arm import Arm, arm_of, declared_parameters
 from affine_model.curvature import Array
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
+from inference.fit import Fit, fit, linearised_fit, unfitted
 from inference.initial_state import initial_nuisances
+from inference.more_coordinates import with_coordinates
 from inference.multistart import fit_multistart
 from inference.noise_floor import noise_deviation
 from inference.observation import POSE, ShapeObservation
 from inference.prepare import MOST_COORDINATES, RELEASE, recalibrated
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import RAN_AWAY, Fit, ParameterName, Problem, fit, linearised_fit, unfitted
+from inference.trajectory import RAN_AWAY, ParameterName, Problem
 from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration
@@ -131,9 +133,8 @@ def _order_by_convergence(setting: Setting, complete: bool) -> int:
     """
     problem, fitted = fit_base(setting, 2)
     enough = FOLLOWED * max(1.0, _residual_rms(problem.experiments, fitted)) if complete else FOLLOWED
-    finest = replace(problem, arm=setting.arm(MOST_FOR_MARKERS), parameters=fitted.parameters)
-    both = zip(problem.experiments, fitted.nuisances, strict=True)
-    nuisances = tuple(_with_more_coordinates(experiment, values) for experiment, values in both)
+    began = replace(problem, parameters=fitted.parameters)
+    finest, nuisances = with_coordinates(began, fitted.nuisances, MOST_FOR_MARKERS)
     run = unfitted(finest, nuisances)
     experiments = tuple(
         replace(experiment, observation=experiment.observation.subtract_residual(experiment.noise_gain * rows))
@@ -147,15 +148,6 @@ def _order_by_convergence(setting: Setting, complete: bool) -> int:
         if _residual_rms(experiments, followed) < enough:
             return order
     return MOST_FOR_MARKERS
-
-
-def _with_more_coordinates(experiment: Experiment, nuisances: Array) -> Array:
-    """The nuisances of two coordinates extended to MOST_FOR_MARKERS; the new coordinates start at zero and at rest."""
-    start, moving, memory, shift = experiment.parts(2, nuisances)
-    more = np.zeros(MOST_FOR_MARKERS - start.size)
-    moving = moving if experiment.release is not None else np.concatenate([moving, more])
-    deviations = experiment.deviations(nuisances)
-    return np.concatenate([start, more, moving, memory, shift, deviations])
 
 
 def _residual_rms(experiments: tuple[Experiment, ...], fitted: Fit) -> float:

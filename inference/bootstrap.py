@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
-from inference.trajectory import Fit, ParameterName, Problem
+from inference.fit import Fit
+from inference.trajectory import ParameterName, Problem
 from tentacle.solver_result import RESULTS
 
 BLOCK_SECONDS = 1.0  # longer than the correlation time of a tracker's errors

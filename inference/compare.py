@@ -15,9 +15,10 @@ from affine_model.curvature import (
     points_beside,
 )
 from inference.experiment import Experiment, predict
+from inference.fit import Fit
 from inference.observation import POSE, ShapeObservation
 from inference.prepare import Prepared
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 from tentacle.diagnosis import ErrorMeasure, RunComparison
 
 ANGLE_ORDER = 3  # coordinates of the shape whose tangent angle is compared

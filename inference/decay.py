@@ -18,10 +18,11 @@ import numpy as np
 
 from affine_model.curvature import Array
 from inference.experiment import Experiment
+from inference.fit import minimised, split
 from inference.latent_force import ELL
 from inference.linearise import latent_forces
 from inference.motion_time import motion_time
-from inference.trajectory import ONE_SIDED, Problem, minimised, split
+from inference.trajectory import ONE_SIDED, Problem
 
 HORIZONS, STEPS = (1.0, 2.5, 6.0), 3  # periods of the motion that are followed one after the other; steps on each
 DECAY_SHARE = 0.05  # of unknown forces, beside which the fits of a decay begin

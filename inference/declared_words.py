@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from inference.declared_arm import names_of
-from inference.trajectory import Fit, Problem
+from inference.fit import Fit
+from inference.trajectory import Problem
 from tentacle.declared import Uncertain
 
 # Standard deviations of the declaration: one honest declaration in 400 is farther from its number

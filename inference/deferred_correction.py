@@ -16,8 +16,9 @@ import numpy as np
 
 from affine_model.curvature import Array
 from inference.decay import has_decay
+from inference.fit import minimised, split
 from inference.levenberg_marquardt import Minimum
-from inference.trajectory import RAN_AWAY, Problem, minimised, split
+from inference.trajectory import RAN_AWAY, Problem
 from inference.whitened_fit import whitened
 
 # Times the step of the problem. With 2 and with 4, the evidence of 14 hypotheses of a recording agreed to 0.2 nats.

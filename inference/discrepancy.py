@@ -22,9 +22,10 @@ from affine_model.effects import catalogue
 from inference.compare import judged_frames
 from inference.declared_arm import DECLARED
 from inference.experiment import Experiment, predict
+from inference.fit import Fit, fit
 from inference.measured_shapes import Tracker, fit_shapes
 from inference.observation import ShapeObservation
-from inference.trajectory import Fit, Problem, fit
+from inference.trajectory import Problem
 from mujoco_ref.simulate import Initial, Setup, simulate
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model

@@ -9,7 +9,8 @@ import numpy as np
 
 from affine_model.arm import parameter_rows
 from inference.declared_arm import DECLARED
-from inference.trajectory import Fit, ParameterName, Problem
+from inference.fit import Fit
+from inference.trajectory import ParameterName, Problem
 from tentacle.model import Estimate
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from affine_model.arm import parameter_index, parameter_rows
 from affine_model.curvature import Array
-from inference.trajectory import PARAMETER_DIFFERENCE, Fit, ParameterName, Problem
+from inference.fit import Fit
+from inference.trajectory import PARAMETER_DIFFERENCE, ParameterName, Problem
 
 DEAD = 1e-6  # of the strongest channel's sensitivity: a weaker channel sees no parameter
 CLOCK_PARAMETER = ("time_offset", "offset")

@@ -15,6 +15,7 @@ from inference.compare import reduced_shape, run_comparison, run_errors
 from inference.declared_arm import names_of
 from inference.declared_words import declared_words
 from inference.estimates import estimates
+from inference.fit import Fit, fit
 from inference.identifiability import Identifiability, identifiability
 from inference.initial_state import initial_nuisances
 from inference.judged_fit import JudgedFit, judged_fit, variance_inflation
@@ -23,7 +24,7 @@ from inference.observation import POSE
 from inference.one_arm import one_arm, own_geometry_words, same_arm
 from inference.prepare import Prepared, prepare
 from inference.regression import regression
-from inference.trajectory import Fit, Problem, fit
+from inference.trajectory import Problem
 from tentacle.diagnosis import ErrorMeasure, RunComparison
 from tentacle.errors import InputError
 from tentacle.model import Model

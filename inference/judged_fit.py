@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from inference.adequacy import Adequacy, adequacy
-from inference.trajectory import Fit, Problem
+from inference.fit import Fit
+from inference.trajectory import Problem
 
 
 @dataclass(frozen=True)

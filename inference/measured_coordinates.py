@@ -31,9 +31,10 @@ def beside_model(recording: Recording, model: Model) -> RunComparison:
     from affine_model.arm import arm_of, parameter_vector
     from inference.base_fit import FIRST_STEP, refit_noise_and_step
     from inference.compare import run_comparison
+    from inference.fit import fit
     from inference.initial_state import initial_nuisances
     from inference.prepare import prepare
-    from inference.trajectory import Problem, fit
+    from inference.trajectory import Problem
 
     prepared = prepare(recording, hold_out=False)
     problem = Problem(arm_of(model), (prepared.experiment,), (), parameter_vector(model), FIRST_STEP)

@@ -25,10 +25,11 @@ from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
 from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
+from inference.fit import Fit
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
 from inference.smoother import Smoothed, likeliest
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 
 MOTION_STEP = 1.0 / 150.0  # s, of the small motions
 STATE_DIFFERENCE = 1e-5  # rad, rad/s: slopes of the equations

@@ -11,8 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from inference.experiment import Prediction, predict, whitened_residuals
+from inference.fit import Fit
 from inference.latent_force import LatentForce
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 
 
 def motion_nats(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...], share: float) -> float:

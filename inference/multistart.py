@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from affine_model.curvature import Array
-from inference.trajectory import Fit, Problem, fit
+from inference.fit import Fit, fit
+from inference.trajectory import Problem
 
 
 def fit_multistart(problem: Problem, nuisances: tuple[Array, ...], starts: Array, *, keep: int = 2) -> Fit:

@@ -19,10 +19,11 @@ from scipy.interpolate import PchipInterpolator
 
 from affine_model.curvature import Array
 from inference.deferred_correction import corrected, minimised_at_step
+from inference.fit import Fit, linearised_fit, minimised, split
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
 from inference.prior import log_prior, prior_precision
-from inference.trajectory import Fit, Problem, linearised_fit, minimised, split
+from inference.trajectory import Problem
 from inference.whitened_fit import whitened_rows
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])

@@ -22,7 +22,8 @@ from affine_model.curvature import Array
 from affine_model.effect import Effect
 from affine_model.effects import absent_effects
 from inference.deferred_correction import coarser
-from inference.trajectory import Fit, ParameterName, Problem
+from inference.fit import Fit
+from inference.trajectory import ParameterName, Problem
 from inference.whitened_fit import WhitenedFit
 from tentacle.specimen import declared_effects, densest
 

@@ -8,7 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from affine_model.curvature import Array
-from inference.trajectory import RAN_AWAY, Fit, Problem
+from inference.fit import Fit
+from inference.trajectory import RAN_AWAY, Problem
 
 CANDIDATE_STEPS = tuple(1.0 / rate for rate in (75, 150, 300, 600, 1200))  # s
 OF_NOISE = 0.05  # noise sigmas (rms): one nat in 800 values, nearly the same for all models

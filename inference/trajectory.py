@@ -17,43 +17,14 @@ from affine_model.kernel import BLOCK
 from inference.declared_arm import DECLARED, at_values, names_of
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
-from inference.levenberg_marquardt import Minimum, minimise
 from inference.linear_fit import ParameterName
 from tentacle.declared import Uncertain
-from tentacle.solver_result import RESULTS
 
 PARAMETER_DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exact to 1e-6 relative
 ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
 MOST_STATES = 2**19  # steps times individuals that are simulated at once: some 100 MB, the largest arrays of a fit
 RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
 PRIOR_REACH = 3.0
-
-
-@dataclass(frozen=True)
-class Fit:
-    """A fitted model.
-
-    free: the fitted parameters; values, covariance of them alone, all else marginalised; parameters (R,) the whole
-    vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
-    (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
-    parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; result: how the solver
-    ended; slopes: d residuals / d unknowns (T, K, P) a recording, all frames.
-    """
-
-    free: tuple[ParameterName, ...]
-    values: Array
-    covariance: Array
-    parameters: Array
-    nuisances: tuple[Array, ...]
-    misfit: float
-    count: int
-    residuals: tuple[Array, ...]
-    at_bound: tuple[ParameterName, ...]
-    jacobian: Array
-    used_residuals: Array
-    evaluations: int
-    result: RESULTS = RESULTS.CONVERGED
-    slopes: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -241,78 +212,3 @@ class Problem:
         else:
             values, _ = self.residuals(moved)
         return value, (values - value[:, None]) / step
-
-
-def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-7, most: int = 40) -> Fit:
-    """Fit from one start: the problem's parameters and the given nuisances.
-
-    Raises ValueError where there is not one used frame.
-    """
-    unknowns, lowest = minimised(problem, nuisances, tolerance=tolerance, most=most)
-    return replace(linearised_fit(problem, unknowns, lowest.rounds), result=lowest.result)
-
-
-def minimised(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float, most: int) -> tuple[Array, Minimum]:
-    """The unknowns (P,) at the minimum, and how the solver ended, without their covariance."""
-    low, high = problem.bounds()
-    scales = problem.scales()
-    start = np.concatenate([problem.parameters[problem.rows()], *nuisances])
-    start = np.clip(start, low, high)
-    if not any(experiment.used.any() for experiment in problem.experiments):
-        raise ValueError("no frame to fit")
-
-    def slope(scaled: Array, value: Array | None) -> tuple[Array, Array]:
-        value, slopes = problem.slope(scaled * scales, value)
-        return value, slopes * scales
-
-    lowest = minimise(
-        lambda scaled: problem.residuals(scaled * scales[:, None])[0],
-        slope,
-        start / scales,
-        (low / scales, high / scales),
-        tolerance=tolerance,
-        most=most,
-    )
-    return lowest.unknowns * scales, lowest
-
-
-def split(problem: Problem, unknowns: Array) -> tuple[Array, tuple[Array, ...]]:
-    """Unknowns (P,) as the whole parameter vector and the nuisances of each recording."""
-    parameters, count = problem.parameters.copy(), len(problem.free)
-    parameters[problem.rows()] = unknowns[:count]
-    return parameters, tuple(np.split(unknowns[count:], np.cumsum(problem.sizes())[:-1]))
-
-
-def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
-    """The model at these unknowns (P,), with its derivatives there and the covariance from them."""
-    used, jacobian, everything, slopes = problem.linearised(unknowns)
-    low, high = problem.bounds()
-    count = len(problem.free)
-    information = jacobian.T @ jacobian
-    size = np.sqrt(np.maximum(np.diag(information), 1e-200))
-    covariance = np.linalg.pinv(information / np.outer(size, size), hermitian=True) / np.outer(size, size)
-    values = unknowns[:count]
-    close = 1e-6 * problem.scales()[:count]
-    touching = (values <= low[:count] + close) | (values >= high[:count] - close)
-    parameters, parts = split(problem, unknowns)
-    return Fit(
-        free=problem.free,
-        values=values,
-        covariance=covariance[:count, :count],
-        parameters=parameters,
-        nuisances=parts,
-        misfit=0.5 * float(used @ used),
-        count=used.shape[0],
-        residuals=tuple(everything),
-        at_bound=tuple(name for name, flag in zip(problem.free, touching, strict=True) if flag),
-        jacobian=jacobian,
-        used_residuals=used,
-        evaluations=evaluations,
-        slopes=tuple(slopes),
-    )
-
-
-def unfitted(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
-    """The problem at its start, with its Jacobian, not fitted."""
-    unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
-    return linearised_fit(problem, unknowns, 0)

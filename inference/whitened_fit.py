@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.curvature import Array
+from inference.fit import Fit
 from inference.latent_force import Filter
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 
 
 @dataclass(frozen=True)

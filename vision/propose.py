@@ -19,21 +19,17 @@ from scipy.stats import median_abs_deviation
 from tentacle.errors import InputError
 from tentacle.recording import Camera
 from tentacle.signals import Array
+from vision.body_axis import LEAST_SLENDERNESS, axis_between, base_opposite, clamped_until, widths_along
 from vision.frames import Grey, read_frames
 from vision.shoulders import from_shoulders
-from vision.silhouette import Axis, find_ends, mean_axis
+from vision.silhouette import Axis, find_ends
 
 LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
 FINE_BELOW = 480  # px; smaller pictures are enlarged
 STANDING_OUT = 5.0  # least contrast, in units of the ground's scatter
 HALF_WAY, CONTRAST = 0.45, 0.8  # of the arm's contrast, which is this quantile of the foreground's
-LEAST_SLENDERNESS = 3.0  # least length over width of an arm
 SHORTEST_ARM = 20.0  # px of length
 STILL, ALWAYS = 0.1, 0.9  # weight of a body that does not move; the share of the pictures in which it is found
-TAPER = slice(0.35, 0.9)  # of the length: range in which the arm's own widths are measured
-WIDER = 1.35  # times the arm's own width: beyond it is a clamp or a trunk
-CORNER_ANGLE = 0.7  # rad, least turn of the contour at a flat end
-CONTOUR_POINTS = 120
 LOWER, ALIKE = 0.25, 0.05  # quantile of the lengths; a contour's ends are found to about 2 % of the length
 # rad: an arm whose mean direction lies so near to the picture's own axis hangs along it. A camera on a tripod is level
 # to about a degree; in the first 90 pictures of five level films the mean of the arm was .5 to 4.7 degrees off.
@@ -107,18 +103,18 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
     ways = [(polarity, _arms(pictures, polarity)) for polarity in (1.0, -1.0)]
     polarity, bodies = max(ways, key=lambda way: sum(body.merit for body in way[1] if body is not None))
     contours = [body.contour for body in bodies if body is not None]
-    both = [(contour, axis) for contour in contours if (axis := _axis(contour, *find_ends(contour))) is not None]
+    both = [(contour, axis) for contour in contours if (axis := axis_between(contour, *find_ends(contour))) is not None]
     if not both:
         raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
     tips = [axis.points[-1] for axis in _base_first([axis for _, axis in both], pictures[0].shape)]
     # a flat end's two corners bend most: the middle of the base is half the perimeter from the tip
-    ends = [_opposite(contour, tip) for (contour, _), tip in zip(both, tips, strict=True)]
-    whole = [(contour, _axis(contour, *pair)) for (contour, _), pair in zip(both, ends, strict=True)]
+    ends = [base_opposite(contour, tip) for (contour, _), tip in zip(both, tips, strict=True)]
+    whole = [(contour, axis_between(contour, *pair)) for (contour, _), pair in zip(both, ends, strict=True)]
     seen = [(contour, axis) for contour, axis in whole if axis is not None]
     if not seen:
         raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
     found = [axis for _, axis in seen]
-    held = [_held(axis) for axis in found]
+    held = [clamped_until(axis) for axis in found]
     lines = [from_shoulders(contour, axis, first) for (contour, axis), first in zip(seen, held, strict=True)]
     score, alone = len(found) / len(pictures), _alone([_length(line) for line in lines], held)
     found, held, lines = [found[k] for k in alone], [held[k] for k in alone], [lines[k] for k in alone]
@@ -211,44 +207,6 @@ def _most_like_an_arm(mask: NDArray[np.bool_], always: NDArray[np.bool_], shape:
     return best
 
 
-def _axis(contour: Array, first: int, last: int) -> Axis | None:
-    """Mean axis between two points of the contour; None if the body is not slender."""
-    if first == last:
-        return None
-    axis = mean_axis(contour, first, last, points=CONTOUR_POINTS)
-    slender = np.isfinite(axis.points).all() and axis.length > LEAST_SLENDERNESS * float(np.median(axis.width))
-    return axis if slender else None
-
-
-def _opposite(contour: Array, tip: Array) -> tuple[int, int]:
-    """Indices of the contour's point in the middle of the base's flat end, and of the tip.
-
-    The base lies half the perimeter from the tip. The sides of a bent arm differ in length, so this point is not the
-    middle of the base. Therefore the two corners near it are found; the middle of the base is half way between them.
-    """
-    at = int(np.argmin(np.linalg.norm(contour - tip, axis=1)))
-    closed = np.concatenate([contour, contour[:1]])
-    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    whole = float(arc[-1])
-    half = float(np.mod(arc[at] + 0.5 * whole, whole))
-    x, y = contour[:, 0], contour[:, 1]
-    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
-    wide = 2.0 * area / (0.5 * whole)  # of a cone, at its base
-    places = half + np.linspace(-1.3 * wide, 1.3 * wide, 105)
-    even = np.stack([np.interp(np.mod(places, whole), arc, closed[:, k]) for k in (0, 1)], axis=1)
-    step = 10  # a quarter of the width, over which a corner turns
-    ahead, behind = even[2 * step :] - even[step:-step], even[step:-step] - even[: -2 * step]
-    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
-    turn = np.arctan2(cross, np.sum(behind * ahead, axis=1))
-    turn = turn * np.sign(turn.sum())
-    first = int(np.argmax(turn))
-    apart = np.abs(np.arange(len(turn)) - first) > 2 * step
-    second = int(np.argmax(np.where(apart, turn, -np.inf)))
-    if turn[second] > CORNER_ANGLE:
-        half = float(np.mod(0.5 * (places[first + step] + places[second + step]), whole))
-    return int(np.argmin(np.abs(arc[:-1] - half))), at
-
-
 def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
     """Axes that begin at the base: the end that moves less or, if neither moves, the wider end."""
     points = [axes[0].points]
@@ -275,22 +233,6 @@ def _reversed(axis: Axis) -> Axis:
     return Axis(axis.points[::-1], axis.width[::-1], axis.length)
 
 
-def _widths(axis: Axis) -> tuple[Array, Array]:
-    """Widths at the axis' points (P,), and the widths there by the taper of the free part."""
-    s = np.linspace(0.0, 1.0, len(axis.points))
-    width = np.interp(s, np.linspace(0.0, 1.0, len(axis.width)), axis.width)
-    free = (s > TAPER.start) & (s < TAPER.stop)
-    taper = np.polynomial.polynomial.polyfit(s[free], width[free], 1)
-    return width, np.maximum(taper[0] + taper[1] * s, 0.3 * float(np.median(width[free])))
-
-
-def _held(axis: Axis) -> int:
-    """Index of the axis' point where the clamp ends; 0 without a clamp."""
-    width, taper = _widths(axis)
-    wide = np.flatnonzero((width > WIDER * taper + 0.5)[: len(width) // 2])
-    return int(wide[-1]) + 1 if len(wide) > 2 else 0
-
-
 def _length(line: Array) -> float:
     """Length of a line (P, 2)."""
     return float(np.sum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
@@ -308,5 +250,5 @@ def _alone(lengths: Sequence[float], held: Sequence[int]) -> list[int]:
 
 
 def _ends_width(axis: Axis, first: int) -> tuple[float, float]:
-    _, taper = _widths(axis)
+    _, taper = widths_along(axis)
     return float(taper[first]), float(taper[-1])

@@ -18,9 +18,11 @@ import numpy as np
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
-from discovery.laws.search import FittedLaw, LawInputs, Sought, search_laws
+from discovery.laws.inputs import LawInputs
+from discovery.laws.search import FittedLaw, Sought, search_laws
+from inference.fit import Fit
 from inference.missing_force import SeenMotion, lacking, law_scales, seen_motions, small_motions
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 
 STIFFER = 4.0  # 1.2 to 3.2 times the true stiffness in nine development recordings, .3 where a tether holds the arm
 FARTHEST = 8.0  # times: of one move of a parameter

@@ -20,12 +20,13 @@ from discovery.laws.search import FittedLaw
 from discovery.next_experiment import Proposal, propose_experiment
 from inference.base_fit import most_coordinates
 from inference.compare import midline_error
+from inference.fit import Fit, fit
 from inference.missing_force import SeenMotion, lacking
 from inference.more_coordinates import with_coordinates
 from inference.posterior import NOISE_REACH
 from inference.prepare import Prepared
 from inference.prior import laplace_evidence
-from inference.trajectory import Fit, ParameterName, Problem, fit
+from inference.trajectory import ParameterName, Problem
 from tentacle.io.waveform_file import waveform_table
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter

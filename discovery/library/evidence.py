@@ -25,13 +25,14 @@ from affine_model.effect import Effect
 from affine_model.effects import absent_effects
 from discovery.decide import DECLARED_ALIKE, FALSE_GAIN
 from inference.base_fit import Setting, fitted_order, most_coordinates, needed_order, rough_base_fit
+from inference.fit import Fit
 from inference.latent_force import Filter
 from inference.motion import motion_nats
 from inference.posterior import FORCE_SHARES, Hypothesis, declared_model
 from inference.prepare import prepare
 from inference.score import Response, responses
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import Fit, ParameterName, Problem
+from inference.trajectory import ParameterName, Problem
 from inference.whitened_fit import tangent_basis, whitened, whitened_rows
 from tentacle.errors import InputError
 from tentacle.io.written_file import written_file

@@ -10,11 +10,11 @@ from affine_model.curvature import legendre_to_monomial, midline
 from inference.base_fit import Setting, fit_base
 from inference.compare import floor_errors, restricted, run_comparison, run_errors
 from inference.discrepancy import model_discrepancy, without_discrepancy
+from inference.fit import fit
 from inference.judged_fit import judged_fit
 from inference.measured_shapes import Tracker, fit_shapes
 from inference.observation import POSE
 from inference.prepare import prepare
-from inference.trajectory import fit
 from mujoco_ref.simulate import Setup, simulate
 from tentacle.model import Estimate, Model
 from tentacle.signals import Midline, MotorSignal, ShapeTrack

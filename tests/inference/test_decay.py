@@ -11,9 +11,9 @@ from affine_model.curvature import points_beside
 from affine_model.simulate import Start, Timing, simulate
 from inference.base_fit import Setting
 from inference.decay import fit_from_release, horizons_of
+from inference.fit import fit
 from inference.initial_state import initial_nuisances
 from inference.prepare import prepare
-from inference.trajectory import fit
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Markers

@@ -8,9 +8,10 @@ import numpy as np
 
 from inference.base_fit import Setting, fit_base
 from inference.declared_words import declared_words
+from inference.fit import Fit
 from inference.identify import identify
 from inference.prepare import prepare
-from inference.trajectory import Fit, Problem
+from inference.trajectory import Problem
 from tentacle.declared import Uncertain, with_values
 from tentacle.recording import Recording
 from tentacle.specimen import AIR

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from inference.deferred_correction import coarser, corrected, minimised_at_step
-from inference.trajectory import Problem, minimised
+from inference.fit import minimised
+from inference.trajectory import Problem
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,10 @@ from affine_model.base_signal import step_middles
 from affine_model.simulate import Timing, simulate
 from inference.bootstrap import bootstrap
 from inference.experiment import Experiment
+from inference.fit import fit
 from inference.identifiability import identifiability
 from inference.observation import MarkerObservation
-from inference.trajectory import Problem, fit
+from inference.trajectory import Problem
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp
 

@@ -13,11 +13,12 @@ from affine_model.base_signal import Steps, base_table, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.simulate import Start, Timing, simulate
 from inference.experiment import Experiment
+from inference.fit import fit, unfitted
 from inference.levenberg_marquardt import minimise
 from inference.measured_shapes import Tracker, fit_shapes, from_track
 from inference.observation import POSE, ShapeObservation
 from inference.sufficient_step import sufficient_step
-from inference.trajectory import RAN_AWAY, Problem, fit, unfitted
+from inference.trajectory import RAN_AWAY, Problem
 from tentacle.signals import Midline, ShapeTrack
 from tentacle.solver_result import RESULTS
 from tentacle.specimen import WATER, Cone, Gravity, Specimen

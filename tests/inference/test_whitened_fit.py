@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from inference.fit import Fit, linearised_fit
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
-from inference.trajectory import Fit, Problem, linearised_fit
+from inference.trajectory import Problem
 from inference.whitened_fit import whitened_fit, whitened_rows
 
 SHARES = (0.002, 0.05)

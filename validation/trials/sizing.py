@@ -11,10 +11,11 @@ import numpy as np
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 from inference.experiment import Experiment, predict
+from inference.fit import unfitted
 from inference.measured_shapes import Tracker, fit_shapes, from_track
 from inference.multistart import fit_multistart
 from inference.observation import POSE, MarkerObservation, Observation, ShapeObservation
-from inference.trajectory import Problem, unfitted
+from inference.trajectory import Problem
 from inference.whitened_fit import tangent_basis
 from mujoco_ref.simulate import DEFAULT_LINKS
 from mujoco_ref.undeclared.make import Scenario, seen_midline, shown_mm
