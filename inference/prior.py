@@ -15,7 +15,8 @@ from affine_model.effect import Parameter
 from affine_model.effects import catalogue
 from inference.declared_arm import DECLARED
 from inference.experiment import MEMORY_PRIOR
-from inference.trajectory import Fit, Problem
+from inference.fit import Fit
+from inference.trajectory import Problem
 
 
 def _added(problem: Problem) -> list[tuple[int, Parameter]]:
