@@ -12,7 +12,7 @@ from __future__ import annotations
 import argparse
 import random
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -36,9 +36,8 @@ from tentacle.recording import Recording
 from tentacle.waveform import Chirp, Multisine, Waveform
 
 LIMITS = SafetyLimits(min_angle=-0.8, max_angle=0.8, max_speed=6.0, max_current=0.9)
-HIDDEN = ("linear_drag", "added_mass", "skin_drag", "viscoelasticity", "cubic_stiffness", "cross_flow", "soft_spot",
-          "intrinsic_curvature", "gravity_tilt", "tip_mass", "current", "reynolds_drag", "amplitude_damping",
-          "oscillating_drag", "dry_friction", "servo_lag")  # fmt: skip
+HIDDEN = ("linear_drag", "added_mass", "skin_drag", "viscoelasticity", "cubic_stiffness", "soft_spot",
+          "intrinsic_curvature", "gravity_tilt", "tip_mass", "current", "dry_friction", "servo_lag")  # fmt: skip
 CHIRP = Chirp(0.25, 0.3, 1.5, DURATION)
 FPS, NOISE, MOST = 30.0, Noise(midline=4e-4), 3  # further recordings at most
 
@@ -78,10 +77,12 @@ def designed(decision: Decision, _count: int) -> Waveform | None:
     return None if decision.ending or decision.motion is None else waveform_from_table(decision.motion)
 
 
-def groups(count: int, strength: str, seed: int) -> dict[str, float]:
-    """Figures over the first `count` groups that a chirp leaves."""
+def groups(count: int, strength: str, seed: int, names: Sequence[str] = HIDDEN) -> dict[str, float]:
+    """Figures over the first `count` groups that a chirp leaves, of these hidden effects."""
     rows: list[tuple[int | None, int | None]] = []
     for k, hidden in enumerate(HIDDEN):
+        if hidden not in names:
+            continue
         if len(rows) == count:
             break
         first = recorded(hidden, strength, CHIRP, 100 * (seed + k))
@@ -136,6 +137,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--groups", type=int, default=4)
     parser.add_argument("--strength", default="visible", help="of the hidden effect, default: visible")
+    parser.add_argument("--hidden", nargs="+", choices=HIDDEN, default=HIDDEN, help="effects to hide (default: each)")
     parser.add_argument("--faults", type=int, default=0, metavar="N")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=Path, metavar="FILE")
@@ -143,7 +145,7 @@ def main() -> None:
     if arguments.faults:
         found = faults(arguments.faults, arguments.seed)
     else:
-        found = groups(arguments.groups, arguments.strength, arguments.seed)
+        found = groups(arguments.groups, arguments.strength, arguments.seed, arguments.hidden)
     tell(found, arguments.json)
 
 

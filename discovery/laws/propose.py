@@ -155,9 +155,12 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
         judged = [one for one in judged if one.gain > GAIN and not one.stands_at_bound]
         judged = sorted(judged, key=lambda one: -one.gain)[:MOST]
-        if judged and _leaves_more_than_noise(judged[0].fitted):
-            finer = [_with_more_coordinates(one) for one in judged]
-            judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in finer]
+        if judged:
+            finer = _leaves_more_than_noise(judged[0].fitted)
+            closer = [_fitted_closely(one, finer) for one in judged]
+            judged = [
+                replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in closer
+            ]
         accepted: list[LawHypothesis] = []
         for one in sorted(judged, key=lambda one: -one.gain):
             error = midline_error(prepared, one.problem, one.fitted, _held_out(prepared))
@@ -240,12 +243,16 @@ def _with_law(plain: Problem, base: Fit, found: FittedLaw, law: WrittenLaw) -> L
     return LawFit(law, replace(problem, parameters=fitted.parameters), fitted)
 
 
-def _with_more_coordinates(one: LawFit) -> LawFit:
-    """The same fitted further with as many curvature coordinates as the recordings hold: a force at the tip or at one
-    place bends an arm more sharply than the coordinates that are seen without it.
+def _fitted_closely(one: LawFit, finer: bool) -> LawFit:
+    """The same fitted to a small tolerance, for a power, a strength and a place trade along a flat valley.
+
+    finer: with as many curvature coordinates as the recordings hold. A force at the tip or at one place bends an arm
+    more sharply than the coordinates that are seen without it.
     """
-    order = max(most_coordinates(one.problem), one.problem.arm.order)
-    problem, nuisances = with_coordinates(one.problem, one.fitted.nuisances, order)
+    problem, nuisances = one.problem, one.fitted.nuisances
+    if finer:
+        order = max(most_coordinates(problem), problem.arm.order)
+        problem, nuisances = with_coordinates(problem, nuisances, order)
     fitted = fit(problem, nuisances, tolerance=CLOSE_TOLERANCE, most=CLOSE_ROUNDS)
     return LawFit(one.law, replace(problem, parameters=fitted.parameters), fitted)
 
