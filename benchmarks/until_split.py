@@ -88,7 +88,7 @@ def groups(count: int, strength: str, seed: int, names: Sequence[str] = HIDDEN) 
         first = recorded(hidden, strength, CHIRP, 100 * (seed + k))
         decision = judged([first])
         print(f"{hidden}: {decision.words}", flush=True)
-        if decision.verdict != "group":
+        if decision.ending == "split" or decision.verdict == "unknown":
             continue
         ours, last = runs_to_split(hidden, strength, first, seed + k, designed)
         print(f"  designed: {ours}; {last.words}; right: {hidden in last.explanation}", flush=True)
