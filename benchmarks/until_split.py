@@ -61,7 +61,9 @@ def random_motion(count: int, seed: int) -> Waveform:
 def runs_to_split(
     hidden: str, strength: str, first: Recording, seed: int, motion: Callable[[Decision, int], Waveform | None]
 ) -> tuple[int | None, Decision]:
-    """Further recordings until one explanation holds 95 % (None: not within MOST), and the last decision."""
+    """Further recordings until an explanation with the hidden effect holds 95 % (None: not within MOST, or another one
+    does), and the last decision.
+    """
     recordings = [first]
     decision = judged(recordings)
     while decision.ending != "split" and len(recordings) <= MOST:
@@ -70,7 +72,8 @@ def runs_to_split(
             return None, decision
         recordings.append(recorded(hidden, strength, wave, 100 * seed + len(recordings)))
         decision = judged(recordings)
-    return (len(recordings) - 1 if decision.ending == "split" else None), decision
+    right = decision.ending == "split" and hidden in decision.explanation
+    return (len(recordings) - 1 if right else None), decision
 
 
 def designed(decision: Decision, _count: int) -> Waveform | None:
@@ -91,10 +94,10 @@ def groups(count: int, strength: str, seed: int, names: Sequence[str] = HIDDEN) 
         if decision.ending == "split" or decision.verdict == "unknown":
             continue
         ours, last = runs_to_split(hidden, strength, first, seed + k, designed)
-        print(f"  designed: {ours}; {last.words}; right: {hidden in last.explanation}", flush=True)
+        print(f"  designed: {ours}; {last.words}", flush=True)
         own = seed + k
         drawn, last = runs_to_split(hidden, strength, first, own, lambda _, n, own=own: random_motion(n, own))
-        print(f"  random: {drawn}; {last.words}; right: {hidden in last.explanation}", flush=True)
+        print(f"  random: {drawn}; {last.words}", flush=True)
         rows.append((ours, drawn))
     taken = [[MOST + 1 if n is None else n for n in column] for column in zip(*rows, strict=True)]
     found = {"twin_groups": float(len(rows))}
