@@ -3,8 +3,8 @@
 
     python arm_soromox.py motion.json [--out FILE.json] [--order N] [--tolerance X]
 
-motion.json: base {t, theta, rate, acceleration}, q and q_rate (the first shape), times, s, d (places of points), and
-points (T, P, 2) [m] or null: what was seen there. It prints the rms distance to what was seen.
+motion.json: base {t, theta, rate, acceleration} at even steps, q and q_rate (the first shape), times, s, d (places of
+points), and points (T, P, 2) [m] or null: what was seen there. It prints the rms distance to what was seen.
 
 SoRoMoX gives inertia, Coriolis forces and Jacobians. It knows neither water nor a base that moves as prescribed: the
 water, the weight and the bodies at the tip come in through its Jacobians at its own quadrature points, the stiffness
@@ -60,6 +60,20 @@ def stream(water, t):
         sway += water[cos] * jnp.cos(w * t) + water[sin] * jnp.sin(w * t)
         surge += w * (water[sin] * jnp.cos(w * t) - water[cos] * jnp.sin(w * t))
     return jnp.array([water["U_x"] + sway, water["U_y"]]), jnp.stack([surge, 0.0 * surge])
+
+
+def turned_by(base, t):
+    """The base's angle, rate and acceleration at t: between two samples the quintic that has all three at both."""
+    h = base[0, 1] - base[0, 0]
+    k = jnp.clip(jnp.floor((t - base[0, 0]) / h).astype(int), 0, base.shape[1] - 2)
+    u = (t - base[0, k]) / h
+    v, v_end, a, a_end = base[2, k] * h, base[2, k + 1] * h, base[3, k] * h**2, base[3, k + 1] * h**2
+    rise = base[1, k + 1] - base[1, k] - v - 0.5 * a
+    gain, bend = v_end - v - a, a_end - a
+    c = (10.0 * rise - 4.0 * gain + 0.5 * bend, -15.0 * rise + 7.0 * gain - bend, 6.0 * rise - 3.0 * gain + 0.5 * bend)
+    angle = base[1, k] + v * u + 0.5 * a * u**2 + u**3 * (c[0] + u * (c[1] + u * c[2]))
+    rate = v + a * u + u**2 * (3.0 * c[0] + u * (4.0 * c[1] + u * 5.0 * c[2]))
+    return angle, rate / h, (a + u * (6.0 * c[0] + u * (12.0 * c[1] + u * 20.0 * c[2]))) / h**2
 
 
 def lever(jacobian, reach, drop):
@@ -135,7 +149,7 @@ def equations(arm, robot, order, base):
         return force, mass
 
     def rate(t, state, _):
-        theta, theta_rate, acceleration = (jnp.interp(t, base[0], row) for row in base[1:])
+        theta, theta_rate, acceleration = turned_by(base, t)
         z, z_rate = state[:order], state[order:]
         q, q_rate = jnp.concatenate([theta[None], z]), jnp.concatenate([theta_rate[None], z_rate])
         inertia, coriolis, _ = robot.dynamics_terms(q, q_rate)
@@ -153,28 +167,39 @@ def shown(robot, motion, base, found, arm):
     s, d = jnp.array(motion["s"]) * arm["length"], jnp.array(motion["d"])
 
     def one(t, z):
-        q = jnp.concatenate([jnp.interp(t, base[0], base[1])[None], z])
+        q = jnp.concatenate([turned_by(base, t)[0][None], z])
         poses = robot.forward_kinematics_abscissa_batched(q, s)
         return jnp.stack([-poses[:, 1, 3] + d * poses[:, 0, 0], poses[:, 0, 3] + d * poses[:, 1, 0]], axis=-1)
 
     return np.array(jax.jit(jax.vmap(one))(jnp.array(motion["times"]), found))
 
 
-def simulate(arm, motion, order=None, tolerance=1e-6):
-    """Points (T, P, 2) [m] of the rod at the motion's times."""
-    order = order or arm["order"]
+def solver(arm, motion, order, tolerance):
+    """A compiled function from the first state to the curvatures (T, order), the first state, and what shows them."""
     robot = rod_of(arm, order)
     base = jnp.array([motion["base"][name] for name in ("t", "theta", "rate", "acceleration")])
-    q, q_rate = (np.zeros(order) for _ in range(2))
+    times = jnp.array(motion["times"])
+    q, q_rate = np.zeros(order), np.zeros(order)
     count = min(order, len(motion["q"]))
     q[:count], q_rate[:count] = motion["q"][:count], motion["q_rate"][:count]
-    state = jnp.concatenate([jnp.array(q), jnp.array(q_rate)]) / arm["length"]
-    solved = diffrax.diffeqsolve(
-        diffrax.ODETerm(equations(arm, robot, order, base)), diffrax.Tsit5(), motion["start"], motion["times"][-1],
-        None, state, saveat=diffrax.SaveAt(ts=jnp.array(motion["times"])), max_steps=None,
-        stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance),
-    )  # fmt: skip
-    found = shown(robot, motion, base, solved.ys[:, :order], arm)
+    term = diffrax.ODETerm(equations(arm, robot, order, base))
+
+    @jax.jit
+    def solve(state):
+        return diffrax.diffeqsolve(
+            term, diffrax.Tsit5(), motion["start"], times[-1], None, state,
+            saveat=diffrax.SaveAt(ts=times), max_steps=None,
+            stepsize_controller=diffrax.PIDController(rtol=tolerance, atol=tolerance),
+        ).ys[:, :order]  # fmt: skip
+
+    first = jnp.concatenate([jnp.array(q), jnp.array(q_rate)]) / arm["length"]
+    return solve, first, lambda found: shown(robot, motion, base, found, arm)
+
+
+def simulate(arm, motion, order=None, tolerance=1e-6):
+    """Points (T, P, 2) [m] of the rod at the motion's times."""
+    solve, first, show = solver(arm, motion, order or arm["order"], tolerance)
+    found = show(solve(first))
     if not np.isfinite(found).all():
         raise SystemExit("the rod ran away: take a smaller --tolerance")
     return found
