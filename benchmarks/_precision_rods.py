@@ -52,8 +52,8 @@ print(json.dumps({"seconds": time.process_time() - begin, "points": found.tolist
 CHILDREN = {"soromox": SOROMOX, "pyelastica": PYELASTICA}
 # SoRoMoX: curvatures, tolerance. PyElastica: elements, steps over the script's own (a quarter of the stable one).
 SETTINGS: dict[str, tuple[tuple[float, ...], ...]] = {
-    "soromox": tuple((order, tolerance) for order in (2, 3, 4, 5) for tolerance in (1e-2, 1e-3, 1e-5)),
-    "pyelastica": tuple((elements, longer) for elements in (4, 8, 16, 32) for longer in (1.0, 3.0)),
+    "soromox": tuple((order, tolerance) for order in (2, 3, 4, 5) for tolerance in (1e-2, 1e-4)),
+    "pyelastica": tuple((elements, 3.0) for elements in (4, 8, 16, 32, 64)),
 }
 
 
@@ -80,8 +80,8 @@ def motion_of(case: Case) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def rod(case: Case, to: str, python: str, *setting: float) -> Run:
-    """One setting of a program on a case. FloatingPointError where it runs away or is not done in time."""
+def rod(case: Case, *setting: float, to: str, python: str) -> Run:
+    """One setting of a program, run by an interpreter, on a case. FloatingPointError where it runs away or is not done in time."""
     quiet = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | {
         "OMP_NUM_THREADS": "1", "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false", "JAX_PLATFORMS": "cpu",
     }  # fmt: skip

@@ -18,8 +18,8 @@ ours, each by its cheapest setting tried that errs no more. Ours runs in batches
 *_native is against MuJoCo's own chain alone (of the two chains ours is the faster). MuJoCo's own chain does not know
 eq. 15: in water it runs in its own water and is judged, midline alone, by its own 20 links at the finest step.
 lost_at_*: cases that no setting of ours meets. floor_order_n: the least error of n curvatures, worst case.
-PyElastica and SoRoMoX run where an interpreter that has them is named, as the scripts of `tentacle export`: pinned to one
-core, timed in the child, without what they compile. Their midline alone is judged.
+PyElastica and SoRoMoX run where an interpreter that has them is named, as the scripts of `tentacle export`: pinned to
+one core, timed in the child, without what they compile. Their midline alone is judged.
 """
 
 from __future__ import annotations
@@ -124,9 +124,7 @@ def points(case: Case, truth: Run, short: bool, pythons: dict[str, str]) -> Iter
                     yield from tried(NAMES[3 if own else 2], native, against, links, substeps, integrator, own)
     for to, python in pythons.items():
         for setting in SETTINGS[to][:: 5 if short else 1]:
-            yield from tried(
-                RODS[to], lambda case, *own, to=to, python=python: rod(case, to, python, *own), truth, *setting
-            )
+            yield from tried(RODS[to], rod, truth, *setting, to=to, python=python)
 
 
 def measured(case: Case, short: bool, pythons: dict[str, str]) -> tuple[float, list[Point]]:
@@ -166,13 +164,12 @@ def judged(name: str, found: list[Point], gap: float, figures: dict[str, float])
             continue
         best_other = cheapest(found, NAMES[1:], level)
         native_best = cheapest(found, NATIVE, level)
-        for name_of_rod in RODS.values():
-            alone, slow = (cheapest(found, (program,), level) for program in ("alone", name_of_rod))
-            if alone is not None and slow is not None:
-                words = f"{alone.setting} {alone.cost:.2e} s against {slow.setting} {slow.cost:.2e} s"
-                print(
-                    f"  {name} at {100 * level:g} % alone over {name_of_rod}: {slow.cost / alone.cost:.0f} times ({words})"
-                )
+        for program in RODS.values():
+            alone, rods = cheapest(found, ("alone",), level), cheapest(found, (program,), level)
+            if alone is not None and rods is not None:
+                words = f"{alone.setting} {alone.cost:.2e} s against {rods.setting} {rods.cost:.2e} s"
+                times = rods.cost / alone.cost
+                print(f"  {name} at {100 * level:g} % alone over {program}: {times:.0f} times ({words})", flush=True)
         for own, ending, other in (
             (NAMES[0], "", best_other),
             ("alone", "_single", best_other),
