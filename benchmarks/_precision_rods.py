@@ -81,7 +81,10 @@ def motion_of(case: Case) -> dict[str, Any]:
 
 
 def rod(case: Case, *setting: float, to: str, python: str) -> Run:
-    """One setting of a program, run by an interpreter, on a case. FloatingPointError where it runs away or is not done in time."""
+    """One setting of a program, run by an interpreter, on a case.
+
+    FloatingPointError where it runs away or is not done in time.
+    """
     quiet = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | {
         "OMP_NUM_THREADS": "1", "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false", "JAX_PLATFORMS": "cpu",
     }  # fmt: skip

@@ -37,7 +37,7 @@ def work_precision_figure(cases: Mapping[str, Mapping[str, Sequence[tuple[float,
     columns = min(4, len(cases))
     rows = -(-len(cases) // columns)
     with house_style():
-        figure = new_figure(1.75 * rows + 0.5)
+        figure = new_figure(max(1.75 * rows + 0.5, 3.2))  # one row holds the label beside it
         panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for axes, (name, programs) in zip(panels.flat, cases.items(), strict=False):
             for (program, points), role in zip(programs.items(), PROGRAM_ROLES, strict=False):
