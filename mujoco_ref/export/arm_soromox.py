@@ -133,9 +133,8 @@ def equations(arm, robot, order, base):
 
         forces, masses = jax.vmap(one)(poses, columns, turning, jnp.arange(len(places)))
         force, mass = weight @ forces, jnp.tensordot(weight, masses, axes=1)
-        if arm["bodies"]:
-            jacobian, change = robot.jacobian_and_time_derivative_bodyframe(q, q_rate, length)
-            pose = robot.forward_kinematics(q, length)
+        jacobian, change = robot.jacobian_and_time_derivative_bodyframe(q, q_rate, length)
+        pose = robot.forward_kinematics(q, length)
         for body in arm["bodies"]:
             displaced = wet * body["volume"]
             moved = body["mass"] + arm["body_carries"] * displaced

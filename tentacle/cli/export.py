@@ -94,9 +94,11 @@ def _script(model: Model, arguments: argparse.Namespace) -> int:
     for sentence in made.words:
         say(sentence)
     say(f"wrote {arguments.out}/{', '.join(files)}")
-    if asked and python is None:
-        say(f"{made.program.name} is not installed ({made.program.module}): nothing was simulated again; see --python")
-    for one in ready if python is not None else []:
+    if python is None:
+        if asked:
+            say(f"{made.program.name} is not installed here: nothing was simulated again; see --python")
+        return 0
+    for one in ready:
         say(script_error(made, python, one).sentence())
     return 0
 

@@ -111,7 +111,7 @@ def test_without_the_program_it_says_that_nothing_was_simulated(diagnosed, tmp_p
     write_rrd(recording, tmp_path / "made.rrd")
     asked = ["export", str(tmp_path / "model.toml"), "--to", "soromox", "--out", str(tmp_path / "arm")]
     assert main([*asked, "--python", str(bare), "--recording", str(tmp_path / "made.rrd")]) == 0
-    assert "SoRoMoX is not installed (soromox): nothing was simulated again" in capsys.readouterr().out
+    assert "SoRoMoX is not installed here: nothing was simulated again" in capsys.readouterr().out
     motion = json.loads((tmp_path / "arm" / "motion.json").read_text())
     assert np.allclose(np.diff(motion["base"]["t"]), 1e-3)
     seen, line = np.array(motion["points"], dtype=float), recording.midline
