@@ -1,6 +1,7 @@
 """Work and precision: processor time over error, ours and other programs', on arms, motions and media.
 
-    python benchmarks/precision.py --json FILE [--short] [--picture FILE.svg]
+    python benchmarks/precision.py --json FILE [--short] [--picture FILE.svg] [--only "soft slow air" ...]
+                                   [--pyelastica PYTHON] [--soromox PYTHON]
 
 Every case is kept in a file in the folder FILE.cases as soon as it is measured: the same command goes on after an
 interruption, and measures anew what another commit measured.
@@ -17,8 +18,8 @@ ours, each by its cheapest setting tried that errs no more. Ours runs in batches
 *_native is against MuJoCo's own chain alone (of the two chains ours is the faster). MuJoCo's own chain does not know
 eq. 15: in water it runs in its own water and is judged, midline alone, by its own 20 links at the finest step.
 lost_at_*: cases that no setting of ours meets. floor_order_n: the least error of n curvatures, worst case.
-SoRoMoX and PyElastica are not in the diagram: at a tolerance of 1e-4 benchmarks/affine.py finds both slower than
-MuJoCo's 20 links.
+PyElastica and SoRoMoX run where an interpreter that has them is named, as the scripts of `tentacle export`: pinned to
+one core, timed in the child, without what they compile. Their midline alone is judged.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ import numpy as np
 
 from benchmarks._commit import commit_of
 from benchmarks._precision_programs import FRAMES, Case, Material, Motion, Run, S, chain, cone, native, ours
+from benchmarks._precision_rods import SETTINGS, rod
 from tentacle.signals import Array
 
 ARMS = (
@@ -48,7 +50,9 @@ LINKS, CHAIN_STEPS, NATIVE_STEPS = (3, 5, 8, 12, 20), (1, 2, 4), (2, 5, 10, 20, 
 INTEGRATORS = ("discrete", "implicitfast")  # Euler and RK4 are stable at far finer steps alone (physics)
 MOST = 400  # links times steps a frame of MuJoCo's own chain: finer costs more than any that counts
 FINEST = 12  # steps a frame of the reference
-NAMES = ("ours", "our MuJoCo chain", "MuJoCo's own chain", "MuJoCo's own chain in its own water")
+NATIVE = ("MuJoCo's own chain", "MuJoCo's own chain in its own water")
+RODS = {"pyelastica": "PyElastica", "soromox": "SoRoMoX"}
+NAMES = ("ours", "our MuJoCo chain", *NATIVE, *RODS.values())
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,7 @@ def extrapolated(case: Case, coarse: int, fine: int) -> Run:
     return Run(xy, b.thrust + share * (b.thrust - a.thrust) + (a.thrust - slow.thrust) / 3.0, np.nan)
 
 
-def points(case: Case, truth: Run, short: bool) -> Iterator[Point]:
+def points(case: Case, truth: Run, short: bool, pythons: dict[str, str]) -> Iterator[Point]:
     """Every program at every setting; settings that run away are left out."""
 
     def tried(program: str, work: object, against: Run, *setting: object, **more: object) -> Iterator[Point]:
@@ -118,24 +122,27 @@ def points(case: Case, truth: Run, short: bool) -> Iterator[Point]:
             for integrator in INTEGRATORS[: 1 if short else None]:
                 if links * substeps <= MOST:
                     yield from tried(NAMES[3 if own else 2], native, against, links, substeps, integrator, own)
+    for to, python in pythons.items():
+        for setting in SETTINGS[to][:: 5 if short else 1]:
+            yield from tried(RODS[to], rod, truth, *setting, to=to, python=python)
 
 
-def measured(case: Case, short: bool) -> tuple[float, list[Point]]:
+def measured(case: Case, short: bool, pythons: dict[str, str]) -> tuple[float, list[Point]]:
     """The gap between the case's two references, and every program's points."""
     truth = extrapolated(case, *((10, 20) if short else (20, 40)))
     gap = error_of(case, ours(case, max(ORDERS), 96, count=1), truth) if not short else 0.0
-    return gap, list(points(case, truth, short))
+    return gap, list(points(case, truth, short, pythons))
 
 
-def kept(case: Case, short: bool, file: Path) -> tuple[float, list[Point]]:
-    """measured(case), from the file where this commit measured it already; else it is written there."""
-    commit = commit_of(Path(__file__).parent)
+def kept(case: Case, short: bool, file: Path, pythons: dict[str, str]) -> tuple[float, list[Point]]:
+    """measured(case, short, pythons), from the file where this commit measured it already; else it is written there."""
+    head = {"commit": commit_of(Path(__file__).parent), "short": short, "rods": sorted(pythons)}
     if file.exists():
         known = json.loads(file.read_text(encoding="utf-8"))
-        if known["commit"] == commit and known["short"] == short:
+        if {name: known.get(name) for name in head} == head:
             return known["gap"], [Point(**point) for point in known["points"]]
-    gap, found = measured(case, short)
-    whole = {"commit": commit, "short": short, "gap": gap, "points": [asdict(point) for point in found]}
+    gap, found = measured(case, short, pythons)
+    whole = {**head, "gap": gap, "points": [asdict(point) for point in found]}
     file.parent.mkdir(parents=True, exist_ok=True)
     partial = file.with_suffix(".part")
     partial.write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
@@ -156,7 +163,13 @@ def judged(name: str, found: list[Point], gap: float, figures: dict[str, float])
             figures[f"unresolved_at_{suffix}_percent"] += 1.0
             continue
         best_other = cheapest(found, NAMES[1:], level)
-        native_best = cheapest(found, NAMES[2:], level)
+        native_best = cheapest(found, NATIVE, level)
+        for program in RODS.values():
+            alone, rods = cheapest(found, ("alone",), level), cheapest(found, (program,), level)
+            if alone is not None and rods is not None:
+                words = f"{alone.setting} {alone.cost:.2e} s against {rods.setting} {rods.cost:.2e} s"
+                times = rods.cost / alone.cost
+                print(f"  {name} at {100 * level:g} % alone over {program}: {times:.0f} times ({words})", flush=True)
         for own, ending, other in (
             (NAMES[0], "", best_other),
             ("alone", "_single", best_other),
@@ -188,7 +201,13 @@ def main() -> int:
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--short", action="store_true", help="one arm, few settings: a smoke test")
     parser.add_argument("--picture", type=Path, help="where the diagram goes (.svg, .png)")
+    parser.add_argument("--only", nargs="+", metavar="CASE", help="these cases alone, as 'soft slow air'")
+    for to, program in RODS.items():
+        parser.add_argument(
+            f"--{to}", metavar="PYTHON", help=f"interpreter that has {program}; without it, it is left out"
+        )
     arguments = parser.parse_args()
+    pythons = {to: python for to in RODS if (python := getattr(arguments, to)) is not None}
     figures: dict[str, float] = {f"{name}_at_{k}_percent": 0.0 for name in ("lost", "unresolved") for k in LEVELS}
     folder = arguments.json.with_name(arguments.json.name + ".cases")
     figures["reference_gap"], cases = 0.0, dict[str, list[Point]]()
@@ -197,7 +216,9 @@ def main() -> int:
         for motion_name, motion in MOTIONS.items():
             for medium, density in DENSITIES.items():
                 case, name = Case(material, motion, density), f"{material.name} {motion_name} {medium}"
-                gap, cases[name] = kept(case, arguments.short, folder / f"{name.replace(' ', '_')}.json")
+                if arguments.only and name not in arguments.only:
+                    continue
+                gap, cases[name] = kept(case, arguments.short, folder / f"{name.replace(' ', '_')}.json", pythons)
                 found = cases[name]
                 figures["reference_gap"] = max(figures["reference_gap"], gap)
                 print(f"{name}: the two references differ by {100 * gap:.3f} %", flush=True)

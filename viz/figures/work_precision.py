@@ -10,6 +10,9 @@ from matplotlib.figure import Figure
 
 from viz.figures.motion import SERIES_ROLES
 from viz.figures.style import house_style, new_figure
+from viz.palette import NEUTRAL
+
+PROGRAM_ROLES = (*SERIES_ROLES, NEUTRAL)  # of up to six programs
 
 
 def frontier(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -34,10 +37,10 @@ def work_precision_figure(cases: Mapping[str, Mapping[str, Sequence[tuple[float,
     columns = min(4, len(cases))
     rows = -(-len(cases) // columns)
     with house_style():
-        figure = new_figure(1.75 * rows + 0.5)
+        figure = new_figure(max(1.75 * rows + 0.5, 3.2))  # one row holds the label beside it
         panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for axes, (name, programs) in zip(panels.flat, cases.items(), strict=False):
-            for (program, points), role in zip(programs.items(), SERIES_ROLES, strict=False):
+            for (program, points), role in zip(programs.items(), PROGRAM_ROLES, strict=False):
                 best = frontier(points)
                 if best:
                     axes.plot(*zip(*points, strict=True), ".", color=role.hex, markersize=2, alpha=0.35)
