@@ -246,7 +246,7 @@ def bend(rod, motion, base, length, spacing):
 def shown(rod, s, d, spacing, length):
     """Points (P, 2) [m] of the rod at places s along it and d [m] beside it, from its tangents' angles."""
     angle = np.unwrap(np.arctan2(rod.director_collection[1, 1], rod.director_collection[1, 0]))
-    phi = CubicSpline(np.arange(rod.n_elems) * spacing / length, angle, bc_type="natural")
+    phi = CubicSpline(np.arange(rod.n_elems) * spacing / length, angle, bc_type=("not-a-knot", "natural"))  # pyright: ignore[reportArgumentType]
     fine = np.linspace(0.0, 1.0, 401)
     middles = phi(0.5 * (fine[1:] + fine[:-1]))
     steps = length / 400.0 * np.stack([-np.sin(middles), np.cos(middles)])
