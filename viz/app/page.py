@@ -149,6 +149,7 @@ class Page:
     async def _start(self, verb: str) -> None:
         with self._told():
             name = self._declare()
+            self._refresh_tables()
             await self._work([self._job(verb, name)])
 
     def _job(self, verb: str, name: str) -> Job:
