@@ -9,6 +9,13 @@ from pathlib import Path
 from viz.viewer import free_port
 
 LOOKS = {"app_desktop": ((1100, 900), "light"), "app_phone": ((390, 844), "dark")}
+ARM = {  # the arm in the film of `tentacle demo`
+    "length of the arm": "0.14",
+    "radius at the base": "0.0125",
+    "radius at the tip": "0.004",
+    "density of the material": "1070",
+    "density of the fluid": "998",
+}
 PATIENCE = 600_000  # ms
 
 
@@ -31,6 +38,9 @@ def photograph_app(folder: Path, recording: Path) -> dict[str, Path]:
                 page.goto(address)
                 page.set_input_files("input[type=file]", [recording / "video.mp4", recording / "motor.csv"])
                 page.get_by_text("Proposed from the film").wait_for(timeout=PATIENCE)
+                for words, number in ARM.items():
+                    page.get_by_label(words).fill(number)
+                page.get_by_text("does the yellow outline cover the arm").click()
                 if name == "app_phone":
                     page.get_by_role("button", name="diagnose", exact=True).click()
                     page.get_by_text("fitting the declared model").wait_for(timeout=PATIENCE)

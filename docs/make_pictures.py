@@ -120,7 +120,7 @@ def live(folder: Path) -> None:
     from rig import live_feed
     from rig.connection import connected, opened_camera
     from rig.motion import rig_motion
-    from rig.record import record_run
+    from rig.record import Attendance, record_run
     from rig.setup_file import read_setup
     from tentacle.cli._rig_terminal import live_paths
     from tentacle.io.waveform_file import read_waveform
@@ -141,8 +141,8 @@ def live(folder: Path) -> None:
         with headless_viewer() as viewer, connected(setup) as board, opened_camera(setup, board.time) as camera:
             send_live_layout(viewer.url, live_feed.RIG_APPLICATION, live_paths(camera=True))
             out, address = folder / "run.rrd", viewer.url
-            words = {"name": "run", "viewer": address}
-            run = threading.Thread(target=record_run, args=(setup, board, camera, motion, out), kwargs=words)
+            shown = Attendance(name="run", viewer=address)
+            run = threading.Thread(target=record_run, args=(setup, board, camera, motion, out, shown))
             run.start()
             time.sleep(13.0)  # it settles, and synchronises the camera, before it moves
             (folder / "view.png").write_bytes(viewer.take_screenshot())
@@ -158,7 +158,6 @@ def live(folder: Path) -> None:
 def reports(folder: Path) -> None:
     """Every verb's report in a browser."""
     for name, file in (
-        ("report", "answer"),
         ("report_identify", "identified"),
         ("report_compare", "comparison"),
         ("report_optimise", "gait"),
@@ -215,7 +214,7 @@ def maps(folder: Path) -> None:
 
 
 def moving(folder: Path) -> None:
-    """The README's moving picture, and the page of `tentacle app` in a browser."""
+    """What the README shows of `tentacle demo`, moving and as a report; the page of `tentacle app` in a browser."""
     from discovery.diagnose import diagnose
     from docs.moving_picture import moving_picture
     from vision.tracked_recording import read_tracked
@@ -227,6 +226,7 @@ def moving(folder: Path) -> None:
     tentacle("tentacle demo --out demo", folder)
     recording = read_tracked(folder / "demo" / "tank" / "recording", stage)
     moving_picture(scene_of(diagnose([recording]).runs[0]), recording, PICTURES / "moving.webp")
+    keep(photograph(folder / "demo" / "tank" / "report.html", 1450), "report")
     from docs.app_pictures import photograph_app
 
     for name, picture in photograph_app(folder, folder / "demo" / "tank" / "recording").items():

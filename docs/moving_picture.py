@@ -18,15 +18,15 @@ from viz.video import frames, upright
 
 PANEL, STRIP = (360, 394), 70  # px
 BOX = np.array([[-75.0, -12.0], [75.0, 152.0]])  # mm: what is shown of the base frame
-EVERY, SECONDS = 2, 6.0  # of the film's frames; of the judged part
+EVERY, SECONDS = 2, 6.0  # of the film's frames; of the film's end, where the motion is fastest
 INK, FAINT = (27, 27, 27), (120, 120, 120)
 
 
 def moving_picture(scene: ViewedRun, recording: Recording, file: Path) -> Path:
-    """Write an animated WebP of the judged part of a run."""
+    """Write an animated WebP of a run's end: frames that were fitted and frames that were held out."""
     camera = recording.declaration.camera
     assert camera is not None
-    chosen = np.flatnonzero(scene.judged & (scene.t < scene.t[scene.judged][0] + SECONDS))[::EVERY]
+    chosen = np.flatnonzero(scene.t > scene.t[-1] - SECONDS)[::EVERY]
     wanted = {round(float(scene.t[k]), 3): int(k) for k in chosen}
     pages = []
     for t, frame in frames(recording):
@@ -61,8 +61,8 @@ def page(scene: ViewedRun, under: Image.Image, instant: int, chosen: Array) -> I
             (words, party.role.colour), (" and ", INK), ("measured", MEASURED.colour),
             (f": {float(error[instant]):.2f} mm apart", INK),
         ):  # fmt: skip
-            draw.text((at, 4), text, fill=colour, font=font(15))
-            at += draw.textlength(text, font=font(15))
+            draw.text((at, 4), text, fill=colour, font=font(14))
+            at += draw.textlength(text, font=font(14))
         shown = [k for k in chosen if k <= instant and np.isfinite(error[k])]
         x = [left + width * (k - chosen[0]) / (chosen[-1] - chosen[0]) for k in shown]
         y = [26 + height + STRIP - 4 - (STRIP - 10) * float(error[k]) / top for k in shown]

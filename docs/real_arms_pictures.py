@@ -1,4 +1,7 @@
-"""The pictures of docs/on_real_arms.md, drawn from the measured data that TENTACLE_DATA names."""
+"""The pictures of docs/on_real_arms.md, drawn from the measured data that TENTACLE_DATA names.
+
+python docs/real_arms_pictures.py [FOLDER]   (default: docs/pictures)
+"""
 
 from __future__ import annotations
 
@@ -81,6 +84,7 @@ def draw_others(data: Path) -> plt.Figure:
 
 
 if __name__ == "__main__":
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else PICTURES
     for name, draw in (("real_beam", draw_beam), ("real_motions", draw_others)):
-        draw(data_folder()).savefig(PICTURES / f"{name}.webp", dpi=130)
-        print(f"wrote {PICTURES / name}.webp")
+        draw(data_folder()).savefig(folder / f"{name}.webp", dpi=130)
+        print(f"wrote {folder / name}.webp")

@@ -10,7 +10,7 @@ from tentacle.recording import Recording
 from viz.figures.finding import finding_figure
 from viz.report import Picture, ReportSection, ReportTable
 from viz.scene import ViewedRun
-from viz.words import NO_VALUE, VERDICT_TITLES, effect_name, listed, number, probability_words
+from viz.words import NO_VALUE, VERDICT_TITLES, effect_name, listed, number, probability_words, rounded
 
 ANSWER_FILES = (
     ("session.rrd", "the recording and both models over it, in time"),
@@ -60,10 +60,10 @@ def sure_words(answer: Mapping[str, Any]) -> list[str]:
     words = []
     explained = answer.get("explained")
     if explained:
-        share, low, high = (100.0 * explained[key] for key in ("share", "low", "high"))
-        words.append(
-            f"What was found explains {share:.0f} % of the force that was missing ({low:.0f} to {high:.0f} %)."
-        )
+        shares = [100.0 * explained[key] for key in ("share", "low", "high")]
+        width = shares[2] - shares[1]
+        share, low, high = (f"{one:.0f}" if width >= 1.0 else rounded(one, width) for one in shares)
+        words.append(f"What was found explains {share} % of the force that was missing ({low} to {high} %).")
     certain, sets = answer.get("certain") or [], answer.get("sets") or []
     if certain and len(sets) > 1:
         words.append(f"All likely answers contain {listed([effect_name(effect) for effect in certain])}.")

@@ -54,6 +54,11 @@ def value_of(estimate: Estimate) -> str:
     return rounded(estimate.value, estimate.high - estimate.low)
 
 
+def value_with_unit(estimate: Estimate) -> str:
+    """The value with its unit; a number without one has none."""
+    return value_of(estimate) if estimate.unit == "1" else f"{value_of(estimate)} {estimate.unit}"
+
+
 def interval(estimate: Estimate) -> str:
     """The 95 % interval, or "given" where the value was not fitted."""
     if estimate.low == estimate.high:

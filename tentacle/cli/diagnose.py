@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli._kernels import kernels_ahead
     from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
     from tentacle.cli.pages.diagnosis import write_answer
-    from tentacle.io.result_folder import replaced, written
+    from tentacle.io.result_folder import told_before, written
     from vision.tracked_recording import read_tracked
 
     calibration = None
@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         calibration = read_calibration(arguments.calibration)
     groups = [arguments.recordings, arguments.baseline, arguments.held_out]
-    if words := replaced(arguments.out):
+    if words := told_before(arguments.out):
         remark(words, "")
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:

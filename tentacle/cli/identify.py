@@ -44,13 +44,13 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.cli.pages.identification import identification_lines, identification_table, write_identification
     from tentacle.errors import InputError
     from tentacle.io.provenance import input_hashes, versions
-    from tentacle.io.result_folder import replaced, written
+    from tentacle.io.result_folder import told_before, written
     from vision.tracked_recording import read_tracked
     from viz.report import Origin
 
     if arguments.bootstrap != 0 and arguments.bootstrap < 20:
         raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
-    if words := replaced(arguments.out):
+    if words := told_before(arguments.out):
         remark(words, "")
     plan = [*reading_plan([*arguments.recordings, *arguments.check]), *IDENTIFYING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:

@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import math
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tentacle.cli._output import say
+from tentacle.cli._questions import QUESTIONS, answers_of
 from tentacle.errors import InputError
 
 if TYPE_CHECKING:
     from tentacle.signals import MotorSignal
 
 HELP = "begin a recording: a folder with a commented recording.toml, from five questions or flags"
-
-# flag, question, default
-QUESTIONS = (
-    ("length", "Length of the arm, from clamp to tip [m]", "0.14"),
-    ("base_radius", "Radius at the clamp [m]", "0.0125"),
-    ("tip_radius", "Radius at the tip [m]", "0.004"),
-    ("density", "Density of its material [kg/m3]", "1070"),
-    ("fluid_density", "Density of the fluid around it [kg/m3], 0 in air", "998"),
-)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -52,8 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     if (arguments.folder / "recording.toml").exists():  # checked before the questions
         write_recording_file(arguments.folder, "")
-    given = {name: _answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS}
-    answers, words = Answers(camera=None, **given), ""
+    answers, words = Answers(camera=None, **answers_of(arguments)), ""
     require_usable(answers)
     motor = None if arguments.motor is None else _motor_log(arguments)  # read before anything is written
     if arguments.video is not None:
@@ -89,18 +78,3 @@ def _motor_log(arguments: argparse.Namespace) -> MotorSignal:
     motor, words = read_servo_log(arguments.motor, ServoColumns(columns, arguments.motor_unit))
     say(words)
     return motor
-
-
-def _answer(given: float | None, name: str, question: str, usual: str) -> float:
-    """The flag's number, or the typed answer; without a terminal a missing flag is an error."""
-    flag = f"--{name.replace('_', '-')}"
-    if given is None and not sys.stdin.isatty():
-        raise InputError("missing, and there is nobody to ask", field=flag, expected=question)
-    text = "" if given is not None else input(f"{question} [{usual}]: ").strip()
-    try:
-        value = given if given is not None else float(text.replace(",", ".") or usual)
-    except ValueError:
-        raise InputError(f"{text!r} is no number", field=flag, expected=question) from None
-    if not 0.0 <= value < math.inf or (value == 0.0 and name in ("length", "base_radius", "density")):
-        raise InputError(f"{value:g} is out of range", field=flag, expected=question)
-    return value

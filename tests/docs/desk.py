@@ -24,12 +24,13 @@ CALIBRATION = 'made = "3 trials"\n[effect]\ntrials = 3\nstated = [0.0, 1.0]\nrig
 
 
 def environment(folder: Path) -> dict[str, str]:
-    """A shell in which `tentacle`, `python`, `pip`, `pytest` and `dask` are this checkout's; no screen."""
+    """A shell in which `tentacle`, `python`, `pip`, `pytest`, `dask` and `rerun` are this checkout's; no screen."""
     programs = folder / "programs"
     programs.mkdir()
     for name, arguments in (
         ("tentacle", "-c 'import sys, tentacle.cli; sys.exit(tentacle.cli.main())'"),
         ("python", ""), ("pip", "-m pip"), ("pytest", "-m pytest"), ("dask", "-m dask"),
+        ("rerun", "-m rerun_cli"),
     ):  # fmt: skip
         script = programs / name
         script.write_text(f'#!/bin/sh\nexec "{sys.executable}" {arguments} "$@"\n')
@@ -90,6 +91,11 @@ def set_desk(desk: Path) -> Path:
     shutil.copy(desk / "answer" / "model.toml", desk / "model.toml")
     shutil.copy(desk / "my_arm" / "recording.toml", desk / "recording.toml")
     shutil.copy(desk / "my_arm" / "video.mp4", desk / "video.mp4")
+    (desk / "films").mkdir()
+    for name in ("one.mp4", "two.mp4"):
+        shutil.copy(desk / "video.mp4", desk / "films" / name)
+    for name in ("run_1", "run_2", "film_recording"):
+        shutil.copytree(desk / "my_arm", desk / name)
     film_in_matroska(desk / "video.mp4", desk / "camera.mkv")
     (desk / "speeds.csv").write_text(SPEEDS)
     (desk / "hidden.json").write_text('{"tip_mass": {"mass": 0.006}}')
@@ -98,6 +104,10 @@ def set_desk(desk: Path) -> Path:
     wave = re.search(r"```toml\n(\[waveform\].*?)```", (ROOT / "docs" / "howto" / "rig.md").read_text(), re.DOTALL)
     assert wave is not None
     (desk / "wave.toml").write_text(wave[1])
+    (desk / "blind.json").write_text('{"figures": {"top1": 0.9}}')
+    (desk / "docs").mkdir()
+    for name in ("README.md", "docs/measured.md"):  # with the tables that benchmarks/readme_table.py makes anew
+        shutil.copy(ROOT / name, desk / name)
     for name in ("examples", "benchmarks"):
         shutil.copytree(ROOT / name, desk / name, ignore=shutil.ignore_patterns("__pycache__"))
     return desk

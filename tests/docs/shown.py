@@ -39,9 +39,11 @@ def lines_of(code: str) -> list[str]:
 
 
 def is_mention(span: str) -> bool:
-    """Whether a span only names a verb, as `tentacle compare` or `tentacle rig check` do."""
-    verbs = r"(rig (ports|emulate|check|calibrate|record|import|optimise|campaign)|figure \d+|[a-z][a-z-]*)"
-    return re.fullmatch(f"tentacle {verbs}", span) is not None
+    """Whether a span only names a verb, or a verb's option: `tentacle rig check`, `tentacle view --web`."""
+    verbs = (
+        r"(rig (ports|emulate|check|calibrate|record|import|optimise|campaign)|reproduce \w+|figure \d+|[a-z][a-z-]*)"
+    )
+    return re.fullmatch(f"tentacle {verbs}( --[a-z-]+)*", span) is not None
 
 
 def spans(text: str) -> list[str]:

@@ -20,6 +20,7 @@ from pathlib import Path
 
 import pytest
 
+from tentacle.io.external_data import data_folder
 from tests.docs.desk import begun, environment
 from tests.docs.shown import PAGES, ROOT, shown, stray
 from tests.page import problems
@@ -72,8 +73,13 @@ SPECIAL = {
     "tentacle blind-trial 40 --out blind --seed 1 --workers 4": How(add="--workers 1", until="blind/trials"),
     "tentacle optimise arm.toml --out gait": How(add=QUICK),
     "tentacle optimise answer/model.toml --out gait": How(add=QUICK),
-    "tentacle new my_arm --video film.mp4": How(swap=("my_arm", "another_arm"), status=(2,), says="--length"),
+    "tentacle new my_arm --video film.mp4 --motor servo_log.csv": How(
+        swap=("my_arm", "another_arm"), status=(2,), says="servo_log.csv", typed="\n" * 5
+    ),
     "tentacle app": How(add="--no-browser", until="(Ctrl-C ends it)"),
+    "tentacle track video.mp4 --pick --length 0.14": How(swap=("video.mp4", "films/one.mp4")),
+    "tentacle track film_recording --out shapes.csv --reject 120-131,140 --accept 98":
+        How(swap=("120-131,140 --accept 98", "20-31,40 --accept 18")),
     "tentacle view session.rrd --web": How(until="(Ctrl-C ends it)"),
     "tentacle track camera.mkv --live 5 --length 0.14 --base-radius 0.0125 --tip-radius 0.0015 --out live.csv":
         How(swap=("--live 5", "--live 1")),
@@ -88,10 +94,17 @@ SPECIAL = {
     "tentacle rig calibrate camera-offset emu/rig.toml --tap": How(status=(0, 3), says="frames arrive|WATCHDOG"),
     "tentacle rig record emu/rig.toml wave.toml --seconds 20 --out run.rrd --view": How(add="--seconds 1"),
     "tentacle rig campaign emu/rig.toml examples/campaign.toml --out specimen": How(until="specimen/*.rrd"),
+    "tentacle rig campaign emu/rig.toml examples/campaign.toml --out twins --until-split": How(until="twins/*.rrd"),
     "tentacle rig optimise emu/rig.toml --model model.toml --out study --trials 30": How(until="study/*.rrd"),
     "tentacle rig optimise emu/rig.toml --model model.toml --out study-2 --trials 30 --reidentify 10":
         How(until="study-2/*.rrd"),
     f"{EMULATE} --model model.toml --hidden hidden.json": How(until="in another terminal"),
+    "rerun analytics disable": How(swap=("disable", "--help"), says="Analytics|analytics"),
+    "make hostile": How(add=f"-C {ROOT} -o setup --dry-run", says="-m tests.hostile.run"),
+    "tentacle optimise answer/model.toml --out gait --device cuda:0": How(add=QUICK, status=(0, 2), says="cuda"),
+    "tentacle reproduce table2 --out table2 --device cuda": How(add="--evaluations 20", status=(0, 2), says="cuda"),
+    "python benchmarks/blind.py --json blind.json": How(add="--help", says="--short"),
+    "python docs/real_arms_pictures.py": How(swap=("docs/", f"{ROOT}/docs/"), add="{here}/docs", says="real_beam.webp"),
     "python benchmarks/swim.py --json swim.json": How(add="--help", says="--short"),
     "python benchmarks/library.py --json library.json": How(add="--help", says="--count"),
     "python benchmarks/library_joint.py --json joint.json": How(add="--help", says="--linear"),
@@ -118,7 +131,7 @@ def how(command: str) -> How:
         return How(add=OFFLINE, swap=("tentacle-twin[", ".["))
     if command.startswith("apt-get install "):
         return How(add="--simulate")
-    if command.startswith("pytest "):
+    if command.startswith(("pytest ", "python -m pytest ")):
         return How(add="--collect-only --quiet", swap=("tests/", f"{ROOT}/tests/"))
     if command.startswith("tentacle view ") and "--" not in command:
         return NO_SCREEN
@@ -221,7 +234,7 @@ def execute(command: str, desk: Path, place: Path, bench: Path | None) -> None:
         beside_the_rig(place, bench)
     if command == "make test":
         shell["PYTEST_ADDOPTS"] = "--collect-only --quiet -p no:cacheprovider"
-    (place / "docs").mkdir()
+    (place / "docs").mkdir(exist_ok=True)
     without_its_output(command, place)
     line = f"{command.replace(*run.swap) if run.swap[0] else command} {run.add}".strip()
     line = line.replace("{programs}", str(place.parent / "programs")).replace("{here}", str(place))
@@ -249,6 +262,9 @@ def needs(command: str) -> None:
     program = command.partition(" ")[0]
     if program in ("make", "apt-get") and shutil.which(program) is None:
         pytest.skip(f"{program} is not installed")
+    reads_data = command.startswith("tentacle data convert") or "real_arms" in command
+    if reads_data and not data_folder().is_dir():
+        pytest.skip(f"{data_folder()} is not there (TENTACLE_DATA)")
     if command == "make firmware-check" and shutil.which("g++") is None:
         pytest.skip("no g++ here: the board's core cannot be compiled (Debian: apt-get install g++)")
     if program == "pip":

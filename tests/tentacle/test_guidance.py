@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -63,6 +64,49 @@ def test_without_a_film_the_camera_is_left_to_be_filled_in(tmp_path: Path, monke
     assert declared.specimen.section.half_thickness(0.0) == 0.012
     assert declared.fluid.density == 0.0
     assert declared.camera is None
+
+
+def test_answers_come_from_a_pipe_line_by_line(tmp_path: Path) -> None:
+    done = asked(tmp_path, b"0.2\n0,011\n\n1080\n0\n")
+    assert done.returncode == 0, done.stderr
+    assert b"Radius at the tip [m] [0.004]: 0.004\n" in done.stdout  # what an empty line took is said
+    declared = read_recording_file(tmp_path / "a" / "recording.toml").declaration
+    assert declared.specimen.length == 0.2
+    assert declared.specimen.section.half_thickness(0.0) == 0.011
+    assert declared.fluid.density == 0.0
+
+
+def test_a_flag_takes_no_line_of_the_pipe(tmp_path: Path) -> None:
+    done = asked(tmp_path, b"0.011\n", *(flag for flag in ARM if not flag.startswith("--base")))
+    assert done.returncode == 0, done.stderr
+    declared = read_recording_file(tmp_path / "a" / "recording.toml").declaration
+    assert declared.specimen.section.half_thickness(0.0) == 0.011
+
+
+@pytest.mark.parametrize(
+    ("piped", "said"),
+    [
+        (b"", b"tentacle: --length: no answer: the input has ended; expected Length of the arm, from clamp to tip [m]"),
+        (b"0.2\n0.011\n", b"tentacle: --tip-radius: no answer: the input has ended; expected Radius at the tip [m]"),
+        (b"0.2\nthick\n", b"tentacle: --base-radius: 'thick' is no number; expected Radius at the clamp [m]"),
+        (b"0.2\n0.0\n", b"tentacle: --base-radius: 0 is out of range; expected Radius at the clamp [m]"),
+        (b"0.2\n\xff\xfe\n", b"tentacle: --base-radius: "),
+        (b"1" * 5000, b"tentacle: --length: inf is out of range; expected Length of the arm, from clamp to tip [m]"),
+    ],
+)
+def test_too_few_or_wrong_answers_of_a_pipe_write_nothing(tmp_path: Path, piped: bytes, said: bytes) -> None:
+    done = asked(tmp_path, piped)
+    assert done.returncode == 2
+    assert done.stderr.startswith(said)
+    assert len(done.stderr.splitlines()) == 1
+    assert not (tmp_path / "a").exists()
+
+
+def asked(place: Path, piped: bytes, *flags: str) -> subprocess.CompletedProcess[bytes]:
+    """`tentacle new a` with its answers in a pipe."""
+    command = [sys.executable, "-m", "tentacle", "new", "a", *flags]
+    shell = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    return subprocess.run(command, cwd=place, env=shell, input=piped, capture_output=True, check=False)
 
 
 @pytest.mark.parametrize("wrong", [["--length", "-1"], ["--length", "nan"], ["--length", "inf"]])

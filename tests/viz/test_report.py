@@ -129,6 +129,9 @@ def test_what_the_likelihood_says_is_shown_where_it_is_there(case):
         "All likely answers contain current.",
         "By recording: a: current; b: nothing.",
     ]
+    almost_all = {"share": 0.9991, "low": 0.9985, "high": 0.9996}  # an interval never has two equal ends
+    words = sure_words({"explained": almost_all})
+    assert words == ["What was found explains 99.91 % of the force that was missing (99.85 to 99.96 %)."]
     titles = [section.title for section in limits_sections(told)]
     assert titles == ["Likely answers", "Laws proposed", "What would have been detected"]
     assert limits_sections(case.diagnosis.verdict_json()) == []

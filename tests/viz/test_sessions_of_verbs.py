@@ -135,6 +135,8 @@ def test_a_web_page_is_served_here_alone_until_ctrl_c_and_nothing_is_left_behind
         assert "<html" in html
         parts = [fetched(urljoin(page, name)) for name in re.findall(r"re_viewer[\w.]*\.(?:js|wasm)", html)]
         assert any(part.startswith(b"\0asm") for part in parts)  # the viewer itself comes from here, too
+        with urlopen(page, timeout=20.0) as answer:  # the page itself would ask elsewhere (tests/viz/app)
+            assert answer.headers["Content-Security-Policy"].startswith("default-src 'self'")
         data = parse_qs(urlsplit(page).query)["url"]
         assert [fetched(address) for address in data] == [session.read_bytes()]
         with pytest.raises(HTTPError, match="404"):

@@ -11,8 +11,11 @@ from typing import Any
 
 from tentacle.errors import InputError
 from tentacle.io.csv_table import read_csv
+from tentacle.io.recording_template import Answers, recording_text, require_usable
 from tentacle.io.servo_log import read_servo_log, write_motor_log
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_video, find_video
+from tentacle.io.written_file import write_text
+from viz.app.earlier import Earlier, read_earlier
 
 MOTOR_LOG, LOAD_CELL_LOG = "motor.csv", "load_cell.csv"
 LOG_NAMES = {"motor": MOTOR_LOG, "servo": MOTOR_LOG, "load_cell": LOAD_CELL_LOG}  # what a log's own name may hold
@@ -24,6 +27,7 @@ SHOWN_FILES = (
     "identification.json",
     "next_experiment.toml",
 )
+ANSWER = "_answer"  # after a recording's name: the folder of its diagnosis
 ImagePixels = tuple[float, float]
 
 
@@ -52,7 +56,9 @@ class Desk:
     def recordings(self) -> list[str]:
         """Names of the recordings that were begun here."""
         return sorted(
-            path.name for path in self.folder.iterdir() if path.is_dir() and not (path / "report.html").exists()
+            path.name
+            for path in self.folder.iterdir()
+            if path.is_dir() and not path.name.startswith(".") and not (path / "report.html").exists()
         )
 
     def answers(self) -> list[str]:
@@ -65,14 +71,14 @@ class Desk:
 
     def state(self, recording: str) -> str:
         """In words: filmed, declared, or what the verdict is."""
-        if recording + "_answer" in self.answers():
-            found = self.verdict(recording + "_answer")
+        if recording + ANSWER in self.answers():
+            found = self.verdict(recording + ANSWER)
             return " + ".join(found["effects"]) or found["verdict"].replace("_", " ")
         return "declared" if (self.folder / recording / "recording.toml").exists() else "filmed, not declared"
 
     def place(self, recording: str) -> Path:
         """The recording's folder, made where it is missing; InputError for a name that is none."""
-        if not re.fullmatch(r"[\w-]{1,60}", recording) or recording.endswith("_answer"):
+        if not re.fullmatch(r"[\w-]{1,60}", recording) or recording.endswith(ANSWER):
             raise InputError(f"{recording!r} is no name", field="name", expected="letters, digits, _ and -")
         place = self.folder / recording
         place.mkdir(parents=True, exist_ok=True)
@@ -82,6 +88,16 @@ class Desk:
         """The recording's film, tried; None where there is none yet."""
         found = find_video(self.place(recording))
         return None if found is None else found.path
+
+    def earlier(self, recording: str) -> Earlier | None:
+        """How the recording was declared; None where it was not yet."""
+        file = self.place(recording) / "recording.toml"
+        return read_earlier(file) if file.exists() else None
+
+    def declare(self, recording: str, answers: Answers) -> None:
+        """Write recording.toml, complete or not at all. InputError where a verb would refuse it."""
+        require_usable(answers)
+        write_text(self.place(recording) / "recording.toml", recording_text(answers))
 
     def name_for(self, given: str) -> str:
         """Under which name a chosen file is read; InputError, with the remedy, for one that nothing reads."""

@@ -7,7 +7,6 @@ import os
 import shlex
 import sys
 from collections import deque
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -44,11 +43,12 @@ class Job:
             stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE,
         )  # fmt: skip
         errors: deque[str] = deque(maxlen=20)
-        heard = asyncio.gather(self._read_progress(errors), self._read_output())
+        heard = [asyncio.create_task(self._read_progress(errors)), asyncio.create_task(self._read_output())]
         while (status := self._process.returncode) is None:  # wait() waits for the ends of its pipes, too
             await asyncio.sleep(0.05)
-        with suppress(TimeoutError):  # what it started may outlive it and hold its output open
-            await asyncio.wait_for(heard, LAST_WORDS)
+        await asyncio.wait(heard, timeout=LAST_WORDS)  # what it started may outlive it and hold its output open
+        for reading in heard:
+            reading.cancel()
         if self.state == "stopped":
             return
         if status == 0:

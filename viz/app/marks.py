@@ -23,11 +23,14 @@ MARK_COLOURS = {
 
 @dataclass(frozen=True)
 class Marks:
-    """Points (u, v) [px] by place, lengths [m]: of the arm, and of the ruler whose ends were clicked."""
+    """Points (u, v) [px] by place, lengths [m]: of the arm, and of the ruler whose ends were clicked.
+
+    A length is None while it is not known.
+    """
 
     points: dict[str, Point]
-    length: float = 0.14
-    ruler: float = 0.05
+    length: float | None = None
+    ruler: float | None = None
 
     def with_point(self, place: str, point: Point) -> Marks:
         """With one place clicked anew."""
@@ -47,6 +50,8 @@ class Marks:
         missing = [name for name in names if name not in self.points]
         if missing:
             raise InputError("not clicked yet", field=" and ".join(missing), expected="a point on the picture")
+        if metres is None:
+            raise InputError("its length is not given yet", field=" to ".join(names), expected="a length in metres")
         pixels = math.dist(self.points[names[0]], self.points[names[1]])
         if pixels < 2.0 or not metres > 0.0:
             raise InputError("too short to tell the scale", field=" to ".join(names), expected="two points apart")
@@ -98,7 +103,8 @@ def drawing(marks: Marks, arm: Sequence[Point], size: float) -> str:
     parts = []
     if arm:
         corners = " ".join(f"{u:.1f},{v:.1f}" for u, v in arm)
-        parts.append(f'<polygon points="{corners}" fill="none" stroke="#f0e442" stroke-width="{0.35 * size:.1f}"/>')
+        for ink, width in (("#000000a0", 0.8), ("#f0e442", 0.35)):  # seen on light and on dark
+            parts.append(f'<polygon points="{corners}" fill="none" stroke="{ink}" stroke-width="{width * size:.1f}"/>')
     ruler = [marks.points[name] for name in ("ruler start", "ruler end") if name in marks.points]
     for (u0, v0), (u1, v1) in pairwise(ruler):
         line = f'x1="{u0:.1f}" y1="{v0:.1f}" x2="{u1:.1f}" y2="{v1:.1f}"'

@@ -3,31 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-import av
 from nicegui import app, events, ui
 
 from tentacle.errors import InputError
-from tentacle.io.recording_template import Answers, recording_text
 from tentacle.io.video_file import frame_rate
-from viz.app.desk import SHOWN_FILES, Desk
+from viz.app.arm_part import ArmPart
+from viz.app.desk import ANSWER, SHOWN_FILES, Desk
 from viz.app.guard import Guard
 from viz.app.job import Job
-from viz.app.marks import MARK_PLACES, Marks, arm_outline, drawing
 from viz.app.tables import batch_table, compare_table
 
 PAGE_STYLE = (Path(__file__).parent / "page.css").read_text(encoding="utf-8")
-NUMBERS = (
-    ("length", "length of the arm [m]", 0.14),
-    ("base_radius", "radius at the base [m]", 0.0125),
-    ("tip_radius", "radius at the tip [m]", 0.004),
-    ("density", "density of the material [kg/m3]", 1070.0),
-    ("fluid_density", "density of the fluid [kg/m3]", 998.0),
-    ("ruler", "length of the ruler [m]", 0.05),
-)
 
 
 def serve(desk: Desk, port: int, token: str) -> None:
@@ -51,9 +41,8 @@ class Page:
 
     def __init__(self, desk: Desk) -> None:
         """Nothing is chosen yet."""
-        self.desk, self.marks, self.job, self.picture_size = desk, Marks({}), None, (640, 480)
+        self.desk, self.arm, self.job = desk, ArmPart(desk.propose, partial(self._say, "")), None
         self.queue: list[Job] = []
-        self.numbers: dict[str, ui.number] = {}
 
     def build(self) -> None:
         """All parts, top to bottom, in the order of work."""
@@ -66,7 +55,7 @@ class Page:
             with part("1  Film and logs"):
                 self._build_files()
             with part("2  Where the arm is"):
-                self._build_marks()
+                self.arm.build()
             with part("3  Run"):
                 self._build_run()
             with part("4  Answer"):
@@ -82,97 +71,69 @@ class Page:
 
     def _build_files(self) -> None:
         self.name = ui.input("name of the recording", value="my_arm").classes("w-full")
+        names = self.desk.recordings()
+        earlier = ui.select(names, label="go on with an earlier recording", on_change=self._open).classes("w-full")
+        earlier.set_visibility(bool(names))
         words = "drop or choose the film, the servo's log and load_cell.csv"
-        ui.upload(label=words, multiple=True, auto_upload=True, on_upload=self._upload).classes("w-full")
+        ui.upload(label=words, multiple=True, auto_upload=True, on_multi_upload=self._upload).classes("w-full")
         self.kept = ui.label("Nothing chosen yet.").classes("faint")
         self.read_as = ui.label().classes("faint")
 
-    async def _upload(self, event: events.UploadEventArguments) -> None:
+    async def _upload(self, event: events.MultiUploadEventArguments) -> None:
+        """Keep what can be read of the files that were chosen together, and say why of each that cannot."""
+        refused = []
+        for given in event.files:
+            try:
+                await self._keep(given.name, await given.read())
+            except InputError as error:
+                refused.append(error.line())
+        self._refresh_tables()
+        self._say("\n".join(refused))
+
+    async def _keep(self, given: str, content: bytes) -> None:
+        file, words = self.desk.keep(self.name.value or "", given, content)
+        self._tell_files(file.parent)
+        if words:
+            self.read_as.set_text(words)
+        if file.stem == "video":
+            await self.arm.show_film(file)
+
+    async def _open(self, event: events.ValueChangeEventArguments) -> None:
+        """Go on with a recording of an earlier visit."""
         with self._told():
-            file, words = self.desk.keep(self.name.value or "", event.file.name, await event.file.read())
-            self.kept.set_text(f"In {file.parent}: " + ", ".join(sorted(one.name for one in file.parent.iterdir())))
-            if words:
-                self.read_as.set_text(words)
-            if file.stem == "video":
-                await self._show_film(file)
-            self._refresh_tables()
+            name = str(event.value or "")
+            if not name:
+                return
+            self.name.set_value(name)
+            film, earlier = self.desk.film(name), self.desk.earlier(name)
+            self._tell_files(self.desk.place(name))
+            if earlier is not None:
+                await self.arm.show_earlier(film, earlier)
+            elif film is not None:
+                await self.arm.show_film(film)
+            self._show_earlier_answer(name)
 
-    async def _show_film(self, film: Path) -> None:
-        """The first picture, and where the film itself says the arm is."""
-        picture = await asyncio.to_thread(first_picture, film)
-        self.picture_size = picture.size
-        self.picture.set_source(picture)
-        self.marks = Marks({})
-        try:
-            found = await asyncio.to_thread(self.desk.propose, film)
-        except InputError as error:
-            self.advice.set_text(f"The film proposes nothing ({error.problem}): click base and tip.")
-        else:
-            self.marks = Marks.proposed(found.base, found.tip, found.width)
-            advice = (words[:1].upper() + words[1:] for words in found.words)
-            self.advice.set_text(" ".join(["Proposed from the film: correct it by clicking.", *advice]))
-        self._draw()
+    def _show_earlier_answer(self, name: str) -> None:
+        self.answer.clear()
+        if name + ANSWER in self.desk.answers():
+            self._show_answer(self.desk.folder / (name + ANSWER), [f"Of an earlier visit: {self.desk.state(name)}"])
+            return
+        with self.answer:
+            ui.label("No answer yet.").classes("faint")
 
-    def _build_marks(self) -> None:
-        self.advice = ui.label("Choose a film first.").classes("faint")
-        self.place = ui.toggle(list(MARK_PLACES), value="base").props("no-caps wrap").classes("places")
-        self.picture = ui.interactive_image(on_mouse=self._clicked, events=["mousedown"], cross=True).classes("film")
-        ui.label("A ruler in the arm's plane gives the scale; without one, the arm's own length does.").classes("faint")
-        with ui.row().classes("w-full numbers"):
-            for name, words, value in NUMBERS:
-                self.numbers[name] = ui.number(words, value=value, format="%.6g", on_change=self._draw)
-        self.use_width = ui.checkbox(
-            "take the radius at the base from the clicked edge", value=False, on_change=self._draw
-        )
-        self.mirrored = ui.checkbox(
-            "mirrored: a positive angle in the servo's log turns the arm the other way",
-            value=False,
-            on_change=self._draw,
-        )
-        ui.label(
-            "A positive angle in the servo's log turns the arm this way (drag to try; if not, tick the box above):"
-        )
-        self.angle = ui.slider(min=-0.6, max=0.6, step=0.02, value=0.0, on_change=self._draw).props("label")
-        self.declared = ui.label().classes("faint")
-
-    def _clicked(self, event: events.MouseEventArguments) -> None:
-        self.marks = self.marks.with_point(self.place.value, (event.image_x, event.image_y))
-        self._draw()
-
-    def _radius(self, marks: Marks) -> float:
-        clicked = marks.base_radius() if self.use_width.value else None
-        return clicked if clicked is not None else float(self.numbers["base_radius"].value or 0.0)
-
-    def _draw(self) -> None:
-        """Marks and declared arm over the picture; what is missing is said below it."""
-        values = {name: float(field.value or 0.0) for name, field in self.numbers.items()}
-        marks = Marks(self.marks.points, values["length"], values["ruler"])
-        arm = []
-        try:
-            camera = marks.camera(30.0, bool(self.mirrored.value))
-            arm = arm_outline(
-                camera, values["length"], (self._radius(marks), values["tip_radius"]), self.angle.value or 0.0
-            )
-            scale, radius = 1e3 * camera.metres_per_px, 1e3 * self._radius(marks)
-            self.declared.set_text(f"{scale:.4g} mm a pixel; radius at the base {radius:.3g} mm")
-        except InputError as error:
-            self.declared.set_text(error.line())
-        self.picture.set_content(drawing(marks, arm, max(self.picture_size) / 130.0))
+    def _tell_files(self, place: Path) -> None:
+        names = sorted(one.name for one in place.iterdir() if not one.name.startswith("."))
+        self.kept.set_text(f"In {place}: {', '.join(names)}")
 
     def _declare(self) -> str:
         """Write recording.toml from what is clicked and typed; the recording's name."""
         name = self.name.value or ""
-        film = self.desk.film(name)
-        if film is None:
-            raise InputError("no film yet", field=name, expected="a film, chosen above")
-        values = {key: float(field.value or 0.0) for key, field in self.numbers.items()}
-        for key, _, _ in NUMBERS[:4]:
-            if values[key] <= 0.0:
-                raise InputError(f"{values[key]:g} is out of range", field=key, expected="a number above 0")
-        marks = Marks(self.marks.points, values["length"], values.pop("ruler"))
-        values["base_radius"] = self._radius(marks)
-        camera = marks.camera(frame_rate(film), bool(self.mirrored.value))
-        (self.desk.folder / name / "recording.toml").write_text(recording_text(Answers(camera=camera, **values)))
+        earlier = self.desk.earlier(name)
+        if earlier is None or not earlier.by_hand:
+            film = self.desk.film(name)
+            if film is None:
+                raise InputError("no film yet", field=name, expected="a film, chosen above")
+            self.desk.declare(name, self.arm.answers(frame_rate(film)))
         return name
 
     def _build_run(self) -> None:
@@ -188,10 +149,11 @@ class Page:
     async def _start(self, verb: str) -> None:
         with self._told():
             name = self._declare()
+            self._refresh_tables()
             await self._work([self._job(verb, name)])
 
     def _job(self, verb: str, name: str) -> Job:
-        out = {"track": f"{name}.csv", "identify": f"{name}_identified", "diagnose": f"{name}_answer"}[verb]
+        out = {"track": f"{name}.csv", "identify": f"{name}_identified", "diagnose": name + ANSWER}[verb]
         return Job([verb, name, "--out", out], self.desk.folder)
 
     async def _work(self, jobs: list[Job]) -> None:
@@ -205,7 +167,7 @@ class Page:
             await job.run()
             self._show_progress()
             if job.state == "done":
-                self._show_answer(job)
+                self._show_answer(self.desk.folder / job.arguments[-1], job.said)
             elif job.state == "failed":
                 self._say(job.words)
             self._refresh_tables()
@@ -220,12 +182,11 @@ class Page:
             done = "failed" if self.job.state == "failed" else f"{100 * self.job.share:.0f} %"
             self.doing.set_text(f"{done}  {self.job.words}")
 
-    def _show_answer(self, job: Job) -> None:
+    def _show_answer(self, place: Path, said: Sequence[str]) -> None:
         """What the verb said, its files, and its report."""
-        place = self.desk.folder / job.arguments[-1]
         self.answer.clear()
         with self.answer:
-            ui.label("\n".join(job.said)).classes("said")
+            ui.label("\n".join(said)).classes("said")
             if not place.is_dir():
                 return
             with ui.row():
@@ -297,9 +258,3 @@ def part(title: str) -> ui.card:
     with card:
         ui.label(title).classes("heading").props('role="heading" aria-level="2"')
     return card
-
-
-def first_picture(film: Path):
-    """The film's first frame as a PIL image."""
-    with av.open(str(film)) as container:
-        return next(container.decode(video=0)).to_image()

@@ -18,7 +18,7 @@ def batch_table(place: ui.column, desk: Desk, run_all: Callable[[], Awaitable[No
     rows = [{"name": name, "state": desk.state(name)} for name in desk.recordings()]
     with place:
         columns = [{"name": key, "label": key, "field": key, "align": "left"} for key in ("name", "state")]
-        ui.table(columns=columns, rows=rows, row_key="name").classes("w-full")
+        ui.table(columns=columns, rows=rows, row_key="name").classes("w-full").props("wrap-cells")
         ui.button("diagnose all that have no answer", on_click=run_all).props("no-caps outline")
 
 

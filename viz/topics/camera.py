@@ -58,12 +58,12 @@ def log_rejected(session: rr.RecordingStream, path: str, shape: ShapeTrack, vide
 
 
 def log_names(session: rr.RecordingStream, path: str, scene: ViewedRun, video: SmallVideo) -> None:
-    """The names and colours of all parties, above the video."""
-    count = len(scene.parties)
-    places = [[(index + 0.5) / count * video.width, -0.09 * video.height] for index in range(count)]
-    names = [party.role.name for party in scene.parties]
-    colours = [party.role.colour for party in scene.parties]
-    session.log(path, rr.Points2D(places, labels=names, colors=colours, radii=-5.0, show_labels=True), static=True)
+    """The names and colours of what is drawn, above the video; short ones, which fit side by side in a small view."""
+    drawn = [party for party in scene.parties if np.isfinite(party.xy).any()]
+    places = [[(index + 0.5) / len(drawn) * video.width, -0.09 * video.height] for index in range(len(drawn))]
+    names = [party.role.name.removesuffix(" model") for party in drawn]
+    colours = [party.role.colour for party in drawn]
+    session.log(path, rr.Points2D(places, labels=names, colors=colours, radii=0.0, show_labels=True), static=True)
 
 
 def log_camera(session: rr.RecordingStream, path: str, scene: ViewedRun, recording: Recording) -> bool:

@@ -17,6 +17,7 @@ from viz.compare import model_markdown, write_comparison
 from viz.identify_report import Told, model_report
 from viz.report import Origin, write_report
 from viz.scene import model_scene
+from viz.words import interval, number, value_with_unit
 
 
 def write_identification(found: Identification, judges: Sequence[Recording], origin: Origin, folder: Path) -> None:
@@ -68,7 +69,8 @@ def identification_lines(found: Identification) -> list[str]:
         for name, e in values.items():
             paper = found.regression.get(f"{effect}.{name}")
             drawn = found.bootstrap.get(f"{effect}.{name}")
-            beside = "" if drawn is None else f"; bootstrap {drawn[0]:.4g} to {drawn[1]:.4g}"
-            beside += "" if paper is None else f"; the paper's regression {paper:.4g}"
-            lines.append(f"{effect}.{name} = {e.value:.4g} {e.unit} (95 %: {e.low:.4g} to {e.high:.4g}{beside})")
+            beside = "" if drawn is None else f"; bootstrap {number(drawn[0])} to {number(drawn[1])}"
+            beside += "" if paper is None else f"; the paper's regression {number(paper)}"
+            known = "given" if e.low == e.high else f"95 %: {interval(e)}"
+            lines.append(f"{effect}.{name} = {value_with_unit(e)} ({known}{beside})")
     return [*lines, *found.words]

@@ -75,7 +75,7 @@ def _promise_table(tables: dict[str, Any]) -> ReportTable:
         "thrust [mN]",
         "speed [cm/s]",
         "power [mW]",
-        "peak torque [mN m]",
+        "peak torque [mN\u00a0m]",
         "energy per distance [J/m]",
     )
     return ReportTable(

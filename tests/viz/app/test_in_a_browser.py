@@ -9,10 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from docs import app_pictures
 from docs.arm import shown_arm
 from tests.viz.app.conftest import Served
 
 PATIENCE = 600_000  # ms: the first diagnosis on a computer compiles its kernels
+ARM = {**app_pictures.ARM, "radius at the tip": "0.0015"}  # as docs/arm.py declares it
 SIZES = {"desktop": (1100, 900), "phone": (390, 844)}
 
 
@@ -93,15 +95,38 @@ def test_running_without_a_film_says_what_is_missing(page):
     page.get_by_role("alert").get_by_text("no film yet").wait_for(timeout=20_000)
 
 
-def test_from_a_film_to_a_verdict(page, served, film):
+def test_numbers_that_only_the_user_knows_stop_a_run_until_they_are_given(page, served, film):
+    """With a film and its proposed marks alone nothing runs; nor before a person has looked at the outline."""
+    bad = {"name": "servo.csv", "mimeType": "x/y", "buffer": b"a;b\n"}
+    page.set_input_files("input[type=file]", [bad])
+    page.get_by_role("alert").get_by_text("servo.csv").wait_for(timeout=20_000)
     page.set_input_files("input[type=file]", [film / "video.mp4", film / "motor.csv"])
     page.get_by_text("Proposed from the film").wait_for(timeout=60_000)
-    before = page.locator("polygon").get_attribute("points")
+    page.wait_for_function("() => document.querySelectorAll('.missing').length == 6")  # five numbers, and the look
+    assert page.locator("polygon").count() == 0
+    page.get_by_role("button", name="diagnose", exact=True).click()
+    alarm = page.get_by_role("alert")
+    alarm.get_by_text("not given yet; expected the numbers of your arm").wait_for(timeout=20_000)
+    for words in ("length of the arm", "radius at the tip", "density of the fluid"):
+        assert words in alarm.inner_text()
+    for words, number in ARM.items():
+        page.get_by_label(words).fill(number)
+    page.locator("polygon").first.wait_for()
+    page.get_by_role("button", name="track", exact=True).click()
+    alarm.get_by_text("where the arm is: not confirmed yet").wait_for(timeout=20_000)
+    assert not (served.folder / "my_arm" / "recording.toml").exists()
+
+
+def test_from_a_film_to_a_verdict(page, served):
+    """Goes on where the test before ends."""
+    before = page.locator("polygon").first.get_attribute("points")
     page.get_by_role("button", name="ruler start").click()
     page.locator(".film img").click(position={"x": 20, "y": 20})
     page.locator("circle").nth(3).wait_for()
     page.locator(".q-slider").click(position={"x": 30, "y": 8})  # the arm turns as the servo would turn it
     page.wait_for_function("old => document.querySelector('polygon').getAttribute('points') != old", arg=before)
+    page.get_by_text("does the yellow outline cover the arm").click()
+    page.locator(".looked:not(.missing)").wait_for()
     page.get_by_role("button", name="diagnose", exact=True).click()
     page.get_by_text("100 %").wait_for(timeout=PATIENCE)
     verdict = json.loads((served.folder / "my_arm_answer" / "verdict.json").read_text())
@@ -113,12 +138,37 @@ def test_from_a_film_to_a_verdict(page, served, film):
     assert (served.folder / "my_arm" / "recording.toml").exists()
 
 
+def test_the_session_is_shown_and_asks_this_machine_alone(page):
+    """Rerun's page would fetch a font and a version number elsewhere, and send statistics: the browser refuses that."""
+    asked, refused = [], []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("requestfailed", lambda request: refused.append((request.url, request.failure)))
+    page.get_by_role("button", name="show the session here").click()
+    page.frame_locator("iframe.session").locator("canvas").first.wait_for(timeout=60_000)
+    page.wait_for_timeout(8000)  # the viewer asks only when it is up
+    elsewhere = [url for url in asked if not url.startswith(("http://127.0.0.1:", "blob:", "data:"))]
+    assert elsewhere
+    assert [url for url in elsewhere if (url, "csp") not in refused] == []
+    assert any("session.rrd" in url for url in asked)
+
+
 def test_what_runs_can_be_stopped_and_leaves_nothing_half_written(page, served):
     page.get_by_role("button", name="identify", exact=True).click()
     page.wait_for_function("() => document.querySelector('.doing').innerText.match(/reading|tracking|starting/)")
     page.get_by_role("button", name="stop").click()
     page.get_by_text("stopped").first.wait_for(timeout=20_000)
     assert not (served.folder / "my_arm_identified").exists()
+
+
+def test_an_earlier_recording_is_shown_as_it_was_declared(browser, served):
+    page = opened(browser, served, SIZES["phone"], "dark")
+    page.get_by_label("go on with an earlier recording").click()
+    page.get_by_role("option", name="my_arm").click()
+    page.get_by_text("As it was declared").wait_for(timeout=20_000)
+    page.locator("polygon").first.wait_for()
+    assert {words: page.get_by_label(words).input_value() for words in ARM} == ARM
+    assert page.locator(".missing").count() == 0
+    page.context.close()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

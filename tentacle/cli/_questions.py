@@ -1,0 +1,61 @@
+"""The questions of `tentacle new`: a flag answers one, a line at a terminal, or a line of a pipe."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+
+from tentacle.cli._output import say_text
+from tentacle.errors import InputError, printable
+
+LONGEST_LINE = 1000  # characters of an answer that are read: what feeds the input may never end a line
+# flag, question, default
+QUESTIONS = (
+    ("length", "Length of the arm, from clamp to tip [m]", "0.14"),
+    ("base_radius", "Radius at the clamp [m]", "0.0125"),
+    ("tip_radius", "Radius at the tip [m]", "0.004"),
+    ("density", "Density of its material [kg/m3]", "1070"),
+    ("fluid_density", "Density of the fluid around it [kg/m3], 0 in air", "998"),
+)
+
+
+def answers_of(arguments: argparse.Namespace) -> dict[str, float]:
+    """The number of each question by its flag's name. What has no flag is asked, in the order of QUESTIONS."""
+    return {name: _answer(getattr(arguments, name), name, *rest) for name, *rest in QUESTIONS}
+
+
+def _answer(given: float | None, name: str, question: str, usual: str) -> float:
+    """The flag's number, or the answer to the question; InputError where it is no number or out of range."""
+    flag = f"--{name.replace('_', '-')}"
+    text = "" if given is not None else _asked(flag, question, usual)
+    try:
+        value = given if given is not None else float(text.replace(",", ".") or usual)
+    except ValueError:
+        raise InputError(f"{text!r} is no number", field=flag, expected=question) from None
+    if not 0.0 <= value < math.inf or (value == 0.0 and name in ("length", "base_radius", "density")):
+        raise InputError(f"{value:g} is out of range", field=flag, expected=question)
+    return value
+
+
+def _asked(flag: str, question: str, usual: str) -> str:
+    """The next answer; an empty line takes the usual number. InputError where the input has ended."""
+    prompt = f"{question} [{usual}]: "
+    try:
+        line = input(prompt) if sys.stdin.isatty() else _piped(prompt, usual)
+    except EOFError:
+        say_text("")
+        raise InputError("no answer: the input has ended", field=flag, expected=question) from None
+    except UnicodeDecodeError:
+        raise InputError("the answer is no text", field=flag, expected=question) from None
+    return line.strip()
+
+
+def _piped(prompt: str, usual: str) -> str:
+    """A line of a pipe or a file, shown after its question, so that a log says what was taken as what."""
+    say_text(prompt, end="")
+    line = sys.stdin.readline(LONGEST_LINE)
+    if not line:
+        raise EOFError
+    say_text(printable(line.strip()) or usual)
+    return line
