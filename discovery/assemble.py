@@ -10,7 +10,7 @@ from scipy.special import ndtr
 
 from discovery.answer import ACCOUNTS, error_budget, proposal_words
 from discovery.calibration import tempered
-from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_masses, missing_of, usable
+from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_prior_of_set, missing_of, usable
 from discovery.given import Deciding
 from discovery.next_experiment import propose_experiment
 from discovery.search import PosteriorSearch
@@ -205,10 +205,23 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
     elif decision.certain and len(decision.sets) > 1:
         open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
         words.append(f"{' + '.join(decision.certain)} is certain; {', '.join(open_names)} may act too.")
-    missing = missing_of(found.hypotheses)
-    reached = log_masses(decision.leading, missing)[0]
-    stuck = [h for h in found.hypotheses if not usable(h) and max(log_masses(h, missing)) > reached]
-    words += [f"{' + '.join(h.effects)} did not converge or ended at a bound, and is not named." for h in stuck]
+    return words + _not_named(found, decision)
+
+
+def _not_named(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]:
+    """Sentences on the sets whose evidence is larger than that of the leading one, but which may not be named."""
+    temperature = missing_of(found.hypotheses).temperature
+
+    def plausible(h: Hypothesis) -> float:
+        return float(h.log_evidence.max()) / temperature + log_prior_of_set(len(h.effects))
+
+    words = []
+    for h in found.hypotheses:
+        if usable(h) or plausible(h) <= plausible(decision.leading):
+            continue
+        at = ", ".join(f"{effect}.{name}" for effect, name in h.fitted.at_bound if effect in h.effects)
+        why = f"with {at} at a bound" if at else "but its fit did not converge"
+        words.append(f"{' + '.join(h.effects)} would follow the data better, {why}. It is therefore not named.")
     return words
 
 

@@ -16,17 +16,18 @@ from affine_model.curvature import Array
 from affine_model.effect import Parameter
 from affine_model.effects import catalogue
 from discovery.answer import MOST_EFFECTS
-from discovery.decide import MOST_DECLARED_FORM, log_masses, log_prior_of_set, missing_of
+from discovery.decide import log_masses, log_prior_of_set, missing_of
 from discovery.rank import RankedSet, Ranking, ranking
 from discovery.side_by_side import side_by_side
-from discovery.starts import Names, RefitStart, refit_starts
+from discovery.starts import Names, RefitStart, base_follows, is_far, refit_starts
 from discovery.where import fit_where_it_acts
-from inference.decay import DECAY_SHARE, has_decay, horizons_of
+from inference.decay import DECAY_SHARE, has_decay
 from inference.fit import Fit, linearised_fit
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
 from inference.posterior import Hypothesis, RoughFit, rough_fit, with_derivatives, with_rest, without_derivatives
 from inference.score import Candidate
+from inference.successive_halving import Leg
 from inference.trajectory import Problem
 from inference.whitened_fit import LinearRefit
 
@@ -136,18 +137,11 @@ def _with_rests(tried: dict[frozenset[str], Hypothesis]) -> dict[frozenset[str],
 
 def _may_be_named(begun: Begun, centre: Hypothesis, temperature: float) -> bool:
     """Whether a set may gain what its prior asks for: to first order, or where its refit begins."""
-    if _is_far(centre):
+    if is_far(centre):
         return True
     sizes = len(centre.effects), len(centre.effects) + len(begun.chosen.names)
     asked = temperature * (log_prior_of_set(sizes[0]) - log_prior_of_set(sizes[1]))
     return max(begun.chosen.evidence, centre.fitted.misfit - begun.starts[0].cost) > SURELY_LESS * asked
-
-
-def _is_far(centre: Hypothesis) -> bool:
-    """Whether a model leaves more of the forces than any declared law may: beside such unknown forces neither the
-    first order nor the place where a refit begins says what an effect is worth, so that only its refit does.
-    """
-    return centre.share > MOST_DECLARED_FORM
 
 
 def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
@@ -175,9 +169,8 @@ def _begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis, tempe
         return []
     ranked = {one.names[0]: one for one in promised.sets if len(one.names) == 1}
     alone = [ranked.get(one.effect.name, RankedSet((one,), -np.inf, (one.strengths,))) for one in promised.candidates]
-    unmoved = replace(start.problem, parameters=start.fitted.parameters)
-    refit = horizons_of(unmoved, start.fitted.nuisances) or LinearRefit.of(start.problem, start.fitted)
-    most = SECOND if centre.effects else EVERY_EFFECT if _is_far(centre) else SINGLES
+    refit = base_follows(centre, start)
+    most = SECOND if centre.effects else EVERY_EFFECT if is_far(centre) else SINGLES
     singles = _begun(start, alone, refit, most)
     if has_decay(centre.problem) and not centre.effects:
         return singles
@@ -204,25 +197,23 @@ def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
     return replace(base, problem=problem, fitted=linearised_fit(problem, there, 0))
 
 
-def _begun(
-    centre: Hypothesis, ranked: list[RankedSet], refit: LinearRefit | tuple[Problem, ...], most: int
-) -> list[Begun]:
+def _begun(centre: Hypothesis, ranked: list[RankedSet], refit: LinearRefit | tuple[Leg, ...], most: int) -> list[Begun]:
     """The `most` most promising sets, by where their refits begin, for beyond the linear regime the first order
     misleads; each with all of its shapes, and without some.
 
-    refit: of the base about the centre, or the horizons of decays. Each choice of shapes has its own fit of a decay:
-    it may end in another valley.
+    refit: see base_follows. In successive halving each choice of shapes is followed for itself, for it may end in
+    another valley.
     """
     begun = side_by_side([lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, refit))) for one in ranked])
     best = sorted(begun, key=lambda one: one.starts[0].cost)[:most]
     fewer = [(one, names) for one in best for names in _left_out(one.chosen)]
     if isinstance(refit, LinearRefit):
         return [*best, *(replace(one, without=names) for one, names in fewer)]
-    followed = [
+    tasks = [
         lambda one=one, names=names: Begun(one.chosen, names, tuple(refit_starts(centre, one.chosen, refit, names)))
         for one, names in fewer
     ]
-    return [*best, *side_by_side(followed)]
+    return [*best, *side_by_side(tasks)]
 
 
 def _left_out(chosen: RankedSet) -> list[Names]:

@@ -3,6 +3,7 @@
 A large effect has bent the base parameters to itself, and a law with a shape (a distance, a time, a place) has several
 valleys. At each point k of the grid the residual r_k is simulated; what the base and the initial states can absorb of
 it, to first order, is taken off: cost_k = |r_k - B B' r_k|^2 / 2, and the base begins at its own best step, -J+ r_k.
+Where the first order misleads, some steps of a fit from every point decide (inference.successive_halving).
 """
 
 from __future__ import annotations
@@ -14,18 +15,20 @@ import numpy as np
 
 from affine_model.arm import neutral_parameters, parameter_index
 from affine_model.curvature import Array
+from discovery.decide import MOST_DECLARED_FORM
 from discovery.rank import RankedSet
-from inference.decay import LEFT, Points, followed_from_release, residuals_at
+from inference.decay import has_decay, horizons_of
 from inference.deferred_correction import corrected
 from inference.fit import split
 from inference.posterior import Hypothesis
 from inference.score import Candidate
-from inference.trajectory import Problem
+from inference.successive_halving import LEFT, Leg, Points, followed, residuals_at
 from inference.whitened_fit import LinearRefit
 
 START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
 LINEAR_SHARES = (1.0, 0.4)  # of the linear estimate: beyond the linear regime it is too large
 SHAPES = 6  # points of the grid of one effect's shapes, at most
+FAR_LEGS = ((1, 0.25), (2, 0.5), (3, 0.0))  # of successive halving: steps from each point, and the share that goes on
 Names = tuple[tuple[str, str], ...]
 LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
 
@@ -39,11 +42,33 @@ class RefitStart:
     cost: float
 
 
+def base_follows(centre: Hypothesis, start: Hypothesis) -> LinearRefit | tuple[Leg, ...]:
+    """How the base follows an effect that is added: to first order, or by successive halving. In a decay this goes
+    along its horizons; beside a model that is far from the data it moves the free parameters alone.
+    """
+    unmoved = replace(start.problem, parameters=start.fitted.parameters)
+    if has_decay(centre.problem):
+        return horizons_of(unmoved, start.fitted.nuisances)
+    if not is_far(centre):
+        return LinearRefit.of(start.problem, start.fitted)
+    filters = tuple(force.filter(MOST_DECLARED_FORM) for force in start.forces)
+    unknowns = np.concatenate([start.fitted.values, *start.fitted.nuisances])
+    whole = corrected(replace(unmoved, filters=filters), unknowns)
+    return tuple(Leg(whole, steps, kept, states=False) for steps, kept in FAR_LEGS)
+
+
+def is_far(centre: Hypothesis) -> bool:
+    """Whether a model leaves more of the forces than any declared law may: beside such unknown forces neither the
+    first order nor the place where a refit begins says what an effect is worth, so that only its refit does.
+    """
+    return centre.share > MOST_DECLARED_FORM
+
+
 def refit_starts(
-    centre: Hypothesis, chosen: RankedSet, refit: LinearRefit | tuple[Problem, ...], without: Names = ()
+    centre: Hypothesis, chosen: RankedSet, refit: LinearRefit | tuple[Leg, ...], without: Names = ()
 ) -> list[RefitStart]:
-    """The LEFT best places to begin from, best first. refit: of the base about the centre; of decays their horizons
-    (inference.decay).
+    """The LEFT best places to begin from, best first. refit: of the base about the centre, or the legs of successive
+    halving where the first order misleads: in a decay, and beside a model that is far from the data.
 
     without: shapes of the effects that keep their neutral values.
     """
@@ -56,9 +81,7 @@ def refit_starts(
     else:
         free = (*problem.free, *(name for one in chosen.candidates for name in one.free if name not in without))
         problem = replace(problem, free=free)
-        points = followed_from_release(
-            tuple(replace(early, free=free) for early in refit), centre.fitted.nuisances, plan
-        )
+        points = followed([leg.freed(free) for leg in refit], centre.fitted.nuisances, plan)
     found = []
     for parameters, unknowns, cost in zip(points.parameters.T, points.unknowns.T, points.cost, strict=True):
         found.append(RefitStart(*split(replace(problem, parameters=parameters), unknowns), float(cost)))

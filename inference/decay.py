@@ -12,7 +12,7 @@ the plainest of them, for a run that begins at a known release.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,17 +22,15 @@ from inference.fit import minimised, split
 from inference.latent_force import ELL
 from inference.linearise import latent_forces
 from inference.motion_time import motion_time
-from inference.trajectory import ONE_SIDED, Problem
+from inference.successive_halving import Leg
+from inference.trajectory import Problem
 
 HORIZONS, STEPS = (1.0, 2.5, 6.0), 3  # periods of the motion that are followed one after the other; steps on each
+HALF = 0.5  # of the points go on from one horizon to the next
 DECAY_SHARE = 0.05  # of unknown forces, beside which the fits of a decay begin
-DAMPED = 1e-2  # of the information's diagonal, to begin with
 ROUGH_TOLERANCE, MOST_ROUNDS = 1e-3, 20  # of the fits on the way
-FARTHEST = 0.7  # of its own size: how far one step moves an unknown
 FEWEST_FRAMES = 6  # that a horizon holds
-LEFT = 2  # points that are left in the end
 AFTERWARDS = 0.1  # s beyond the last frame that counts
-BATCH = 256  # individuals at once: what memory holds for a long recording
 
 
 def has_decay(problem: Problem) -> bool:
@@ -50,35 +48,9 @@ def fit_from_release(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Pr
     return problem, nuisances
 
 
-@dataclass(frozen=True)
-class Points:
-    """Points from which a fit may begin: parameter vectors (R, B) and unknowns (P, B), half the sum of squares (B,)."""
-
-    parameters: Array
-    unknowns: Array
-    cost: Array
-
-    def best(self, count: int) -> Points:
-        """The best of them, best first."""
-        order = np.argsort(np.where(np.isfinite(self.cost), self.cost, np.inf), kind="stable")[:count]
-        return Points(self.parameters[:, order], self.unknowns[:, order], self.cost[order])
-
-
-def followed_from_release(horizons: tuple[Problem, ...], origin: tuple[Array, ...], plan: Array) -> Points:
-    """The LEFT best points out of a grid of parameter vectors (R, B): from each, damped steps in all unknowns at each
-    horizon; half of the points fall out after each. origin: the nuisances to begin with.
-    """
-    same = np.repeat(np.concatenate(origin)[:, None], plan.shape[1], axis=1)
-    points = Points(plan, np.concatenate([plan[horizons[0].rows()], same]), np.zeros(plan.shape[1]))
-    for early in horizons:
-        points = _stepped(early, points)
-        points = points.best(max(LEFT, -(-points.cost.size // 2)))
-    return points.best(LEFT)
-
-
-def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Problem, ...]:
-    """The problem at each of HORIZONS, whitened as about the run with these nuisances; none where nothing decays."""
-    return tuple(horizon_of(problem, nuisances, periods) for periods in HORIZONS) if has_decay(problem) else ()
+def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Leg, ...]:
+    """The legs of successive halving along HORIZONS, whitened as about the run with these nuisances."""
+    return tuple(Leg(horizon_of(problem, nuisances, periods), STEPS, HALF) for periods in HORIZONS)
 
 
 def horizon_of(problem: Problem, nuisances: tuple[Array, ...], periods: float) -> Problem:
@@ -102,59 +74,4 @@ def _until(experiment: Experiment, after: float) -> Experiment:
         observation=experiment.observation.first(count),
         used=experiment.used[:count],
         duration=min(experiment.duration, after + AFTERWARDS),
-    )
-
-
-def _stepped(problem: Problem, points: Points) -> Points:
-    """STEPS damped Gauss-Newton steps from each point; one that does not lower the cost is not taken."""
-    damping = np.full(points.cost.size, DAMPED)
-    residuals = residuals_at(problem, points.parameters, points.unknowns)
-    points = replace(points, cost=_half_square(residuals))
-    for _ in range(STEPS):
-        unknowns = _after_a_step(problem, points, residuals, damping)
-        parameters = points.parameters.copy()
-        parameters[problem.rows()] = unknowns[: len(problem.free)]
-        values = residuals_at(problem, parameters, unknowns)
-        cost = _half_square(values)
-        better = cost < points.cost
-        residuals = np.where(better, values, residuals)
-        damping = np.where(better, 0.3 * damping, 10.0 * damping)
-        points = Points(
-            np.where(better, parameters, points.parameters),
-            np.where(better, unknowns, points.unknowns),
-            np.where(better, cost, points.cost),
-        )
-    return points
-
-
-def _after_a_step(problem: Problem, points: Points, residuals: Array, damping: Array) -> Array:
-    """The unknowns (P, B) after a damped Gauss-Newton step of each point's own derivatives."""
-    count, lanes = points.unknowns.shape
-    scales = np.stack([replace(problem, parameters=column).scales() for column in points.parameters.T], axis=1)
-    moved = np.repeat(points.unknowns, count, axis=1) + ONE_SIDED * np.tile(np.eye(count), lanes) * np.repeat(
-        scales, count, axis=1
-    )
-    parameters = np.repeat(points.parameters, count, axis=1)
-    parameters[problem.rows()] = moved[: len(problem.free)]
-    there = residuals_at(problem, parameters, moved).reshape(-1, lanes, count)
-    low, high = problem.bounds()
-    ends = np.empty_like(points.unknowns)
-    for k in range(lanes):
-        slope = (there[:, k] - residuals[:, [k]]) / ONE_SIDED
-        information = slope.T @ slope
-        scaled = information + damping[k] * np.diag(np.diag(information) + 1e-12)
-        step = np.clip(-np.linalg.solve(scaled, slope.T @ residuals[:, k]), -FARTHEST, FARTHEST)
-        ends[:, k] = np.clip(points.unknowns[:, k] + step * scales[:, k], low, high)
-    return ends
-
-
-def _half_square(residuals: Array) -> Array:
-    return np.asarray(0.5 * np.einsum("nb,nb->b", residuals, residuals))
-
-
-def residuals_at(problem: Problem, parameters: Array, unknowns: Array) -> Array:
-    """Residuals (N, B), in batches that memory holds."""
-    parts = range(0, unknowns.shape[1], BATCH)
-    return np.concatenate(
-        [problem.residuals_of(parameters[:, k : k + BATCH], unknowns[:, k : k + BATCH]) for k in parts], axis=1
     )

@@ -167,12 +167,14 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     times = observation.t
     observation, beyond = within_log(observation, base.motion if isinstance(base, HeldOutside) else None)
     if beyond:
-        words.append(f"{beyond} frames of {recording.name} show the base beyond the servo's log: left out.")
+        share = f"{beyond} of {len(times)}"
+        words.append(f"Left out of {recording.name}: frames that show the base beyond the servo's log, {share}.")
     rates = np.zeros(0)
     if observation.shapes is not None:
         observation, jumps = without_jumps(observation.shapes)
         if jumps:
-            words.append(f"{jumps} frames of {recording.name} jump out of the motion (shown twice, misread): left out.")
+            share = f"{jumps} of {len(times)}"
+            words.append(f"Left out of {recording.name}: frames shown twice or misread, out of the motion, {share}.")
         rates = rates_seen(observation)
     seen = observation.seen
     if seen.sum() < FEWEST_FRAMES:

@@ -24,9 +24,10 @@ Ending = Literal["split", "limits"]
 
 @dataclass(frozen=True)
 class Decision:
-    """A joint diagnosis in short. explanation: the set of absent effects with the largest posterior mass; others: how
-    many more sets are needed for 95 %. motion: table of the base motion to run next (None: none can be commanded or
-    judged), which separates the two nearest explanations by `nats`.
+    """A joint diagnosis in short. explanation: the credible set of absent effects with the largest posterior mass;
+    others: how many more sets are credible. mass: of the explanation, and where no other set is credible of all sets
+    that hold its effects. motion: table of the base motion to run next (None: none can be commanded or judged), which
+    separates the two nearest explanations by `nats`.
     """
 
     verdict: Verdict
@@ -69,15 +70,11 @@ def decision_from(table: dict[str, Any]) -> Decision:
 def decision_of(found: Diagnosis) -> Decision:
     """A diagnosis in short."""
     sets = found.sets
-    return Decision(
-        found.verdict,
-        found.headline,
-        sets[0].effects if sets else (),
-        sets[0].probability if sets else 0.0,
-        max(len(sets) - 1, 0),
-        found.next_experiment,
-        found.next_nats or 0.0,
-    )
+    explanation, mass = (sets[0].effects, sets[0].probability) if sets else ((), 0.0)
+    if found.verdict == "effect" and len(sets) == 1 and found.uncalibrated is not None:
+        mass = found.uncalibrated
+    others, motion = max(len(sets) - 1, 0), found.next_experiment
+    return Decision(found.verdict, found.headline, explanation, mass, others, motion, found.next_nats or 0.0)
 
 
 def servo_limits(limits: SafetyLimits) -> ServoLimits:

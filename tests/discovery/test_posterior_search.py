@@ -5,15 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from affine_model.arm import parameter_index
 from discovery.decide import decide_by_mass, missing_of
 from discovery.detection import detection_limits
-from discovery.rank import ranked_sets, ranking
-from discovery.search import is_fitted_anew, search_posterior
+from discovery.rank import RankedSet, ranked_sets, ranking
+from discovery.search import Begun, added, is_fitted_anew, search_posterior
+from discovery.starts import base_follows, is_far, refit_starts
 from inference.estimates import interval
-from inference.posterior import declared_model
+from inference.posterior import declared_model, fit_hypothesis
 from inference.score import responses, score
 from inference.whitened_fit import whitened_fit
-from tests.made_recordings import base_of
+from tests.made_recordings import SPECIMEN, base_of
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +26,23 @@ def base_with_current(with_current):
 @pytest.fixture(scope="module")
 def found(base_with_current):
     return search_posterior(base_with_current, base_with_current.fitted)
+
+
+def test_a_payload_as_heavy_as_the_arm_is_found_beside_a_base_that_is_far_off(recorded):
+    """Without it the modulus is bent to a fraction of the truth: no first step leads back from there."""
+    payload = SPECIMEN.mass
+    alone = base_of(recorded({("tip_mass", "mass"): payload}))
+    base = declared_model(alone.problem, alone.fitted.nuisances)
+    assert is_far(base)
+    (candidate,) = (c for c in ranking(base, 1).candidates if c.effect.name == "tip_mass")
+    chosen = RankedSet((candidate,), 0.0, (candidate.strengths,))
+    starts = refit_starts(base, chosen, base_follows(base, base))
+    close = fit_hypothesis(added(base, Begun(chosen, (), tuple(starts))), base.forces)
+    mass = close.fitted.parameters[parameter_index("tip_mass", "mass")]
+    low, high = interval(close.problem, close.fitted, ("tip_mass", "mass"))
+    # A 95 % interval, taken twice as wide, as above.
+    assert abs(mass - payload) < high - low
+    assert high - low < 0.1 * payload
 
 
 def test_a_set_s_first_order_strengths_are_the_least_squares_ones(base_with_current):

@@ -52,11 +52,12 @@ def problem():
 def test_a_horizon_holds_the_first_periods_alone(problem):
     horizons = horizons_of(*problem)
     whole = problem[0].experiments[0]
-    frames = [early.experiments[0].used.sum() for early in horizons]
+    frames = [early.problem.experiments[0].used.sum() for early in horizons]
     assert frames == sorted(frames)
     assert frames[0] < 0.3 * whole.used.sum()
     for early in horizons:
-        assert early.experiments[0].observation.t.size == early.experiments[0].used.size
+        first = early.problem.experiments[0]
+        assert first.observation.t.size == first.used.size
 
 
 @pytest.mark.parametrize("wrong", [0.1, 6.0])
