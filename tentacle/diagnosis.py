@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tentacle.model import Estimate, Model
 from tentacle.notebook import html_paragraph, html_table
 from tentacle.proposed_law import MissingForce
+from tentacle.rounding import number
 from tentacle.signals import Array
 
 Verdict = Literal["nothing_missing", "effect", "group", "unknown"]
@@ -225,14 +226,14 @@ class Diagnosis:
         """The headline, the confidence, the errors and the parameters found, for notebooks."""
 
         def row(name: str, unit: str, values: Iterable[float | None]) -> tuple[str, ...]:
-            return (name, unit, *("-" if value is None else f"{value:.3g}" for value in values))
+            return (name, unit, *(number(value) for value in values))
 
         measures = (("midline", "mm", "midline_mm"), ("angle", "rad", "angle_rad"), ("q1", "rad", "q1"),
                     ("q2", "rad", "q2"), ("thrust", "N", "thrust_n"))  # fmt: skip
         errors = (self.before, self.after, self.floor)
         rows = [row(name, unit, (getattr(error, field) for error in errors)) for name, unit, field in measures]
         found = [
-            (effect, name, f"{e.value:.4g}", f"{e.low:.4g} to {e.high:.4g}", e.unit)
+            (effect, name, e.value_words, e.interval_words, e.unit)
             for effect, values in self.parameters.items()
             for name, e in values.items()
         ]

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from tentacle.notebook import html_paragraph, html_table
+from tentacle.rounding import rounded
 from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
 
@@ -24,6 +25,19 @@ class Estimate:
     def exact(value: float, unit: str = "1") -> Estimate:
         """A given value."""
         return Estimate(value, value, value, unit)
+
+    @property
+    def value_words(self) -> str:
+        """The value, with the digits that its interval needs."""
+        return rounded(self.value, self.high - self.low)
+
+    @property
+    def interval_words(self) -> str:
+        """The 95 % interval, or "given" where the value was not fitted."""
+        if self.low == self.high:
+            return "given"
+        width = self.high - self.low
+        return f"{rounded(self.low, width)} to {rounded(self.high, width)}"
 
 
 @dataclass(frozen=True)
@@ -53,7 +67,7 @@ class Model:
     def _repr_html_(self) -> str:
         """The parameters as a table, for notebooks."""
         rows = [
-            (effect, name, f"{e.value:.4g}", f"{e.low:.4g} to {e.high:.4g}" if e.low < e.high else "given", e.unit)
+            (effect, name, e.value_words, e.interval_words, e.unit)
             for effect, values in self.parameters.items()
             for name, e in values.items()
         ]

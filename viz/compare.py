@@ -12,6 +12,7 @@ import rerun.blueprint as rrb
 
 from tentacle.model import Model
 from tentacle.recording import Recording
+from tentacle.rounding import number
 from tentacle.signals import Array
 from viz.blueprints.run import run_page
 from viz.blueprints.views import blueprint_page
@@ -19,7 +20,7 @@ from viz.palette import AUGMENTED, BASE, MEASURED, REFERENCE, Role
 from viz.scene import Party, ViewedRun
 from viz.session import log_scene, session_file, session_id, set_layout
 from viz.topics.verdict import text_table
-from viz.words import effect_name, interval, number
+from viz.words import effect_name
 
 MODEL_ROLES = (BASE, AUGMENTED, REFERENCE)
 CHARACTER, WINDOW = 7.5, 1920.0  # px: of a table's text on the viewer's page, and of the usual window's width
@@ -56,7 +57,7 @@ def motions_scene(name: str, t: Array, s: Array, theta: Array, motions: Mapping[
 def model_markdown(model: Model, words: tuple[str, ...] = ()) -> str:
     """A model's parameters with intervals, and what there is to say about them, as a page."""
     rows = [
-        (effect_name(effect), name, number(e.value), interval(e), e.unit)
+        (effect_name(effect), name, number(e.value), e.interval_words, e.unit)
         for effect, values in model.parameters.items()
         for name, e in values.items()
     ]

@@ -10,6 +10,7 @@ from tentacle.diagnosis import Diagnosis
 from tentacle.model import Model
 from tentacle.proposed_law import MissingForce
 from tentacle.recording import Recording
+from tentacle.rounding import NO_VALUE, number
 from tentacle.signals import Array
 from viz.figures.budget import budget_figure
 from viz.figures.coordinates import coordinates_figure
@@ -23,7 +24,7 @@ from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
 from viz.scene import ViewedRun, paired, scene_of
 from viz.verdict_sections import finding_section, limits_sections, next_section, title_of
-from viz.words import NO_VALUE, effect_name, error_rows, interval, listed, number, probability_words, value_of
+from viz.words import effect_name, error_rows, listed, probability_words
 
 DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report stays under 3 MB)
 PRICE = 7.6  # nat: gain of one parameter that is larger than by chance
@@ -60,7 +61,9 @@ def parameter_table_rows(model: Model, base: Model | None) -> list[tuple[str, ..
         for name, estimate in values.items():
             earlier = None if base is None else base.parameters.get(effect, {}).get(name)
             before = "" if base is None else ("not in the model" if earlier is None else number(earlier.value))
-            rows.append((effect_name(effect), name, value_of(estimate), interval(estimate), estimate.unit, before))
+            rows.append(
+                (effect_name(effect), name, estimate.value_words, estimate.interval_words, estimate.unit, before)
+            )
     return rows
 
 
@@ -73,7 +76,7 @@ def parameter_section(diagnosis: Diagnosis) -> ReportSection:
     words = [f"The arm is described by {model.order} curvature coordinates (before: {diagnosis.base_model.order})."]
     tables = [ReportTable("Parameters of model.toml", header, rows, numeric=(2, 5), marked=added)]
     found = [
-        (effect_name(effect), name, value_of(estimate), interval(estimate), estimate.unit)
+        (effect_name(effect), name, estimate.value_words, estimate.interval_words, estimate.unit)
         for effect, values in diagnosis.parameters.items()
         for name, estimate in values.items()
     ]

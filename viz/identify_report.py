@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from tentacle.model import Model
 from tentacle.recording import Recording
+from tentacle.rounding import number
 from viz.diagnosis_report import parameter_table_rows, run_section, runs_section
 from viz.report import Origin, Report, ReportSection, ReportTable, render_report
 from viz.scene import ViewedRun
-from viz.words import number
 
 
 @dataclass(frozen=True)

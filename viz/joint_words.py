@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from typing import Any
 
-from viz.words import effect_name, number, rounded
+from tentacle.rounding import number, rounded
+from viz.words import effect_name
 
 SPANS = 4  # runs of recordings that a sentence names
 

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from tentacle.rounding import number
 from tentacle.signals import Array
 from viz.figures.presence import presence_figure, presence_panel
 from viz.figures.residual_maps import residual_maps_figure
 from viz.figures.trends import POINTS_A_PANEL, TrendPoint, trends_figure
 from viz.joint_words import arm_title, joint_sentences
 from viz.report import render_page
-from viz.words import number
 
 LIST_HEADER = (
     "recording", "date", "arm", "length [mm]", "seen as", "seconds", "state", "verdict", "effects", "confidence",

@@ -7,10 +7,11 @@ from typing import Any
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.recording import Recording
+from tentacle.rounding import NO_VALUE, number, rounded
 from viz.figures.finding import finding_figure
 from viz.report import Picture, ReportSection, ReportTable
 from viz.scene import ViewedRun
-from viz.words import NO_VALUE, VERDICT_TITLES, effect_name, listed, number, probability_words, rounded
+from viz.words import VERDICT_TITLES, effect_name, listed, probability_words
 
 ANSWER_FILES = (
     ("session.rrd", "the recording and both models over it, in time"),

@@ -1,12 +1,12 @@
-"""Numbers and verdicts as short texts, the same in the report, the session and a notebook."""
+"""Verdicts and effects as short texts, the same in the report and the session."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from tentacle.diagnosis import ErrorMeasure, Verdict
 from tentacle.model import Estimate
+from tentacle.rounding import NO_VALUE, number
 
 VERDICT_TITLES: dict[Verdict, str] = {
     "nothing_missing": "Nothing is missing",
@@ -14,8 +14,6 @@ VERDICT_TITLES: dict[Verdict, str] = {
     "group": "One of a group is missing",
     "unknown": "Something unknown is missing",
 }
-
-NO_VALUE = "-"
 
 MEASURES = (
     ("midline_mm", "midline", "mm"),
@@ -26,45 +24,9 @@ MEASURES = (
 )
 
 
-def number(value: float | None) -> str:
-    """Three significant digits, no exponent where it can be avoided; NONE where there is none."""
-    if value is None or value != value:  # NaN differs from itself
-        return NO_VALUE
-    if value != 0 and not 1e-3 <= abs(value) < 1e7:
-        return f"{value:.2e}"
-    if abs(value) < 1000:
-        return f"{value:.3g}"
-    digits = 2 - math.floor(math.log10(abs(value)))
-    return f"{round(value, digits):.0f}"
-
-
-def rounded(value: float, width: float) -> str:
-    """The value with as many digits as an interval of that width needs: two digits of the width itself."""
-    if not 0.0 < width < math.inf or not math.isfinite(value):
-        return number(value)
-    decimals = 1 - math.floor(math.log10(width))
-    if decimals > 7 or abs(value) >= 1e7:
-        digits = max(2, 2 + math.floor(math.log10(max(abs(value), width))) - math.floor(math.log10(width)))
-        return f"{value:.{digits - 1}e}"
-    return f"{round(value, decimals):.{max(decimals, 0)}f}"
-
-
-def value_of(estimate: Estimate) -> str:
-    """The value, with the digits that its interval needs."""
-    return rounded(estimate.value, estimate.high - estimate.low)
-
-
 def value_with_unit(estimate: Estimate) -> str:
     """The value with its unit; a number without one has none."""
-    return value_of(estimate) if estimate.unit == "1" else f"{value_of(estimate)} {estimate.unit}"
-
-
-def interval(estimate: Estimate) -> str:
-    """The 95 % interval, or "given" where the value was not fitted."""
-    if estimate.low == estimate.high:
-        return "given"
-    width = estimate.high - estimate.low
-    return f"{rounded(estimate.low, width)} to {rounded(estimate.high, width)}"
+    return estimate.value_words if estimate.unit == "1" else f"{estimate.value_words} {estimate.unit}"
 
 
 def probability_words(probability: float) -> str:

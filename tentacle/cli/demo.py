@@ -55,11 +55,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _say(title: str, diagnosis: Diagnosis, folder: Path) -> None:
-    from viz.words import interval, value_with_unit
+    from viz.words import value_with_unit
 
     say("", f"{title}:", f"  {diagnosis.headline}")
     for effect, values in diagnosis.parameters.items():
-        say(*(f"  {effect}.{name} = {value_with_unit(e)} (95 %: {interval(e)})" for name, e in values.items()))
+        say(*(f"  {effect}.{name} = {value_with_unit(e)} (95 %: {e.interval_words})" for name, e in values.items()))
     for sentence in diagnosis.words:
         say(f"  {sentence}")
     say(f"  report: {folder / 'report.html'}   replay: tentacle view {folder / 'session.rrd'}")

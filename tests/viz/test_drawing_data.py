@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from tentacle.model import Estimate
+from tentacle.rounding import number
 from tentacle.specimen import Cone, Specimen
 from viz.heat import GAP, HEAT_COLUMNS, colour_limit, heat_map
 from viz.palette import AUGMENTED, BASE, MEASURED, WARNING
 from viz.scene import scene_of
 from viz.spectrum import amplitude_spectrum
 from viz.tube import tube
-from viz.words import interval, number
 
 
 def test_a_sine_reads_its_amplitude_at_its_frequency():
@@ -101,5 +101,5 @@ def test_parties_are_told_apart_by_colour_blind_readers(deficiency):
 def test_numbers_as_texts():
     values = (None, float("nan"), 0.0, 0.05234, 1234.6, 281_444.0, 2.5e8, 1e-5)
     assert [number(v) for v in values] == ["-", "-", "0", "0.0523", "1230", "281000", "2.50e+08", "1.00e-05"]
-    assert interval(Estimate.exact(2.0, "Pa")) == "given"
-    assert interval(Estimate(2.0, 1.5, 2.5)) == "1.5 to 2.5"
+    assert Estimate.exact(2.0, "Pa").interval_words == "given"
+    assert Estimate(2.0, 1.5, 2.5).interval_words == "1.5 to 2.5"

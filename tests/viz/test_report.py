@@ -18,7 +18,6 @@ from tests.page import parsed, problems
 from viz.diagnosis_report import diagnosis_report, twin_words
 from viz.report import write_report
 from viz.verdict_sections import DECLARED_AS, limits_sections, sure_words, title_of
-from viz.words import interval, value_of
 
 
 def text_of(page: str) -> str:
@@ -145,7 +144,7 @@ def test_what_the_likelihood_says_is_shown_where_it_is_there(case):
 )  # fmt: skip
 def test_numbers_have_the_digits_that_their_interval_needs(value, low, high, shown):
     estimate = Estimate(value, low, high)
-    assert (value_of(estimate), interval(estimate)) == shown
+    assert (estimate.value_words, estimate.interval_words) == shown
 
 
 def test_twins_are_named_in_words():

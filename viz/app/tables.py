@@ -8,8 +8,8 @@ from typing import Any
 from nicegui import ui
 
 from tentacle.model import Estimate
+from tentacle.rounding import NO_VALUE, number
 from viz.app.desk import Desk
-from viz.words import NO_VALUE, interval, number, value_of
 
 
 def batch_table(place: ui.column, desk: Desk, run_all: Callable[[], Awaitable[None]]) -> None:
@@ -68,5 +68,5 @@ def _told(answer: Mapping[str, Any]) -> dict[str, str]:
     for effect, values in answer["parameters"].items():
         for name, one in values.items():
             estimate = Estimate(one["value"], one["low"], one["high"], one["unit"])
-            told[f"{effect}.{name} [{one['unit']}]"] = f"{value_of(estimate)} ({interval(estimate)})"
+            told[f"{effect}.{name} [{one['unit']}]"] = f"{estimate.value_words} ({estimate.interval_words})"
     return told

@@ -5,9 +5,9 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from tentacle.diagnosis import ErrorBudget
+from tentacle.rounding import number
 from viz.figures.style import INK, house_style, new_figure
 from viz.palette import AUGMENTED, BASE, MEASURED, REFERENCE
-from viz.words import number
 
 BUDGET_PARTS = (
     ("measurement noise", "noise_mm", MEASURED, ""),

@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tentacle.recording import Camera, Recording
+from tentacle.rounding import number
 from tentacle.signals import Array
 from viz.figures.style import house_style, new_figure
 from viz.palette import NEUTRAL
 from viz.scene import Party, ViewedRun
 from viz.video import frames, upright
-from viz.words import number
 
 GreyImage = NDArray[np.uint8]
 PICTURE_MARGIN = 0.12  # of the arm's length, around it

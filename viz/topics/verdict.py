@@ -5,7 +5,8 @@ from __future__ import annotations
 import rerun as rr
 
 from tentacle.diagnosis import Diagnosis
-from viz.words import VERDICT_TITLES, effect_name, error_rows, interval, number
+from tentacle.rounding import number
+from viz.words import VERDICT_TITLES, effect_name, error_rows
 
 
 def text_table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
@@ -26,7 +27,7 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
         text_table(("error", "unit", "before", "after", "floor"), [tuple(row) for row in errors]),
     ]
     added = [
-        (effect_name(effect), name, number(e.value), interval(e), e.unit)
+        (effect_name(effect), name, number(e.value), e.interval_words, e.unit)
         for effect, values in diagnosis.parameters.items()
         for name, e in values.items()
     ]

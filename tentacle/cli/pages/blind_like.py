@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tentacle.rounding import number
 from validation.trials.design import BASE_SPREAD
 from validation.trials.likeness import Likeness
 from viz.report import ReportSection, ReportTable
-from viz.words import effect_name, number
+from viz.words import effect_name
 
 SEEN_AS = {
     "midline": "points of the midline",

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from tentacle.rounding import number
 from validation.trials.figures import BASELINE_METHODS, hits
 from validation.trials.outcome import Outcome
 from validation.trials.scores import VISIBLE, Scores, Share, confusion, share
 from viz.figures.confusion import confusion_figure
 from viz.report import Picture, ReportSection, ReportTable
-from viz.words import number
 
 
 def percent(part: Share) -> str:

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 from tentacle.cli.pages.blind_confidence import error_section, reliability_section
 from tentacle.cli.pages.blind_scores import baseline_section, confusion_section, percent, score_section
+from tentacle.rounding import number
 from validation.trials.outcome import Outcome
 from validation.trials.reliability import cross_calibrated, fit_temperature, gap_by_chance, reliability
 from validation.trials.scores import VISIBLE, scores
 from viz.report import Origin, Report, ReportSection, ReportTable, render_report
-from viz.words import effect_name, number
+from viz.words import effect_name
 
 
 def blind_trials_page(

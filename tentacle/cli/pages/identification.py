@@ -13,11 +13,12 @@ from affine_model.run_forces import with_forces
 from inference.identify import Identification
 from tentacle.io.model_file import write_model
 from tentacle.recording import Recording
+from tentacle.rounding import number
 from viz.compare import model_markdown, write_comparison
 from viz.identify_report import Told, model_report
 from viz.report import Origin, write_report
 from viz.scene import model_scene
-from viz.words import interval, number, value_with_unit
+from viz.words import value_with_unit
 
 
 def write_identification(found: Identification, judges: Sequence[Recording], origin: Origin, folder: Path) -> None:
@@ -71,6 +72,6 @@ def identification_lines(found: Identification) -> list[str]:
             drawn = found.bootstrap.get(f"{effect}.{name}")
             beside = "" if drawn is None else f"; bootstrap {number(drawn[0])} to {number(drawn[1])}"
             beside += "" if paper is None else f"; the paper's regression {number(paper)}"
-            known = "given" if e.low == e.high else f"95 %: {interval(e)}"
+            known = "given" if e.low == e.high else f"95 %: {e.interval_words}"
             lines.append(f"{effect}.{name} = {value_with_unit(e)} ({known}{beside})")
     return [*lines, *found.words]

@@ -23,7 +23,7 @@ def print_rows(table: pa.Table) -> None:
     from rich import box
     from rich.table import Table
 
-    from viz.words import number
+    from tentacle.rounding import number
 
     shown = Table(title=f"{table.num_rows} recording{'s' * (table.num_rows != 1)}", box=box.SIMPLE)
     columns = [*SHOWN, *(["joint"] if table.column("joint").null_count < table.num_rows else [])]
