@@ -49,16 +49,19 @@ def without_proposal(words: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(word for word in words if not word.startswith((_NONE_SEPARATES, _NEXT)))
 
 
+def nats_words(nats: float) -> str:
+    """An expected gap: of a rival that hardly moves like the arm it may be any number, so that a large one is told as
+    a bound.
+    """
+    return f"{nats:.1f} nats" if nats < 1000.0 else "more than 1000 nats"
+
+
 def proposal_words(proposal: Proposal) -> str:
     """A sentence on the effects that the proposed base motion is expected to separate."""
+    splits, gap = ", ".join(proposal.splits), nats_words(proposal.nats)
     if proposal.nats < SEPARATES:
-        return (
-            f"{_NONE_SEPARATES} {', '.join(proposal.splits)}: the best one tried would give {proposal.nats:.1f} nats."
-        )
-    return (
-        f"{_NEXT} {DURATION:.0f} s of the base motion in next_experiment.toml, would separate "
-        f"{', '.join(proposal.splits)} by {proposal.nats:.0f} nats."
-    )
+        return f"{_NONE_SEPARATES} {splits}: the best one tried would give {gap}."
+    return f"{_NEXT} {DURATION:.0f} s of the base motion in next_experiment.toml, would separate {splits} by {gap}."
 
 
 def error_budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from discovery.answer import SEPARATES
+from discovery.answer import SEPARATES, nats_words
 from discovery.diagnose import diagnose
 from discovery.given import SERVO_UNDER_LOAD, Deciding
 from rig.reidentify import tracked
@@ -55,7 +55,7 @@ class Decision:
         if self.motion is None:
             return f"{said}; no base motion can be proposed"
         ends = "no motion within the limits splits further: the best" if self.ending == "limits" else "the next motion"
-        return f"{said}, {self.others} more within 95 %; {ends} would give {self.nats:.1f} nats"
+        return f"{said}, {self.others} more within 95 %; {ends} would give {nats_words(self.nats)}"
 
     def table(self) -> dict[str, Any]:
         """Plain data for the journal and for the start record of the run that follows."""
