@@ -10,7 +10,15 @@ from scipy.special import ndtr
 
 from discovery.answer import ACCOUNTS, error_budget, proposal_words
 from discovery.calibration import tempered
-from discovery.decide import MOST_DECLARED_FORM, PosteriorDecision, log_prior_of_set, missing_of, usable
+from discovery.decide import (
+    CREDIBLE,
+    MOST_DECLARED_FORM,
+    PosteriorDecision,
+    log_masses,
+    log_prior_of_set,
+    missing_of,
+    usable,
+)
 from discovery.given import Deciding
 from discovery.next_experiment import propose_experiment
 from discovery.search import PosteriorSearch
@@ -226,13 +234,19 @@ def _not_named(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]
 
 
 def _to_be_split(found: PosteriorSearch, decision: PosteriorDecision) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:
-    """The hypotheses that the next experiment separates: the credible sets, or after an unknown the best single
-    effects.
+    """The hypotheses that the next experiment separates: the credible sets; where the only one holds less than
+    CREDIBLE, it and the likeliest others; after an unknown the best single effects.
     """
+    leading = decision.leading
     if decision.verdict != "unknown":
-        return decision.leading, decision.rivals
+        if decision.rivals or decision.confidence >= CREDIBLE:
+            return leading, decision.rivals
+        missing = missing_of(found.hypotheses)
+        others = [h for h in found.hypotheses if h.effects != leading.effects and usable(h)]
+        likeliest = sorted(others, key=lambda h: -max(log_masses(h, missing)))
+        return leading, tuple(likeliest[: ACCOUNTS - 1])
     single = sorted((h for h in found.hypotheses if len(h.effects) == 1), key=lambda h: -h.log_evidence.max())
-    return (single[0], tuple(single[1:ACCOUNTS])) if len(single) > 1 else (decision.leading, ())
+    return (single[0], tuple(single[1:ACCOUNTS])) if len(single) > 1 else (leading, ())
 
 
 def _ranking(
