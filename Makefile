@@ -1,4 +1,4 @@
-# make demo | test | commands | lint | setup | clean. Needs python 3.11 or newer and pip; everything else goes into .venv.
+# make demo | test | long | commands | lint | setup | clean. Needs python 3.11 or newer and pip; everything else goes into .venv.
 # demo sets up what a user needs; test, commands and lint set up what the tests and the documentation need besides.
 VENV := .venv
 BIN := $(VENV)/bin
@@ -6,7 +6,7 @@ RUNTIME := $(VENV)/set-up-for-use
 EVERYTHING := $(VENV)/set-up-for-tests
 READ := pyproject.toml constraints.txt .ci/set_up
 
-.PHONY: runtime setup test commands demo lint clean firmware-check
+.PHONY: runtime setup test long commands demo lint clean firmware-check
 
 runtime: $(RUNTIME)
 
@@ -25,8 +25,11 @@ $(EVERYTHING): $(READ)
 BOARD := tests/rig tests/viz/test_sessions_of_verbs.py
 SHOWN := tests/docs/test_commands.py
 test: setup
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(BOARD:%=--ignore=%) --ignore=$(SHOWN)
-	$(BIN)/python -m pytest $(BOARD)
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not long" $(BOARD:%=--ignore=%) --ignore=$(SHOWN)
+	$(BIN)/python -m pytest -m "not long" $(BOARD)
+
+long: setup  # real data, series, searches: with `test` all that a change must pass
+	$(BIN)/python -m pytest -n 2 --dist load -m long
 
 hostile: setup  # every hostile trial: damaged inputs, full disks, signals, torn caches; a quarter of an hour
 	$(BIN)/python -m tests.hostile.run

@@ -28,6 +28,7 @@ def bare_beam():
     return read_beam(BEAM / "beam_gravity_V2_a.csv")
 
 
+@pytest.mark.long
 @needs_beam
 def test_the_weight_on_the_real_beam_is_found(bare_beam):
     answer = diagnose([read_beam(BEAM / "beam_load52_V2_b.csv")], [bare_beam])
@@ -44,6 +45,7 @@ def test_the_weight_on_the_real_beam_is_found(bare_beam):
     assert answer.after.midline_mm < 0.25 * answer.before.midline_mm
 
 
+@pytest.mark.long
 @needs_beam
 def test_nothing_is_found_in_a_repeat_of_the_bare_beam(bare_beam):
     answer = diagnose([read_beam(BEAM / "beam_gravity_V2_b.csv")], [bare_beam])
@@ -66,6 +68,7 @@ def current_recording():
     return tank({"current": {"U_x": 0.03, "U_y": 0.02}}, 3)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen here")
 def test_one_core_gives_the_same_answer_as_all(current_recording):
     cores = os.sched_getaffinity(0)

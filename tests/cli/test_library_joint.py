@@ -26,6 +26,7 @@ def folder(tmp_path_factory):
     return source
 
 
+@pytest.mark.long
 def test_a_joint_answer_is_said_shown_and_made_once(folder, capsys):
     assert main(["library", "joint", str(folder), "--workers", "1", "--changed"]) == 1
     said = capsys.readouterr().out

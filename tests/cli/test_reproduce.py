@@ -21,6 +21,7 @@ def test_the_papers_table_is_whole():
     assert all(len(rows) == len(TABLE1_LENGTHS) for rows in PAPER.values())
 
 
+@pytest.mark.long
 def test_one_arm_of_table_1_from_video():
     task = {"length": 0.15, "silicone": "Dragon Skin 20", "seconds": 3.0, "look": "clean", "seed": 0}
     found = arm_result(task | {"chirp_seconds": 5.0})

@@ -31,6 +31,7 @@ def as_proposed(form: Form):
     return replace(form.law, name=f"law_{form.law.name}", parameters=tuple(own(p) for p in form.law.parameters))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["jet", "late_tip", "one_sided"])  # not conservative; with a memory; with a corner
 def test_a_proposed_file_passes_the_conformance_tests(name: str, tmp_path: Path) -> None:
     law = as_proposed(FORMS[name])

@@ -69,6 +69,7 @@ def test_a_magnet_is_found_with_its_power_and_its_place(found):
     assert best.evidence - found[1].evidence > 100.0
 
 
+@pytest.mark.long
 def test_a_law_is_found_from_parameters_that_the_missing_force_has_moved_far(magnet):
     # A fit without the law can end anywhere: here with a hundredth of the stiffness and no drag.
     lost = at_values(magnet, {("elasticity", "E"): MODULUS / 100.0, ("drag", "C_perp"): 0.0})

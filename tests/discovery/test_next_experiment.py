@@ -1,11 +1,14 @@
 """The next experiment settles what one run cannot: a lag of the servo and a clock's offset are the same on one sine."""
 
+import pytest
+
 from discovery.diagnose import diagnose
 from discovery.next_experiment import DURATION
 from tentacle.io.waveform_file import waveform_from_table
 from tentacle.waveform import Ramped, Sine
 
 
+@pytest.mark.long
 def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):
     hidden = {("servo_lag", "tau"): 0.012}
     sine = recorded(hidden, wave=Ramped(Sine(0.3, 1.1), 2.0), noise=1e-3)

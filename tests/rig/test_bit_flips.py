@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from benchmarks._rig_optimise import DECLARED
 from rig.run_file import iterate_frames, read_run
@@ -17,6 +18,7 @@ from tests.rig.filmed import filmed_run
 FLIPS = 40  # each is read by two readers, in half a second
 
 
+@pytest.mark.long
 def test_a_turned_bit_is_refused_or_changes_nothing(tmp_path: Path) -> None:
     whole, turned = tmp_path / "run.rrd", tmp_path / "turned.rrd"
     filmed_run(DECLARED, {}, Chirp(0.4, 0.5, 2.0, 1.0), 1.0, whole, {"kind": "chirp"})

@@ -20,6 +20,7 @@ def log(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_a_log_alone_is_tracked_and_diagnosed(log: Path, tmp_path: Path) -> None:
     """The arm carries a payload that nothing declares: it heads the ranking, and takes three quarters of the
     error away, whatever small effects of the film are named beside it.

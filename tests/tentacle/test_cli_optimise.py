@@ -131,6 +131,7 @@ def test_soft_arm_is_refused_in_one_line(tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_robust_restarts_on_two_dask_workers_equal_those_here(arm, tmp_path):
     from distributed import LocalCluster
 

@@ -24,6 +24,7 @@ def own(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.mark.long
 def test_trials_like_a_recording_say_what_they_share_with_it(own: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     asked = ["blind-trial", "2", "--like", str(own), "--kinds", "null", "--workers", "2", "--out", str(out)]

@@ -11,6 +11,7 @@ from tentacle.cli import main
 SERIES = ("blind-trial", "2", "--kinds", "null", "--plant", "stranger", "--video-share", "0", "--seed", "149")
 
 
+@pytest.mark.long
 def test_a_cluster_gives_what_this_machine_gives_and_a_second_run_does_nothing_again(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     here, away = tmp_path / "here", tmp_path / "away"

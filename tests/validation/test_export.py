@@ -50,6 +50,7 @@ def test_a_recording_that_shows_no_arm_is_refused(model, recording):
         export_error(export_mjcf(model, 10).xml, model, replace(recording, midline=None))
 
 
+@pytest.mark.long
 def test_a_start_of_many_coordinates_is_one_that_any_discretisation_follows(model, recording):
     """Shapes that die within a frame are seen by no frame: their rates come from the prior, not from the noise."""
     six = replace(model, order=6)

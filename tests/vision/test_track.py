@@ -178,6 +178,7 @@ def test_a_video_that_a_codec_has_smoothed_is_tracked(tmp_path):
     assert z_rms(error, covariance) < 2.0  # and they are stated
 
 
+@pytest.mark.long
 def test_a_long_video_does_not_grow_in_memory(tmp_path):
     scene = swaying(seed=1, frames=20, size=(160, 120))
     pictures = list(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1)))

@@ -52,6 +52,7 @@ def test_what_leaves_the_picture_widens_the_covariance_and_no_more(tmp_path):
     assert false_accepts(scene, shape) == 0
 
 
+@pytest.mark.long
 def test_report_of_a_look_with_a_lens():
     result = judge_look(TANK_LENS, (3,), 20, (960, 540))
     assert result.false_accepts == 0
