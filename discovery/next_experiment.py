@@ -95,8 +95,10 @@ def propose_experiment(
 ) -> Proposal | None:
     """The base motion with the largest gap [nats] between the chosen model and the nearest rival.
 
-    Each rival refits all its parameters and initial states to first order. None if there is no rival, or if the
-    recordings have no motor or no midline, as then no base motion can be commanded or judged.
+    One of the two is taken as true, and the other refits all its parameters and initial states to first order: the way
+    round that shows more counts, because a model that contains the other one follows its runs exactly (Atkinson and
+    Fedorov 1975). None if there is no rival, or if the recordings have no motor or no midline, as then no base motion
+    can be commanded or judged.
     """
     source = chosen.problem.experiments[0]
     if not rivals or source.release is not None or source.observation.shapes is None:
@@ -105,19 +107,20 @@ def propose_experiment(
     splits = tuple(sorted(set.union(*sets) - set.intersection(*sets)))
     best: Proposal | None = None
     for waveform in candidates(limits, seed):
-        measured = _measured(chosen, _virtual(source, waveform))
-        gap = min(_gap(rival, measured) for rival in rivals)
+        future = _virtual(source, waveform)
+        measured = _measured(chosen, future)
+        gap = min(max(_gap(rival, measured), _gap(chosen, _measured(rival, future))) for rival in rivals)
         if best is None or gap > best.nats:
             best = Proposal(waveform, splits, gap)
     return best
 
 
-def _measured(chosen: FittedHypothesis, experiment: Experiment) -> Experiment:
-    """The future run as it is seen if the chosen model is true, without noise."""
-    arm, observation = chosen.problem.arm, experiment.observation.shapes
+def _measured(true: FittedHypothesis, experiment: Experiment) -> Experiment:
+    """The future run as it is seen if this model is true, without noise."""
+    arm, observation = true.problem.arm, experiment.observation.shapes
     assert observation is not None
-    step = coarser(chosen.problem) * chosen.problem.step
-    shown = predict(arm, experiment, chosen.fitted.parameters[:, None], _rest(arm.order)[:, None], step)
+    step = coarser(true.problem) * true.problem.step
+    shown = predict(arm, experiment, true.fitted.parameters[:, None], _rest(arm.order)[:, None], step)
     z = shown.q[:, :, 0] @ arm.from_monomial.T
     coefficients = observation.coefficients.copy()
     kept = min(arm.order, observation.order)
@@ -132,7 +135,7 @@ def _rest(order: int) -> Array:
 
 
 def _gap(rival: FittedHypothesis, measured: Experiment) -> float:
-    """The nats of the difference that the rival cannot absorb, to first order; 0 if its run leaves all bounds."""
+    """The nats of the difference that a model cannot absorb, to first order; 0 if its run leaves all bounds."""
     step = coarser(rival.problem) * rival.problem.step
     problem: Problem = replace(
         rival.problem, experiments=(measured,), parameters=rival.fitted.parameters, step=step,

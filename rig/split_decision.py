@@ -24,10 +24,10 @@ Ending = Literal["split", "limits"]
 
 @dataclass(frozen=True)
 class Decision:
-    """A joint diagnosis in short. explanation: the credible set of absent effects with the largest posterior mass;
-    others: how many more sets are credible. mass: of the explanation, and where no other set is credible of all sets
-    that hold its effects. motion: table of the base motion to run next (None: none can be commanded or judged), which
-    separates the two nearest explanations by `nats`.
+    """A joint diagnosis in short. explanation: the effects that are named, with the mass of all sets that hold them;
+    where none or a group is named, the credible set with the largest mass. others: how many more sets are credible.
+    motion: table of the base motion to run next (None: none can be commanded or judged), which separates the two
+    nearest explanations by `nats`.
     """
 
     verdict: Verdict
@@ -71,8 +71,8 @@ def decision_of(found: Diagnosis) -> Decision:
     """A diagnosis in short."""
     sets = found.sets
     explanation, mass = (sets[0].effects, sets[0].probability) if sets else ((), 0.0)
-    if found.verdict == "effect" and len(sets) == 1 and found.uncalibrated is not None:
-        mass = found.uncalibrated
+    if found.verdict == "effect" and found.certain and found.uncalibrated is not None:
+        explanation, mass = found.certain, found.uncalibrated
     others, motion = max(len(sets) - 1, 0), found.next_experiment
     return Decision(found.verdict, found.headline, explanation, mass, others, motion, found.next_nats or 0.0)
 

@@ -2,8 +2,14 @@
 
 import pytest
 
+from discovery.answer import SEPARATES
 from discovery.diagnose import diagnose
-from discovery.next_experiment import DURATION
+from discovery.given import SERVO_UNDER_LOAD
+from discovery.next_experiment import DURATION, propose_experiment
+from discovery.rank import RankedSet, ranking
+from discovery.search import Begun, added
+from discovery.starts import base_follows, refit_starts
+from inference.posterior import declared_model, fit_hypothesis
 from tentacle.io.waveform_file import waveform_from_table
 from tentacle.waveform import Ramped, Sine
 
@@ -28,3 +34,16 @@ def test_the_proposed_motion_splits_a_lag_from_an_offset(recorded):
     sigma = (estimate.high - estimate.low) / (2 * 1.96)
     assert abs(estimate.value - 0.012) < 4.0 * sigma  # one noise in 16 000 is further off
     assert estimate.high - estimate.low < 0.002
+
+
+def test_a_model_that_contains_the_other_one_is_separated_from_it_too(with_current):
+    """It follows each run of the smaller model exactly: only its own runs show the difference."""
+    smaller = declared_model(with_current.problem, with_current.fitted.nuisances)
+    (candidate,) = (c for c in ranking(smaller, 1).candidates if c.effect.name == "current")
+    chosen = RankedSet((candidate,), 0.0, (candidate.strengths,))
+    starts = refit_starts(smaller, chosen, base_follows(smaller, smaller))
+    larger = fit_hypothesis(added(smaller, Begun(chosen, (), tuple(starts))), smaller.forces)
+    proposal = propose_experiment(smaller, (larger,), SERVO_UNDER_LOAD, 0)
+    assert proposal is not None
+    assert proposal.splits == ("current",)
+    assert proposal.nats > SEPARATES
