@@ -71,7 +71,8 @@ def assemble_posterior(
     final = (open_loop.problem, open_loop.fitted)
     runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
     before, after = run_errors(runs, prepared, augmented=False), run_errors(runs, prepared, augmented=True)
-    lost = 0.0 if reduction is None else reduction.millimetres
+    # The reduction's error is part of what the model leaves; a chain of far-off parameters may run elsewhere.
+    lost = 0.0 if reduction is None else min(reduction.millimetres, after.midline_mm or np.inf)
     floor = floor_errors(runs, prepared, lost)
     effects, verdict = decision.effects, decision.verdict
     withdrawn = verdict in ("effect", "group") and (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
