@@ -134,11 +134,11 @@ def _rest(order: int) -> Array:
     return np.zeros(2 * order + 2)
 
 
-def _gap(rival: FittedHypothesis, measured: Experiment) -> float:
+def _gap(refitted: FittedHypothesis, measured: Experiment) -> float:
     """The nats of the difference that a model cannot absorb, to first order; 0 if its run leaves all bounds."""
-    step = coarser(rival.problem) * rival.problem.step
+    step = coarser(refitted.problem) * refitted.problem.step
     problem: Problem = replace(
-        rival.problem, experiments=(measured,), parameters=rival.fitted.parameters, step=step,
+        refitted.problem, experiments=(measured,), parameters=refitted.fitted.parameters, step=step,
         prior_mean=None, prior_root=None, filters=(),
     )  # fmt: skip
     start = np.concatenate([problem.parameters[problem.rows()], _rest(problem.arm.order)])

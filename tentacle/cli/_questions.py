@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 
 from tentacle.cli._output import say_text
 from tentacle.errors import InputError, printable
+from tentacle.io.parsed_number import parsed_number, usable_number
 
 LONGEST_LINE = 1000  # characters of an answer that are read: what feeds the input may never end a line
 # flag, question, default
@@ -28,14 +28,9 @@ def answers_of(arguments: argparse.Namespace) -> dict[str, float]:
 def _answer(given: float | None, name: str, question: str, usual: str) -> float:
     """The flag's number, or the answer to the question; InputError where it is no number or out of range."""
     flag = f"--{name.replace('_', '-')}"
-    text = "" if given is not None else _asked(flag, question, usual)
-    try:
-        value = given if given is not None else float(text.replace(",", ".") or usual)
-    except ValueError:
-        raise InputError(f"{text!r} is no number", field=flag, expected=question) from None
-    if not 0.0 <= value < math.inf or (value == 0.0 and name in ("length", "base_radius", "density")):
-        raise InputError(f"{value:g} is out of range", field=flag, expected=question)
-    return value
+    if given is not None:
+        return usable_number(name, given, flag, question)
+    return parsed_number(name, _asked(flag, question, usual) or usual, flag, question)
 
 
 def _asked(flag: str, question: str, usual: str) -> str:

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from tentacle.errors import InputError
+from tentacle.io.parsed_number import parsed_number
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A number that is asked for: what it is, with its unit; an example; whether it may be 0."""
+    """A number that is asked for: what it is, with its unit, and an example."""
 
     words: str
     example: str
-    may_be_zero: bool = False
 
 
 ASKED = {
     "length": Asked("length of the arm [m]", "0.14"),
     "base_radius": Asked("radius at the base [m]", "0.0125"),
-    "tip_radius": Asked("radius at the tip [m]", "0.004", may_be_zero=True),
+    "tip_radius": Asked("radius at the tip [m]", "0.004"),
     "density": Asked("density of the material [kg/m3]", "1070"),
-    "fluid_density": Asked("density of the fluid [kg/m3]", "998 in water, 0 in air", may_be_zero=True),
+    "fluid_density": Asked("density of the fluid [kg/m3]", "998 in water, 0 in air"),
     "ruler": Asked("length of the ruler [m]", "0.05"),
 }
 
@@ -33,14 +32,7 @@ def typed_number(name: str, text: str) -> float | None:
     asked, bare = ASKED[name], text.strip()
     if not bare:
         return None
-    expected = f"a number, for example {asked.example}"
-    try:
-        value = float(bare.replace(",", "."))
-    except ValueError:
-        raise InputError(f"{bare!r} is no number", field=asked.words, expected=expected) from None
-    if not 0.0 <= value < math.inf or (value == 0.0 and not asked.may_be_zero):
-        raise InputError(f"{value:g} is out of range", field=asked.words, expected=expected)
-    return value
+    return parsed_number(name, bare, asked.words, f"a number, for example {asked.example}")
 
 
 def required_numbers(typed: Mapping[str, str], names: Iterable[str]) -> dict[str, float]:
