@@ -111,6 +111,8 @@ class Effect:
     in series with a dashpot, or with an element that slips at that curvature.
     Outside the equations of motion: base (the table (3, S) of the base angle and its derivatives behind the effect),
     sight (what camera and clock show), extra_order (number of curvature coordinates added).
+    levels_off: its moment or force stays the same beyond some rate (tanh, or a yield_curvature), so that a step makes
+    more Newton corrections (affine_model.arm.corrections).
     family "option": another form of a base law. A model may choose it; the search does not try it.
     """
 
@@ -120,6 +122,7 @@ class Effect:
     source: str
     family: Literal["base", "fluid", "weight", "elastic", "shape", "servo", "measurement", "option"]
     dissipative: bool = False
+    levels_off: bool = False
     stiffness: Law | None = None
     stiffness_share: Law | None = None
     natural_curvature: Law | None = None

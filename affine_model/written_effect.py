@@ -23,6 +23,7 @@ def effect_of(law: WrittenLaw) -> Effect:
         source=law.source,
         family="elastic" if law.acts == "moment" else "fluid",
         dissipative=law.dissipative,
+        levels_off=law.levels_off,
         force=_pair(law) if law.acts == "line" else None,
         tip_force=_pair(law) if law.acts == "tip" else None,
         bending_moment=(lambda x, p: _values(law, x, p)["moment"]) if law.acts == "moment" else None,

@@ -141,7 +141,14 @@ def _may_be_named(begun: Begun, centre: Hypothesis, temperature: float) -> bool:
         return True
     sizes = len(centre.effects), len(centre.effects) + len(begun.chosen.names)
     asked = temperature * (log_prior_of_set(sizes[0]) - log_prior_of_set(sizes[1]))
-    return max(begun.chosen.evidence, centre.fitted.misfit - begun.starts[0].cost) > SURELY_LESS * asked
+    return _promise(begun, centre) > SURELY_LESS * asked
+
+
+def _promise(begun: Begun, centre: Hypothesis) -> float:
+    """What a set may gain [nats]: to first order, or where its refit begins, whichever is more. Added mass, for
+    instance, scales all of the base's parameters: its valley is so narrow and curved that no start lies in it.
+    """
+    return max(begun.chosen.evidence, centre.fitted.misfit - begun.starts[0].cost)
 
 
 def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
@@ -198,16 +205,17 @@ def _at(base: Hypothesis, origin: Fit) -> Hypothesis:
 
 
 def _begun(centre: Hypothesis, ranked: list[RankedSet], refit: LinearRefit | tuple[Leg, ...], most: int) -> list[Begun]:
-    """The `most` most promising sets, by where their refits begin, for beyond the linear regime the first order
-    misleads; each with all of its shapes, and without some.
+    """The `most` most promising sets, in successive halving by where their refits begin; each with all of its shapes,
+    and without some.
 
     refit: see base_follows. In successive halving each choice of shapes is followed for itself, for it may end in
     another valley.
     """
     begun = side_by_side([lambda one=one: Begun(one, (), tuple(refit_starts(centre, one, refit))) for one in ranked])
-    best = sorted(begun, key=lambda one: one.starts[0].cost)[:most]
+    linear = isinstance(refit, LinearRefit)
+    best = sorted(begun, key=lambda one: -_promise(one, centre) if linear else one.starts[0].cost)[:most]
     fewer = [(one, names) for one in best for names in _left_out(one.chosen)]
-    if isinstance(refit, LinearRefit):
+    if linear:
         return [*best, *(replace(one, without=names) for one, names in fewer)]
     tasks = [
         lambda one=one, names=names: Begun(one.chosen, names, tuple(refit_starts(centre, one.chosen, refit, names)))

@@ -243,8 +243,13 @@ def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
     """The experiment with the noise that the residuals of a fit show, if the stated noise is too small or missing.
 
     A channel that is more than 10 % noisier than stated gets the larger value. A quieter channel keeps the stated
-    value, as smoothed data look quieter between frames than they are.
+    value, as smoothed data look quieter between frames than they are. What was measured holds no less noise than it
+    shows by itself: beyond that, a residual is the ringing of a model with too little damping.
     """
-    found = noise_deviation(np.where(residuals == 0.0, np.nan, residuals)) * experiment.noise_gain
+    seen = experiment.observation
+    still = np.zeros((seen.t.size, seen.order, 1))
+    measured = seen.predict(still, seen.theta[:, None], np.zeros(1), np.zeros(1), np.zeros((2, 1)))[:, :, 0]
+    own, left = (noise_deviation(np.where(rows == 0.0, np.nan, rows)) for rows in (measured, residuals))
+    found = np.fmin(own, left * experiment.noise_gain)
     gain = np.where(np.isfinite(found) & (found > 1.1), found, 1.0)
     return replace(experiment, noise_gain=gain)

@@ -13,7 +13,7 @@ DRY_FRICTION = Effect(
     parameters=(
         Parameter("c_f", "rad", 0.02, (0.0, 3.0), "friction moment over stiffness, the curvature that it holds"),
         Parameter("slip", "rad", 0.01, (1e-4, 1.0), "curvature at which it gives way", scan=(0.01, 0.001, 0.1)),
-        Parameter("sliding", "1", 0.5, (0.0, 1.0), "share that depends on the rate alone", scan=(0.0,)),
+        Parameter("sliding", "1", 0.5, (0.0, 1.0), "share that depends on the rate alone", scan=(0.0, 1.0)),
         Parameter(
             "rate",
             "rad/s",
@@ -27,6 +27,7 @@ DRY_FRICTION = Effect(
     "as internal friction: Kimball and Lovell 1927",
     family="elastic",
     dissipative=True,
+    levels_off=True,
     yield_curvature=lambda x, p: p.slip,
     bending_moment=lambda x, p: (
         x.stiffness * p.c_f * ((1.0 - p.sliding) * x.memory / p.slip + p.sliding * tanh(x.c_rate / p.rate))

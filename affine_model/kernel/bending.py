@@ -10,7 +10,7 @@ from affine_model.dynamics import remembering
 from affine_model.effect import Effect
 from affine_model.effects import catalogue
 from affine_model.kernel.guarded import guarded
-from affine_model.kernel.trace import lines, traced
+from affine_model.kernel.trace import lines, step_slope, traced
 from affine_model.laws import relaxed
 
 
@@ -38,7 +38,7 @@ def _advance(effect: Effect, duration: sympy.Expr, target: str) -> tuple[list[st
     body = [
         *lines([("limit", "=", limit)], ""),
         f"stretched = {kept} + {duration} * c_rate[i, b]",
-        f"sticks = {duration} if abs(stretched) < limit else 0.0",
+        f"sticks = {duration} * limit / max(abs(stretched), limit)",  # the secant: see trace.step_slope
         f"{target} = min(max(stretched, -limit), limit)",
     ]
     return body, sympy.Symbol("sticks")
@@ -53,10 +53,10 @@ def bending_moments() -> str:
             continue
         (moment,) = traced(effect, "bending_moment")
         body: list[str] = []
-        over_rate = sympy.diff(moment, names["c_rate"])
+        over_rate = step_slope(moment, names["c_rate"])
         if effect.remembers:
             body, gain = _advance(effect, sympy.Symbol("h") / 2, "memory[i, b]")
-            over_rate += sympy.diff(moment, names["memory"]) * gain
+            over_rate += step_slope(moment, names["memory"]) * gain
         assignments = [
             ("moment[i, b]", "+=", moment),
             ("bend[i, b]", "+=", 0.25 * sympy.Symbol("h") ** 2 * sympy.diff(moment, names["c"])),

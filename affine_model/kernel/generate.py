@@ -3,6 +3,7 @@
 The unknown of a step is the mean acceleration a: u' at mid-step is u'_0 + h a / 2, u is u_0 + h u'_0 / 2 + h^2 a / 4,
 and M a = F holds there (implicit midpoint). It is solved by one Newton iteration from a* = 2 a_(-1) - a_(-2), with the
 slopes of bending moments and fluid forces in the matrix, M + h/2 D + h^2/4 K: so stiffness does not limit the step.
+A law that levels off (friction) has its secant there (trace.step_slope), and takes three iterations.
 Effects enter as generated blocks behind flags: one kernel serves every combination.
 """
 

@@ -164,6 +164,15 @@ def names_in(node: Node) -> set[str]:
     return set()
 
 
+def calls_in(node: Node) -> set[str]:
+    """The functions that the expression uses."""
+    if isinstance(node, Call):
+        return {node.function} | calls_in(node.argument)
+    if isinstance(node, Binary):
+        return calls_in(node.left) | calls_in(node.right)
+    return set()
+
+
 def dimension(node: Node, known: Mapping[str, Dimension]) -> Dimension:
     """The expression's dimension. LawError where it has none, or a name is not known."""
     if isinstance(node, Number):

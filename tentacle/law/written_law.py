@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tentacle.law.dimension import DIMENSIONLESS, Dimension, dimension_of
-from tentacle.law.expression import LawError, Node, dimension, evaluated, names_in, parse
+from tentacle.law.expression import LawError, Node, calls_in, dimension, evaluated, names_in, parse
 from tentacle.law.quantities import ACTS, POSITIVE_ROUNDING, RESERVED, SIGN_WIDTH, SOFT, dimensions
 
 Acts = Literal["line", "tip", "moment"]
@@ -71,6 +71,11 @@ class WrittenLaw:
         if self.relaxation is not None:
             texts["relaxation"] = self.relaxation
         return {name: parse(text) for name, text in texts.items()}
+
+    @property
+    def levels_off(self) -> bool:
+        """Whether a function of it stays the same beyond some argument."""
+        return any({"tanh", "sign"} & calls_in(tree) for tree in self.trees.values())
 
     def check(self) -> None:
         """LawError for a bad expression, an unknown name, a wrong dimension, or a law that does not vanish with its

@@ -72,6 +72,12 @@ def test_every_servo_effect_has_its_place_in_the_drive_train():
 
 
 @each_effect
+def test_a_law_that_levels_off_says_so(effect):
+    levelling = any(part.has(sympy.tanh) for kind in laws_of(effect) for part in traced(effect, kind))
+    assert effect.levels_off == (levelling or effect.yield_curvature is not None)
+
+
+@each_effect
 def test_effect_says_what_it_is(effect):
     assert effect.title
     assert effect.source
