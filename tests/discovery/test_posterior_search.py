@@ -45,6 +45,22 @@ def test_a_payload_as_heavy_as_the_arm_is_found_beside_a_base_that_is_far_off(re
     assert high - low < 0.1 * payload
 
 
+@pytest.mark.long
+def test_added_mass_is_found_although_no_start_lies_in_its_valley(recorded):
+    """Water that moves with the arm halves the fitted modulus. To first order the whole base scales back, but every
+    start on that line leaves more than the base does: the motion holds 1e7 nats.
+    """
+    alone = base_of(recorded({("added_mass", "C_a"): 1.0, ("added_mass", "convective"): 0.0}, seconds=12.0))
+    base = declared_model(alone.problem, alone.fitted.nuisances)
+    assert base.fitted.parameters[parameter_index("elasticity", "E")] < 0.6 * 2e5
+    found = {h.effects: h for h in search_posterior(base, base.fitted).hypotheses}
+    own, twin = found[("added_mass",)], found[("buoyancy",)]
+    assert own.log_evidence.max() > twin.log_evidence.max()
+    low, high = interval(own.problem, own.fitted, ("added_mass", "C_a"))
+    # A 95 % interval, taken twice as wide.
+    assert abs(own.fitted.parameters[parameter_index("added_mass", "C_a")] - 1.0) < high - low
+
+
 def test_a_set_s_first_order_strengths_are_the_least_squares_ones(base_with_current):
     white = whitened_fit(base_with_current.problem, base_with_current.fitted)
     candidates = score(white, responses(base_with_current.problem, base_with_current.fitted))
