@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from affine_model.arm import Arm, active_effects, corrections
+from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array, angle_basis
 from affine_model.dynamics import remembering
 from affine_model.effects import catalogue
@@ -145,8 +145,8 @@ def advance(arm: Arm, drive: Drive, parameters: Array, base: Array, start: tuple
     times, state = start
     n, count, steps = arm.order, parameters.shape[1], base.shape[1]
     course = shapes(arm, count, steps, pace)
-    acting = active_effects(parameters)
-    active = np.array([effect in acting for effect in catalogue().values()])
+    acting = {effect.name for effect in active_effects(parameters)}
+    active = np.array([name in acting for name in catalogue()])
     known = arm_arrays(arm, drive)
     constants = np.array([known[k] for k in CONSTANTS])
     section = (known[k] for k in ("s", "area", "second_moment", "width", "perimeter"))
@@ -154,8 +154,7 @@ def advance(arm: Arm, drive: Drive, parameters: Array, base: Array, start: tuple
     advance_blocks(
         arm.nodes, n, count, parameters, active, constants, *section, *rules, base, known["servo"], known["rail"],
         drive.servo is not None, drive.rail is not None, pace.step, steps, pace.age,
-        times, state.u, state.u_rate, state.past, state.store, corrections(pace.iterations, acting), pace.stride,
-        pace.average_from,
+        times, state.u, state.u_rate, state.past, state.store, pace.iterations, pace.stride, pace.average_from,
         course.u, course.u_rate, course.force, course.past, course.store, course.summary,
     )  # fmt: skip
     return course

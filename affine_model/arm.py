@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,10 +14,6 @@ from tentacle.errors import InputError
 from tentacle.law.in_use import follows_laws
 from tentacle.model import Model
 from tentacle.specimen import Fluid, Gravity, Specimen, declared_effects
-
-# Corrections more for a law that levels off. Friction that holds .1 rad of curvature errs at a step of 1/600 s by
-# .0095, .0023 and .0001 of the motion with 1, 2 and 3 of them.
-MORE = 2
 
 
 @dataclass(frozen=True)
@@ -158,11 +153,6 @@ def refuse_soft_sections(arm: Arm, parameters: Array) -> None:
         raise InputError(
             f"k(s) = {k[bad[0]]:.3g} N m/rad at s = {s[bad[0]]:.3f}", field="elasticity", expected="k(s) > 0 on [0, 1]"
         )
-
-
-def corrections(asked: int, acting: Iterable[Effect]) -> int:
-    """Newton corrections of a step: as many as asked for, and MORE where a law levels off."""
-    return asked + MORE * any(effect.levels_off for effect in acting)
 
 
 def active_effects(parameters: Array) -> tuple[Effect, ...]:

@@ -112,7 +112,7 @@ class Effect:
     Outside the equations of motion: base (the table (3, S) of the base angle and its derivatives behind the effect),
     sight (what camera and clock show), extra_order (number of curvature coordinates added).
     levels_off: its moment or force stays the same beyond some rate (tanh, or a yield_curvature), so that a step makes
-    more Newton corrections (affine_model.arm.corrections).
+    more Newton corrections (affine_model.kernel.generate.CAUTIOUS).
     family "option": another form of a base law. A model may choose it; the search does not try it.
     """
 

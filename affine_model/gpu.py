@@ -15,8 +15,7 @@ import torch
 from torch import Tensor
 
 from affine_model.advance import Drive, Pace, arm_arrays
-from affine_model.arm import Arm, active_effects, corrections
-from affine_model.effect import Effect
+from affine_model.arm import Arm, active_effects
 from affine_model.effects import catalogue
 from affine_model.kernel.load import module_of
 from affine_model.kernel.warp_source import ADVANCE, SWIM, Variant, warp_source
@@ -50,13 +49,9 @@ def _arm_tensors(arm: Arm, drive: Drive, device: torch.device) -> dict[str, Any]
     return {k: v if isinstance(v, float) else torch.as_tensor(v, device=device).contiguous() for k, v in given.items()}
 
 
-def _acting(parameters: Tensor) -> tuple[Effect, ...]:
-    return active_effects(parameters.detach().cpu().numpy())
-
-
 def _variant(arm: Arm, drive: Drive, parameters: Tensor) -> Variant:
-    acting = _acting(parameters)
-    active = tuple(effect in acting for effect in catalogue().values())
+    acting = {effect.name for effect in active_effects(parameters.detach().cpu().numpy())}
+    active = tuple(name in acting for name in catalogue())
     return Variant(arm.nodes, arm.order, active, drive.servo is not None, drive.rail is not None)
 
 
@@ -88,8 +83,7 @@ def advance_on_device(
     values = {
         **_arm_tensors(arm, drive, parameters.device), **outputs, "parameters": parameters, "base": base, "t0": times,
         "start": u, "start_rate": u_rate, "start_past": past, "start_store": store, "h": pace.step, "steps": steps,
-        "age": pace.age, "stride": pace.stride,
-        "iterations": corrections(pace.iterations, _acting(parameters)), "average_from": pace.average_from,
+        "age": pace.age, "iterations": pace.iterations, "stride": pace.stride, "average_from": pace.average_from,
     }  # fmt: skip
     module = _module(_variant(arm, drive, parameters), False)
     _launch(module.advance, ADVANCE, values, count, parameters.device)
@@ -113,8 +107,7 @@ def swim_on_device(
     values = {
         **_arm_tensors(arm, drive, device), "parameters": given.expand(-1, count), "gait": genes, "outcome": outcome,
         "limits": limits[0], "bandwidth": limits[1], "h": pace.step, "steps": steps, "age": 0,
-        "iterations": corrections(pace.iterations, _acting(given)),
-        "average_from": pace.average_from, "t0": genes.new_zeros(1).expand(count),
+        "iterations": pace.iterations, "average_from": pace.average_from, "t0": genes.new_zeros(1).expand(count),
         "start": still.expand(n + 2, count), "start_rate": still.expand(n + 2, count),
         "start_past": still.expand(2 * n + 5, count), "start_store": store.expand(slots, arm.nodes, count),
     }  # fmt: skip

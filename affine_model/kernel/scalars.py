@@ -19,8 +19,8 @@ _FUNCTIONS = {
     "math.log": "log", "np.floor": "floor", "abs": "abs", "min": "min", "max": "max",
 }  # fmt: skip
 COUNTERS = frozenset({
-    "step", "steps", "iteration", "iterations", "rounds", "stride", "average_from", "age", "stored", "kept", "first",
-    "count", "block", "lane_", "base_lane_",
+    "step", "steps", "iteration", "iterations", "rounds", "cautious", "stride", "average_from", "age", "stored", "kept",
+    "first", "count", "block", "lane_", "base_lane_",
 })  # fmt: skip
 _OPERATORS: dict[type, Any] = {
     ast.Add: lambda a, b: a + b,

@@ -153,3 +153,18 @@ def test_stiff_friction_does_not_ring(shape):
     error = [np.linalg.norm(tip_angle(step) - exact) / np.linalg.norm(exact) for step in (1.0 / 300.0, 1.0 / 1200.0)]
     assert error[0] < 4e-3
     assert error[1] < 0.2 * error[0]  # second order would be a sixteenth, if the law had no kink
+
+
+def test_a_neighbour_with_friction_changes_no_other_individual():
+    """A law that levels off takes more corrections a step; the other lanes of its block wait, to the last bit."""
+    plain = base_parameters()
+    rough = plain.copy()
+    rough[parameter_index("dry_friction", "c_f")] = 0.05
+    middles = (np.arange(240) + 0.5) / 600.0
+    alone, beside = (
+        simulate(ARM, np.stack(columns, axis=1), WAVE(middles)[:, :, None], Timing(1.0 / 600.0))
+        for columns in ([plain, plain], [plain, rough])
+    )
+    np.testing.assert_array_equal(alone.q[:, :, 0], beside.q[:, :, 0])
+    np.testing.assert_array_equal(alone.torque[:, 0], beside.torque[:, 0])
+    assert np.abs(alone.q[:, :, 1] - beside.q[:, :, 1]).max() > 1e-3

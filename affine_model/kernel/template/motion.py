@@ -30,7 +30,11 @@ MOTION = """\
                 mid_rate[n, b] = command[1, b]
                 acc[n, b] = command[2, b]
         rounds = iterations if step + age > 1 else iterations + 3
-        for iteration in range(rounds):
+        for iteration in range(cautious + rounds):
+            # Laws that level off take some corrections more. The other lanes wait, so that no lane changes another.
+            usual = 1.0 if iteration >= cautious else 0.0
+            for b in range(BLOCK):
+                eager[b] = grip[b] + (1.0 - grip[b]) * usual
             for b in range(BLOCK):
                 for j in unrolled(n):
                     mid[j, b] = u[j, b] + 0.5 * h * v[j, b] + 0.25 * h * h * acc[j, b]

@@ -19,6 +19,7 @@ ARRAYS = {
     **dict.fromkeys(("tilt", "gravity_x", "gravity_y", "fluid_x", "fluid_y", "integral", "torque", "diverged"), ()),
     **dict.fromkeys(("body_mass", "body_reach", "body_drop", "body_displaced"), ("bodies",)),
     "t": (),
+    **dict.fromkeys(("grip", "eager"), ()),
     **dict.fromkeys(("tip_x", "tip_y"), ("coordinates",)),
     **dict.fromkeys(("sums", "window"), ("four",)),
     "command": ("three",),  # the row of the base table
@@ -82,6 +83,7 @@ def advance(block, parameters, active, constants, s, area, second_moment, width,
 @SECTION_CONSTANT@
     i = NODES - 1
 @TIP_CONSTANT@
+@GRIPS@
 @BEFORE@
     stored = 0
     if stride > 0:
