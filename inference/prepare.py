@@ -22,7 +22,7 @@ from tentacle.recording import Recording
 from tentacle.slips import root_direction, root_turning
 from tentacle.waveform import Rest, Waveform
 
-MOST_COORDINATES = 6  # measured per frame; higher ones were noise for every arm so far
+MOST_COORDINATES = 8  # measured per frame; an arm that is nearly a hinge somewhere shows all of them
 LONGEST_RECORDING = 120.0  # s: of longer recordings the first two minutes are judged
 FEWEST_FRAMES = 30
 RELEASE = "release.t_s"
