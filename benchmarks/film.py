@@ -2,17 +2,22 @@
 
 python benchmarks/film.py --json FILE [--minutes 60] [--size 1280 720]
 
-The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them. Small ones
-are encoded in less time: with them an hour shows what memory each frame takes beside its picture.
+The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them. Another
+process then reads the recording and its film, as every command does. Small pictures show in less time what memory each
+frame takes beside its picture.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
+import os
+import resource
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import cv2
@@ -28,6 +33,8 @@ from rig.record import add_film
 from rig.recorder import Recorder
 from rig.setup_file import LoadCellCalibration
 from tentacle.io.declaration_file import declaration_tables
+from tentacle.io.reading import read_recording
+from tentacle.io.video_file import frame_stamps
 
 FPS = 30
 FULL_SIZE = (1280, 720)
@@ -53,13 +60,30 @@ def memory_mb(kind: str) -> float:
     return next(float(line.split()[1]) for line in lines if line.startswith(kind)) / 1000
 
 
+def reading_back(run: Path) -> tuple[int, float]:
+    """Pictures of the film that every command sees; peak memory [MB] of this process and of the child that reads."""
+    recording = read_recording(run)
+    assert recording.video is not None
+    count = len(frame_stamps(recording.video.path))
+    return count, memory_mb("VmHWM") + resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1000
+
+
+def read_by_another(run: Path, cache: Path) -> tuple[int, float, float]:
+    """reading_back in a new process, which stores the film in `cache`; and the time it took [s]."""
+    os.environ["XDG_CACHE_HOME"] = str(cache)
+    begun = time.monotonic()
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as other:
+        count, peak = other.submit(reading_back, run).result()
+    return count, peak, time.monotonic() - begun
+
+
 def main() -> None:
     """Writes the frames, makes the film, and the figures as JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--minutes", type=float, default=60.0)
     parser.add_argument("--size", type=int, nargs=2, default=FULL_SIZE, metavar=("W", "H"))
-    parser.add_argument("--folder", type=Path, help="where 8 GB an hour have room (default: the temporary folder)")
+    parser.add_argument("--folder", type=Path, help="where 27 GB an hour have room (default: the temporary folder)")
     arguments = parser.parse_args()
     commit = commit_of(Path(__file__).parent)
     count, stills = round(60 * FPS * arguments.minutes), pictures(*arguments.size)
@@ -80,14 +104,20 @@ def main() -> None:
             add_film(recorder, path, stop)
             recorder.stop("complete", stop)
         took = time.monotonic() - begun
+        peak, whole = memory_mb("VmHWM"), path.stat().st_size
+        read, read_peak, read_s = read_by_another(path, Path(folder) / "cache")
+        if read != count:
+            sys.exit(f"the film holds {read} of {count} pictures")
         kind = "film" if tuple(arguments.size) == FULL_SIZE else "film_small"
         figures = {
             f"{kind}_minutes": arguments.minutes,
             f"{kind}_frames_gb": size / 1e9,
-            f"{kind}_peak_mb": memory_mb("VmHWM"),
+            f"{kind}_peak_mb": peak,
             f"{kind}_before_mb": before,
             f"{kind}_fps": count / took,
-            f"{kind}_file_gb": path.stat().st_size / 1e9,
+            f"{kind}_file_gb": whole / 1e9,
+            f"{kind}_read_peak_mb": read_peak,
+            f"{kind}_read_fps": count / read_s,
         }
     print(figures)
     arguments.json.write_text(json.dumps({"figures": figures, "commit": commit}, indent=1))
