@@ -160,7 +160,7 @@ def write_run_video(run: Run, path: Path) -> None:
 
 
 def write_run_film(run: Path, path: Path, clock: ClockFit, offset: float, zero: float) -> None:
-    """A run's frames as one film (rig.stills), one at a time; offset [s] by which they came late, zero: board time [s] of time 0."""
+    """A run's frames as one film (rig.stills); offset [s] by which they came late, zero: board time [s] of time 0."""
     stills = ((clock.to_board(host_s - offset) - zero, jpeg) for host_s, jpeg in iterate_frames(run))
     if not write_film(((t, jpeg) for t, jpeg in stills if t >= 0.0), path):
         raise InputError("no frame was taken during the run", file=run)
