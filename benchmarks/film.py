@@ -1,10 +1,9 @@
 """A long film of a run: memory and time of putting its frames into one video at the end (rig.record.add_film).
 
-python benchmarks/film.py --json FILE [--minutes 60] [--size 1280 720]
+python benchmarks/film.py --json FILE [--minutes 60]
 
 The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them. Another
-process then reads the recording and its film, as every command does. Small pictures show in less time what memory each
-frame takes beside its picture.
+process then reads the recording and its film, as every command does.
 """
 
 from __future__ import annotations
@@ -37,18 +36,18 @@ from tentacle.io.reading import read_recording
 from tentacle.io.video_file import frame_stamps
 
 FPS = 30
-FULL_SIZE = (1280, 720)
+WIDTH, HEIGHT = 1280, 720
 PICTURES = 60  # different ones
 
 
-def pictures(width: int, height: int) -> list[bytes]:
+def pictures() -> list[bytes]:
     """A dark arm on a light ground at some angles, with a camera's noise, as JPEG."""
     random = np.random.default_rng(1)
     found = []
     for k in range(PICTURES):
-        picture = np.full((height, width, 3), 190, np.uint8)
-        tip = (width // 2 + round(0.28 * height * np.sin(2 * np.pi * k / PICTURES)), round(0.83 * height))
-        cv2.line(picture, (width // 2, height // 12), tip, (40, 40, 40), height // 12)
+        picture = np.full((HEIGHT, WIDTH, 3), 190, np.uint8)
+        tip = (WIDTH // 2 + round(0.28 * HEIGHT * np.sin(2 * np.pi * k / PICTURES)), round(0.83 * HEIGHT))
+        cv2.line(picture, (WIDTH // 2, HEIGHT // 12), tip, (40, 40, 40), HEIGHT // 12)
         noisy = np.clip(picture + random.normal(0.0, 2.0, picture.shape), 0, 255).astype(np.uint8)
         found.append(cv2.imencode(".jpg", noisy, [cv2.IMWRITE_JPEG_QUALITY, 92])[1].tobytes())
     return found
@@ -82,11 +81,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--minutes", type=float, default=60.0)
-    parser.add_argument("--size", type=int, nargs=2, default=FULL_SIZE, metavar=("W", "H"))
     parser.add_argument("--folder", type=Path, help="where 27 GB an hour have room (default: the temporary folder)")
     arguments = parser.parse_args()
     commit = commit_of(Path(__file__).parent)
-    count, stills = round(60 * FPS * arguments.minutes), pictures(*arguments.size)
+    count, stills = round(60 * FPS * arguments.minutes), pictures()
     cell = LoadCellCalibration(0.0, 1.0)
     start = {"name": "film", "recording": declaration_tables(DECLARED), "lead_s": 0.0, "load_cell": {}}
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
@@ -108,16 +106,15 @@ def main() -> None:
         read, read_peak, read_s = read_by_another(path, Path(folder) / "cache")
         if read != count:
             sys.exit(f"the film holds {read} of {count} pictures")
-        kind = "film" if tuple(arguments.size) == FULL_SIZE else "film_small"
         figures = {
-            f"{kind}_minutes": arguments.minutes,
-            f"{kind}_frames_gb": size / 1e9,
-            f"{kind}_peak_mb": peak,
-            f"{kind}_before_mb": before,
-            f"{kind}_fps": count / took,
-            f"{kind}_file_gb": whole / 1e9,
-            f"{kind}_read_peak_mb": read_peak,
-            f"{kind}_read_fps": count / read_s,
+            "film_minutes": arguments.minutes,
+            "film_frames_gb": size / 1e9,
+            "film_peak_mb": peak,
+            "film_before_mb": before,
+            "film_fps": count / took,
+            "film_file_gb": whole / 1e9,
+            "film_read_peak_mb": read_peak,
+            "film_read_fps": count / read_s,
         }
     print(figures)
     arguments.json.write_text(json.dumps({"figures": figures, "commit": commit}, indent=1))

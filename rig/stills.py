@@ -1,7 +1,7 @@
 """Makes one video of JPEG pictures from a camera; each picture keeps its own time and its own bytes.
 
 A picture becomes a packet of the film (Motion JPEG) as it is. H.264 took 20 times the processor's time and up to a
-quarter fewer bytes, but the shape tracked in it erred 1.2 to 2.8 times as much (crf 10; 720p; four looks of vision.looks).
+quarter fewer bytes, but the shape tracked in it erred 1.2 to 2.8 times as much (crf 10, 720p, four of vision.looks).
 """
 
 from __future__ import annotations
