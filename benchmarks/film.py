@@ -1,18 +1,22 @@
 """A long film of a run: memory and time of putting its frames into one video at the end (rig.record.add_film).
 
-python benchmarks/film.py --json FILE [--minutes 60] [--size 1280 720]
+python benchmarks/film.py --json FILE [--minutes 60]
 
-The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them. Small ones
-are encoded in less time: with them an hour shows what memory each frame takes beside its picture.
+The pictures are 720p at 30 frames/s, noisy as a camera's are; they are written as the recorder writes them. Another
+process then reads the recording and its film, as every command does.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
+import os
+import resource
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import cv2
@@ -28,20 +32,22 @@ from rig.record import add_film
 from rig.recorder import Recorder
 from rig.setup_file import LoadCellCalibration
 from tentacle.io.declaration_file import declaration_tables
+from tentacle.io.reading import read_recording
+from tentacle.io.video_file import frame_stamps
 
 FPS = 30
-FULL_SIZE = (1280, 720)
+WIDTH, HEIGHT = 1280, 720
 PICTURES = 60  # different ones
 
 
-def pictures(width: int, height: int) -> list[bytes]:
+def pictures() -> list[bytes]:
     """A dark arm on a light ground at some angles, with a camera's noise, as JPEG."""
     random = np.random.default_rng(1)
     found = []
     for k in range(PICTURES):
-        picture = np.full((height, width, 3), 190, np.uint8)
-        tip = (width // 2 + round(0.28 * height * np.sin(2 * np.pi * k / PICTURES)), round(0.83 * height))
-        cv2.line(picture, (width // 2, height // 12), tip, (40, 40, 40), height // 12)
+        picture = np.full((HEIGHT, WIDTH, 3), 190, np.uint8)
+        tip = (WIDTH // 2 + round(0.28 * HEIGHT * np.sin(2 * np.pi * k / PICTURES)), round(0.83 * HEIGHT))
+        cv2.line(picture, (WIDTH // 2, HEIGHT // 12), tip, (40, 40, 40), HEIGHT // 12)
         noisy = np.clip(picture + random.normal(0.0, 2.0, picture.shape), 0, 255).astype(np.uint8)
         found.append(cv2.imencode(".jpg", noisy, [cv2.IMWRITE_JPEG_QUALITY, 92])[1].tobytes())
     return found
@@ -53,16 +59,32 @@ def memory_mb(kind: str) -> float:
     return next(float(line.split()[1]) for line in lines if line.startswith(kind)) / 1000
 
 
+def reading_back(run: Path) -> tuple[int, float]:
+    """Pictures of the film that every command sees; peak memory [MB] of this process and of the child that reads."""
+    recording = read_recording(run)
+    assert recording.video is not None
+    count = len(frame_stamps(recording.video.path))
+    return count, memory_mb("VmHWM") + resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1000
+
+
+def read_by_another(run: Path, cache: Path) -> tuple[int, float, float]:
+    """reading_back in a new process, which stores the film in `cache`; and the time it took [s]."""
+    os.environ["XDG_CACHE_HOME"] = str(cache)
+    begun = time.monotonic()
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as other:
+        count, peak = other.submit(reading_back, run).result()
+    return count, peak, time.monotonic() - begun
+
+
 def main() -> None:
     """Writes the frames, makes the film, and the figures as JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--minutes", type=float, default=60.0)
-    parser.add_argument("--size", type=int, nargs=2, default=FULL_SIZE, metavar=("W", "H"))
-    parser.add_argument("--folder", type=Path, help="where 8 GB an hour have room (default: the temporary folder)")
+    parser.add_argument("--folder", type=Path, help="where 27 GB an hour have room (default: the temporary folder)")
     arguments = parser.parse_args()
     commit = commit_of(Path(__file__).parent)
-    count, stills = round(60 * FPS * arguments.minutes), pictures(*arguments.size)
+    count, stills = round(60 * FPS * arguments.minutes), pictures()
     cell = LoadCellCalibration(0.0, 1.0)
     start = {"name": "film", "recording": declaration_tables(DECLARED), "lead_s": 0.0, "load_cell": {}}
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
@@ -80,14 +102,19 @@ def main() -> None:
             add_film(recorder, path, stop)
             recorder.stop("complete", stop)
         took = time.monotonic() - begun
-        kind = "film" if tuple(arguments.size) == FULL_SIZE else "film_small"
+        peak, whole = memory_mb("VmHWM"), path.stat().st_size
+        read, read_peak, read_s = read_by_another(path, Path(folder) / "cache")
+        if read != count:
+            sys.exit(f"the film holds {read} of {count} pictures")
         figures = {
-            f"{kind}_minutes": arguments.minutes,
-            f"{kind}_frames_gb": size / 1e9,
-            f"{kind}_peak_mb": memory_mb("VmHWM"),
-            f"{kind}_before_mb": before,
-            f"{kind}_fps": count / took,
-            f"{kind}_file_gb": path.stat().st_size / 1e9,
+            "film_minutes": arguments.minutes,
+            "film_frames_gb": size / 1e9,
+            "film_peak_mb": peak,
+            "film_before_mb": before,
+            "film_fps": count / took,
+            "film_file_gb": whole / 1e9,
+            "film_read_peak_mb": read_peak,
+            "film_read_fps": count / read_s,
         }
     print(figures)
     arguments.json.write_text(json.dumps({"figures": figures, "commit": commit}, indent=1))

@@ -34,12 +34,10 @@ from tentacle.io.declaration_file import format_recording_file, parse_recording_
 from tentacle.io.direct_file import way_to_disk
 from tentacle.io.film_pieces import log_film
 from tentacle.io.recording_from_rrd import PLANNED
-from tentacle.io.recording_rrd import log_video_file
 from tentacle.io.rrd_chunks import just_written
 
 FLUSH_EVERY = 0.15  # s; so much and what is on its way is lost when the host is killed
 WRITE_WITHIN = 3.0  # s, for Rerun and for the disk: less than the writer's patience, so that their words are heard
-WHOLE_VIDEO = 8 * 2**20  # bytes; a film up to here is one message, which takes seven times its size in memory meanwhile
 LEAST_FREE = 64 * 2**20  # bytes; under this a run is ended while there is still room to end it properly
 
 
@@ -119,10 +117,7 @@ class Recorder:
     def video(self, file: Path) -> None:
         """Puts a video of the run beside its signals, as tentacle.io.recording_rrd lays it out."""
         self._rows.count("camera", 1)
-        if file.stat().st_size > WHOLE_VIDEO:
-            log_film(self._stream, file)
-        else:
-            log_video_file(self._stream, file)
+        log_film(self._stream, file)
 
     def clock(self, fit: ClockFit) -> None:
         """Appends the clock's present fit: without it a crashed run could not place its frames."""

@@ -15,7 +15,7 @@ from rig import run_layout as layout
 from rig.clock import ClockFit
 from rig.protocol import EventCode
 from rig.run import Run, RunEvent
-from rig.stills import encode_video
+from rig.stills import write_film
 from rig.stop_file import read_stop
 from tentacle.errors import InputError
 from tentacle.io.checksums import CHECKSUM_ENTITY as SUMS
@@ -149,7 +149,7 @@ def to_recording(run: Run, *, video: Path | None = None) -> Recording:
 
 
 def write_run_video(run: Run, path: Path) -> None:
-    """The frames as H.264, each with its own time stamp; frames from before the waveform's time 0 are left out.
+    """The frames as one film, each with its own time stamp; frames from before the waveform's time 0 are left out.
 
     InputError where the run holds no clock, or no frame.
     """
@@ -160,9 +160,9 @@ def write_run_video(run: Run, path: Path) -> None:
 
 
 def write_run_film(run: Path, path: Path, clock: ClockFit, offset: float, zero: float) -> None:
-    """A run's frames as H.264, one at a time; offset [s] by which they came late, zero: board time [s] of time 0."""
+    """A run's frames as one film (rig.stills); offset [s] by which they came late, zero: board time [s] of time 0."""
     stills = ((clock.to_board(host_s - offset) - zero, jpeg) for host_s, jpeg in iterate_frames(run))
-    if not encode_video(((t, jpeg) for t, jpeg in stills if t >= 0.0), path):
+    if not write_film(((t, jpeg) for t, jpeg in stills if t >= 0.0), path):
         raise InputError("no frame was taken during the run", file=run)
 
 

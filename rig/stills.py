@@ -1,49 +1,66 @@
-"""Makes one video of JPEG pictures from a camera; each picture keeps its own time."""
+"""Makes one video of JPEG pictures from a camera; each picture keeps its own time and its own bytes.
+
+A picture becomes a packet of the film (Motion JPEG) as it is. H.264 took 20 times the processor's time and up to a
+quarter fewer bytes, but the shape tracked in it erred 1.2 to 2.8 times as much (crf 10, 720p, four of vision.looks).
+"""
 
 from __future__ import annotations
 
-import io
+import struct
 from collections.abc import Iterable
 from fractions import Fraction
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 
-import numpy as np
-
 TICK = Fraction(1, 90_000)  # s, of time stamps
-FIRST = 30  # frames whose spacing tells the rate
+START, END = b"\xff\xd8", b"\xff\xd9"  # of a JPEG picture
+FRAME_HEADERS = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}  # markers of the segment that states the size
+SCAN = 0xDA  # marker of the coded picture, which follows the size
+SEGMENT = struct.Struct(">BBH")  # 255, marker, length of the segment with the length's own two bytes
+SIZE = struct.Struct(">HH")  # rows, columns; they follow the length and the precision
 
 
-def encode_video(stills: Iterable[tuple[float, bytes]], path: Path) -> int:
-    """Times >= 0 [s] and JPEG pictures as H.264, one at a time; how many. A time that does not rise is left out."""
+def write_film(stills: Iterable[tuple[float, bytes]], path: Path) -> int:
+    """Times >= 0 [s] and JPEG pictures as a Motion JPEG film, one at a time; how many.
+
+    Left out: a picture whose time does not rise, that was cut off, or whose size is not the first one's.
+    """
     import av  # 0.1 s to import, and only runs with a camera need it
-    from av.error import FFmpegError
 
-    rest = iter(stills)
-    head = list(islice(rest, FIRST))
-    if not head:
+    sized = ((t, data, size) for t, data in stills if (size := picture_size(data)) is not None)
+    head = next(sized, None)
+    if head is None:
         return 0
-    spacing = float(np.median(np.diff([t for t, _ in head]))) if len(head) > 1 else 1.0
+    width, height = head[2]
     count, last = 0, -1
-    with av.open(str(path), mode="w") as container:
-        # x264 uses fewer bits for a frame at a higher frame rate; it goes by this nominal rate, not by the stamps.
-        stream = container.add_stream("libx264", rate=min(max(round(1.0 / max(spacing, 1e-3)), 1), 1000))
-        stream.options = {"crf": "10", "preset": "veryfast"}
-        stream.codec_context.time_base = stream.time_base = TICK
-        for t, data in chain(head, rest):
-            if round(t / TICK) <= last:
+    with av.open(str(path), mode="w", options={"video_track_timescale": str(TICK.denominator)}) as container:
+        stream = container.add_mux_stream("mjpeg", width=width, height=height)
+        stream.time_base = TICK
+        for t, data, size in chain([head], sized):
+            stamp = round(t / TICK)
+            if stamp <= last or size != (width, height):
                 continue
-            try:
-                with av.open(io.BytesIO(data), mode="r", format="mjpeg") as still:
-                    picture = next(still.decode(video=0)).reformat(format="yuv420p")
-            except (FFmpegError, StopIteration):
-                continue  # a camera sends a torn picture now and then
-            if not count:
-                stream.width, stream.height, stream.pix_fmt = picture.width, picture.height, "yuv420p"
-            picture.pts = last = round(t / TICK)
-            picture.time_base = TICK
-            container.mux(stream.encode(picture))
+            packet = av.Packet(data)
+            packet.stream, packet.time_base = stream, TICK
+            packet.duration = stamp - max(last, 0) or 1  # a last picture that lasts no time is not shown
+            packet.pts = packet.dts = last = stamp
+            packet.is_keyframe = True
+            container.mux(packet)
             count += 1
-        if count:
-            container.mux(stream.encode(None))
     return count
+
+
+def picture_size(data: bytes) -> tuple[int, int] | None:
+    """Width and height [px] of a whole JPEG picture, as its header states; None where it is none or is cut off."""
+    if not (data.startswith(START) and data.endswith(END)):
+        return None
+    at = len(START)
+    while at + SEGMENT.size + 1 + SIZE.size <= len(data):
+        lead, marker, length = SEGMENT.unpack_from(data, at)
+        if lead != 0xFF or marker == SCAN:
+            return None
+        if marker in FRAME_HEADERS:
+            height, width = SIZE.unpack_from(data, at + SEGMENT.size + 1)
+            return (width, height) if width and height else None
+        at += 2 + length
+    return None

@@ -15,7 +15,7 @@ from vision.fit import FrameFit
 from vision.kinematics import Geometry, Outline
 from vision.reach import SeenEnd, seen_reach
 
-LEAST_FOUND = 0.5  # share of the side edges that must carry weight
+LEAST_FOUND = 0.5  # share of the arm's stretches that must be seen, by a quarter of their side edges
 STRETCHES, TIP_SEEN = 20, 0.85  # of the arm: share up to which the sides must be seen if the tip is seen
 MOST_DISAGREEMENT = 0.12  # share of the silhouette's probes with the wrong grey
 MOST_SCATTER = 1.0  # px, standard deviation of an edge of full weight
@@ -63,7 +63,7 @@ def _why_rejected(
         return "the arm leaves the picture"
     if np.ptp(phi) > 1.7 * np.pi or _touches_itself(centre, radius):
         return "coiled"
-    if carries[sides].mean() < LEAST_FOUND:
+    if there.mean() < LEAST_FOUND:
         return "edges lost"
     if fit.sigma > MOST_SCATTER:
         return "edges scatter"

@@ -1,7 +1,7 @@
 """Finds an arm in a film without other knowledge: base, tip, widths and length in px, to be confirmed by a person.
 
 The arm is the slender body that has contrast with its smooth ground and moves. Its base is the end that does not move;
-there a part that is wider than the arm's taper (a clamp, a fish's trunk) is cut off.
+there a part that is wider than the arm's taper is cut off: a clamp at its corners, a fish's trunk where motion begins.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from tentacle.recording import Camera
 from tentacle.signals import Array
 from vision.body_axis import LEAST_SLENDERNESS, axis_between, base_opposite, clamped_until, widths_along
 from vision.frames import Grey, read_frames
+from vision.hinge import motion_begins
 from vision.shoulders import from_shoulders
 from vision.silhouette import Axis, find_ends
 
@@ -30,6 +31,7 @@ STANDING_OUT = 5.0  # least contrast, in units of the ground's scatter
 HALF_WAY, CONTRAST = 0.45, 0.8  # of the arm's contrast, which is this quantile of the foreground's
 SHORTEST_ARM = 20.0  # px of length
 STILL, ALWAYS = 0.1, 0.9  # weight of a body that does not move; the share of the pictures in which it is found
+MOSTLY = 0.5  # share of the pictures in which a wider part without corners holds the arm
 LOWER, ALIKE = 0.25, 0.05  # quantile of the lengths; a contour's ends are found to about 2 % of the length
 # rad: an arm whose mean direction lies so near to the picture's own axis hangs along it. A camera on a tripod is level
 # to about a degree; in the first 90 pictures of five level films the mean of the arm was .5 to 4.7 degrees off.
@@ -115,7 +117,16 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
         raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
     found = [axis for _, axis in seen]
     held = [clamped_until(axis) for axis in found]
-    lines = [from_shoulders(contour, axis, first) for (contour, axis), first in zip(seen, held, strict=True)]
+    cut = [
+        from_shoulders(contour, axis, first) if first else None
+        for (contour, axis), first in zip(seen, held, strict=True)
+    ]
+    hinge = None
+    if np.mean([first > 0 and line is None for first, line in zip(held, cut, strict=True)]) > MOSTLY:
+        hinge = motion_begins([axis.points for axis in found])
+    if hinge is not None:
+        cut, held = [None] * len(found), [_index_at(axis, hinge) for axis in found]
+    lines = [axis.points[first:] if line is None else line for axis, first, line in zip(found, held, cut, strict=True)]
     score, alone = len(found) / len(pictures), _alone([_length(line) for line in lines], held)
     found, held, lines = [found[k] for k in alone], [held[k] for k in alone], [lines[k] for k in alone]
     base = np.median([line[0] for line in lines], axis=0)
@@ -125,7 +136,9 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
     lengths = [_length(line) for line in lines]
     widths = np.median([_ends_width(axis, first) for axis, first in zip(found, held, strict=True)], axis=0)
     words = []
-    if max(held) > 0:
+    if hinge is not None:
+        words.append("the base is where the body begins to move: is this where it is held?")
+    elif max(held) > 0:
         words.append("the base is where the arm gets wider than its taper: is this where it is held?")
     if len(pictures) > 1 and np.ptp(np.array(tips), axis=0).max() < 2.0:
         words.append("nothing moves: base and tip may be exchanged")
@@ -236,6 +249,12 @@ def _reversed(axis: Axis) -> Axis:
 def _length(line: Array) -> float:
     """Length of a line (P, 2)."""
     return float(np.sum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+
+
+def _index_at(axis: Axis, arc: float) -> int:
+    """Index of the first point of an axis at that arc length [px] or beyond."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(axis.points, axis=0), axis=1))])
+    return min(int(np.searchsorted(along, arc)), len(axis.points) - 2)
 
 
 def _alone(lengths: Sequence[float], held: Sequence[int]) -> list[int]:

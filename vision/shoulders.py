@@ -13,14 +13,12 @@ LEAST_TURN = 0.6  # rad that an inner corner turns
 STEP = 0.25  # px along the outline
 
 
-def from_shoulders(contour: Array, axis: Axis, first: int) -> Array:
+def from_shoulders(contour: Array, axis: Axis, first: int) -> Array | None:
     """The arm's midline (P, 2) [px] from its base, for an axis whose point `first` is the first beyond a wider part.
 
-    The base is half way between the inner corners. Without corners, or with first = 0, it is the axis' point itself.
+    The base is half way between the inner corners; None without corners.
     """
     line = axis.points[first:]
-    if first == 0:
-        return line
     width = float(np.median(axis.width[len(axis.width) // 2 :])) + 2.0
     closed = np.concatenate([contour, contour[:1]])
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
@@ -38,7 +36,7 @@ def from_shoulders(contour: Array, axis: Axis, first: int) -> Array:
     for side in (beside > 0.0, beside < 0.0):
         turns = np.where(side & near, inward, 0.0)
         if turns.max() < LEAST_TURN:
-            return line
+            return None
         corners.append(int(np.argmax(turns)))
     return _between(even, corners[0], corners[1], axis.points[-1])
 

@@ -131,6 +131,8 @@ def track_fully(
     pooled = pool(seen, follower.shared, following.order, follower.prior, known)
     shape = _shape(seen, pooled, follower.geometry, declaration)
     remarks = (*_remarks(seen, pooled), *_scale_finding(shape, declaration), *_slowed(follower.repeats.again, shape))
+    if past := sum(frame >= len(seen) for frame in follower.verdicts):
+        remarks = (*remarks, f"{past} frames of the proofreading are not in the video: its last one is {len(seen) - 1}")
     return Tracking(shape, tuple(seen), pooled, remarks)
 
 
@@ -176,12 +178,17 @@ def _slowed(again: int, shape: ShapeTrack) -> tuple[str, ...]:
     )
 
 
+def tip_untold(declaration: Declaration) -> float:
+    """How far the scale may be off at most because the tip's shape is not declared; 0 where it is."""
+    assert declaration.camera is not None
+    if declaration.specimen.tip_rounding is not None:
+        return 0.0
+    return TIP_UNTOLD * declaration.camera.metres_per_px / declaration.specimen.length
+
+
 def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ...]:
     """A remark if the length differs from the declared one by more than its standard deviation allows."""
-    assert declaration.camera is not None
-    off, untold = shape.scale - 1.0, 0.0
-    if declaration.specimen.tip_rounding is None:
-        untold = TIP_UNTOLD * declaration.camera.metres_per_px / declaration.specimen.length
+    off, untold = shape.scale - 1.0, tip_untold(declaration)
     if not abs(off) > max(SURE * shape.scale_sigma + untold, WORTH_SAYING):
         return ()
     more, length = "longer" if off > 0 else "shorter", declaration.specimen.length

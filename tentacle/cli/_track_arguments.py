@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
+
+PLAIN = ("length", "base_radius", "tip_radius", "base_px", "m_per_px", "fps", "exposure")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -94,3 +97,14 @@ def check_outputs(arguments: argparse.Namespace) -> None:
         from tentacle.io.recording_rrd import require_replaceable
 
         require_replaceable(arguments.out)
+
+
+def check_plain(arguments: argparse.Namespace, sources: Sequence[Path]) -> None:
+    """InputError where an option for plain videos is given and every source is a recording, which states it itself."""
+    from tentacle.errors import InputError
+    from vision.declared import is_recording
+
+    given = [name for name in PLAIN if getattr(arguments, name)]
+    if given and all(map(is_recording, sources)):
+        field = "--" + given[0].replace("_", "-")
+        raise InputError("is for a plain video", file=sources[0], field=field, expected="it in recording.toml")

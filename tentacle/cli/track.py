@@ -24,12 +24,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Read, track, write, print the results."""
+    """Read, track, write, print the results. 1 where no frame of a video is accepted."""
+    from tentacle.cli._track_arguments import check_plain
     from tentacle.cli._track_sources import picked_recording, several
     from tentacle.errors import InputError
     from vision.batch import sources_of
 
     sources = arguments.source if len(arguments.source) == 1 and arguments.live else sources_of(arguments.source)
+    if not arguments.pick:
+        check_plain(arguments, sources)
     if len(sources) > 1 or sources != arguments.source:
         return several(sources, arguments)
     if arguments.pick:
@@ -79,7 +82,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
         overlay_picture(arguments.overlay, video, recording, () if tracked is None else tracked.seen)
     told = tracking_summary(shape, tracked, arguments.out)
     say_text(tracking_json(told)) if arguments.json else say(*in_words(told, source, recording, shape))
-    return 0
+    return int(not told["accepted"])
 
 
 def _tracked(

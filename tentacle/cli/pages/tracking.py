@@ -17,7 +17,7 @@ from vision.encode import write_picture, write_video
 from vision.frames import read_frames
 from vision.overlay import contact_sheet, overlay
 from vision.proofread import most_doubtful
-from vision.track import Tracking
+from vision.track import Tracking, tip_untold
 from vision.tracked_frame import TrackedFrame
 
 
@@ -44,15 +44,17 @@ def tracking_json(told: dict[str, Any]) -> str:
 def in_words(told: dict[str, Any], source: Path, recording: Recording, shape: ShapeTrack) -> list[str]:
     """The summary for people, line by line."""
     aside, along = 1e3 * shape.base_shift
+    untold = tip_untold(recording.declaration)
+    tip = f" (+- {untold:.5f} until tip_rounding_m tells the tip's shape)" if untold else ""
     lines = [
         f"{told['accepted']} of {told['frames']} frames accepted, {told['order']} curvature coordinates",
-        f"scale {shape.scale:.5f} +- {shape.scale_sigma:.5f} of the declared; base {aside:+.2f} mm aside of the"
+        f"scale {shape.scale:.5f} +- {shape.scale_sigma:.5f} of the declared{tip}; base {aside:+.2f} mm aside of the"
         f" declared, {along:+.2f} mm along the arm",
         *told["remarks"],
     ]
     if told["most_doubtful"]:
-        doubtful = ", ".join(map(str, told["most_doubtful"]))
-        lines.append(f"most doubtful of the accepted: frames {doubtful} (--reject takes them out)")
+        doubtful = ", ".join(f"{frame} ({shape.t[frame]:.2f} s)" for frame in told["most_doubtful"])
+        lines.append(f"most doubtful of the accepted: frames {doubtful}; --reject takes them out")
     if not is_recording(source):
         lines.append(camera_line(recording, shape))
     return [*lines, f"wrote {told['wrote']}"]
