@@ -1,9 +1,10 @@
 """The drift sentinel: one motion, repeated, whose recordings are compared with each other and with no model.
 
 The reference motion is a sine. A least-squares fit gives the mean, the swing and the lag of the tip's heading against
-the base, and the swing of the thrust at twice the frequency: four numbers of each run. The first runs repeat the
-motion before anything can have changed. Their scatter is how well servo, camera, clock and arm repeat it. A later
-run y differs from their mean m by Student's t for a new observation (Fisher 1925),
+the base, and the swing of the thrust at twice the frequency: four numbers of each run. Tip and base are both taken from
+the pictures, so that an error of the camera's clock, some milliseconds from run to run, cancels. The first runs repeat
+the motion before anything can have changed. Their scatter is how well servo, camera, load cell and arm repeat it. A
+later run y differs from their mean m by Student's t for a new observation (Fisher 1925),
 
     t = (y - m) / (s sqrt(1 + 1/n)),  n - 1 degrees of freedom,
 
@@ -61,21 +62,22 @@ def _told(name: str, value: float) -> str:
 
 def numbers_of(recording: Recording, motion: Sine) -> Array:
     """The four numbers (4,) of a run, means over its periods after settling: mean heading and swing of the tip [rad],
-    its lag [rad], swing of the thrust [N]. InputError where fewer than FEWEST periods are seen.
+    its lag behind the base [rad], swing of the thrust [N]. InputError where fewer than FEWEST periods are seen.
     """
-    shape, cell = recording.shape, recording.load_cell
-    if shape is None or cell is None:
-        raise InputError("has no shapes or no load cell", field=recording.name, expected="a filmed run of the rig")
-    k = np.arange(1, shape.coefficients.shape[1])
-    heading = shape.coefficients[:, 0] + (shape.coefficients[:, 1:] / k).sum(axis=1)
-    tip = _harmonics(shape.t[shape.accepted], heading[shape.accepted], motion.frequency)
+    shape, cell, motor = recording.shape, recording.load_cell, recording.motor
+    if shape is None or cell is None or motor is None:
+        raise InputError("lacks shapes, load cell or motor", field=recording.name, expected="a filmed run of the rig")
+    t, coefficients = shape.t[shape.accepted], shape.coefficients[shape.accepted]
+    bend = (coefficients[:, 1:] / np.arange(1, coefficients.shape[1])).sum(axis=1)
+    seen_base = np.interp(t, motor.t, motor.angle) + coefficients[:, 0]
+    tip, base = (_harmonics(t, y, motion.frequency) for y in (bend, seen_base))
     pull = _harmonics(cell.t, cell.thrust, 2 * motion.frequency, per=2)
     count = min(len(tip), len(pull))
     if count < FEWEST:
         raise InputError(f"shows {count} whole periods", field=recording.name, expected=f"at least {FEWEST}")
-    mean, sine, cosine = tip[:count].mean(axis=0)
-    pulls = pull[:count].mean(axis=0)
-    return np.array([mean, np.hypot(sine, cosine), np.arctan2(-cosine, sine), np.hypot(pulls[1], pulls[2])])
+    (mean, sine, cosine), (_, *turn), (_, *pulled) = (y[:count].mean(axis=0) for y in (tip, base, pull))
+    lag = np.angle(complex(*turn) / complex(sine, cosine))
+    return np.array([mean, np.hypot(sine, cosine), lag, np.hypot(*pulled)])
 
 
 def _harmonics(t: Array, y: Array, frequency: float, per: int = 1) -> Array:

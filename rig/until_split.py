@@ -33,7 +33,9 @@ from tentacle.io.waveform_file import waveform_from_table, waveform_table
 from tentacle.waveform import Sine
 
 PATIENCE = (5.0, 30.0)  # s before the second and the third attempt at a run; then a person must check the rig
-REFERENCE, REFERENCE_PERIODS = Sine(0.3, 1.0), 12
+# At 0.97 Hz a camera of 25, 30 or 60 frames/s sees every period at other phases, so that a bias of the tracking that
+# depends on the place in the picture is the same in every run.
+REFERENCE, REFERENCE_PERIODS = Sine(0.3, 0.97), 12
 DECISION = "decision"  # key of a run's description
 LISTEN_EVERY = 0.1  # s at which an interrupt is heard while the next attempt is waited for
 

@@ -23,7 +23,7 @@ from tentacle.waveform import Waveform
 CELL = LoadCellCalibration(52000.0, 180000.0)
 NOISE = 60.0  # counts
 STEP = 0.01  # s
-SEED = 1  # of the load cell's noise
+SEED = 1
 
 
 def filmed_run(
@@ -33,15 +33,18 @@ def filmed_run(
     seconds: float,
     path: Path,
     description: dict[str, Any],
+    seed: int = SEED,
 ) -> None:
     """Plays the waveform on the arm, which is at rest before, and writes the run as `tentacle rig record` does.
+    seed: of the load cell's noise.
 
     Board and host share one clock here, and the camera has no delay: their fits are tested where there are two.
     """
-    plant, optics, source = ArmPlant(model, hidden), EmulatedOptics.of(DECLARED), np.random.default_rng(SEED)
+    plant, optics, source = ArmPlant(model, hidden), EmulatedOptics.of(DECLARED), np.random.default_rng(seed)
     camera = {"source": "emulated", "offset_s": 0.0, "offset_sigma_s": 1e-4}
     start = {
         "name": path.stem, "recording": declaration_tables(DECLARED), "lead_s": 0.0, "waveform": description,
+        "duration_s": seconds,
         "load_cell": {"offset_counts": CELL.offset, "counts_per_newton": CELL.slope}, "camera": camera,
     }  # fmt: skip
     zero = 1_000_000  # us

@@ -7,7 +7,7 @@ import pytest
 
 from rig.sentinel import LEVEL, NAMES, Repeats, numbers_of
 from tentacle.errors import InputError
-from tentacle.recording import Declaration, LoadCellSignal, Recording, ShapeTrack
+from tentacle.recording import Declaration, LoadCellSignal, MotorSignal, Recording, ShapeTrack
 from tentacle.signals import Array
 from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Sine
@@ -18,18 +18,22 @@ TRUE = np.array([0.01, 0.5, 0.4, 0.02])  # mean heading [rad], swing [rad], lag 
 SPREAD = np.array([5e-4, 1e-3, 2e-3, 1e-4])  # of one run, between repeats
 
 
-def reference(seed: int, swing: float = 0.5, lag: float = 0.4, mean: float = 0.0) -> Recording:
-    """Twelve seconds of a tip that follows a sine of 1 Hz, seen with 0.003 rad of noise."""
+def reference(seed: int, swing: float = 0.5, lag: float = 0.4, mean: float = 0.0, late: float = 0.0) -> Recording:
+    """Twelve seconds of a tip that follows a sine of 1 Hz, seen with 0.003 rad of noise; late [s]: the camera."""
     random = np.random.default_rng(seed)
     t, cell = np.arange(0, 12, 1 / 30), np.arange(0, 12, 0.0107)
-    tip = mean + swing * np.sin(2 * np.pi * t - lag) + 0.003 * random.normal(size=t.size)
+    seen, noise = t - late, 0.003 * random.normal(size=(2, t.size))
+    tip = mean + swing * np.sin(2 * np.pi * seen - lag) + noise[0]
+    offset = MOTION(seen)[0] - MOTION(t)[0] + noise[1]
     shape = ShapeTrack(
-        t, np.column_stack([np.zeros_like(t), tip]), np.zeros((t.size, 2, 2)), np.ones(t.size, dtype=bool),
+        t, np.column_stack([offset, tip]), np.zeros((t.size, 2, 2)), np.ones(t.size, dtype=bool),
         ("",) * t.size, 1.0, 0.0, np.zeros(2),
     )  # fmt: skip
     thrust = 0.02 * np.sin(4 * np.pi * cell) + 3e-4 * random.normal(size=cell.size)
     declaration = Declaration(Specimen(Cone(0.0125, 0.001), 0.14, 1070.0), WATER)
-    return Recording("reference", declaration, load_cell=LoadCellSignal(cell, thrust), shape=shape)
+    turn = MOTION(cell)[0]
+    motor = MotorSignal(cell, turn, turn)
+    return Recording("reference", declaration, motor=motor, load_cell=LoadCellSignal(cell, thrust), shape=shape)
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +55,13 @@ def test_the_sentinel_names_what_changed(moved: dict[str, float], name: str, rep
     value = moved.get("swing", 0.5) / 0.5 - 1 or moved.get("lag", 0.4) - 0.4 or moved.get("mean", 0.0) / 0.5
     assert abs(found[0].change - value) < found[0].half_width
     assert found[0].words.startswith(f"{name} changed by")
+
+
+def test_an_error_of_the_cameras_clock_is_no_drift(repeats: Repeats) -> None:
+    """5 ms are 31 mrad of phase, of the tip and of the base alike."""
+    numbers = numbers_of(reference(99, late=5e-3), MOTION)
+    assert not repeats.changes(numbers, "")
+    assert numbers[2] == pytest.approx(0.4, abs=3e-3)  # 0.003 rad in 270 frames, over the swings of 0.5 and 0.3 rad
 
 
 def campaigns(count: int, seed: int, moved: Array) -> Array:
