@@ -78,6 +78,8 @@ def answer_writer(folder: Path) -> Callable[[Diagnosis, Sequence[Recording], Seq
 
         with written(folder) as answer:
             write_answer(found, list(recordings), answer, " ".join(["tentacle", *sys.argv[1:]]), list(runs))
+        if found.next_experiment is None:
+            (folder / "next_experiment.toml").unlink(missing_ok=True)  # of the diagnosis before
 
     return keep
 
