@@ -138,9 +138,11 @@ class Repeats:
     @property
     def words(self) -> str:
         """One line for a person: the scatter, and what would be found."""
-        spread, found = self.error, self.found_by(0.9)
-        parts = [f"{name} {_told(name, s)} ({_told(name, f)})" for name, s, f in zip(NAMES, spread, found, strict=True)]
-        return f"the reference repeats within, and a drift is found from: {', '.join(parts)}"
+        spread, found = (
+            ", ".join(f"{name} {_told(name, value)}" for name, value in zip(NAMES, values, strict=True))
+            for values in (self.error, self.found_by(0.9))
+        )
+        return f"the reference repeats within (standard deviation): {spread}; a drift is found with 90 % from: {found}"
 
 
 def sentinel(

@@ -24,7 +24,7 @@ def test_a_straight_arm_is_as_long_and_as_wide_as_declared(turn: float) -> None:
     image[:32, 280:] = GROUND  # the lamp
     share = (GROUND - image) / (GROUND - ARM)
     rows, columns = np.indices(share.shape)
-    place = CAMERA.to_base_frame(np.stack([columns, rows], axis=-1)) @ along
+    place = CAMERA.to_base_frame(np.stack([columns, rows], axis=-1).astype(float)) @ along
     pixel = CAMERA.metres_per_px**2
     assert pixel * share.sum() == pytest.approx(length * (base + tip), rel=2e-3)
     moment = 2.0 * length**2 * (base / 2.0 + (tip - base) / 3.0)

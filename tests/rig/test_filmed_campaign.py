@@ -18,10 +18,11 @@ from rig.sentinel import sentinel
 from rig.soundness import is_filmed_run
 from rig.split_decision import joint_judge
 from rig.until_split import Bench, SplitPlan, run_until_split
+from tentacle.base_motion import fit_samples
 from tentacle.diagnosis import Diagnosis
 from tentacle.model import Estimate, Model
 from tentacle.recording import Recording
-from tentacle.waveform import Chirp, SampledWaveform
+from tentacle.waveform import Chirp
 from tests.rig.filmed import filmed_run
 
 HIDDEN = {"viscoelasticity": {"g": 0.2, "tau": 0.5}}
@@ -35,8 +36,8 @@ class FilmedBench:
         self.model = model
 
     def make(self, motion: RigMotion, path: Path) -> None:
-        t = np.arange(len(motion.points)) * motion.period
-        wave = SampledWaveform(t, motion.points)
+        t = np.asarray(np.arange(len(motion.points)) * motion.period, dtype=float)
+        wave = fit_samples(t, motion.points)
         filmed_run(self.model, HIDDEN, wave, motion.duration, path, motion.description, zlib.crc32(path.stem.encode()))
 
 
