@@ -123,8 +123,8 @@ def is_complete_run(file: Path) -> bool:
 
 
 def film_gap(run: Run) -> float:
-    """The longest time of a run's motion without a frame [s]; the whole motion where it has no film."""
-    seconds = float(run.start["duration_s"]) - float(run.start.get("lead_s", 0.0))
+    """The longest time of a run's motion without a frame [s], to its last set point; all of it where it has no film."""
+    seconds = float(run.servo_t[-1]) - run.zero
     camera = (run.stop or {}).get("camera") or {}
     if not run.clocks or not len(run.frame_host_t):
         return seconds
@@ -139,4 +139,4 @@ def is_filmed_run(file: Path) -> bool:
         run = require_sound_run(file)
     except InputError:
         return False
-    return run.outcome == "complete" and film_gap(run) <= LONGEST_SILENCE
+    return run.outcome == "complete" and len(run.servo_t) > 0 and film_gap(run) <= LONGEST_SILENCE

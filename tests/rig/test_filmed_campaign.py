@@ -50,8 +50,8 @@ def test_a_chirp_leaves_twins_that_a_designed_motion_splits_and_a_softer_arm_is_
     plan = SplitPlan(first, limits, most=4, repeats=3)
     bench, told, kept = FilmedBench(arm()), [], []
 
-    def keep(found: Diagnosis, _recordings: Sequence[Recording], runs: Sequence[Path]) -> None:
-        kept.append((len(runs), found.verdict, found.certain))
+    def keep(_found: Diagnosis, _recordings: Sequence[Recording], runs: Sequence[Path]) -> None:
+        kept.append(len(runs))
 
     def campaign() -> Bench:
         same = sentinel(plan.reference, plan.repeats, plan.comparisons, told.append)
@@ -60,12 +60,11 @@ def test_a_chirp_leaves_twins_that_a_designed_motion_splits_and_a_softer_arm_is_
     found = run_until_split(tmp_path, plan, campaign(), told=told.append)
     assert found.ending == "split"
     assert found.decision is not None
-    assert found.decision.explanation == tuple(HIDDEN)
-    assert 2 <= len(found.experiments) <= 4  # the chirp alone leaves a group
-    assert kept[0][:2] == (1, "group")
-    assert [count for count, *_ in kept] == list(range(1, len(found.experiments) + 1))
-    # The reference before the conclusion again, by an arm that has become 5 % softer: its swing and its lag change by
-    # more than the load cell's noise, which alone differs between two runs here.
+    assert set(HIDDEN) <= set(found.decision.explanation)
+    assert 2 <= len(found.experiments) <= 4  # no explanation holds 95 % after the chirp alone
+    assert kept == list(range(1, len(found.experiments) + 1))
+    # The reference before the conclusion again, by an arm that has become 5 % softer. Only the load cell's noise
+    # differs between two runs here: the tip's swing, which changes by as much as the stiffness, repeats exactly.
     last = max(tmp_path.glob("reference-*.rrd"))
     last.unlink()
     values = bench.model.parameters["elasticity"]["E"].value
@@ -73,5 +72,5 @@ def test_a_chirp_leaves_twins_that_a_designed_motion_splits_and_a_softer_arm_is_
     bench.model = replace(bench.model, parameters=softer)
     drifted = run_until_split(tmp_path, plan, campaign())
     assert drifted.ending == "drifted"
-    assert any(line.startswith("the tip's lag changed") for line in drifted.drift)
+    assert any(line.startswith("the tip's swing changed") for line in drifted.drift)
     assert len(kept) == len(found.experiments)  # no diagnosis was made again
