@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ from tentacle.waveform import Waveform
 CELL = LoadCellCalibration(52000.0, 180000.0)
 NOISE = 60.0  # counts
 STEP = 0.01  # s
-SEED = 1
 
 
 def filmed_run(
@@ -33,14 +33,17 @@ def filmed_run(
     seconds: float,
     path: Path,
     description: dict[str, Any],
-    seed: int = SEED,
 ) -> None:
     """Plays the waveform on the arm, which is at rest before, and writes the run as `tentacle rig record` does.
-    seed: of the load cell's noise.
+    The load cell's noise is another one for each name of a file.
 
     Board and host share one clock here, and the camera has no delay: their fits are tested where there are two.
     """
-    plant, optics, source = ArmPlant(model, hidden), EmulatedOptics.of(DECLARED), np.random.default_rng(seed)
+    plant, optics, source = (
+        ArmPlant(model, hidden),
+        EmulatedOptics.of(DECLARED),
+        np.random.default_rng(zlib.crc32(path.stem.encode())),
+    )
     camera = {"source": "emulated", "offset_s": 0.0, "offset_sigma_s": 1e-4}
     start = {
         "name": path.stem, "recording": declaration_tables(DECLARED), "lead_s": 0.0, "waveform": description,
