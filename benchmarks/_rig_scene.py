@@ -53,7 +53,7 @@ def played(
 ) -> tuple[list[Sample], PlayStart, PlayEnd]:
     """WAVE for so long on an armed board; act is called all along with the seconds since the start."""
     samples: list[Sample] = []
-    start, end = PlayStart(0), PlayEnd("none", "", 0)
+    start, end = PlayStart(0), PlayEnd("no_answer", "", 0)
     begun = time.monotonic()
     for item in play(board, set_points(WAVE, seconds, LIMITS), LIMITS):
         if isinstance(item, PlayStart):

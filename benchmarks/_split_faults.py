@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rig.fault import Fault, Outcome
 from rig.motion import RigMotion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
@@ -20,6 +21,7 @@ from tentacle.specimen import WATER, Cone, Specimen
 CELL = LoadCellCalibration(1000.0, 180000.0)
 DECLARED = declaration_tables(Declaration(Specimen(Cone(0.0125, 0.001), 0.14, 1070.0), WATER))
 FAULTS = ("unplug", "overcurrent", "torn file", "kill", "disk full", "clock leap")
+OUTCOMES: dict[str, Outcome] = {"overcurrent": "overcurrent", "disk full": "disk", "clock leap": "watchdog"}
 NEEDED = 4  # recordings after which the decisions below are split
 
 
@@ -34,8 +36,8 @@ class FaultyBench:
         self.faults, self.made = list(faults), 0
         self.random = random.Random(len(self.faults))
 
-    def make(self, motion: RigMotion, path: Path) -> None:
-        """One run of a tenth of a second."""
+    def make(self, motion: RigMotion, path: Path) -> Fault | None:
+        """One run of a tenth of a second, and the fault that it met."""
         fault = self.faults.pop(0) if self.faults else ""
         self.made += 1
         start = {
@@ -43,7 +45,7 @@ class FaultyBench:
             "load_cell": {"offset_counts": CELL.offset, "counts_per_newton": CELL.slope},
         }  # fmt: skip
         if fault == "unplug":
-            return  # the board is gone before the run begins
+            return Fault("link_lost", "the board is gone before the run begins")
         with Recorder(path, start, CELL.to_newtons) as recorder:
             recorder.begin(1_000_000)
             times = 1_000_000 + np.arange(0, 0.1, 0.0107) * 1e6
@@ -51,10 +53,11 @@ class FaultyBench:
             if fault == "kill":
                 recorder.flush()
                 raise KilledError
-            outcome = {"overcurrent": "overcurrent", "disk full": "disk", "clock leap": "clock"}.get(fault, "complete")
+            outcome = OUTCOMES.get(fault, "complete")
             recorder.stop(outcome, {"start_us": 1_000_000, "rest_n": 0.0})
         if fault == "torn file":
             path.write_bytes(path.read_bytes()[: self.random.randrange(64, path.stat().st_size - 64)])
+        return None if outcome == "complete" else Fault(outcome, fault)
 
 
 def decided(runs: Sequence[Path]) -> Decision:

@@ -117,7 +117,9 @@ def faults(count: int, seed: int) -> dict[str, float]:
     source = random.Random(seed)
     wave = Chirp(0.3, 0.3, 2.0, 2.0)
     plan = SplitPlan(
-        Campaign("faults", (CampaignRun("chirp", rig_motion(wave, 2.0, LIMITS, described(wave))),)), LIMITS
+        Campaign("faults", (CampaignRun("chirp", rig_motion(wave, 2.0, LIMITS, described(wave))),)),
+        LIMITS,
+        patience=(0.0, 0.0),
     )
     injected = bad = 0
     while injected < count:

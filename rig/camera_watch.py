@@ -10,6 +10,7 @@ from rig.camera import CameraFrame, CameraThread
 from rig.camera_offset import CameraOffset, combined, estimate_offset, lit_frames
 from rig.clock import ClockFit
 from rig.fault import Fault
+from rig.frame_times import steadied
 from rig.host_time import HostTime
 from rig.protocol import BoardEvent, EventCode
 from rig.setup_file import CameraSettings
@@ -37,7 +38,8 @@ class Flashes:
 
     def offset(self, fit: ClockFit) -> CameraOffset:
         """The camera's delay; Fault("camera") where the flashes are not seen, or seen too dimly to tell."""
-        times = np.array([fit.to_board(frame.host_s) for frame in self._frames])
+        arrival = steadied(np.array([frame.host_s for frame in self._frames]))
+        times = np.array([fit.to_board(float(host_s)) for host_s in arrival])
         on, off = (np.array(edges) for edges in self._edges.values())
         lit = lit_frames(np.array([frame.thumbnail for frame in self._frames]), times, on, off)
         found = estimate_offset(times, lit, on, off)

@@ -15,6 +15,9 @@ from tentacle.errors import InputError
 from tentacle.recording import Camera as CameraDeclaration
 from tentacle.recording import Declaration
 from tentacle.signals import Array
+from vision.coverage import polygon_coverage
+
+GROUND, ARM = 200.0, 40.0  # grey
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,7 @@ class EmulatedSource:
     def __init__(self, trace: Path, optics: EmulatedOptics, host_time: HostTime) -> None:
         self._trace, self._optics, self._time = trace, optics, host_time
         self._random = np.random.default_rng(optics.seed)
+        draw_picture(np.zeros((ARM_POINTS, 2)), 0.0, optics)  # the drawing is compiled before the first frame is due
         self._start, self._count = host_time.now(), 0
         self._previous: tuple[float, float] | None = None
 
@@ -90,25 +94,18 @@ class EmulatedSource:
 
 def draw_picture(points: Array, lit: float, optics: EmulatedOptics) -> Image:
     """A grey picture (height, width): dark arm on light ground, an LED in the corner. points (24, 2) [m] in the base
-    frame.
+    frame. A pixel's grey is the share of it that the arm covers; the arm ends flat at the last point.
     """
-    width, height = optics.size
-    image = np.full((height, width), 200, dtype=np.uint8)
+    image = GROUND - (GROUND - ARM) * polygon_coverage(_outline(points, optics), optics.size)
+    picture = np.round(image).astype(np.uint8)
+    cv2.circle(picture, (optics.size[0] - 16, 16), 9, int(60 + 195 * lit), -1)
+    return picture
+
+
+def _outline(points: Array, optics: EmulatedOptics) -> Array:
+    """The arm's outline (48, 2) [px]: one side to the tip, the other side back."""
     pixels = optics.declaration.to_pixels(points)
-    radii = np.array(optics.radii) / optics.declaration.metres_per_px
-    shift = 4  # fractional bits
-    for k in range(len(pixels) - 1):
-        tangent = pixels[k + 1] - pixels[k]
-        normal = np.array([-tangent[1], tangent[0]]) / max(float(np.linalg.norm(tangent)), 1e-9)
-        corners = [
-            pixels[k] + radii[k] * normal,
-            pixels[k + 1] + radii[k + 1] * normal,
-            pixels[k + 1] - radii[k + 1] * normal,
-            pixels[k] - radii[k] * normal,
-        ]
-        polygon = np.round(np.array(corners) * 2**shift).astype(np.int32)
-        cv2.fillPoly(image, [polygon], 40, lineType=cv2.LINE_AA, shift=shift)
-        centre = np.round(pixels[k + 1] * 2**shift).astype(int)
-        cv2.circle(image, (int(centre[0]), int(centre[1])), int(radii[k + 1] * 2**shift), 40, -1, cv2.LINE_AA, shift)
-    cv2.circle(image, (width - 16, 16), 9, int(60 + 195 * lit), -1)
-    return image
+    along = np.gradient(pixels, axis=0)
+    across = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.linalg.norm(along, axis=1), 1e-9)[:, None]
+    half = across * (np.array(optics.radii) / optics.declaration.metres_per_px)[:, None]
+    return np.concatenate([pixels + half, (pixels - half)[::-1]])

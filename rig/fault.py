@@ -9,6 +9,9 @@ FaultKind = Literal[
     "not_settled", "camera", "disk", "wrong_version", "interrupted",
 ]  # fmt: skip
 
+Outcome = Literal["complete"] | FaultKind  # how a run ended
+NEEDS_A_PERSON: frozenset[FaultKind] = frozenset({"overcurrent", "disk", "wrong_version"})  # no attempt mends these
+
 
 class Fault(RuntimeError):  # noqa: N818 (the rig has faults; an error is the input's)
     """A fault of the rig, by kind; the message is one line that says what to check."""

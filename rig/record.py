@@ -6,7 +6,6 @@ import glob
 import shutil
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,15 +14,17 @@ from typing import Any
 from rig.board import Board
 from rig.camera import CameraThread
 from rig.connection import connect_again
-from rig.fault import Fault
+from rig.coverage import LONGEST_SILENCE
+from rig.fault import Fault, Outcome
 from rig.interrupts import Interrupts
 from rig.live_run import LiveRun, Progress
 from rig.motion import RigMotion, rig_motion
 from rig.play import PlayEnd
 from rig.recorder import Recorder
-from rig.run_file import write_run_film
+from rig.run_file import read_run, write_run_film
 from rig.safety import check_set_points
 from rig.setup_file import RigSetup, setup_tables
+from rig.soundness import film_gap
 from rig.stop_file import write_stop
 from tentacle.errors import InputError
 from tentacle.io.rrd_chunks import just_written
@@ -37,7 +38,7 @@ class RunResult:
     """
 
     path: Path
-    outcome: str
+    outcome: Outcome
     words: str
     mean_thrust: float
     samples: int
@@ -128,13 +129,23 @@ def motion_runner(
     camera: CameraThread | None,
     interrupts: Interrupts | None = None,
     progress: Progress = lambda _phase, _share: None,
-) -> Callable[[RigMotion, Path], None]:
-    """A function that records a motion; a fault of the rig is in the recording, or leaves none, and is not raised."""
+) -> Callable[[RigMotion, Path], Fault | None]:
+    """A function that records a motion and returns the fault that kept it from its end, None where it is complete.
 
-    def run_motion(motion: RigMotion, path: Path) -> None:
-        with suppress(Fault):
+    A fault may leave a recording, or none where the board could not be reached. A film with a long gap is a fault too.
+    """
+
+    def run_motion(motion: RigMotion, path: Path) -> Fault | None:
+        attendance = Attendance(interrupts=interrupts, progress=progress)
+        try:
             connect_again(setup, board)
-            record_run(setup, board, camera, motion, path, Attendance(interrupts=interrupts, progress=progress))
+            result = record_run(setup, board, camera, motion, path, attendance)
+        except Fault as fault:
+            return fault
+        if result.outcome != "complete":
+            return Fault(result.outcome, result.words)
+        gap = 0.0 if camera is None else film_gap(read_run(path))
+        return None if gap <= LONGEST_SILENCE else Fault("camera", f"no frame came for {gap:.1f} s of the run")
 
     return run_motion
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from rig import run_layout as layout
 from rig.clock import ClockFit
+from rig.frame_times import steadied
 from rig.protocol import EventCode
 from rig.run import Run, RunEvent
 from rig.stills import write_film
@@ -160,10 +161,26 @@ def write_run_video(run: Run, path: Path) -> None:
 
 
 def write_run_film(run: Path, path: Path, clock: ClockFit, offset: float, zero: float) -> None:
-    """A run's frames as one film (rig.stills); offset [s] by which they came late, zero: board time [s] of time 0."""
-    stills = ((clock.to_board(host_s - offset) - zero, jpeg) for host_s, jpeg in iterate_frames(run))
+    """A run's frames as one film (rig.stills); offset [s] by which they came late, zero: board time [s] of time 0.
+
+    Their times are on the camera's own rhythm where it has one (rig.frame_times).
+    """
+    taken = steadied(_arrivals(run)) - offset
+    stills = (
+        (clock.to_board(float(host_s)) - zero, jpeg)
+        for host_s, (_, jpeg) in zip(taken, iterate_frames(run), strict=True)
+    )
     if not write_film(((t, jpeg) for t, jpeg in stills if t >= 0.0), path):
         raise InputError("no frame was taken during the run", file=run)
+
+
+def _arrivals(run: Path) -> Array:
+    """Host times (F,) [s] of the frames' arrival, in the file's order."""
+    found = [np.empty(0)]
+    for chunk in read_chunks(run):
+        if chunk.entity == layout.CAMERA and not chunk.static:
+            found.append(np.asarray(1e-9 * whole_numbers(chunk.batch.column(layout.HOST_TIME)), dtype=float))
+    return np.concatenate(found)
 
 
 def iterate_frames(run: Path) -> Iterator[tuple[float, bytes]]:

@@ -6,6 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from rig.coverage import LONGEST_SILENCE, gap_seconds
 from rig.run import Run
 from rig.run_file import iterate_frames, read_run
 from tentacle.errors import InputError
@@ -117,3 +120,23 @@ def is_complete_run(file: Path) -> bool:
         return require_sound_run(file).outcome == "complete"
     except InputError:
         return False
+
+
+def film_gap(run: Run) -> float:
+    """The longest time of a run's motion without a frame [s], to its last set point; all of it where it has no film."""
+    seconds = float(run.servo_t[-1]) - run.zero
+    camera = (run.stop or {}).get("camera") or {}
+    if not run.clocks or not len(run.frame_host_t):
+        return seconds
+    taken = run.frame_host_t - float(camera.get("offset_s", 0.0))
+    board_us = [1e6 * run.clocks[-1].to_board(float(host_s)) for host_s in taken]
+    return float(gap_seconds(np.array(board_us), 1e6 * run.zero, seconds).max())
+
+
+def is_filmed_run(file: Path) -> bool:
+    """Whether a file is a complete run with a film of the whole motion."""
+    try:
+        run = require_sound_run(file)
+    except InputError:
+        return False
+    return run.outcome == "complete" and len(run.servo_t) > 0 and film_gap(run) <= LONGEST_SILENCE

@@ -83,9 +83,15 @@ def servo_limits(limits: SafetyLimits) -> ServoLimits:
     return ServoLimits(angle, limits.max_speed, SERVO_UNDER_LOAD.acceleration)
 
 
-def joint_judge(limits: SafetyLimits, seed: int, progress: Stage = silent) -> Callable[[Sequence[Path]], Decision]:
-    """A function that diagnoses runs jointly. Each film is tracked once. The proposed motions differ from one count of
-    runs to the next, because their random phases are drawn anew.
+def joint_judge(
+    limits: SafetyLimits,
+    seed: int,
+    progress: Stage = silent,
+    keep: Callable[[Diagnosis, Sequence[Recording], Sequence[Path]], None] = lambda _found, _recordings, _runs: None,
+) -> Callable[[Sequence[Path]], Decision]:
+    """A function that diagnoses runs jointly, and hands every diagnosis to keep. Each film is tracked once.
+
+    The proposed motions differ from one count of runs to the next, because their random phases are drawn anew.
     """
     known: dict[Path, Recording] = {}
 
@@ -95,7 +101,9 @@ def joint_judge(limits: SafetyLimits, seed: int, progress: Stage = silent) -> Ca
                 progress(f"tracking {path.name}")
                 known[path] = tracked(read_run(path))
         deciding = Deciding(laws=False, servo=servo_limits(limits))
-        found = diagnose([known[path] for path in runs], seed=seed + len(runs), deciding=deciding, progress=progress)
+        recordings = [known[path] for path in runs]
+        found = diagnose(recordings, seed=seed + len(runs), deciding=deciding, progress=progress)
+        keep(found, recordings, runs)
         return decision_of(found)
 
     return judge

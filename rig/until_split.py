@@ -2,12 +2,14 @@
 
 The folder is the state. Every run is a recording NAME.rrd, and a run that is complete and sound is never made again and
 never overwritten; one that is not is set aside. The run that follows a decision holds it in its start record, so the
-journal (rig.split_journal) can be made again. The reference motion runs before every `reference_every`-th experiment
-and before the conclusion (rig.sentinel).
+journal (rig.split_journal) can be made again. Why an attempt at a run failed is told and stands in the journal. The
+reference motion runs several times at first, then once before every `reference_every`-th experiment and before the
+conclusion (rig.sentinel).
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,29 +17,33 @@ from typing import Any, Literal
 
 from discovery.next_experiment import DURATION
 from rig.campaign import Campaign
-from rig.fault import Fault
+from rig.fault import NEEDS_A_PERSON, Fault
 from rig.interrupts import Interrupts
 from rig.journal import set_aside
 from rig.motion import RigMotion, rig_motion
 from rig.run_file import read_run
 from rig.safety import SafetyLimits
+from rig.sentinel import FEWEST_REPEATS
 from rig.soundness import is_complete_run
 from rig.split_decision import Decision, decision_from
-from rig.split_journal import append, decision_on, hashes, open_journal
+from rig.split_journal import append, decision_on, failure, hashes, open_journal
 from tentacle.errors import InputError
 from tentacle.io.folder_lock import owned_folder
 from tentacle.io.waveform_file import waveform_from_table, waveform_table
 from tentacle.waveform import Sine
 
-FAULTS_IN_A_ROW = 3  # of one run, after which a person must check the rig
-REFERENCE, REFERENCE_PERIODS = Sine(0.3, 1.0), 12
+PATIENCE = (5.0, 30.0)  # s before the second and the third attempt at a run; then a person must check the rig
+# At 0.97 Hz a camera of 25, 30 or 60 frames/s sees every period at other phases, so that a bias of the tracking that
+# depends on the place in the picture is the same in every run.
+REFERENCE, REFERENCE_PERIODS = Sine(0.3, 0.97), 12
 DECISION = "decision"  # key of a run's description
+LISTEN_EVERY = 0.1  # s at which an interrupt is heard while the next attempt is waited for
 
 
 @dataclass(frozen=True)
 class SplitPlan:
-    """first: runs to begin with; most: experiments in all; reference: the repeated motion, run before every
-    `reference_every`-th experiment.
+    """first: runs to begin with; most: experiments in all; reference: the repeated motion, run `repeats` times at first
+    and then before every `reference_every`-th experiment; patience: seconds before each further attempt at a run.
     """
 
     first: Campaign
@@ -45,27 +51,38 @@ class SplitPlan:
     most: int = 8
     reference: Sine = REFERENCE
     reference_every: int = 2
+    repeats: int = 6
+    patience: tuple[float, ...] = PATIENCE
 
     def __post_init__(self) -> None:
         for name, value, least in (
-            ("most", self.most, len(self.first.runs)), ("reference_every", self.reference_every, 1)
-        ):  # fmt: skip
+            ("most", self.most, len(self.first.runs)),
+            ("reference_every", self.reference_every, 1),
+            ("repeats", self.repeats, FEWEST_REPEATS),
+        ):
             if value < least:
                 raise InputError(f"{value!r} is not usable", field=name, expected=f"at least {least}")
         for run in self.first.runs:
             if run.name.startswith(("reference-", "experiment-")):
                 raise InputError(f"{run.name!r} is a name that this campaign gives", field="run.name")
 
+    @property
+    def comparisons(self) -> int:
+        """How often a later reference run is compared with the first ones, at most."""
+        return self.most // self.reference_every + 1
+
 
 @dataclass(frozen=True)
 class Bench:
-    """make plays a motion and records it at a path, and raises nothing for a fault of the rig; judge diagnoses runs
-    jointly; changed compares the reference runs, and gives a line for each change.
+    """make plays a motion and records it at a path, and returns the fault that kept the run from its end; judge
+    diagnoses runs jointly (KeyboardInterrupt: it is to be left); changed compares the last reference run with the first
+    ones, and gives a line for each change; is_sound tells whether a recording is whole enough to be judged.
     """
 
-    make: Callable[[RigMotion, Path], None]
+    make: Callable[[RigMotion, Path], Fault | None]
     judge: Callable[[Sequence[Path]], Decision]
     changed: Callable[[Sequence[Path]], list[str]]
+    is_sound: Callable[[Path], bool] = is_complete_run
 
 
 @dataclass(frozen=True)
@@ -95,7 +112,8 @@ def run_until_split(
 ) -> Conclusion:
     """Goes on from what is in the folder. told hears every run and every decision.
 
-    Fault after FAULTS_IN_A_ROW attempts at one run; InputError where another process uses the folder.
+    Fault where all attempts at one run failed, or where no further attempt can help; InputError where another process
+    uses the folder.
     """
     with owned_folder(folder, "one campaign a folder"):
         return _Campaign(folder, plan, bench, interrupts, told).conclude()
@@ -141,7 +159,7 @@ class _Campaign:
         while True:
             name = f"experiment-{len(self.experiments) + 1:04d}"
             path = self.folder / f"{name}.rrd"
-            if is_complete_run(path):
+            if self.bench.is_sound(path):
                 self._recover(path)
                 yield name, None
                 continue
@@ -159,7 +177,10 @@ class _Campaign:
         if decision is None:
             if self._paused:
                 raise _PausedError
-            decision = self.bench.judge(self.experiments)
+            try:
+                decision = self.bench.judge(self.experiments)
+            except KeyboardInterrupt:  # a diagnosis is left at once; it is made again from the same runs
+                raise _PausedError from None
             append(self.folder, self.lines, {"runs": judged, DECISION: decision.table()})
         self.told(f"{len(self.experiments)} recordings: {decision.words}")
         return decision
@@ -180,31 +201,53 @@ class _Campaign:
         if count % self.plan.reference_every and not last:
             return []
         seconds = REFERENCE_PERIODS / self.plan.reference.frequency
-        described = waveform_table(self.plan.reference)
-        motion = rig_motion(self.plan.reference, seconds, self.plan.limits, described)
-        path = self._made(f"reference-{count:04d}", motion)
-        if path not in self.references:
-            self.references.append(path)
+        motion = rig_motion(self.plan.reference, seconds, self.plan.limits, waveform_table(self.plan.reference))
+        names = [f"reference-{count:04d}"]
+        if not count:
+            names += [f"{names[0]}-{k}" for k in range(2, self.plan.repeats + 1)]
+        for name in names:
+            path = self._made(name, motion)
+            if path not in self.references:
+                self.references.append(path)
         return self.bench.changed(self.references)
 
     def _made(self, name: str, motion: RigMotion | None) -> Path:
         """The run's recording, complete and sound; made if it is not there."""
         path = self.folder / f"{name}.rrd"
-        if is_complete_run(path):
+        if self.bench.is_sound(path):
             return path
         assert motion is not None
-        for _ in range(FAULTS_IN_A_ROW):
-            if path.exists():
-                self.told(f"{path.name} is not complete: kept as {set_aside(path).name}")
-            if self._paused:
-                raise _PausedError
-            self.bench.make(motion, path)
-            if is_complete_run(path):
-                self.told(f"{path.name}: complete")
-                return path
-            if self._paused:
-                raise _PausedError
-        raise Fault("no_answer", f"{path}: {FAULTS_IN_A_ROW} attempts did not complete; the last says why")
+        attempt, attempts = 1, 1 + len(self.plan.patience)
+        while (fault := self._attempt(path, motion)) is not None:
+            append(self.folder, self.lines, failure(name, fault))
+            if fault.kind in NEEDS_A_PERSON:
+                raise Fault(fault.kind, f"{path.name}: {fault}")
+            if attempt == attempts:
+                raise Fault(fault.kind, f"{path.name}: {attempts} attempts failed; the last: {fault}")
+            seconds = self.plan.patience[attempt - 1]
+            attempt += 1
+            self.told(f"{path.name}: {fault.kind}: {fault}; attempt {attempt} of {attempts} in {seconds:g} s")
+            self._wait(seconds)
+        self.told(f"{path.name}: complete")
+        return path
+
+    def _attempt(self, path: Path, motion: RigMotion) -> Fault | None:
+        """What kept one attempt at a run from its end."""
+        if path.exists():
+            self.told(f"{path.name} is not complete: kept as {set_aside(path).name}")
+        if self._paused:
+            raise _PausedError
+        fault = self.bench.make(motion, path)
+        if self.bench.is_sound(path):
+            return None
+        if self._paused:
+            raise _PausedError
+        return fault or Fault("no_answer", "the recording is not whole")
+
+    def _wait(self, seconds: float) -> None:
+        until = time.monotonic() + seconds
+        while time.monotonic() < until and not self._paused:
+            time.sleep(min(LISTEN_EVERY, max(until - time.monotonic(), 0.0)))
 
     @property
     def _paused(self) -> bool:

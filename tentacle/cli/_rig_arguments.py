@@ -86,4 +86,11 @@ def configure_split(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="of --until-split: repeat the reference motion before every Nth experiment (default: 2)",
     )
+    parser.add_argument(
+        "--repeats",
+        type=int,
+        default=6,
+        metavar="N",
+        help="of --until-split: first runs of the reference motion; a drift exceeds their scatter (default: 6)",
+    )
     parser.add_argument("--seed", type=int, default=0, help="of --until-split: of the diagnosis and the motions tried")

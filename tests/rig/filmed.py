@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ from tentacle.waveform import Waveform
 CELL = LoadCellCalibration(52000.0, 180000.0)
 NOISE = 60.0  # counts
 STEP = 0.01  # s
-SEED = 1  # of the load cell's noise
 
 
 def filmed_run(
@@ -35,10 +35,15 @@ def filmed_run(
     description: dict[str, Any],
 ) -> None:
     """Plays the waveform on the arm, which is at rest before, and writes the run as `tentacle rig record` does.
+    The load cell's noise is another one for each name of a file.
 
     Board and host share one clock here, and the camera has no delay: their fits are tested where there are two.
     """
-    plant, optics, source = ArmPlant(model, hidden), EmulatedOptics.of(DECLARED), np.random.default_rng(SEED)
+    plant, optics, source = (
+        ArmPlant(model, hidden),
+        EmulatedOptics.of(DECLARED),
+        np.random.default_rng(zlib.crc32(path.stem.encode())),
+    )
     camera = {"source": "emulated", "offset_s": 0.0, "offset_sigma_s": 1e-4}
     start = {
         "name": path.stem, "recording": declaration_tables(DECLARED), "lead_s": 0.0, "waveform": description,
@@ -49,20 +54,25 @@ def filmed_run(
         recorder.clock(ClockFit(0.0, 0.0, 0.0, 1e-4, 1e-3))
         recorder.begin(zero)
         samples: list[Sample] = []
-        frames = 0
+        frames, places = 0, np.linspace(0.0, 1.0, 24)
+        points = plant.midline(places)
         for tick, t in enumerate(np.arange(0.0, seconds + STEP, STEP)):
             command = float(waveform(t)[0])
+            before = points
             plant.advance(t, command, True)
+            points = plant.midline(places)
             now = zero + round(1e6 * t)
             counts = round(CELL.offset + CELL.slope * plant.force + NOISE * source.normal())
             samples.append(LoadSample(len(samples), now, counts))
             if tick % 2 == 0:
                 angles = round(1e6 * command), round(1e6 * plant.servo_angle)
                 samples.append(ServoSample(len(samples), now, *angles, 1500, 40))
-            if t >= frames / optics.declaration.fps:
+            taken = frames / optics.declaration.fps
+            if t >= taken - 1e-9:
                 frames += 1
-                image = draw_picture(plant.midline(np.linspace(0.0, 1.0, 24)), 0.0, optics)
-                recorder.frames([compressed(image, 1e-6 * now)])
+                share = (t - taken) / STEP  # the picture is taken between two steps, on the camera's own rhythm
+                image = draw_picture(share * before + (1.0 - share) * points, 0.0, optics)
+                recorder.frames([compressed(image, 1e-6 * zero + taken)])
         recorder.samples(samples)
         stop = {"start_us": zero, "rest_n": 0.0, "camera": {"offset_s": 0.0, "offset_sigma_s": 1e-4, "gaps_host_s": []}}
         add_film(recorder, path, {"outcome": "complete", **stop})

@@ -6,11 +6,11 @@ import json
 import random
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pytest
 
 from benchmarks._split_faults import FAULTS, FaultyBench, KilledError, decided
@@ -22,25 +22,23 @@ from rig.fault import Fault
 from rig.motion import RigMotion, described, rig_motion
 from rig.record import motion_runner
 from rig.safety import SafetyLimits
-from rig.sentinel import changes, numbers_of
 from rig.soundness import is_complete_run
 from rig.split_decision import Decision
 from rig.split_journal import NAME
 from rig.until_split import Bench, Conclusion, SplitPlan, run_until_split
 from tentacle.errors import InputError
-from tentacle.recording import Declaration, LoadCellSignal, Recording, ShapeTrack
-from tentacle.specimen import WATER, Cone, Specimen
 from tentacle.waveform import Chirp, Sine
 from tests.rig.test_campaign import setup_at
 
-MOTION = Sine(0.3, 1.0)
+WAVE = Sine(0.3, 1.0)
+ALL_RUNS = 4 + 5  # experiments; references: 3 at first, one before the third experiment, one before the conclusion
 
 
 @pytest.fixture
 def plan(limits: SafetyLimits) -> SplitPlan:
     chirp = Chirp(0.3, 0.3, 2.0, 2.0)
     first = CampaignRun("chirp", rig_motion(chirp, 2.0, limits, described(chirp)))
-    return SplitPlan(Campaign("twins", (first,)), limits)
+    return SplitPlan(Campaign("twins", (first,)), limits, repeats=3, patience=(0.0, 0.0))
 
 
 def go(folder: Path, plan: SplitPlan, bench: FaultyBench) -> Conclusion:
@@ -66,9 +64,9 @@ def test_it_runs_until_one_explanation_holds(plan: SplitPlan, tmp_path: Path) ->
     found = go(tmp_path, plan, bench)
     assert found.ending == "split"
     assert [path.stem for path in found.experiments] == ["chirp", *(f"experiment-{k:04d}" for k in (2, 3, 4))]
-    assert bench.made == 4 + 3  # references before the first and the third experiment, and before the conclusion
+    assert bench.made == ALL_RUNS
     assert go(tmp_path, plan, bench) == found
-    assert bench.made == 7
+    assert bench.made == ALL_RUNS
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -81,9 +79,11 @@ def test_faults_neither_repeat_nor_lose_a_sound_run(seed: int, plan: SplitPlan, 
     bench = FaultyBench(faults)
     found = until_done(tmp_path, plan, bench)
     assert found.ending == "split"
-    assert bench.made == 7 + len(FAULTS)  # a run more for each fault, none for anything else
-    lines = [json.loads(line) for line in (tmp_path / NAME).read_text().splitlines()]
-    assert [len(line["runs"]) for line in lines] == [1, 2, 3, 4]
+    assert bench.made == ALL_RUNS + len(FAULTS)  # a run more for each fault, none for anything else
+    lines = journal_of(tmp_path)
+    assert [len(line["runs"]) for line in lines if "runs" in line] == [1, 2, 3, 4]
+    kinds = sorted(line["kind"] for line in lines if "failed" in line)
+    assert kinds == ["disk", "link_lost", "no_answer", "overcurrent", "watchdog"]  # all but the kill, which wrote none
 
 
 @pytest.mark.parametrize("damage", ["gone", "zeroed"])
@@ -101,6 +101,10 @@ def test_a_lost_journal_is_made_again_from_the_runs(damage: str, plan: SplitPlan
     assert run_until_split(tmp_path, plan, Bench(FaultyBench([]).make, judge, lambda _runs: [])) == found
     assert judged == [4]
     assert journal.read_text() == before
+
+
+def journal_of(folder: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in (folder / NAME).read_text().splitlines()]
 
 
 class PausedAfter:
@@ -121,14 +125,52 @@ def test_a_paused_campaign_goes_on_with_the_same_command(runs: int, plan: SplitP
     found = run_until_split(tmp_path, plan, wired, interrupts=PausedAfter(bench, runs))  # type: ignore[arg-type]
     assert (found.ending, bench.made) == ("paused", runs)
     assert go(tmp_path, plan, bench).ending == "split"
-    assert bench.made == 7
+    assert bench.made == ALL_RUNS
+
+
+def test_a_diagnosis_that_is_left_pauses_the_campaign(plan: SplitPlan, tmp_path: Path) -> None:
+    def left(_runs: Sequence[Path]) -> Decision:
+        raise KeyboardInterrupt
+
+    bench = FaultyBench([])
+    assert run_until_split(tmp_path, plan, Bench(bench.make, left, lambda _runs: [])).ending == "paused"
+    assert go(tmp_path, plan, bench).ending == "split"
+    assert bench.made == ALL_RUNS
 
 
 def test_a_rig_that_keeps_failing_is_a_fault(plan: SplitPlan, tmp_path: Path) -> None:
-    bench = FaultyBench(["overcurrent"] * 9)
-    with pytest.raises(Fault, match="3 attempts did not complete"):
-        go(tmp_path, plan, bench)
+    bench, heard = FaultyBench(["unplug"] * 9), []
+    with pytest.raises(Fault, match="3 attempts failed; the last: the board is gone before the run begins"):
+        run_until_split(tmp_path, plan, Bench(bench.make, decided, lambda _runs: []), told=heard.append)
     assert bench.made == 3
+    said = "reference-0000.rrd: link_lost: the board is gone before the run begins; attempt"
+    assert heard == [f"{said} 2 of 3 in 0 s", f"{said} 3 of 3 in 0 s"]
+    failed = journal_of(tmp_path)
+    assert [(line["failed"], line["kind"]) for line in failed] == [("reference-0000", "link_lost")] * 3
+
+
+@pytest.mark.parametrize("fault", ["overcurrent", "disk full"])
+def test_a_fault_that_no_attempt_mends_ends_it_at_once(fault: str, plan: SplitPlan, tmp_path: Path) -> None:
+    bench = FaultyBench([fault])
+    with pytest.raises(Fault, match=f"reference-0000.rrd: {fault}"):
+        go(tmp_path, plan, bench)
+    assert bench.made == 1
+    assert go(tmp_path, plan, bench).ending == "split"
+
+
+def test_an_interrupt_is_heard_while_the_next_attempt_is_waited_for(plan: SplitPlan, tmp_path: Path) -> None:
+    bench = FaultyBench(["unplug"] * 9)
+    patient, begun = replace(plan, patience=(60.0, 60.0)), time.monotonic()
+
+    class Paused:
+        @property
+        def pause(self) -> bool:
+            return time.monotonic() - begun > 1.0
+
+    wired = Bench(bench.make, decided, lambda _runs: [])
+    assert run_until_split(tmp_path, patient, wired, interrupts=Paused()).ending == "paused"  # type: ignore[arg-type]
+    assert bench.made == 1
+    assert time.monotonic() - begun < 30.0  # half of the shorter wait: a busy computer is slow, but no minute late
 
 
 def test_limits_that_split_no_further_are_an_ending(plan: SplitPlan, tmp_path: Path) -> None:
@@ -146,7 +188,7 @@ def test_an_unknown_is_no_explanation() -> None:
 
 
 def test_a_drift_stops_the_campaign(plan: SplitPlan, tmp_path: Path) -> None:
-    bench = Bench(FaultyBench([]).make, decided, lambda runs: ["softer"] * (len(runs) > 1))
+    bench = Bench(FaultyBench([]).make, decided, lambda runs: ["softer"] * (len(runs) > 3))
     found = run_until_split(tmp_path, plan, bench)
     assert (found.ending, found.drift, len(found.experiments)) == ("drifted", ("softer",), 2)
 
@@ -157,79 +199,89 @@ def test_a_name_that_the_campaign_gives_is_refused(plan: SplitPlan) -> None:
         replace(plan, first=Campaign("twins", (run,)))
 
 
-def reference(seed: int, swing: float = 0.5, lag: float = 0.4, mean: float = 0.0) -> Recording:
-    """Twelve seconds of a tip that follows a sine of 1 Hz, seen with 0.003 rad of noise."""
-    random = np.random.default_rng(seed)
-    t, cell = np.arange(0, 12, 1 / 30), np.arange(0, 12, 0.0107)
-    tip = mean + swing * np.sin(2 * np.pi * t - lag) + 0.003 * random.normal(size=t.size)
-    shape = ShapeTrack(
-        t, np.column_stack([np.zeros_like(t), tip]), np.zeros((t.size, 2, 2)), np.ones(t.size, dtype=bool),
-        ("",) * t.size, 1.0, 0.0, np.zeros(2),
-    )  # fmt: skip
-    thrust = 0.02 * np.sin(4 * np.pi * cell) + 3e-4 * random.normal(size=cell.size)
-    declaration = Declaration(Specimen(Cone(0.0125, 0.001), 0.14, 1070.0), WATER)
-    return Recording("reference", declaration, load_cell=LoadCellSignal(cell, thrust), shape=shape)
+@pytest.fixture
+def short(limits: SafetyLimits, monkeypatch: pytest.MonkeyPatch) -> SplitPlan:
+    """Runs of a second on the emulated rig."""
+    monkeypatch.setattr(until_split, "DURATION", 1.0)
+    monkeypatch.setattr(until_split, "REFERENCE_PERIODS", 1)
+    run = CampaignRun("sine", rig_motion(WAVE, 1.0, limits, described(WAVE)))
+    return SplitPlan(Campaign("twins", (run,)), limits, repeats=3, patience=(0.0, 0.0))
 
 
-@pytest.mark.parametrize(
-    ("moved", "names"),
-    [
-        ({"swing": 0.47}, ["the tip's swing"]),
-        ({"lag": 0.45}, ["the tip's lag"]),
-        ({"mean": 0.02}, ["the tip's mean heading"]),
-    ],
-)
-def test_the_sentinel_names_what_changed(moved: dict[str, float], names: list[str]) -> None:
-    before, after = (numbers_of(r, MOTION) for r in (reference(1), reference(2, **moved)))
-    found = changes(before, after, "reference-0000")
-    assert [change.name for change in found] == names
-    value = moved.get("swing", 0.5) / 0.5 - 1 or moved.get("lag", 0.4) - 0.4 or moved.get("mean", 0.0) / 0.5
-    assert abs(found[0].change - value) < found[0].half_width
+def two_are_enough(runs: Sequence[Path]) -> Decision:
+    return replace(decided(runs), mass=0.97 if len(runs) == 2 else 0.6)
 
 
-def test_the_sentinel_is_silent_where_nothing_changed() -> None:
-    """A comparison has 0.001 false alarms: 96 % of such forty have none, and these seeds are fixed."""
-    runs = [numbers_of(reference(seed), MOTION) for seed in range(41)]
-    assert not [change for run in runs[1:] for change in changes(runs[0], run, "first")]
+class Disturbed:
+    """The emulated rig's runner, with one deed a second after the first run of a name begins."""
 
+    def __init__(self, make: Callable[[RigMotion, Path], Fault | None], name: str, deed: Callable[[], None]) -> None:
+        self.make, self.name, self.deed, self.done = make, name, deed, False
 
-def test_a_reference_of_too_few_periods_is_refused() -> None:
-    with pytest.raises(InputError, match="whole periods"):
-        numbers_of(reference(1), Sine(0.3, 0.3))
+    def __call__(self, motion: RigMotion, path: Path) -> Fault | None:
+        if path.stem != self.name or self.done:
+            return self.make(motion, path)
+        self.done = True
+        timer = threading.Timer(1.0, self.deed)
+        timer.start()
+        fault = self.make(motion, path)
+        timer.join()
+        return fault
 
 
 def test_an_unplugged_board_costs_one_run_on_the_emulated_rig(
-    emulator: Emulator, limits: SafetyLimits, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    emulator: Emulator, short: SplitPlan, limits: SafetyLimits, tmp_path: Path
 ) -> None:
     """Over a real pty: the board leaves in the first designed run; that run is set aside and made again."""
-    monkeypatch.setattr(until_split, "DURATION", 1.0)
-    monkeypatch.setattr(until_split, "REFERENCE_PERIODS", 1)
-    setup = setup_at(emulator.url, limits)
-    wave = Sine(0.3, 1.0)
-    plan = SplitPlan(Campaign("twins", (CampaignRun("sine", rig_motion(wave, 1.0, limits, described(wave))),)), limits)
-    judged: list[int] = []
+    setup, folder = setup_at(emulator.url, limits), tmp_path / "out"
 
-    def judge(runs: Sequence[Path]) -> Decision:
-        judged.append(len(runs))
-        return replace(decided(runs), mass=0.97 if len(runs) == 2 else 0.6)
+    def pull() -> None:
+        emulator.say("unplug")
+        time.sleep(0.3)
+        emulator.say("replug")
 
     with connected(setup) as board:
-        make, pulled = motion_runner(setup, board, None), threading.Event()
-
-        def pull() -> None:
-            emulator.say("unplug")
-            time.sleep(0.3)
-            emulator.say("replug")
-
-        def run(motion: RigMotion, path: Path) -> None:
-            timer = threading.Timer(1.0, pull)
-            if path.stem == "experiment-0002" and not pulled.is_set():
-                pulled.set()
-                timer.start()
-            make(motion, path)
-            timer.cancel()
-
-        found = run_until_split(tmp_path / "out", plan, Bench(run, judge, lambda _runs: []))
-    assert (found.ending, judged) == ("split", [1, 2])
+        make = Disturbed(motion_runner(setup, board, None), "experiment-0002", pull)
+        found = run_until_split(folder, short, Bench(make, two_are_enough, lambda _runs: []))
+    assert found.ending == "split"
     assert all(is_complete_run(path) for path in found.experiments)
-    assert [path.name for path in (tmp_path / "out").glob("*.unfinished-*")] == ["experiment-0002.unfinished-1.rrd"]
+    assert [path.name for path in folder.glob("*.unfinished-*")] == ["experiment-0002.unfinished-1.rrd"]
+    failed = [line for line in journal_of(folder) if "failed" in line]
+    assert [line["failed"] for line in failed] == ["experiment-0002"]
+    assert failed[0]["kind"] in ("link_lost", "watchdog")  # whichever the host hears of first
+
+
+def test_a_board_that_stays_away_is_told_and_the_campaign_goes_on_when_it_is_back(
+    emulator: Emulator, short: SplitPlan, limits: SafetyLimits, tmp_path: Path
+) -> None:
+    """The attempts after the first leave no recording at all: the fault's own words say that the port is gone."""
+    setup, folder, heard = setup_at(emulator.url, limits), tmp_path / "out", []
+    with connected(setup) as board:
+        make = Disturbed(motion_runner(setup, board, None), "sine", lambda: emulator.say("unplug"))
+        bench = Bench(make, two_are_enough, lambda _runs: [])
+        with pytest.raises(Fault, match=r"sine\.rrd: 3 attempts failed; the last: .*cannot be opened") as raised:
+            run_until_split(folder, short, bench, told=heard.append)
+    assert raised.value.kind == "link_lost"
+    assert [words.split(";")[-1] for words in heard if words.startswith("sine.rrd: link_lost")] == [
+        " attempt 2 of 3 in 0 s", " attempt 3 of 3 in 0 s",
+    ]  # fmt: skip
+    failed = [line for line in journal_of(folder) if "failed" in line]
+    assert [(line["failed"], line["kind"]) for line in failed] == [("sine", "link_lost")] * 3
+    assert "cannot be opened" in failed[2]["words"]
+    emulator.say("replug")
+    with connected(setup) as board:
+        again = Bench(motion_runner(setup, board, None), two_are_enough, lambda _runs: [])
+        assert run_until_split(folder, short, again).ending == "split"
+
+
+def test_a_jammed_servo_ends_the_campaign_at_once_on_the_emulated_rig(
+    emulator: Emulator, short: SplitPlan, limits: SafetyLimits, tmp_path: Path
+) -> None:
+    """The board has switched the servo off: an attempt more could not move it."""
+    setup, folder = setup_at(emulator.url, limits), tmp_path / "out"
+    with connected(setup) as board:
+        make = Disturbed(motion_runner(setup, board, None), "sine", lambda: emulator.say("jam", 1))
+        with pytest.raises(Fault, match=r"sine\.rrd: the board ended the run: OVERCURRENT") as raised:
+            run_until_split(folder, short, Bench(make, two_are_enough, lambda _runs: []))
+    assert raised.value.kind == "overcurrent"
+    assert [line["kind"] for line in journal_of(folder)] == ["overcurrent"]
