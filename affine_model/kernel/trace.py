@@ -5,7 +5,7 @@ and printed with common subexpressions shared.
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
@@ -21,6 +21,7 @@ SPELLING = {
     **{name: f"{name}[i, b]" for name in STATE_QUANTITIES},
 }
 TINY = 1e-12  # keeps a secant finite where its argument vanishes
+_Term = sympy.Basic | complex
 
 
 class _Printer(PythonCodePrinter):
@@ -76,14 +77,15 @@ def step_slope(value: sympy.Expr, of: sympy.Symbol) -> sympy.Expr:
     """
     bends = sorted(value.atoms(sympy.tanh), key=str)
     held = [sympy.Dummy(real=True) for _ in bends]
-    outer = value.subs(dict(zip(bends, held, strict=True)))
-    back = dict(zip(held, bends, strict=True))
+    forth: dict[_Term, _Term] = dict(zip(bends, held, strict=True))
+    back: dict[_Term, _Term] = dict(zip(held, bends, strict=True))
+    outer = value.subs(forth)
     slope = sympy.diff(outer, of)
     for bend, place in zip(bends, held, strict=True):
-        y = bend.args[0]
+        y = cast(sympy.Expr, bend.args[0])
         secant = (y * bend + TINY) / (y**2 + TINY)
         slope += sympy.diff(outer, place) * secant * step_slope(y, of)
-    return slope.subs(back)
+    return cast(sympy.Expr, slope.subs(back))
 
 
 def slope_along(value: sympy.Expr, component: str) -> sympy.Expr:
