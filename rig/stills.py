@@ -33,7 +33,9 @@ def write_film(stills: Iterable[tuple[float, bytes]], path: Path) -> int:
         return 0
     width, height = head[2]
     count, last = 0, -1
-    with av.open(str(path), mode="w", options={"video_track_timescale": str(TICK.denominator)}) as container:
+    # The film's beginning is counted in the movie's ticks: in milliseconds, where nobody asks for finer ones.
+    ticks = {name: str(TICK.denominator) for name in ("video_track_timescale", "movie_timescale")}
+    with av.open(str(path), mode="w", options=ticks) as container:
         stream = container.add_mux_stream("mjpeg", width=width, height=height)
         stream.time_base = TICK
         for t, data, size in chain([head], sized):

@@ -44,7 +44,9 @@ def write_video(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable
 
 def _encode(path: Path, frames: Iterable[NDArray[np.uint8]], times: Iterable[float], crf: int) -> int:
     count, previous = 0, -1
-    fine = {"video_track_timescale": str(TICKS_A_SECOND)} if path.suffix in (".mp4", ".mov") else {}
+    # The film's beginning is counted in the movie's ticks: in milliseconds, where nobody asks for finer ones.
+    names = ("video_track_timescale", "movie_timescale") if path.suffix in (".mp4", ".mov") else ()
+    fine = {name: str(TICKS_A_SECOND) for name in names}
     with av.open(str(path), "w", options=fine) as container:
         stream = None
         try:

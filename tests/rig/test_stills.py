@@ -37,6 +37,12 @@ def test_every_picture_is_in_the_film_as_the_camera_gave_it(tmp_path: Path) -> N
         assert np.abs(frame.image.astype(int) - luma).max() <= 1  # two decoders round unlike
 
 
+def test_a_film_that_begins_late_keeps_its_times(tmp_path: Path) -> None:
+    times = [0.033333, 0.0667, 0.1]  # an edit list in milliseconds would shift them all by 0.33 ms
+    write_film(((t, _jpeg(40)) for t in times), tmp_path / "film.mp4")
+    np.testing.assert_allclose([frame.t for frame in read_frames(tmp_path / "film.mp4")], times, atol=0.51 * TICK)
+
+
 def test_what_is_no_whole_picture_of_the_films_size_is_left_out(tmp_path: Path) -> None:
     good = _jpeg(100)
     stills = [

@@ -78,6 +78,14 @@ def test_one_frame(tmp_path):
     np.testing.assert_array_equal(frame.image, ramp())
 
 
+@pytest.mark.parametrize("suffix", [".mp4", ".mov"])
+def test_a_film_that_begins_late_keeps_its_times(tmp_path, suffix):
+    times = 0.0123456 + np.arange(3) / 29.97
+    write_video(tmp_path / f"late{suffix}", [ramp() + k for k in range(3)], times)
+    found = [frame.t for frame in read_frames(tmp_path / f"late{suffix}")]
+    np.testing.assert_allclose(found, times, atol=0.51e-6)  # ticks of a microsecond, the beginning's too
+
+
 def test_colour_becomes_luma(tmp_path):
     red = np.zeros((48, 64, 3), np.uint8)
     red[:, 32:, 0] = 255
