@@ -24,7 +24,7 @@ from tentacle.recording import Recording
 from tentacle.waveform import Chirp
 from tests.rig.filmed import filmed_run
 
-HIDDEN = {"viscoelasticity": {"g": 0.4, "tau": 0.5}}  # the chirp alone leaves "nothing missing" a share; g .2 it cannot see
+HIDDEN = {"viscoelasticity": {"g": 0.4, "tau": 0.5}}  # one that the chirp shows, but not alone
 SOFTER = 0.05
 
 
