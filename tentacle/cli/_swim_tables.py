@@ -16,6 +16,9 @@ def promise_table(promise: Promise) -> dict[str, Any]:
         "power_w": promise.power,
         "peak_torque_n_m": promise.torque,
     }
+    afloat = (promise.free_speed, promise.yaw_drift, promise.free_power)
+    names = ("free_speed_m_s", "yaw_drift_rad_s", "free_power_w")
+    table |= {name: value for name, value in zip(names, afloat, strict=True) if value is not None}
     return table if promise.speed <= 0.0 else {**table, "transport_j_m": promise.transport}
 
 

@@ -17,12 +17,12 @@ FILM_S = 10.0
 
 def write_swim_film(trial: GaitTrial, found: Swimming, path: Path) -> None:
     """The gait and the best sine swimming side by side, as a Rerun session."""
-    from affine_model.swim import PAPER_RAIL
+    from affine_model.swim import OBJECTIVES, PAPER_RAIL
     from affine_model.swim.film import swim_film
     from viz.swimming import Swimmer, write_swimming
 
-    level = trial.on_rail(PAPER_RAIL)
-    films = [swim_film(level, gait, FILM_S) for gait in (found.gait, found.sine)]
+    ready = trial.afloat() if OBJECTIVES[found.objective].free else trial.on_rail(PAPER_RAIL)
+    films = [swim_film(ready, gait, FILM_S) for gait in (found.gait, found.sine)]
     swimmers = [Swimmer(name, one.theta, one.travel, one.xy) for name, one in zip(NAMES, films, strict=True)]
     specimen = trial.arm.specimen
     write_swimming(swimmers, films[0].t, films[0].s, specimen, SearchCourse(found.evaluations, found.best), path)
@@ -38,7 +38,9 @@ def write_swim_page(
     objective = OBJECTIVES[found.objective]
     unchecked = [f"No check on the reference: {why}" for why in tables.get("left_out", {}).values()]
     sections = [
-        ReportSection("What it does", (objective.words + ".", *unchecked), (_promise_table(tables),)),
+        ReportSection(
+            "What it does", (objective.words + ".", *_free_words(tables), *unchecked), (_promise_table(tables),)
+        ),
         ReportSection("The gait", _limits_words(trial, found), (), (motion_picture(found),)),
         map_section(trial, found),
         ReportSection(
@@ -53,6 +55,19 @@ def write_swim_page(
     headline = f"{found.gain:.2f} times the {found.objective} of the best sine that this servo can follow."
     page = render_report(Report("optimise", "Optimal swimming", headline, sections, origin))
     write_report(page, path)
+
+
+def _free_words(tables: dict[str, Any]) -> tuple[str, ...]:
+    """What the free hull does, by the model and by the reference."""
+    promise, sine, reference = tables["promise"], tables["sine"]["promise"], tables.get("reference", {})
+    if "free_speed_m_s" not in promise:
+        return ()
+    checked = f" MuJoCo: {100 * reference['free_speed_m_s']:.2f} cm/s." if "free_speed_m_s" in reference else ""
+    return (
+        f"With a free hull the gait swims {100 * promise['free_speed_m_s']:.2f} cm/s, the best sine "
+        f"{100 * sine['free_speed_m_s']:.2f} cm/s.{checked} It turns by {promise['yaw_drift_rad_s']:.4f} rad/s and "
+        f"takes {1e3 * promise['free_power_w']:.1f} mW.",
+    )
 
 
 def _promise_table(tables: dict[str, Any]) -> ReportTable:
