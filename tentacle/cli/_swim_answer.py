@@ -62,6 +62,12 @@ def answer_summary(tables: dict[str, Any]) -> list[str]:
         f"speed {100 * promise['speed_m_s']:.2f} cm/s (sine {100 * sine['speed_m_s']:.2f}), "
         f"power {1e3 * promise['power_w']:.1f} mW (sine {1e3 * sine['power_w']:.1f})",
     ]
+    if "posterior" in tables:
+        drawn = tables["posterior"]
+        lines.append(
+            f"{search['objective']} in 95 % of draws from {drawn['drawn_from']}: {drawn['low']:.4g} to "
+            f"{drawn['high']:.4g} {drawn['unit']}"
+        )
     if "free_speed_m_s" in promise:
         lines.append(
             f"free hull: {100 * promise['free_speed_m_s']:.2f} cm/s (sine {100 * sine['free_speed_m_s']:.2f}), "

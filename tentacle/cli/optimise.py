@@ -33,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--silicone", choices=SILICONES, default=SILICONES[0], help="silicone of an arm without a fitted model"
     )
     parser.add_argument(
-        "--robust", type=int, default=0, metavar="N", help="judge a gait over N samples from the model's intervals"
+        "--robust", type=int, default=0, metavar="N", help="judge a gait over N samples of the model's posterior"
     )
     parser.add_argument("--restarts", type=int, default=1, metavar="N", help="run searches from N seeds in parallel")
     parser.add_argument("--cluster", metavar="ADDRESS", help="Dask scheduler for the searches (default: processes)")
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     from affine_model.swim.pareto import front_around
     from tentacle.cli._swim_answer import answer_summary, write_swim_answer
     from tentacle.cli._swim_search import searched
-    from tentacle.cli._swim_tables import result_tables
+    from tentacle.cli._swim_tables import posterior_table, result_tables
     from tentacle.errors import InputError
     from tentacle.io.result_folder import written
     from tentacle.io.waveform_file import waveform_table
@@ -78,6 +78,8 @@ def run(arguments: argparse.Namespace) -> int:
     trial = robust_trial(at_estimates, model, arguments.robust, seed=0) if arguments.robust else at_estimates
     found = searched(arguments, trial, model)
     tables = result_tables(found, waveform_table)
+    if arguments.robust:
+        tables["posterior"] = posterior_table(at_estimates, model, found)
     if not arguments.no_reference:
         try:
             tables["reference"] = reference_gains(model, found.gait, found.sine, hull if free else None)

@@ -39,7 +39,9 @@ def write_swim_page(
     unchecked = [f"No check on the reference: {why}" for why in tables.get("left_out", {}).values()]
     sections = [
         ReportSection(
-            "What it does", (objective.words + ".", *_free_words(tables), *unchecked), (_promise_table(tables),)
+            "What it does",
+            (objective.words + ".", *_free_words(tables), *_posterior_words(tables), *unchecked),
+            (_promise_table(tables),),
         ),
         ReportSection("The gait", _limits_words(trial, found), (), (motion_picture(found),)),
         map_section(trial, found),
@@ -55,6 +57,15 @@ def write_swim_page(
     headline = f"{found.gain:.2f} times the {found.objective} of the best sine that this servo can follow."
     page = render_report(Report("optimise", "Optimal swimming", headline, sections, origin))
     write_report(page, path)
+
+
+def _posterior_words(tables: dict[str, Any]) -> tuple[str, ...]:
+    """The objective's interval over the model's posterior."""
+    if "posterior" not in tables:
+        return ()
+    drawn = tables["posterior"]
+    within = f"{drawn['low']:.4g} to {drawn['high']:.4g} {drawn['unit']}"
+    return (f"In 95 % of draws from {drawn['drawn_from']} it gives {within}; the model's own error comes on top.",)
 
 
 def _free_words(tables: dict[str, Any]) -> tuple[str, ...]:
