@@ -176,7 +176,7 @@ def measure_free(figures: dict[str, float], evaluations: int) -> None:
 def measure_promise(figures: dict[str, float], evaluations: int, seeds: int) -> None:
     """Gaits on models of recordings of the MuJoCo plant, and what the plant delivers."""
     print("recording | seed | gait | promised [mN] | 95 % | of independent estimates | the plant | kept | ratio")
-    for name, filming in (("good", Filming()), ("poor", Filming(8.0, 20.0, 2e-3))):
+    for name, filming in (("good", Filming()), ("poor", Filming(4.0, 20.0, 1e-3))):
         found = [one for seed in range(1, seeds + 1) for one in promises_kept(seed, filming, evaluations, 16)]
         for one in found:
             both = [f"{1e3 * low:.2f} to {1e3 * high:.2f}" for low, high in (one.interval, one.independent)]

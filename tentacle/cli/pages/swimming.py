@@ -5,7 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tentacle.cli.pages.swim_pictures import NAMES, convergence_picture, front_section, map_section, motion_picture
+from tentacle.cli.pages.swim_pictures import (
+    NAMES,
+    convergence_picture,
+    front_section,
+    map_section,
+    motion_picture,
+    path_picture,
+)
 from viz.swimming import SearchCourse
 
 if TYPE_CHECKING:
@@ -36,12 +43,14 @@ def write_swim_page(
     from viz.report import Report, ReportSection, render_report, write_report
 
     objective = OBJECTIVES[found.objective]
+    way = (path_picture(trial, found, FILM_S),) if objective.free else ()
     unchecked = [f"No check on the reference: {why}" for why in tables.get("left_out", {}).values()]
     sections = [
         ReportSection(
             "What it does",
             (objective.words + ".", *_free_words(tables), *_posterior_words(tables), *unchecked),
             (_promise_table(tables),),
+            way,
         ),
         ReportSection("The gait", _limits_words(trial, found), (), (motion_picture(found),)),
         map_section(trial, found),
