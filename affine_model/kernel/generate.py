@@ -206,8 +206,8 @@ def _solution(order: int, free: bool) -> str:
     text: list[str] = []
     choices = ((True, True),) if free else ((False, False), (False, True), (True, False), (True, True))
     for theta, rail in choices:
-        moving = [*range(order), *([order] if theta else []), *([order + 1] if rail else [])]
-        moving += [order + 2] if free else []
+        flags = ((order, theta), (order + 1, rail), (order + 2, free))
+        moving = [*range(order), *(k for k, moves in flags if moves)]
         body: list[str] = []
         for d in moving:
             before = [k for k in moving if k < d]
@@ -294,8 +294,6 @@ def sizes_of(order: int, free: bool) -> dict[str, int]:
 
 
 def kernel_source(nodes: int, order: int, lanes: int = BLOCK, free: bool = False) -> str:
-    """The text for that number of nodes, curvatures and lanes a block, and for a base that floats freely or not; the
-    same catalogue gives the same text.
-    """
+    """The text for that number of nodes, curvatures and lanes a block, of a free base or not, and this catalogue."""
     constants = {**sizes_of(order, free), "NODES": nodes, "BLOCK": lanes, "BODIES": bodies()}
     return unrolled_source(filled_template(order, Parts(), free), constants, array_sizes(nodes, order, free))

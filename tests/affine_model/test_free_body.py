@@ -24,8 +24,9 @@ WATERY = {"elasticity__E": 2e5, "damping__eta": 2e3, "drag__C_perp": 1.1, "added
 START = np.array([0.2, -0.1, 0.0, 0.01, -0.02]), np.array([0.5, 0.3, 2.0, 0.02, -0.05])
 
 
-def run(p, hull, h, seconds, arm=ARM, waveform=WAVE, start=START):
-    """States and rates (K + 1, D), and the servo's torque (K,)."""
+def run(p, hull, timing, arm=ARM, waveform=WAVE, start=START):
+    """States and rates (K + 1, D), and the servo's torque (K,); timing: step and duration [s]."""
+    h, seconds = timing
     drive, steps = Drive(hull=hull), round(seconds / h)
     base = waveform((np.arange(steps) + 0.5) * h)[:, :, None]
     state = at_rest(arm, 1, drive)
@@ -71,7 +72,7 @@ def reference(p, hull, seconds, water):
 def test_the_kernel_moves_the_hull_as_the_assembly_says(parameters, more, water):
     p, seconds = parameters(**WATERY, **more), 0.25
     truth = reference(p, HULL, seconds, np.array(water))
-    coarse, fine = (np.concatenate([part[-1] for part in run(p, HULL, h, seconds)[:2]]) for h in (1 / 4000, 1 / 8000))
+    coarse, fine = (np.concatenate([part[-1] for part in run(p, HULL, (h, seconds))[:2]]) for h in (1 / 4000, 1 / 8000))
     scale = np.array([1, 1, 1, 0.1, 0.1, 20, 20, 20, 2, 2])
     # Second order: Richardson's value is right to what scipy and a third order leave.
     assert np.max(np.abs((4 * fine - coarse) / 3 - truth) / scale) < 2e-6
@@ -95,7 +96,7 @@ def test_momentum_and_angular_momentum_stay_without_water(parameters, tip):
     arm, p = replace(ARM, fluid=AIR), parameters(elasticity__E=2e5, damping__eta=2e3, tip_mass__mass=tip)
     found = {}
     for h in (1 / 1000, 1 / 2000):
-        u, v, _ = run(p, BARE, h, 2.0, arm)
+        u, v, _ = run(p, BARE, (h, 2.0), arm)
         command = WAVE(h * np.arange(len(u)))
         found[h] = np.array([part[:: round(1 / 1000 / h)] for part in momenta(arm, p, BARE, u, v, command[1])])
     size = np.array([0.35 * 0.5, 0.35 * 0.5, 1.5e-3])[:, None]  # of what moves back and forth
@@ -113,7 +114,7 @@ def test_the_servo_gives_what_motion_keeps_and_drag_takes(parameters):
     still = p.copy()
     still[[parameter_index("elasticity", "E"), parameter_index("added_mass", "C_a")]] = 0.0
     for h in (1 / 2000, 1 / 4000):
-        u, v, torque = run(p, HULL, h, seconds)
+        u, v, torque = run(p, HULL, (h, seconds))
         middle, rate = 0.5 * (u[1:] + u[:-1]), 0.5 * (v[1:] + v[:-1])
         command = WAVE((np.arange(len(middle)) + 0.5) * h)
         ends = [0, -1]
@@ -149,7 +150,7 @@ def test_without_yaw_and_drift_it_is_the_rail(parameters):
         state = at_rest(ARM, 1, Drive(rail=rail))
         state.u[N] = ready(0.0)[0]
         course = advance(ARM, Drive(rail=rail), p[:, None], base, (np.zeros(1), state), Pace(h, 1, iterations=3))
-        u, _, _ = run(p, bound, h, seconds, waveform=ready, start=(still, still))
+        u, _, _ = run(p, bound, (h, seconds), waveform=ready, start=(still, still))
         left.append(np.max(np.abs(u[:, : N + 2] - course.u[:, :, 0])))
     assert left[1] < 1e-6
     assert left[0] / left[1] == pytest.approx(4.0, rel=0.2)
@@ -159,7 +160,7 @@ def test_without_yaw_and_drift_it_is_the_rail(parameters):
 def test_left_and_right_are_alike(parameters):
     p = parameters(**WATERY)
     one, other = (
-        run(p, HULL, 1 / 500, 2.0, waveform=wave, start=(np.zeros(N + 3), np.zeros(N + 3)))[0]
+        run(p, HULL, (1 / 500, 2.0), waveform=wave, start=(np.zeros(N + 3), np.zeros(N + 3)))[0]
         for wave in (WAVE, Sine(0.6, 1.3, np.pi))
     )
     mirror = np.array([-1.0] * N + [-1.0, 1.0, -1.0])

@@ -3,13 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from affine_model.advance import Drive, Pace, advance
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.free_body import Hull
 from affine_model.swim.free import hull_course, launched
-from mujoco_ref.mount import MountHull
+from mujoco_ref.mount import MountHull, MountServo, base_record
 from mujoco_ref.simulate import Initial, Setup, simulate
+from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.specimen import Cone, Fluid, Gravity, Specimen
 from tentacle.waveform import Ramped, Sine
@@ -47,3 +49,13 @@ def test_both_models_swim_the_same_path():
     torque = course.force[:, 3, 0]  # means of the intervals between frames
     apart = 0.5 * (torque[1:] + torque[:-1]) - chain.torque[1:-1]
     assert np.max(np.abs(apart)) < 0.02 * np.max(np.abs(torque))
+
+
+def test_a_hull_in_mujoco_takes_neither_torque_servo_nor_play():
+    hull = MountHull(0.3, 3e-4)
+    with pytest.raises(InputError, match="hull"):
+        base_record({}, MountServo(1.0, 0.0, 1.0), hull, 0.05)
+    with pytest.raises(InputError, match="hull"):
+        base_record({"backlash": {"play": 0.01}}, None, hull, 0.05)
+    with pytest.raises(InputError, match="yaw_inertia"):
+        MountHull(0.3, 0.0)
