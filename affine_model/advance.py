@@ -1,8 +1,9 @@
 """One call of the compiled kernel on raw arrays.
 
 It takes a state, and returns the course of the motion and the state at its end. Both simulate (numpy) and
-torch_operator (torch) call it. The state of B individuals is four arrays: u and u_rate (n + 2, B), the curvatures in
-Legendre coordinates, the base angle [rad] and the rail [m]; past (2 n + 5, B), the mean accelerations of the last two
+torch_operator (torch) call it. The state of B individuals is four arrays: u and u_rate (D, B), the curvatures in
+Legendre coordinates, the base angle [rad] and the rail [m], D = n + 2, and of a free hull also its x [m], D = n + 3;
+past (2 D + 1, B), the mean accelerations of the last two
 steps, from which the next is predicted, and the integral of the servo's error; store (S, N, B), the memory [rad] of
 every effect that has one, at every node.
 """
@@ -19,7 +20,9 @@ from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array, angle_basis
 from affine_model.dynamics import remembering
 from affine_model.effects import catalogue
+from affine_model.free_body import Hull
 from affine_model.kernel import advance_blocks
+from tentacle.errors import InputError
 
 CONSTANTS = (
     "length", "density", "fluid_density", "payload", "gravity", "payload_reach", "payload_drop", "payload_density",
@@ -54,17 +57,30 @@ class Rail:
 
 @dataclass(frozen=True)
 class Drive:
-    """What moves the base: a servo (None: it turns as prescribed), a rail (None: it is clamped)."""
+    """What moves the base: a servo (None: it turns as prescribed), a rail (None: it is clamped), or a free hull
+    against which it turns as prescribed, alone.
+    """
 
     servo: Servo | None = None
     rail: Rail | None = None
+    hull: Hull | None = None
+
+    def __post_init__(self) -> None:
+        if self.hull is not None and (self.servo is not None or self.rail is not None):
+            raise InputError("a free hull has neither rail nor torque servo", field="drive", expected="a hull alone")
+
+    def coordinates(self, order: int) -> int:
+        """D: curvatures, base angle, y, and of a free hull x."""
+        return order + 2 + (self.hull is not None)
 
     def rows(self) -> tuple[Array, Array]:
-        """The kernel's numbers of the servo (5,) and of the rail (4,); neutral where there is none."""
+        """The kernel's numbers of the servo (5,) and of the rail (4,) or hull (8,); neutral where there is none."""
         servo, rail = self.servo, self.rail
         angle = [0.0] * 5
         if servo is not None:
             angle = [servo.stiffness, servo.integral, servo.damping, servo.torque_limit, servo.rotor_inertia]
+        if self.hull is not None:
+            return np.array(angle), self.hull.row
         slide = [0.0, 0.0, 0.0, 1.0] if rail is None else [rail.mass, rail.viscous, rail.dry, rail.slip_speed]
         return np.array(angle), np.array(slide)
 
@@ -99,11 +115,11 @@ class State:
 
 @dataclass(frozen=True)
 class Course:
-    """K intervals of `stride` steps. u, u_rate (K + 1, n + 2, B), the first as given; force (max(K, 1), 4, B): means of
-    fluid force x and y [N], of the load along y [N] and of the torque [N m]; past (K, 2 n + 5, B) and store
+    """K intervals of `stride` steps. u, u_rate (K + 1, D, B), the first as given; force (max(K, 1), 4, B): means of
+    fluid force x and y [N], of the load along y [N] and of the torque [N m]; past (K, 2 D + 1, B) and store
     (K, S, N, B) at the intervals' ends, empty unless asked for.
 
-    summary (2 n + 9, B): means from average_from on of fluid force x and y, power and positive power [W]; the time of
+    summary (2 D + 5, B): means from average_from on of fluid force x and y, power and positive power [W]; the time of
     divergence, -1 where there was none; u and u_rate at the end.
     """
 
@@ -115,25 +131,25 @@ class Course:
     summary: Array
 
 
-def at_rest(arm: Arm, count: int) -> State:
+def at_rest(arm: Arm, count: int, drive: Drive = PRESCRIBED) -> State:
     """B straight arms without motion or memory."""
-    n, slots = arm.order, remembering(tuple(catalogue().values()))
-    still = np.zeros((n + 2, count))
-    return State(still, still.copy(), np.zeros((2 * n + 5, count)), np.zeros((len(slots), arm.nodes, count)))
+    size, slots = drive.coordinates(arm.order), remembering(tuple(catalogue().values()))
+    still = np.zeros((size, count))
+    return State(still, still.copy(), np.zeros((2 * size + 1, count)), np.zeros((len(slots), arm.nodes, count)))
 
 
-def shapes(arm: Arm, count: int, steps: int, pace: Pace) -> Course:
+def shapes(arm: Arm, drive: Drive, count: int, steps: int, pace: Pace) -> Course:
     """A Course of empty arrays, for `advance` to write into."""
-    n, slots = arm.order, len(remembering(tuple(catalogue().values())))
+    size, slots = drive.coordinates(arm.order), len(remembering(tuple(catalogue().values())))
     kept = steps // pace.stride if pace.stride else 0
     whole = kept if pace.complete else 0
     return Course(
-        np.zeros((kept + 1, n + 2, count)),
-        np.zeros((kept + 1, n + 2, count)),
+        np.zeros((kept + 1, size, count)),
+        np.zeros((kept + 1, size, count)),
         np.zeros((max(kept, 1), 4, count)),
-        np.zeros((whole, 2 * n + 5, count)),
+        np.zeros((whole, 2 * size + 1, count)),
         np.zeros((whole, slots, arm.nodes, count)),
-        np.zeros((2 * n + 9, count)),
+        np.zeros((2 * size + 5, count)),
     )
 
 
@@ -143,8 +159,8 @@ def advance(arm: Arm, drive: Drive, parameters: Array, base: Array, start: tuple
     parameters (R, B). All arrays are float64 and in C order, and are read where they lie.
     """
     times, state = start
-    n, count, steps = arm.order, parameters.shape[1], base.shape[1]
-    course = shapes(arm, count, steps, pace)
+    n, count, steps, free = arm.order, parameters.shape[1], base.shape[1], drive.hull is not None
+    course = shapes(arm, drive, count, steps, pace)
     acting = {effect.name for effect in active_effects(parameters)}
     active = np.array([name in acting for name in catalogue()])
     known = arm_arrays(arm, drive)
@@ -153,9 +169,10 @@ def advance(arm: Arm, drive: Drive, parameters: Array, base: Array, start: tuple
     rules = (known[k] for k in ("W", "Lw", "w", "A", "A_end", "C", "WA", "wA"))
     advance_blocks(
         arm.nodes, n, count, parameters, active, constants, *section, *rules, base, known["servo"], known["rail"],
-        drive.servo is not None, drive.rail is not None, pace.step, steps, pace.age,
+        drive.servo is not None or free, drive.rail is not None or free, pace.step, steps, pace.age,
         times, state.u, state.u_rate, state.past, state.store, pace.iterations, pace.stride, pace.average_from,
         course.u, course.u_rate, course.force, course.past, course.store, course.summary,
+        free=free,
     )  # fmt: skip
     return course
 

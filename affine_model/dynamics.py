@@ -1,8 +1,9 @@
 """The equations of motion, assembled from effects in readable form. They work on numpy arrays and on torch tensors.
 
-Generalised coordinates u = (z_1 .. z_n, theta, y_base): curvature, base angle, base position on a rail along y. Each
-section adds the virtual work of f and couple, minus that of inertia, minus that of the bending moment (eq. 8, 16). The
-compiled kernel (affine_model.kernel) computes the same in another order; a test compares both to 1e-10.
+Generalised coordinates u = (z_1 .. z_n, theta, y_base): curvature, base angle, base position on a rail along y. A base
+that floats freely (affine_model.free_body) has x_base as its last coordinate, too, and the laws see the place in the
+tank. Each section adds the virtual work of f and couple, minus that of inertia, minus that of the bending moment (eq.
+8, 16). The compiled kernel (affine_model.kernel) computes the same in another order; a test compares both to 1e-10.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ BODY_ADDED_MASS = 0.5  # of a compact body, over the water that it displaces: a 
 
 @dataclass(frozen=True)
 class Balance:
-    """mass_matrix (..., D, D) and force (..., D) with M u'' = force + external, D = n + 2 (curvatures, theta, rail).
+    """mass_matrix (..., D, D) and force (..., D) with M u'' = force + external, D = n + 2 (curvatures, theta, rail), or
+    n + 3 (x, too).
 
     fluid_force (..., 2) [N] is the water's force on the arm without the reaction to acceleration (eq. 17 if only drag
     acts). With this reaction it is fluid_force - fluid_mass @ u'', fluid_mass (..., 2, D). Each part is a sum over the
@@ -92,7 +94,7 @@ def balance(
 ) -> Balance:
     """Assemble the equations at one state.
 
-    parameters (R, ...), u and u_rate (..., n + 2) in Legendre coordinates. Source: eq. 5-17; added mass as in
+    parameters (R, ...), u and u_rate (..., D) in Legendre coordinates. Source: eq. 5-17; added mass as in
     Lighthill 1960 (momentum m_a u_n n, with the couple m_a u_n u_t).
     """
     xp = sys.modules[type(u).__module__.split(".")[0]]
@@ -109,14 +111,20 @@ def balance(
         return xp.einsum("ik,...kx->...ix", W, values)
 
     position = integrate(tangent)
-    rail = xp.stack([xp.zeros_like(phi), u_rate[..., n + 1 : n + 2] + xp.zeros_like(phi)], -1)
+    free, still = u.shape[-1] > n + 2, xp.zeros_like(phi)
+    rail = xp.stack([u_rate[..., n + 2 :] + still if free else still, u_rate[..., n + 1 : n + 2] + still], -1)
     path, going, pushed = _travelled(instant.travel)
+    if free:
+        path = path + xp.stack([u[..., n + 2 :] + still, u[..., n + 1 : n + 2] + still], -1)
     velocity = integrate(-normal * phi_rate[..., None]) + rail + going
     acceleration = integrate(-tangent * (phi_rate**2)[..., None]) + pushed  # the part without u''
-    angle_columns = xp.concatenate([A + 0 * phi[..., None], xp.ones_like(phi)[..., None], 0 * phi[..., None]], -1)
+    unturned = [0 * phi[..., None]] * (u.shape[-1] - n - 1)
+    angle_columns = xp.concatenate([A + 0 * phi[..., None], xp.ones_like(phi)[..., None], *unturned], -1)
     turning = xp.einsum("ik,...kx,...kj->...ixj", W, -normal, angle_columns[..., : n + 1])
-    rail_column = xp.stack([xp.zeros_like(phi), xp.ones_like(phi)], -1)[..., None]
-    jacobian = xp.concatenate([turning, rail_column], -1)  # (..., N, 2, D), eq. 5
+    base_columns = xp.stack([still, xp.ones_like(phi)], -1)[..., None]
+    if free:
+        base_columns = xp.concatenate([base_columns, xp.stack([xp.ones_like(phi), still], -1)[..., None]], -1)
+    jacobian = xp.concatenate([turning, base_columns], -1)  # (..., N, 2, D), eq. 5
     curvature_columns = xp.concatenate([C + 0 * phi[..., None], xp.zeros_like(angle_columns[..., n:])], -1)
 
     place = position + path
@@ -209,7 +217,7 @@ def balance(
         carries = BODY_ADDED_MASS * displaced
         lever = drop * end_tangent - reach * end_normal  # d (reach t + drop n) / d phi
         turning = tip_turning + xp.einsum("...x,...j->...xj", lever, end_columns)
-        columns = xp.concatenate([turning, rail_column[..., -1, :, :]], -1)
+        columns = xp.concatenate([turning, base_columns[..., -1, :, :]], -1)
         acceleration = (
             tip_centripetal + _last(pushed) - (reach * end_tangent + drop * end_normal) * (end_rate**2)[..., None]
         )
@@ -229,7 +237,7 @@ def balance(
             u_n=end_n, u_t=end_t, speed=xp.sqrt(end_n**2 + end_t**2 + 1e-16),
         )  # fmt: skip
         columns = xp.einsum("...x,...j->...xj", 0.0 * end_normal, end_columns) + tip_turning
-        columns = xp.concatenate([columns, rail_column[..., -1, :, :]], -1)
+        columns = xp.concatenate([columns, base_columns[..., -1, :, :]], -1)
         for effect, p in own:
             if effect.tip_force is not None:
                 at_tip = SimpleNamespace(**{name: value[..., 0] for name, value in vars(p).items()})

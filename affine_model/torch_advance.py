@@ -16,6 +16,7 @@ from torch import Tensor
 from affine_model.advance import Drive, Pace, Rail, Servo, State, advance
 from affine_model.arm import Arm
 from affine_model.torch_adjoint import WantedGradients, numbers_of, pulled_back
+from tentacle.errors import InputError
 from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Specimen
 
 Outputs = tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]
@@ -49,7 +50,11 @@ def _arm(row: tuple[float, ...]) -> Arm:
 
 
 def drive_row(drive: Drive) -> Tensor:
-    """Servo and rail as a row of 11 numbers, each behind a flag that says whether it is there."""
+    """Servo and rail as a row of 11 numbers, each behind a flag that says whether it is there; InputError on a hull."""
+    if drive.hull is not None:
+        raise InputError(
+            "a free hull swims in the compiled kernel alone", field="drive", expected="a base that is held"
+        )
     servo, rail = drive.rows()
     flags = float(drive.servo is not None), float(drive.rail is not None)
     return torch.tensor([flags[0], *servo, flags[1], *rail], dtype=torch.float64)

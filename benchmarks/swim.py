@@ -9,7 +9,11 @@ the servo can do; promise_gap: largest |affine / MuJoCo - 1| of those speeds; op
 gait, on this machine (optimise_cpu_s: its processor time); cmaes_over_ga, ga_individual_over_ga, random_over_ga: best
 thrust at equal evaluations, medians over seeds; gaits_per_s: evaluations a second in batches of 4096; gpu_gaits_per_s,
 gpu_share_of_peak: 1e6 gaits of 10 s on a CUDA device, and their arithmetic over that of a matrix product in FP64 (both
-absent without a device); robust_gain: worst-quarter thrust of the robust gait over that of the plain one.
+absent without a device); robust_gain: worst-quarter thrust of the robust gait over that of the plain one;
+free_speed: speed of the best gait with a free hull [m/s], free_gain: over the best sine, free_gap: |affine / MuJoCo -
+1| of it; promise_covered_good, promise_covered_poor: share of 95 % intervals of the posterior in which the thrust of
+the plant lies (recordings as usual, and short and noisy), promise_ratio_good, promise_ratio_poor: largest |delivered /
+promised - 1|.
 """
 
 from __future__ import annotations
@@ -45,7 +49,9 @@ from affine_model.swim import (
 from affine_model.swim.objectives import gait_scores
 from affine_model.swim.table2 import REMARKS, TABLE2_HEADER, cells, ratios, table2
 from benchmarks.affine import operations_per_step
-from validation.reference_swim import reference_speed
+from validation.plants import Filming
+from validation.reference_swim import reference_free, reference_speed
+from validation.swim_promise import promises_kept
 
 SILICONE = "dragon-skin-10"
 EVALUATIONS = 5000  # the paper's 50 x 100
@@ -155,6 +161,31 @@ def measure_robust(figures: dict[str, float], evaluations: int, samples: int) ->
     print(f"worst quarter of 64 fresh arms: robust {1e3 * of_robust:.1f} mN, plain {1e3 * of_plain:.1f} mN")
 
 
+def measure_free(figures: dict[str, float], evaluations: int) -> None:
+    model = assumed_model(paper_cone(0.21), SILICONE)
+    found = optimise_gait(trial_of(model), OBJECTIVES["free"], SearchPlan(evaluations=evaluations))
+    speed, drift = reference_free(model, found.gait)
+    figures["free_speed"], figures["free_gain"] = found.value, found.gain
+    figures["free_gap"] = abs(found.value / speed - 1.0)
+    print(
+        f"free hull: {100 * found.value:.2f} cm/s, {found.gain:.3f} times the best sine, yaw drift "
+        f"{found.promise.yaw_drift:.4f} rad/s; MuJoCo {100 * speed:.2f} cm/s, {drift:.4f} rad/s"
+    )
+
+
+def measure_promise(figures: dict[str, float], evaluations: int, seeds: int) -> None:
+    """Gaits on models of recordings of the MuJoCo plant, and what the plant delivers."""
+    print("recording | seed | gait | promised [mN] | 95 % | of independent estimates | the plant | kept | ratio")
+    for name, filming in (("good", Filming()), ("poor", Filming(4.0, 20.0, 1e-3))):
+        found = [one for seed in range(1, seeds + 1) for one in promises_kept(seed, filming, evaluations, 16)]
+        for one in found:
+            both = [f"{1e3 * low:.2f} to {1e3 * high:.2f}" for low, high in (one.interval, one.independent)]
+            numbers = (f"{1e3 * one.promised:.2f}", *both, f"{1e3 * one.delivered:.2f}")
+            print(name, one.seed, one.words, *numbers, one.kept, f"{one.ratio:.3f}", sep=" | ", flush=True)
+        figures[f"promise_covered_{name}"] = statistics.mean(one.kept for one in found)
+        figures[f"promise_ratio_{name}"] = max(abs(one.ratio - 1.0) for one in found)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, required=True)
@@ -167,6 +198,8 @@ def main() -> None:
     measure_throughput(figures, 512 if arguments.short else 4096)
     measure_gpu(figures, 65536 if arguments.short else 1_000_000)
     measure_robust(figures, 480 if arguments.short else 2000, 8 if arguments.short else 16)
+    measure_free(figures, 480 if arguments.short else EVALUATIONS)
+    measure_promise(figures, 480 if arguments.short else 2000, 2 if arguments.short else 8)
     arguments.json.write_text(json.dumps({"figures": figures}, indent=1) + "\n")
     print(json.dumps(figures, indent=1))
 

@@ -25,7 +25,7 @@ from discovery.search import PosteriorSearch
 from inference.compare import floor_errors, midline_error, run_comparison, run_errors
 from inference.declared_words import declared_words
 from inference.discrepancy import ModelDiscrepancy
-from inference.estimates import estimates
+from inference.estimates import estimates, joint_posterior
 from inference.fit import Fit
 from inference.one_arm import own_geometry_words
 from inference.posterior import Hypothesis
@@ -92,6 +92,7 @@ def assemble_posterior(
     known = _over_sets(decision, missing_of(found.hypotheses).temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
+    joint = joint_posterior(open_loop.problem, open_loop.fitted)
     proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
     words += declared_words(chosen.problem, chosen.fitted)
     words += _decision_words(found, decision)
@@ -117,7 +118,7 @@ def assemble_posterior(
         next_nats=None if proposal is None else proposal.nats,
         budget=error_budget(before, after, floor, lost),
         base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
-        augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, written),
+        augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, written, joint),
         twin_names=tuple(c.effect.name for c in candidates),
         twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
         runs=tuple(run for run, _, _ in runs),

@@ -1,6 +1,7 @@
-"""The fitted parameters with their 95 % intervals.
+"""The fitted parameters with their 95 % intervals, and how they vary together.
 
 interval = value +- 1.96 sqrt(inflation covariance_kk), cut at the physical bounds
+posterior = N(values, inflation covariance)
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from inference.declared_arm import DECLARED
 from inference.fit import Fit
 from inference.trajectory import ParameterName, Problem
 from tentacle.model import Estimate
+from tentacle.posterior import Posterior
 
 
 def interval(problem: Problem, fitted: Fit, name: ParameterName, inflation: float = 1.0) -> tuple[float, float]:
@@ -21,6 +23,13 @@ def interval(problem: Problem, fitted: Fit, name: ParameterName, inflation: floa
     low, high = (limit[place] for limit in problem.bounds())
     value = float(fitted.values[place])
     return max(low, value - half), min(high, value + half)
+
+
+def joint_posterior(problem: Problem, fitted: Fit, inflation: float = 1.0) -> Posterior | None:
+    """The fitted parameters' joint normal, declared quantities and nuisances marginalised; not cut at the bounds."""
+    own = [place for place, (effect, _) in enumerate(problem.free) if effect != DECLARED]
+    names = tuple(".".join(problem.free[place]) for place in own)
+    return Posterior.of_covariance(names, inflation * fitted.covariance[np.ix_(own, own)])
 
 
 def estimates(problem: Problem, fitted: Fit, inflation: float = 1.0) -> dict[str, dict[str, Estimate]]:

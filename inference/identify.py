@@ -14,7 +14,7 @@ from inference.bootstrap import bootstrap
 from inference.compare import reduced_shape, run_comparison, run_errors
 from inference.declared_arm import names_of
 from inference.declared_words import declared_words
-from inference.estimates import estimates
+from inference.estimates import estimates, joint_posterior
 from inference.fit import Fit, fit
 from inference.identifiability import Identifiability, identifiability
 from inference.initial_state import initial_nuisances
@@ -103,9 +103,10 @@ def identify(
     known = identifiability(problem, fitted)
     drawn = bootstrap(problem, fitted, replicates=replicates, seed=seed) if replicates else None
     arm = problem.known(fitted.parameters)[0].arm
-    table = estimates(problem, fitted, variance_inflation(judged))
+    inflation = variance_inflation(judged)
+    table, joint = estimates(problem, fitted, inflation), joint_posterior(problem, fitted, inflation)
     return Identification(
-        model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, table),
+        model=Model(arm.specimen, arm.fluid, arm.gravity, setting.order, table, joint),
         regression=_paper_regression(replace(arm, order=2), problem, fitted, prepared),
         errors=run_errors(runs, shown, augmented=False),
         held_out=bool(judges),

@@ -102,6 +102,14 @@ BASE_RECORD = np.dtype(
         ("servo_i", _F),
         ("servo_d", _F),
         ("servo_limit", _F),
+        ("hull", _F),  # 1: the mount is a hull that floats; its yaw inertia [kg m^2], drag linear and quadratic
+        ("hull_inertia", _F),
+        ("hull_viscous_n", _F),  # [N s/m], across; t: along
+        ("hull_viscous_t", _F),
+        ("hull_drag_n", _F),  # [N s^2/m^2]
+        ("hull_drag_t", _F),
+        ("hull_viscous_yaw", _F),  # [N m s]
+        ("hull_drag_yaw", _F),  # [N m s^2]
     ]
 )
 

@@ -1,14 +1,19 @@
-"""Forces at the base: the servo or the coupling that turns theta, an elastic stand, a rail with friction (compiled)."""
+"""Forces at the base: the servo or the coupling that turns theta, an elastic stand, a rail with friction, a floating
+hull (compiled).
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from mujoco_ref.chain import Mount
 from mujoco_ref.hinges import bristle
 from mujoco_ref.influence import BASE_RECORD, Fields, Parameters, Record, make_record, value
 from mujoco_ref.motor import sprung
-from mujoco_ref.step_arguments import Equation, Midpoint
+from mujoco_ref.section_water import water_motion
+from mujoco_ref.step_arguments import Equation, Laws, Midpoint, Now
 from tentacle.compiled import njit
 from tentacle.errors import InputError
 from tentacle.signals import Array
@@ -49,12 +54,41 @@ class MountRail:
             raise InputError(f"{self.mass!r} is not usable", field="rail mass", expected="a positive number")
 
 
-def base_record(
-    parameters: Parameters, servo: MountServo | None, rail: MountRail | None, arm_mass: float
-) -> tuple[Record, Mount]:
-    """The base's mechanics, with the mass and inertia that move with it. Without servo, rail or an influence it is
-    rigid.
+@dataclass(frozen=True)
+class MountHull:
+    """A hull that floats, with the motor in it: mass [kg], yaw inertia [kg m^2] about the motor's axis; drag across,
+    along and against yaw, linear [N s/m, N m s] and quadratic [N s^2/m^2, N m s^2].
     """
+
+    mass: float
+    yaw_inertia: float
+    viscous: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    drag: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "yaw_inertia"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"{getattr(self, name)!r} is not usable", field=f"hull {name}", expected="positive")
+
+    @property
+    def fields(self) -> dict[str, float]:
+        """Its fields of the base's record."""
+        named = {"hull": 1.0, "hull_inertia": self.yaw_inertia, "free_x": 1.0, "free_y": 1.0, "free_theta": 1.0}
+        for kind, numbers in (("viscous", self.viscous), ("drag", self.drag)):
+            named |= {f"hull_{kind}_{way}": one for way, one in zip(("n", "t", "yaw"), numbers, strict=True)}
+        return named
+
+
+def base_record(
+    parameters: Parameters, servo: MountServo | None, rail: MountRail | MountHull | None, arm_mass: float
+) -> tuple[Record, Mount]:
+    """The base's mechanics, with the mass and inertia that move with it. Without servo, rail, hull or an influence it
+    is rigid.
+    """
+    if isinstance(rail, MountHull):
+        if servo is not None or {"backlash", "clamp_slip", "mount_resonance"} & set(parameters):
+            raise InputError("cannot act with a hull", field="mount", expected="a motor that turns as prescribed")
+        return make_record(BASE_RECORD, **rail.fields), Mount(rail.mass, rail.yaw_inertia)
     fields: dict[str, float] = {}
     mass, inertia = 1e-3, 1e-6
     if servo is not None:
@@ -102,7 +136,7 @@ def base_forces(course: Midpoint, motor: Array, base: Fields, memory: Array, ste
             stretch, sticks = bristle(memory[RAIL] + middle[1] - start[1], RAIL_STRETCH)
             force[1] -= base.rail_friction * stretch / RAIL_STRETCH
             matrix[1, 1] += half * half * sticks * base.rail_friction / RAIL_STRETCH
-    if base.free_theta == 0.0:
+    if base.free_theta == 0.0 or base.hull != 0.0:
         return 0.0
     twist, twist_rate = motor[1, 0] - middle[2], motor[1, 1] - rate[2]
     slope, damping = 0.0, 0.0
@@ -128,6 +162,36 @@ def base_forces(course: Midpoint, motor: Array, base: Fields, memory: Array, ste
         force[2] -= base.hub_friction * stretch / HUB_STRETCH
         matrix[2, 2] += half * half * sticks * base.hub_friction / HUB_STRETCH
     return torque
+
+
+@njit(cache=True)
+def hull_forces(course: Midpoint, motor: Array, laws: Laws, now: Now, acceleration: float, equation: Equation) -> float:
+    """Add a hull's drag, and what the motor's own acceleration gives to theta; returns the motor's torque [N m].
+
+    The hull's yaw is theta less the motor's angle. MuJoCo carries its yaw inertia J with the first link, so J theta''
+    is in the equation and J delta'' stands here. acceleration: that of theta, as predicted.
+    """
+    base, water = laws.base[0], laws.water[0]
+    middle, rate, force, matrix, half = course.middle, course.rate, equation.force, equation.matrix, 0.5 * now.step
+    yaw, turning = middle[2] - motor[1, 0], rate[2] - motor[1, 1]
+    c, s = np.cos(yaw), np.sin(yaw)
+    wx, wy, _, _ = water_motion(middle[0], middle[1], now.t, water)
+    ux, uy = rate[0] - wx, rate[1] - wy
+    u_n, u_t = ux * c + uy * s, uy * c - ux * s
+    f_n = (base.hull_viscous_n + base.hull_drag_n * abs(u_n)) * u_n
+    f_t = (base.hull_viscous_t + base.hull_drag_t * abs(u_t)) * u_t
+    against = (base.hull_viscous_yaw + base.hull_drag_yaw * abs(turning)) * turning
+    force[0] -= f_n * c - f_t * s
+    force[1] -= f_n * s + f_t * c
+    force[2] += base.hull_inertia * motor[1, 2] - against
+    slope_n = half * (base.hull_viscous_n + 2.0 * base.hull_drag_n * abs(u_n))
+    slope_t = half * (base.hull_viscous_t + 2.0 * base.hull_drag_t * abs(u_t))
+    matrix[0, 0] += slope_n * c * c + slope_t * s * s
+    matrix[1, 1] += slope_n * s * s + slope_t * c * c
+    matrix[0, 1] += (slope_n - slope_t) * c * s
+    matrix[1, 0] += (slope_n - slope_t) * c * s
+    matrix[2, 2] += half * (base.hull_viscous_yaw + 2.0 * base.hull_drag_yaw * abs(turning))
+    return -base.hull_inertia * (acceleration - motor[1, 2]) - against
 
 
 @njit(cache=True)

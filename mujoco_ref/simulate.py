@@ -19,7 +19,7 @@ from mujoco_ref.hinges import Drift, hinge_records, soft_spot
 from mujoco_ref.influence import Parameters, refuse_unknown, tip_record, value, water_record
 from mujoco_ref.midline import chain_midline_points
 from mujoco_ref.motor import motor_signal
-from mujoco_ref.mount import MountRail, MountServo, base_record
+from mujoco_ref.mount import MountHull, MountRail, MountServo, base_record
 from mujoco_ref.statics import chain_equilibrium
 from mujoco_ref.step import Stepper
 from mujoco_ref.step_arguments import Laws
@@ -95,15 +95,15 @@ class Initial:
 
 @dataclass(frozen=True)
 class Setup:
-    """The set-up of a run. links: hinges of the chain. The base is prescribed or turned by a servo; it is fixed or on
-    a rail along y, or travels: x, y [m], rates and accelerations (6, ...) over time [s]. s (P,): where the midline is
-    sampled (None: 41 points). lead_in [s]: the arm moves for that long before the first frame, the motion swelling from
-    nothing. longest_step [s].
+    """The set-up of a run. links: hinges of the chain. The base is prescribed or turned by a servo; it is fixed, on a
+    rail along y, a hull that floats (from rest), or travels: x, y [m], rates and accelerations (6, ...) over time [s].
+    s (P,): where the midline is sampled (None: 41 points). lead_in [s]: the arm moves for that long before the first
+    frame, the motion swelling from nothing. longest_step [s].
     """
 
     links: int = DEFAULT_LINKS
     servo: MountServo | None = None
-    rail: MountRail | None = None
+    rail: MountRail | MountHull | None = None
     s: Array | None = None
     lead_in: float = 0.0
     longest_step: float = LONGEST_STEP
@@ -139,7 +139,7 @@ def make_stepper(
     *,
     links: int = DEFAULT_LINKS,
     servo: MountServo | None = None,
-    rail: MountRail | None = None,
+    rail: MountRail | MountHull | None = None,
 ) -> Stepper:
     """The chain of a model, with the model's own effects and the hidden ones.
 

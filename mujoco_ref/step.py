@@ -17,7 +17,7 @@ from mujoco_ref.chain_state import ChainState
 from mujoco_ref.engine import mujoco
 from mujoco_ref.hinges import Drift, hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
-from mujoco_ref.mount import base_forces, base_remember
+from mujoco_ref.mount import base_forces, base_remember, hull_forces
 from mujoco_ref.step_arguments import Body, Equation, Laws, Midpoint, Moving, Now, Workspace
 from mujoco_ref.water import MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
 from mujoco_ref.written_laws import Bending, WrittenLaws
@@ -136,6 +136,8 @@ def _correct(moving: Plain, workspace: Plain, chain: tuple[Plain, Plain], held: 
     _add_tension(work.motion, body, laws.water[0], 0.25 * now.step * now.step, matrix)
     hinge_moments(course, laws.hinges, state.hinge_memory, now, equation)
     torque = base_forces(course, motor, base, state.base_memory, now.step, equation)
+    if base.hull != 0.0:
+        torque = hull_forces(course, motor, laws, now, state.a[2], equation)
     change = np.empty(size)
     _solve(matrix, force, held, change)
     # The force that holds the mount: the residual of the rows of the held coordinates.
@@ -145,7 +147,7 @@ def _correct(moving: Plain, workspace: Plain, chain: tuple[Plain, Plain], held: 
             reaction += matrix[i, j] * change[j]
         out[2 + i] = reaction if held[i] else 0.0
     if not held[2]:
-        out[4] = torque
+        out[4] = torque - base.hull_inertia * change[2]
     if not held[0]:
         out[2] = -(base.spring_x * middle[0] + base.damper_x * rate[0])
     out[0], out[1] = equation.sums[0], equation.sums[1]

@@ -113,8 +113,8 @@ def optimise(
 ) -> Swimming:
     """The base motion (eq. 20) that swims best within a hobby servo's limits.
 
-    objective: "thrust", "speed" or "transport" (distance per energy). method: "cmaes", "ga" (the paper's),
-    "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
+    objective: "thrust", "speed", "transport" (distance per energy) or "free" (speed of a free hull, on the CPU).
+    method: "cmaes", "ga" (the paper's), "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
     from affine_model.swim import OBJECTIVES, SearchPlan, trial_of
     from affine_model.swim import optimise_gait as search
@@ -122,7 +122,7 @@ def optimise(
 
     if objective not in OBJECTIVES:
         raise InputError(f"{objective!r} is not known", field="objective", expected=", ".join(OBJECTIVES))
-    trial = replace(trial_of(_model(model)), device=chosen_device(device))
+    trial = replace(trial_of(_model(model)), device=chosen_device(device, objective == "free"))
     return search(trial, OBJECTIVES[objective], SearchPlan(method, evaluations, seed))
 
 

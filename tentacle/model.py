@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from tentacle.notebook import html_paragraph, html_table
+from tentacle.posterior import Posterior
 from tentacle.rounding import rounded
 from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
@@ -46,7 +47,8 @@ class Model:
 
     parameters maps effect name -> parameter name -> Estimate. The base effects are elasticity (E [Pa], or k0, k1
     [N m/rad]), damping (eta [Pa s], or d0, d1 [N m s/rad]) and drag (C_perp [1], in a fluid); inertia, weight and
-    buoyancy have no parameter. Effects beyond those are named as in the catalogue.
+    buoyancy have no parameter. Effects beyond those are named as in the catalogue. posterior: how the fitted estimates
+    vary together (None: not known).
     """
 
     specimen: Specimen
@@ -54,15 +56,18 @@ class Model:
     gravity: Gravity = HANGING_DOWN
     order: int = 2
     parameters: dict[str, dict[str, Estimate]] = field(default_factory=dict)
+    posterior: Posterior | None = None
 
     def value(self, effect: str, parameter: str) -> float:
         """The value of one parameter; KeyError where the model has none."""
         return self.parameters[effect][parameter].value
 
     def with_effect(self, effect: str, **values: Estimate) -> Model:
-        """This model with an effect added or its parameters replaced."""
+        """This model with an effect added or its parameters replaced; its posterior is that of the others."""
         merged = {**self.parameters, effect: {**self.parameters.get(effect, {}), **values}}
-        return replace(self, parameters=merged)
+        changed, known = {f"{effect}.{name}" for name in values}, self.posterior
+        kept = None if known is None else known.of([name for name in known.names if name not in changed])
+        return replace(self, parameters=merged, posterior=kept)
 
     def _repr_html_(self) -> str:
         """The parameters as a table, for notebooks."""

@@ -28,11 +28,18 @@ for j in unrolled(n + 1):
     tip_y[j, b] = length * total(wA[j, k] * normal_y[k, b] for k in unrolled(NODES))
 tip_x[n + 1, b] = 0.0
 tip_y[n + 1, b] = 1.0
+for _ in unrolled(FREE):
+    tip_x[n + 2, b] = 1.0
+    tip_y[n + 2, b] = 0.0
 end_x = travel[0, b] + tip_y[n, b]
 end_y = travel[1, b] - tip_x[n, b]
 end_going_x = travel[2, b] + total(tip_x[j, b] * mid_rate[j, b] for j in unrolled(n + 1)) - water_x[b]
 end_going_y = travel[3, b] + mid_rate[n + 1, b] - water_y[b]
 end_going_y = end_going_y + total(tip_y[j, b] * mid_rate[j, b] for j in unrolled(n + 1))
+for _ in unrolled(FREE):
+    end_x += mid[n + 2, b]
+    end_y += mid[n + 1, b]
+    end_going_x += mid_rate[n + 2, b]
 end_u_n = end_going_x * end_cosine + end_going_y * end_sine
 end_u_t = end_going_y * end_cosine - end_going_x * end_sine
 end_speed = math.sqrt(end_u_n * end_u_n + end_u_t * end_u_t + 1e-16)
@@ -50,7 +57,7 @@ fluid_y[b] += push_y
 xx = 0.5 * h * (slip_n * end_cosine * end_cosine + slip_t * end_sine * end_sine)
 xy = 0.5 * h * (slip_n - slip_t) * end_cosine * end_sine
 yy = 0.5 * h * (slip_n * end_sine * end_sine + slip_t * end_cosine * end_cosine)
-for j in unrolled(n + 2):
+for j in unrolled(D):
     residual[j, b] += tip_x[j, b] * push_x + tip_y[j, b] * push_y
     for l in unrolled(j + 1):
         matrix[j, l, b] += (tip_x[j, b] * (xx * tip_x[l, b] + xy * tip_y[l, b])

@@ -201,11 +201,13 @@ def _forces() -> str:
     return "\n".join(text)
 
 
-def _solution(order: int) -> str:
+def _solution(order: int, free: bool) -> str:
     """The correction of the accelerations, lane by lane, for each choice of moving coordinates: M = L D L', no root."""
     text: list[str] = []
-    for theta, rail in ((False, False), (False, True), (True, False), (True, True)):
-        moving = [*range(order), *([order] if theta else []), *([order + 1] if rail else [])]
+    choices = ((True, True),) if free else ((False, False), (False, True), (True, False), (True, True))
+    for theta, rail in choices:
+        flags = ((order, theta), (order + 1, rail), (order + 2, free))
+        moving = [*range(order), *(k for k, moves in flags if moves)]
         body: list[str] = []
         for d in moving:
             before = [k for k in moving if k < d]
@@ -238,7 +240,7 @@ class Parts:
     before: str = ""
 
 
-def filled_template(order: int, parts: Parts) -> str:
+def filled_template(order: int, parts: Parts, free: bool = False) -> str:
     """The template with the effects' code in it; loops over coordinates and arrays still as written."""
     remembering_flags = [f"active[{k}]" for k, effect in enumerate(catalogue().values()) if effect.remembers]
     tip_changing = [kind for kind in TIP_TARGETS if _changing(kind)]
@@ -258,7 +260,7 @@ def filled_template(order: int, parts: Parts) -> str:
         "@REMEMBERS@": " or ".join(remembering_flags) or "False",
         "@REMEMBERED@": remembered(),
         "@TIP_FORCES@": tip_forces(),
-        "@SOLUTION@": _solution(order),
+        "@SOLUTION@": _solution(order, free),
     }
     template = TEMPLATE
     for mark, text in replacements.items():
@@ -271,11 +273,11 @@ def bodies() -> int:
     return len(_hung())
 
 
-def array_sizes(nodes: int, order: int) -> dict[str, tuple[int, ...]]:
+def array_sizes(nodes: int, order: int, free: bool = False) -> dict[str, tuple[int, ...]]:
     """The block's arrays, without the lane."""
     extents = {
         "parameters": len(parameter_rows()),
-        "coordinates": order + 2,
+        "coordinates": order + 2 + free,
         "nodes": nodes,
         "three": 3,
         "four": 4,
@@ -286,7 +288,12 @@ def array_sizes(nodes: int, order: int) -> dict[str, tuple[int, ...]]:
     return {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
 
 
-def kernel_source(nodes: int, order: int, lanes: int = BLOCK) -> str:
-    """The text for that number of nodes, curvatures and lanes a block; the same catalogue gives the same text."""
-    constants = {"n": order, "NODES": nodes, "BLOCK": lanes, "BODIES": bodies()}
-    return unrolled_source(filled_template(order, Parts()), constants, array_sizes(nodes, order))
+def sizes_of(order: int, free: bool) -> dict[str, int]:
+    """The template's constants n, D and FREE; free: the base floats."""
+    return {"n": order, "D": order + 2 + free, "FREE": int(free)}
+
+
+def kernel_source(nodes: int, order: int, lanes: int = BLOCK, free: bool = False) -> str:
+    """The text for that number of nodes, curvatures and lanes a block, of a free base or not, and this catalogue."""
+    constants = {**sizes_of(order, free), "NODES": nodes, "BLOCK": lanes, "BODIES": bodies()}
+    return unrolled_source(filled_template(order, Parts(), free), constants, array_sizes(nodes, order, free))

@@ -49,11 +49,11 @@ def is_compiled(nodes: int, order: int) -> bool:
 
 
 @follows_laws
-def load_kernel(nodes: int, order: int, lanes: int = BLOCK) -> Kernel:
-    """The kernel for that number of quadrature nodes, curvatures and lanes; compiled on first use (1 to 2 s), then
-    loaded from the cache.
+def load_kernel(nodes: int, order: int, lanes: int = BLOCK, free: bool = False) -> Kernel:
+    """The kernel for that number of quadrature nodes, curvatures and lanes, of a base that floats or not;
+    compiled on first use (1 to 2 s), then loaded from the cache.
     """
-    text = kernel_source(nodes, order, lanes)
+    text = kernel_source(nodes, order, lanes, free)
     file = _code_file(nodes, order, lanes, text)
     code = unsealed(file)
     if code is None:
@@ -81,14 +81,14 @@ def module_of(name: str, source: str) -> ModuleType:
     return module
 
 
-def advance_blocks(nodes: int, order: int, count: int, *arguments: Any) -> None:
+def advance_blocks(nodes: int, order: int, count: int, *arguments: Any, free: bool = False) -> None:
     """Run the kernel over `count` individuals, block by block, on every core this process may use.
 
     It uses Python threads, and the kernel releases the interpreter lock. A block writes to its own individuals' columns
     alone.
     """
     lanes = FEW if count <= FEW else BLOCK
-    kernel = load_kernel(nodes, order, lanes)
+    kernel = load_kernel(nodes, order, lanes, free)
     words, held = packed(kernel.names, arguments)
     blocks, address = range(-(-count // lanes)), words.ctypes.data
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

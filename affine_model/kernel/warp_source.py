@@ -14,7 +14,7 @@ import numpy as np
 
 from affine_model.advance import CONSTANTS, Drive, arm_arrays
 from affine_model.arm import Arm, parameter_rows
-from affine_model.kernel.generate import Parts, array_sizes, bodies, filled_template
+from affine_model.kernel.generate import Parts, array_sizes, bodies, filled_template, sizes_of
 from affine_model.kernel.scalars import assigned, pruned, straightened
 from tentacle.gait import COEFFICIENT, MULTIPLE, TERM
 from tentacle.specimen import Cone, Specimen
@@ -136,7 +136,8 @@ def warp_source(variant: Variant, swim: bool) -> str:
     sizes = {**array_sizes(variant.nodes, variant.order), "lane": (), "base_lane": (), **(_GAIT_SIZES if swim else {})}
     arrays = set(sizes)
     constants = {
-        "n": variant.order, "NODES": variant.nodes, "BLOCK": 1, "BODIES": bodies(), "b": 0, "own_base": False,
+        **sizes_of(variant.order, False), "NODES": variant.nodes, "BLOCK": 1, "BODIES": bodies(), "b": 0,
+        "own_base": False,
         "free_theta": variant.free_theta, "free_rail": variant.free_rail,
         "base.shape[0]": 3,
         "parameters.shape[0]": len(parameter_rows()), "start_store.shape[0]": sizes["store"][0],

@@ -9,7 +9,7 @@ from affine_model.swim.robust import parameter_samples, robust_trial
 from affine_model.swim.search import Generation, SearchPlan, search
 from affine_model.swim.silicones import SILICONES, assumed_model, paper_cone
 from affine_model.swim.thrust_map import SineMap, best_sine, sine_gaits, sine_map
-from affine_model.swim.trial import PAPER_RAIL, GaitOutcome, GaitTrial, run, trial_of, within_limits
+from affine_model.swim.trial import PAPER_RAIL, SERVO_HULL, GaitOutcome, GaitTrial, run, trial_of, within_limits
 from affine_model.swim.waves import best_wave, single_waves
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "METHODS",
     "OBJECTIVES",
     "PAPER_RAIL",
+    "SERVO_HULL",
     "SILICONES",
     "SearchPlan",
     "Box",

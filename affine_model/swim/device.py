@@ -15,10 +15,11 @@ def needs_torch(field: str) -> None:
         raise InputError("PyTorch missing", field=field, expected="pip install 'tentacle-twin[gpu]'")
 
 
-def chosen_device(asked: str) -> str | None:
+def chosen_device(asked: str, processor_only: bool = False) -> str | None:
     """The device of `auto`, `cpu`, `cuda` or `cuda:1`, as torch names it; None for the CPU where torch is missing.
 
     Without torch the same compiled kernel is called on numpy arrays. InputError where CUDA is asked for and missing.
+    processor_only: `auto` takes no CUDA device.
     """
     if asked not in (AUTO, CPU) and not (asked == "cuda" or asked.removeprefix("cuda:").isdecimal()):
         raise InputError(f"{asked!r} is not known", field="device", expected="auto, cpu, cuda or cuda:NUMBER")
@@ -28,7 +29,7 @@ def chosen_device(asked: str) -> str | None:
         raise InputError(f"{words} missing", field="device", expected="pip install 'tentacle-twin[gpu]'")
     if "torch" in missing:
         return None
-    if asked == CPU:
+    if asked == CPU or (asked == AUTO and processor_only):
         return CPU
     import torch
 

@@ -1,8 +1,8 @@
 """What a batch of gaits achieves, by one call of the compiled kernel: gaits in, a few numbers for each out.
 
-The rows of the result: mean forward thrust [N], mean forward speed on the rail [m/s], mean power [W] and peak torque
-[N m] of the servo, time of divergence [s] (-1: none), and the factor <= 1 on the amplitudes that brought the gait
-within the servo's limits.
+The rows of the result: mean forward thrust [N], mean forward speed on the rail or afloat [m/s], mean power [W] and peak
+torque [N m] of the servo, time of divergence [s] (-1: none), and the factor <= 1 on the amplitudes that brought the
+gait within the servo's limits.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 from affine_model.advance import Drive, Pace, advance, at_rest
 from affine_model.arm import Arm
 from affine_model.curvature import Array
+from affine_model.swim.free import forward_speed, hull_course, launched
 from affine_model.swim.gaits import gait_tables
 
 ROWS = 6
@@ -45,12 +46,18 @@ def evaluate(
     scale = bounds.scale(peaks)
     table *= scale
     base = np.repeat(table, samples, axis=2) if samples > 1 else table
-    start = np.zeros(count * samples), at_rest(arm, count * samples)
-    course = advance(arm, drive, np.tile(parameters, count), base, start, pace)
+    state, kept = at_rest(arm, count * samples, drive), np.zeros((3, 0, count * samples))
+    if drive.hull is not None:
+        kept, _ = gait_tables(genes.T, steps // 2 + 1, 2.0 * pace.step, bounds.bandwidth)
+        kept = np.repeat(kept * scale, samples, axis=2)
+        state = launched(arm, drive, kept[:, 0])
+    course = advance(arm, drive, np.tile(parameters, count), base, (np.zeros(count * samples), state), pace)
     settled, seconds = pace.average_from // 2, (steps - pace.average_from) * pace.step
     rail, summary = course.u[:, arm.order + 1], course.summary
     found = np.empty((ROWS, count * samples))
     found[0], found[1] = -summary[1], -(rail[-1] - rail[settled]) / seconds
+    if drive.hull is not None:
+        found[1] = forward_speed(hull_course(arm, course.u, kept[0]).after(settled), seconds)
     found[2], found[3] = summary[2], np.max(np.abs(course.force[settled:, 3]), axis=0)
     found[4], found[5] = summary[4], np.repeat(scale, samples)
     return found.reshape(ROWS, count, samples)

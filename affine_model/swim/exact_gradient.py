@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from affine_model.advance import Drive, Pace
+from affine_model.advance import Pace
 from affine_model.curvature import Array
 from affine_model.swim.device import CPU
 from affine_model.swim.limits import Box
@@ -45,7 +45,7 @@ def exact_gradient(trial: GaitTrial, objective: Objective, box: Box, unit: Array
     """
     alpha, pace = box.alpha(unit[:, None]), Pace(trial.step, 2, trial.settled)
     genes = population(alpha.T, trial.device or CPU).requires_grad_(True)
-    own = trial.arm, Drive(rail=trial.rail), genes, torch.from_numpy(trial.parameters)
+    own = trial.arm, trial.drive, genes, torch.from_numpy(trial.parameters)
     rows = swum(*own, trial.limits.bounds, (pace, trial.steps))
     outcome = outcome_of(alpha, rows.detach().cpu().numpy())
     score = float(gait_scores(objective, trial, outcome)[0])

@@ -1,4 +1,6 @@
-"""What is maximised: mean thrust (eq. 21), mean speed on the rail, distance per energy (inverse cost of transport)."""
+"""What is maximised: mean thrust (eq. 21), mean speed on the rail, distance per energy (inverse cost of transport),
+mean speed of a free hull.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +20,16 @@ _WORSE_THAN_ANY = -1e6
 
 @dataclass(frozen=True)
 class Objective:
-    """A quantity (B, K) of an outcome to maximise; unit and words for the reader; on_rail: it needs the rail."""
+    """A quantity (B, K) of an outcome to maximise; unit and words for the reader; on_rail: it needs the rail; free: it
+    needs a free hull.
+    """
 
     name: str
     unit: str
     words: str
     on_rail: bool
     quantity: Callable[[GaitOutcome], Array]
+    free: bool = False
 
 
 def cost_of_transport(outcome: GaitOutcome) -> Array:
@@ -41,6 +46,7 @@ OBJECTIVES = {
         Objective(
             "transport", "m/J", "distance per energy on the rail", True, lambda o: o.speed / (o.power + IDLE_POWER)
         ),
+        Objective("free", "m/s", "mean speed of the free hull along its mean heading", False, lambda o: o.speed, True),
     )
 }
 

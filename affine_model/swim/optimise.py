@@ -20,7 +20,7 @@ from affine_model.swim.objectives import IDLE_POWER, Objective, gait_scores
 from affine_model.swim.polish import polish
 from affine_model.swim.search import USUAL_SEARCH, Generation, SearchPlan, search
 from affine_model.swim.thrust_map import best_sine
-from affine_model.swim.trial import PAPER_RAIL, GaitTrial, run, within_limits
+from affine_model.swim.trial import PAPER_RAIL, GaitTrial, run, swum_freely, within_limits
 from affine_model.swim.waves import best_wave
 from tentacle.errors import InputError
 from tentacle.gait import Gait
@@ -38,7 +38,8 @@ class Promise:
     """The model's prediction for one gait at its estimates, with a fine step: means over many periods.
 
     thrust [N] forward with the base clamped; speed [m/s] forward on the rail; power [W] and peak torque [N m] there;
-    transport [J/m] = (power + IDLE_POWER) / speed, infinite where it does not swim forward.
+    transport [J/m] = (power + IDLE_POWER) / speed, infinite where it does not swim forward. If asked for, of a free
+    hull: mean speed along its mean heading [m/s], yaw drift [rad/s] and power [W].
     """
 
     thrust: float
@@ -46,6 +47,9 @@ class Promise:
     power: float
     torque: float
     transport: float
+    free_speed: float | None = None
+    yaw_drift: float | None = None
+    free_power: float | None = None
 
 
 @dataclass(frozen=True)
@@ -89,8 +93,8 @@ class Swimming:
         return html_paragraph(title) + html_table(header, rows)
 
 
-def promises(trial: GaitTrial, alpha: Array, rail: Rail = PAPER_RAIL) -> list[Promise]:
-    """What the clamped trial's model says of gaits (9, B), clamped and on the rail."""
+def promises(trial: GaitTrial, alpha: Array, rail: Rail = PAPER_RAIL, free: bool = False) -> list[Promise]:
+    """What the clamped trial's model says of gaits (9, B), clamped and on the rail; free: afloat too."""
     fine = replace(trial, parameters=trial.parameters[:, :1]).refined()
     clamped, swum = run(fine, alpha), run(fine.on_rail(rail), alpha)
     found = []
@@ -98,7 +102,12 @@ def promises(trial: GaitTrial, alpha: Array, rail: Rail = PAPER_RAIL) -> list[Pr
         thrust, speed, power, torque = map(float, numbers)
         transport = (power + IDLE_POWER) / speed if speed > 0.0 else np.inf
         found.append(Promise(thrust, speed, power, torque, transport))
-    return found
+    if not free:
+        return found
+    afloat = replace(trial, parameters=trial.parameters[:, :1]).afloat().refined()
+    outcome, drifts = run(afloat, alpha), swum_freely(afloat, alpha)[1]
+    numbers = zip(found, outcome.speed[:, 0].tolist(), drifts.tolist(), outcome.power[:, 0].tolist(), strict=True)
+    return [replace(p, free_speed=v, yaw_drift=drift, free_power=power) for p, v, drift, power in numbers]
 
 
 def sure_of_limits(trial: GaitTrial, alpha: Array) -> Array:
@@ -137,7 +146,9 @@ def climb(trial: GaitTrial, objective: Objective, box: Box, unit: Array) -> tupl
 
 
 def for_objective(trial: GaitTrial, objective: Objective, rail: Rail = PAPER_RAIL) -> GaitTrial:
-    """The clamped trial as it is, or on the rail, as the objective needs it."""
+    """The clamped trial as it is, on the rail, or afloat, as the objective needs it."""
+    if objective.free:
+        return trial.afloat()
     return trial.on_rail(rail) if objective.on_rail else trial
 
 
@@ -151,11 +162,13 @@ def optimise_gait(
     watch: Callable[[Generation], None] | None = None,
 ) -> Swimming:
     """Find the best gait of eq. 20 for the objective, within the servo's limits. The trial is clamped (trial_of); rail
-    serves the objectives that swim, and the promises.
+    serves the objectives on it, and the promises; trial.hull is the free one.
 
     A gait that is polished is judged with the others. watch is called after every generation. Raises InputError where
     nothing swims forward at all.
     """
+    if plan.polish and objective.free:
+        raise InputError("there is no exact gradient afloat", field="polish", expected="another objective")
     box = box or search_box(trial.limits)
     ready = for_objective(trial, objective, rail)
     sine, _ = best_sine(ready, objective)
@@ -189,7 +202,7 @@ def optimise_gait(
     winner, value, sine_value = candidates[:, leader], float(values[leader]), float(values[0])
     if not value > 0.0:
         raise InputError("no gait within the servo's limits swims forward", field="limits", expected="wider limits")
-    promised, sine_promised = promises(trial, candidates[:, [leader, 0]], rail)
+    promised, sine_promised = promises(trial, candidates[:, [leader, 0]], rail, objective.free)
     bandwidth = trial.limits.bandwidth
     return Swimming(
         objective=objective.name,

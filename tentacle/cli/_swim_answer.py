@@ -36,7 +36,7 @@ def write_swim_answer(
     (folder / "result.toml").write_text(tomli_w.dumps(tables), encoding="utf-8", newline="\n")
     (folder / "result.json").write_text(json.dumps(everything, indent=1) + "\n", encoding="utf-8")
     write_swim_film(trial, found, folder / "session.rrd")
-    files = [path for path in (arguments.arm, arguments.limits) if path is not None]
+    files = [path for path in (arguments.arm, arguments.limits, arguments.hull) if path is not None]
     command = shlex.join(["tentacle", *sys.argv[1:]])
     origin = Origin(command, arguments.seed, versions(), input_hashes(files))
     write_swim_page(trial, found, tables, front, origin, folder / "report.html")
@@ -62,12 +62,26 @@ def answer_summary(tables: dict[str, Any]) -> list[str]:
         f"speed {100 * promise['speed_m_s']:.2f} cm/s (sine {100 * sine['speed_m_s']:.2f}), "
         f"power {1e3 * promise['power_w']:.1f} mW (sine {1e3 * sine['power_w']:.1f})",
     ]
+    if "posterior" in tables:
+        drawn = tables["posterior"]
+        lines.append(
+            f"{search['objective']} in 95 % of draws from {drawn['drawn_from']}: {drawn['low']:.4g} to "
+            f"{drawn['high']:.4g} {drawn['unit']}"
+        )
+    if "free_speed_m_s" in promise:
+        lines.append(
+            f"free hull: {100 * promise['free_speed_m_s']:.2f} cm/s (sine {100 * sine['free_speed_m_s']:.2f}), "
+            f"yaw drift {promise['yaw_drift_rad_s']:.4f} rad/s, power {1e3 * promise['free_power_w']:.1f} mW"
+        )
     if "reference" in tables:
         reference = tables["reference"]
         lines.append(
             f"MuJoCo: thrust {1e3 * reference['thrust_n']:.1f} mN, speed {100 * reference['speed_m_s']:.2f} cm/s; "
             f"{reference['thrust_gain']:.2f} and {reference['speed_gain']:.2f} times the sine's"
         )
+        if "free_speed_m_s" in reference:
+            speeds = 100 * reference["free_speed_m_s"], 100 * reference["sine_free_speed_m_s"]
+            lines.append(f"MuJoCo, free hull: {speeds[0]:.2f} cm/s (sine {speeds[1]:.2f})")
     if "left_out" in tables:
         lines.append(f"MuJoCo: not checked; {tables['left_out']['reference']}")
     return lines

@@ -1,4 +1,4 @@
-"""The input of `optimise`: an arm, fitted or assumed, and the servo's limits."""
+"""The input of `optimise`: an arm, fitted or assumed, the servo's limits, and the hull that swims freely."""
 
 from __future__ import annotations
 
@@ -6,11 +6,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from affine_model.free_body import Hull
     from affine_model.swim import GaitLimits
     from tentacle.model import Model
 
 SERVO = ("angle_rad", "speed_rad_s", "acceleration_rad_s2")
 DRIVE = ("torque_n_m", "bandwidth_hz", "lowest_frequency_hz", "highest_frequency_hz")
+HULL = {
+    "mass_kg": "mass", "yaw_inertia_kg_m2": "yaw_inertia",
+    "viscous_across_n_s_m": "viscous_across", "viscous_along_n_s_m": "viscous_along",
+    "drag_across_n_s2_m2": "drag_across", "drag_along_n_s2_m2": "drag_along",
+    "yaw_viscous_n_m_s": "yaw_viscous", "yaw_drag_n_m_s2": "yaw_drag",
+}  # fmt: skip
 
 
 def read_arm(path: Path, silicone: str) -> Model:
@@ -54,3 +61,23 @@ def read_limits(path: Path | None) -> GaitLimits:
 
     limited = replace(HOBBY_SERVO, **{field(name): value for name, value in servo.items()})
     return GaitLimits(limited, **{field(name): value for name, value in drive.items()})
+
+
+def read_hull(path: Path | None) -> Hull:
+    """The hull in a TOML file: its mass and yaw inertia, and of its drags those that it has; without a file, the
+    package's own. InputError names the wrong field.
+    """
+    from affine_model.free_body import Hull
+    from affine_model.swim import SERVO_HULL
+    from tentacle.io.toml_table import Table, read_toml
+
+    if path is None:
+        return SERVO_HULL
+    text, values = read_toml(path)
+    document = Table(values, file=path, text=text)
+    table = document.required_table("hull")
+    needed = {HULL[name]: table.number(name, above=0) for name in ("mass_kg", "yaw_inertia_kg_m2")}
+    drags = {HULL[name]: table.number(name, least=0) for name in list(HULL)[2:] if name in table}
+    table.finish()
+    document.finish()
+    return Hull(**needed, **drags)

@@ -12,12 +12,14 @@ if TYPE_CHECKING:
 
 def searched(arguments: argparse.Namespace, trial: GaitTrial, model: Model) -> Swimming:
     """The best of the searches that were asked for."""
+    from dataclasses import asdict
+
     from tentacle.cli._swim_work import best_of_restarts
 
     if arguments.restarts == 1 and not arguments.cluster:
         return search_with_progress(arguments, trial, model)
     settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "robust", "polish")}
-    settings["device"] = trial.device
+    settings |= {"device": trial.device, "hull": asdict(trial.hull)}
     seeds = range(arguments.seed, arguments.seed + arguments.restarts)
     return best_of_restarts(model, trial.limits, settings, seeds, arguments.out / "searches", arguments.cluster)
 
@@ -37,6 +39,8 @@ def search_with_progress(arguments: argparse.Namespace, trial: GaitTrial, model:
 
     settings = {name: getattr(arguments, name) for name in ("objective", "method", "evaluations", "seed", "robust")}
     inputs = {"version": VERSION, "model": model_tables(model), "limits": asdict(trial.limits), **settings}
+    if OBJECTIVE_TABLE[arguments.objective].free:
+        inputs["hull"] = asdict(trial.hull)
     notes = SearchNotes(arguments.out / "search.jsonl", inputs)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.completed:.0f} gaits"))
     console = Console(stderr=True)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from affine_model.swim import Promise, Swimming
+    from affine_model.swim import GaitTrial, Promise, Swimming
+    from tentacle.model import Model
 
 
 def promise_table(promise: Promise) -> dict[str, Any]:
@@ -16,7 +17,26 @@ def promise_table(promise: Promise) -> dict[str, Any]:
         "power_w": promise.power,
         "peak_torque_n_m": promise.torque,
     }
+    afloat = (promise.free_speed, promise.yaw_drift, promise.free_power)
+    names = ("free_speed_m_s", "yaw_drift_rad_s", "free_power_w")
+    table |= {name: value for name, value in zip(names, afloat, strict=True) if value is not None}
     return table if promise.speed <= 0.0 else {**table, "transport_j_m": promise.transport}
+
+
+def posterior_table(trial: GaitTrial, model: Model, found: Swimming) -> dict[str, Any]:
+    """The gait's promise under the model's posterior: 95 % of draws lie within. It knows nothing of the model's own
+    error.
+    """
+    import numpy as np
+
+    from affine_model.swim import OBJECTIVES
+    from affine_model.swim.optimise import for_objective
+    from affine_model.swim.robust import drawn_from, promised_interval
+
+    objective = OBJECTIVES[found.objective]
+    ready = for_objective(trial, objective).refined()
+    low, high = promised_interval(ready, model, objective, np.array(found.gait.alpha))
+    return {"low": low, "high": high, "unit": objective.unit, "drawn_from": drawn_from(model)}
 
 
 def result_tables(found: Swimming, waveform_table: Any) -> dict[str, Any]:

@@ -18,7 +18,7 @@ def search_tasks(
     model: Model, limits: GaitLimits, settings: Mapping[str, Any], seeds: Sequence[int]
 ) -> list[dict[str, Any]]:
     """One task a seed; settings hold objective, method, evaluations, robust (samples, 0: at the estimates), device (of
-    torch, None: none) and polish.
+    torch, None: none), polish and hull.
     """
     from tentacle.io.model_file import model_tables
 
@@ -28,6 +28,7 @@ def search_tasks(
 
 def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     """One whole search; plain data of its Swimming. The samples of a robust search are the same for every seed."""
+    from affine_model.free_body import Hull
     from affine_model.swim import OBJECTIVES, GaitLimits, SearchPlan, optimise_gait, robust_trial, trial_of
     from tentacle.io.model_file import parse_model
     from tentacle.io.toml_table import Table
@@ -36,7 +37,8 @@ def search_work(task: Mapping[str, Any]) -> dict[str, Any]:
     model = parse_model(Table(dict(task["model"]), file=None, name="model"))
     limits = dict(task["limits"])
     trial = trial_of(model, GaitLimits(ServoLimits(**limits.pop("servo")), **limits))
-    trial = replace(trial, device=task.get("device"))
+    hull = Hull(**task["hull"]) if "hull" in task else trial.hull
+    trial = replace(trial, device=task.get("device"), hull=hull)
     if task["robust"]:
         trial = robust_trial(trial, model, task["robust"], seed=0)
     objective = OBJECTIVES[task["objective"]]

@@ -5,6 +5,7 @@ import pytest
 
 from affine_model.advance import Drive, Pace, Rail, Servo, advance, at_rest
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
+from affine_model.free_body import Hull
 from affine_model.kernel.arguments import ARGUMENTS, packed
 from affine_model.kernel.generate import kernel_source
 from affine_model.kernel.machine_code import object_code
@@ -48,22 +49,25 @@ def test_a_wrong_number_of_indices_is_refused():
         unrolled_source("m[1, b] = 0.0", {}, {"m": (2, 2)})
 
 
-def test_machine_code_computes_what_the_text_says():
-    """The text run as Python, and compiled, on numbers at which every effect, servo and rail act."""
+@pytest.mark.parametrize(
+    "drive", [Drive(Servo(1.0, 0.02, 2.0, 0.5), Rail(0.1, 0.5, 0.01)), Drive(hull=Hull(0.3, 3e-4, 0.1, 0.05, 3.0, 1.0))]
+)
+def test_machine_code_computes_what_the_text_says(drive):
+    """The text run as Python, and compiled, on numbers at which every effect and the drive act."""
     arm = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=2, nodes=4)
     parameters = np.repeat(neutral_parameters()[:, None], 5, axis=1)
     for row in parameter_rows():
         parameters[row.index] = row.parameter.nominal * np.linspace(0.9, 1.1, 5)
     base = Sine(0.5, 1.3, 0.4)((np.arange(4) + 0.5) / 500)[:, :, None]
-    drive, pace = Drive(Servo(1.0, 0.02, 2.0, 0.5), Rail(0.1, 0.5, 0.01)), Pace(1 / 500, 2, complete=True)
+    pace = Pace(1 / 500, 2, complete=True)
 
-    def in_python(nodes, order, _, *arguments):
+    def in_python(nodes, order, _, *arguments, free):
         place: dict = {}
-        exec(compile(kernel_source(nodes, order), "kernel", "exec"), place)
+        exec(compile(kernel_source(nodes, order, free=free), "kernel", "exec"), place)
         with np.errstate(all="ignore"):  # empty lanes
             place["advance"](0, *arguments)
 
-    start = np.zeros(5), at_rest(arm, 5)
+    start = np.zeros(5), at_rest(arm, 5, drive)
     compiled = advance(arm, drive, parameters, base, start, pace)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("affine_model.advance.advance_blocks", in_python)

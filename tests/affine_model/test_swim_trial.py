@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from affine_model.arm import parameter_index
 from affine_model.simulate import Rail
 from affine_model.swim import (
     OBJECTIVES,
@@ -30,8 +31,10 @@ from affine_model.swim.exact_gradient import exact_gradient
 from affine_model.swim.objectives import gait_scores, worst_quarter_mean
 from affine_model.swim.optimise import ORIGINS
 from affine_model.swim.polish import polish, value_and_gradient
+from affine_model.swim.robust import drawn_from, promised_interval
 from tentacle.errors import InputError
 from tentacle.model import Estimate
+from tentacle.posterior import Posterior
 from tentacle.servo_limits import ServoLimits
 from tentacle.specimen import AIR
 
@@ -201,6 +204,35 @@ def test_samples_follow_the_intervals():
     row = next(index for index in varied if samples[index, 0] == estimate.value)
     # 4000 draws: the standard deviation is known to 1/sqrt(8000) = 1.1 %, three times that is allowed.
     assert np.std(samples[row, 1:]) == pytest.approx((estimate.high - estimate.low) / 3.92, rel=0.035)
+
+
+def test_samples_follow_the_joint_posterior():
+    # E and eta together, drag and added mass by their own intervals. A correlation r of 4000 draws is right to
+    # (1 - r^2) / sqrt(4000).
+    known = Posterior(("elasticity.E", "damping.eta"), (3e3, 20.0), ((1.0, 0.9), (0.9, 1.0)))
+    model = replace(UNCERTAIN, posterior=known)
+    for effect, name in (("elasticity", "E"), ("damping", "eta")):
+        value = MODEL.value(effect, name)
+        model = replace(
+            model, parameters={**model.parameters, effect: {name: Estimate(value, 0.9 * value, 1.1 * value)}}
+        )
+    samples = parameter_samples(model, 4001, seed=1)[:, 1:]
+    e, eta, drag = (
+        samples[parameter_index(*name)] for name in (("elasticity", "E"), ("damping", "eta"), ("drag", "C_perp"))
+    )
+    assert np.std(e) == pytest.approx(3e3, rel=0.035)
+    assert np.corrcoef(e, eta)[0, 1] == pytest.approx(0.9, abs=0.01)
+    assert abs(np.corrcoef(e, drag)[0, 1]) < 0.06
+    assert drawn_from(model) == "the joint posterior of 2 parameters and 2 intervals, each by itself"
+    assert "4 intervals" in drawn_from(replace(model, posterior=None))
+
+
+def test_the_promised_interval_holds_what_new_draws_give():
+    objective, alpha = THRUST, sine_gaits(np.array([0.5]), np.array([1.0]))
+    low, high = promised_interval(TRIAL, UNCERTAIN, objective, alpha[:, 0], (400, 1))
+    judged = run(robust_trial(TRIAL, UNCERTAIN, 400, seed=2), alpha).thrust[0]
+    # The quantiles of 400 draws are each right to .8 % of mass; two sets differ by sqrt(2) of it.
+    assert np.mean((judged >= low) & (judged <= high)) == pytest.approx(0.95, abs=0.04)
 
 
 def test_robust_trial_scores_the_worst_quarter():

@@ -72,6 +72,7 @@ SPECIAL = {
     ),
     "tentacle blind-trial 40 --out blind --seed 1 --workers 4": How(add="--workers 1", until="blind/trials"),
     "tentacle optimise arm.toml --out gait": How(add=QUICK),
+    "tentacle optimise arm.toml --out afloat --objective free": How(add=QUICK),
     "tentacle optimise answer/model.toml --out gait": How(add=QUICK),
     "tentacle new my_arm --video film.mp4 --motor servo_log.csv": How(
         swap=("my_arm", "another_arm"), status=(2,), says="servo_log.csv", typed="\n" * 5

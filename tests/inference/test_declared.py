@@ -64,6 +64,15 @@ def test_the_identified_model_is_the_arm_that_was_found(recorded) -> None:
     found = identify([declared_as(recorded(seconds=6.0), Uncertain(LENGTH, 0.136, 0.005, 1e-6))], order=2)
     assert abs(found.model.specimen.length - SPECIMEN.length) < 1e-4  # its deviation is some micrometres
     assert set(found.model.parameters) == {"elasticity", "damping", "drag"}
+    # Its posterior is that of the effects' parameters: the length is marginalised, and widens them.
+    known = found.model.posterior
+    assert known is not None
+    assert known.names == ("elasticity.E", "damping.eta", "drag.C_perp")
+    places = [found.free.index(name) for name in known.names]
+    np.testing.assert_allclose(known.correlation, found.correlation[np.ix_(places, places)], atol=1e-6)
+    for name, deviation in zip(known.names, known.deviation, strict=True):
+        e = found.model.parameters[name.split(".")[0]][name.split(".")[1]]
+        assert abs((e.high - e.low) / 3.92 / deviation - 1.0) < 1e-6
 
 
 def test_the_error_of_markers_is_stated_at_the_places_that_the_fit_finds(recorded) -> None:

@@ -1,5 +1,6 @@
 """`tentacle optimise` from a file to its answer: it resumes, repeats itself, and refuses what it cannot use."""
 
+import importlib.util
 import json
 import tomllib
 
@@ -169,3 +170,49 @@ def test_polish_without_torch_is_one_line(arm, tmp_path, monkeypatch, capsys):
     assert optimise(arm, tmp_path / "out", "--polish", "--device", "cpu") == 2
     assert "--polish" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_free_hull_swims_and_is_checked(arm, tmp_path):
+    hull = tmp_path / "hull.toml"
+    hull.write_text("[hull]\nmass_kg = 0.4\nyaw_inertia_kg_m2 = 6e-4\ndrag_along_n_s2_m2 = 1.0\n")
+    out = tmp_path / "out"
+    quick = ("--evaluations", "50", "--objective", "free", "--hull", str(hull), "--robust", "2")
+    assert main(["optimise", str(arm), "--out", str(out), *quick]) == 0
+    found = json.loads((out / "result.json").read_text())
+    promise, reference = found["promise"], found["reference"]
+    assert promise["free_speed_m_s"] >= 0.99 * found["sine"]["promise"]["free_speed_m_s"]
+    # A symmetric gait goes straight but for what its start leaves; both models agree as in the paper's Table II.
+    assert abs(promise["yaw_drift_rad_s"]) < 0.05
+    assert reference["free_speed_m_s"] == pytest.approx(promise["free_speed_m_s"], rel=0.15)
+    assert (out / "session.rrd").stat().st_size > 0
+
+
+@pytest.mark.long
+def test_restarts_keep_the_hull(arm, tmp_path):
+    hull = tmp_path / "hull.toml"
+    hull.write_text("[hull]\nmass_kg = 0.4\nyaw_inertia_kg_m2 = 6e-4\ndrag_along_n_s2_m2 = 1.0\n")
+    speeds = []
+    for number, more in enumerate(
+        ((), ("--restarts", "1", "--hull", str(hull)), ("--restarts", "2", "--hull", str(hull)))
+    ):
+        out = tmp_path / str(number)
+        assert optimise(arm, out, "--objective", "free", *more) == 0
+        speeds.append(json.loads((out / "result.json").read_text())["promise"]["free_speed_m_s"])
+    assert speeds[2] >= speeds[1]
+    assert abs(speeds[1] / speeds[0] - 1.0) > 0.01  # another hull, another speed
+
+
+def test_what_a_free_hull_cannot_have_is_refused(arm, tmp_path, capsys):
+    hull = tmp_path / "hull.toml"
+    hull.write_text("[hull]\nmass_kg = 0.4\n")
+    for more, words in (
+        (("--hull", str(hull)), "--objective free"),
+        (("--objective", "free", "--hull", str(hull)), "yaw_inertia_kg_m2"),
+    ):
+        assert optimise(arm, tmp_path / "out", *more) == 2
+        error = capsys.readouterr().err
+        assert words in error
+        assert error.count("\n") == 1
+    if importlib.util.find_spec("torch") is not None:
+        assert optimise(arm, tmp_path / "out", "--objective", "free", "--polish") == 2
+        assert "exact gradient" in capsys.readouterr().err

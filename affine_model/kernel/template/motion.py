@@ -21,7 +21,7 @@ MOTION = """\
             t[b] = t0[lane[b]] + (float(step) + 0.5) * h
         # Predictor: the mean acceleration of the step, extrapolated from the two before.
         for b in range(BLOCK):
-            for j in unrolled(n + 2):
+            for j in unrolled(D):
                 acc[j, b] = 2.0 * last[j, b] - before[j, b]
 @COMMAND@
         if not free_theta:
@@ -46,6 +46,11 @@ MOTION = """\
             if free_rail:
                 for b in range(BLOCK):
                     mid_rate[n + 1, b] = v[n + 1, b] + 0.5 * h * acc[n + 1, b]
+            for _ in unrolled(FREE):
+                for b in range(BLOCK):
+                    mid[n + 1, b] = u[n + 1, b] + 0.5 * h * v[n + 1, b] + 0.25 * h * h * acc[n + 1, b]
+                    mid[n + 2, b] = u[n + 2, b] + 0.5 * h * v[n + 2, b] + 0.25 * h * h * acc[n + 2, b]
+                    mid_rate[n + 2, b] = v[n + 2, b] + 0.5 * h * acc[n + 2, b]
             for i in range(NODES):
                 for b in range(BLOCK):
                     angle = mid[n, b] + total(A[i, j] * mid[j, b] for j in unrolled(n))
@@ -65,7 +70,7 @@ MOTION = """\
             for b in range(BLOCK):
                 fluid_x[b] = 0.0
                 fluid_y[b] = 0.0
-                for j in unrolled(n + 2):
+                for j in unrolled(D):
                     residual[j, b] = 0.0
                     for l in unrolled(j + 1):
                         matrix[j, l, b] = 0.0
@@ -83,6 +88,11 @@ MOTION = """\
                     # The base angle's lever arm is the position itself: dr/d theta = (-y, x).
                     x[i, b] = travel[0, b] + jac_y[n, i, b]
                     y[i, b] = travel[1, b] - jac_x[n, i, b]
+                    for _ in unrolled(FREE):
+                        velocity_x[b] += mid_rate[n + 2, b]
+                        acceleration_x[b] += acc[n + 2, b]
+                        x[i, b] += mid[n + 2, b]
+                        y[i, b] += mid[n + 1, b]
                     water_x[b] = 0.0
                     water_y[b] = 0.0
                     surge_x[b] = 0.0
@@ -137,6 +147,8 @@ MOTION = """\
                                                 + (C[i, j] * C[i, l]) * (w[i] * bend[i, b]))
                     residual[n, b] += jac_x[n, i, b] * net_x + jac_y[n, i, b] * net_y + spin
                     residual[n + 1, b] += net_y
+                    for _ in unrolled(FREE):
+                        residual[n + 2, b] += net_x
                     tensor_xx[b] = xx
                     tensor_xy[b] = xy
                     tensor_yy[b] = yy
@@ -152,4 +164,10 @@ MOTION = """\
                         for l in unrolled(n + 1):
                             matrix[n + 1, l, b] += tensor_xy[b] * jac_x[l, i, b] + tensor_yy[b] * jac_y[l, i, b]
                         matrix[n + 1, n + 1, b] += tensor_yy[b]
+                for _ in unrolled(FREE):
+                    for b in range(BLOCK):
+                        for l in unrolled(n + 1):
+                            matrix[n + 2, l, b] += tensor_xx[b] * jac_x[l, i, b] + tensor_xy[b] * jac_y[l, i, b]
+                        matrix[n + 2, n + 1, b] += tensor_xy[b]
+                        matrix[n + 2, n + 2, b] += tensor_xx[b]
 """

@@ -4,7 +4,7 @@ TRAJECTORY = """\
         if stride > 0 and (step + 1) % stride == 0:
             for b in range(BLOCK):
                 if first + b < count:
-                    for j in range(n + 2):
+                    for j in range(D):
                         out_u[stored, j, first + b] = u[j, b]
                         out_rate[stored, j, first + b] = v[j, b]
                     for k in range(4):
@@ -12,10 +12,10 @@ TRAJECTORY = """\
             if out_past.shape[0] > 0:
                 for b in range(BLOCK):
                     if first + b < count:
-                        for j in range(n + 2):
+                        for j in range(D):
                             out_past[stored - 1, j, first + b] = last[j, b]
-                            out_past[stored - 1, n + 2 + j, first + b] = before[j, b]
-                        out_past[stored - 1, 2 * n + 4, first + b] = integral[b]
+                            out_past[stored - 1, D + j, first + b] = before[j, b]
+                        out_past[stored - 1, 2 * D, first + b] = integral[b]
                         for slot in range(start_store.shape[0]):
                             for i in range(NODES):
                                 out_store[stored - 1, slot, i, first + b] = store[slot, i, b]
@@ -32,9 +32,9 @@ SUMMARY = """\
             for k in range(4):
                 summary[k, first + b] = sums[k, b] / float(kept)
             summary[4, first + b] = diverged[b]
-            for j in range(n + 2):
+            for j in range(D):
                 summary[5 + j, first + b] = u[j, b]
-                summary[7 + n + j, first + b] = v[j, b]
+                summary[5 + D + j, first + b] = v[j, b]
 """
 
 OUTCOME = """\
@@ -61,11 +61,15 @@ OUTCOME = """\
             for b in range(BLOCK):
                 u[n + 1, b] += h * v[n + 1, b] + 0.5 * h * h * acc[n + 1, b]
                 v[n + 1, b] += h * acc[n + 1, b]
+        for _ in unrolled(FREE):
+            for b in range(BLOCK):
+                u[n + 2, b] += h * v[n + 2, b] + 0.5 * h * h * acc[n + 2, b]
+                v[n + 2, b] += h * acc[n + 2, b]
         started = 1.0 if step + age > 0 else 0.0
         sound = 0.0
         for b in range(BLOCK):
             within = 1.0
-            for j in unrolled(n + 2):
+            for j in unrolled(D):
                 before[j, b] = started * last[j, b] + (1.0 - started) * acc[j, b]
                 last[j, b] = acc[j, b]
                 within *= 1.0 if (abs(u[j, b]) < 1e3) & (abs(v[j, b]) < 1e6) else 0.0
@@ -73,13 +77,13 @@ OUTCOME = """\
         if sound < float(BLOCK):
             for b in range(BLOCK):
                 within = 1.0
-                for j in range(n + 2):
+                for j in range(D):
                     within *= 1.0 if (abs(u[j, b]) < 1e3) & (abs(v[j, b]) < 1e6) else 0.0
                 if within == 0.0:
                     if diverged[b] < 0.0:
                         diverged[b] = t[b]
                     integral[b] = 0.0
-                    for j in range(n + 2):
+                    for j in range(D):
                         u[j, b] = 0.0
                         v[j, b] = 0.0
                         last[j, b] = 0.0
@@ -91,6 +95,8 @@ OUTCOME = """\
         counts = 1.0 if step >= average_from else 0.0
         for b in range(BLOCK):
             power = torque[b] * mid_rate[n, b]
+            for _ in unrolled(FREE):
+                power = torque[b] * command[1, b]  # the servo turns the arm against the hull
             window[0, b] += fluid_x[b]
             window[1, b] += fluid_y[b]
             window[2, b] += rail_share * fluid_y[b] + (1.0 - rail_share) * residual[n + 1, b]

@@ -68,12 +68,12 @@ def advance(block, parameters, active, constants, s, area, second_moment, width,
         diverged[b] = -1.0
         for r in range(parameters.shape[0]):
             par[r, b] = parameters[r, lane[b]]
-        for j in range(n + 2):
+        for j in range(D):
             u[j, b] = start[j, lane[b]]
             v[j, b] = start_rate[j, lane[b]]
             last[j, b] = start_past[j, lane[b]]
-            before[j, b] = start_past[n + 2 + j, lane[b]]
-        integral[b] = start_past[2 * n + 4, lane[b]]
+            before[j, b] = start_past[D + j, lane[b]]
+        integral[b] = start_past[2 * D, lane[b]]
         for i in range(NODES):
             for slot in range(start_store.shape[0]):
                 store[slot, i, b] = start_store[slot, i, lane[b]]
@@ -87,7 +87,7 @@ def advance(block, parameters, active, constants, s, area, second_moment, width,
 @BEFORE@
     stored = 0
     if stride > 0:
-        for j in range(n + 2):
+        for j in range(D):
             for b in range(BLOCK):
                 if first + b < count:
                     out_u[0, j, first + b] = u[j, b]

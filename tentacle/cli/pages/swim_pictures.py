@@ -24,6 +24,18 @@ def motion_picture(found: Swimming) -> Picture:
     return Picture(motion_figure(motions), "Angle of the servo over three periods of the gait's strongest wave.")
 
 
+def path_picture(trial: GaitTrial, found: Swimming, seconds: float) -> Picture:
+    """The free hull's way under both motions."""
+    from affine_model.swim.film import swim_film
+    from viz.figures.free_swim import free_swim_figure
+    from viz.report import Picture
+
+    films = [swim_film(trial.afloat(), gait, seconds) for gait in (found.gait, found.sine)]
+    swims = {name: (film.t, film.xy) for name, film in zip(NAMES, films, strict=True)}
+    words = f"The free hull's way from rest in {seconds:g} s, and the arm behind it; a dot is the hull."
+    return Picture(free_swim_figure(swims), words)
+
+
 def map_section(trial: GaitTrial, found: Swimming) -> ReportSection:
     """Mean thrust of sines over amplitude and frequency, within the servo's limits (the paper's Fig. 9)."""
     import numpy as np

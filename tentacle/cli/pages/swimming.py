@@ -5,7 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tentacle.cli.pages.swim_pictures import NAMES, convergence_picture, front_section, map_section, motion_picture
+from tentacle.cli.pages.swim_pictures import (
+    NAMES,
+    convergence_picture,
+    front_section,
+    map_section,
+    motion_picture,
+    path_picture,
+)
+from tentacle.cli.pages.swim_words import free_words, limits_words, posterior_words, search_words
 from viz.swimming import SearchCourse
 
 if TYPE_CHECKING:
@@ -17,12 +25,12 @@ FILM_S = 10.0
 
 def write_swim_film(trial: GaitTrial, found: Swimming, path: Path) -> None:
     """The gait and the best sine swimming side by side, as a Rerun session."""
-    from affine_model.swim import PAPER_RAIL
+    from affine_model.swim import OBJECTIVES, PAPER_RAIL
     from affine_model.swim.film import swim_film
     from viz.swimming import Swimmer, write_swimming
 
-    level = trial.on_rail(PAPER_RAIL)
-    films = [swim_film(level, gait, FILM_S) for gait in (found.gait, found.sine)]
+    ready = trial.afloat() if OBJECTIVES[found.objective].free else trial.on_rail(PAPER_RAIL)
+    films = [swim_film(ready, gait, FILM_S) for gait in (found.gait, found.sine)]
     swimmers = [Swimmer(name, one.theta, one.travel, one.xy) for name, one in zip(NAMES, films, strict=True)]
     specimen = trial.arm.specimen
     write_swimming(swimmers, films[0].t, films[0].s, specimen, SearchCourse(found.evaluations, found.best), path)
@@ -36,14 +44,20 @@ def write_swim_page(
     from viz.report import Report, ReportSection, render_report, write_report
 
     objective = OBJECTIVES[found.objective]
+    way = (path_picture(trial, found, FILM_S),) if objective.free else ()
     unchecked = [f"No check on the reference: {why}" for why in tables.get("left_out", {}).values()]
     sections = [
-        ReportSection("What it does", (objective.words + ".", *unchecked), (_promise_table(tables),)),
-        ReportSection("The gait", _limits_words(trial, found), (), (motion_picture(found),)),
+        ReportSection(
+            "What it does",
+            (objective.words + ".", *free_words(tables), *posterior_words(tables), *unchecked),
+            (_promise_table(tables),),
+            way,
+        ),
+        ReportSection("The gait", limits_words(trial, found), (), (motion_picture(found),)),
         map_section(trial, found),
         ReportSection(
             "The search",
-            _search_words(found),
+            search_words(found),
             (),
             (convergence_picture(found, objective.unit),),
         ),
@@ -80,25 +94,4 @@ def _promise_table(tables: dict[str, Any]) -> ReportTable:
     )
     return ReportTable(
         "Forward thrust with the base clamped; all else swimming on the rail.", header, rows, (2, 3, 4, 5, 6)
-    )
-
-
-def _limits_words(trial: GaitTrial, found: Swimming) -> tuple[str, ...]:
-    servo = trial.limits.servo
-    angle, speed, acceleration = found.peaks.tolist()
-    return (
-        f"It turns by at most {angle:.3f} of {servo.angle:.3f} rad, {speed:.2f} of {servo.speed:.2f} rad/s and "
-        f"{acceleration:.0f} of {servo.acceleration:.0f} rad/s2, over 300 s; harmonics end at "
-        f"{trial.limits.bandwidth:g} Hz.",
-        "alpha = " + ", ".join(f"{value:.4g}" for value in found.gait.alpha),
-    )
-
-
-def _search_words(found: Swimming) -> tuple[str, ...]:
-    return (
-        "First grids of sines and of single waves (one term of eq. 20 with its phase), refined around their best; then "
-        f"{found.evaluations[-1]} gaits by {found.method}, seed {found.seed}. A quasi-Newton method starts at the best "
-        "wave, and at the search's best when it exceeds all earlier results.",
-        f"The winner was chosen with a third of the step. Start of its climb: {found.origin}.",
-        *([] if found.polished is None else [f"The climb with the exact gradient: {found.polished.message}"]),
     )

@@ -10,6 +10,7 @@ import pytest
 from tentacle.errors import InputError
 from tentacle.io.model_file import read_model, write_model
 from tentacle.model import Estimate, Model
+from tentacle.posterior import Posterior
 from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
 
 MODEL = Model(
@@ -23,6 +24,7 @@ MODEL = Model(
         "third_curvature": {},
         "current": {"u": Estimate(0.02, float("-inf"), float("inf"), "m/s")},
     },
+    posterior=Posterior(("elasticity.k0", "elasticity.k1"), (1 / 39, 0.04), ((1.0, -1 / 3), (-1 / 3, 1.0))),
 )
 
 
@@ -53,6 +55,11 @@ def test_only_a_plain_file_is_replaced(tmp_path: Path) -> None:
         ("value = 1.1", "valu = 1.1", "effects.drag.C_perp.value: missing (there is valu"),
         ("value = 1.1", "value = nan", "effects.drag.C_perp.value: nan is out of range"),
         ("low = 0.1", "low = 0.19", "effects.elasticity.k0.value: 0.14285714285714285 is not between low and high"),
+        ('"elasticity.k0",', '"elasticity.k9",', "posterior.parameters: names a parameter that the model lacks"),
+        ("0.04,", "-0.04,", "posterior.correlation: a deviation is not positive"),
+        ("0.04,", "", "posterior.deviation: "),
+        ("-0.3333333333333333,", "-0.4,", "posterior.correlation: correlation is not symmetric"),
+        ("-0.3333333333333333,", "[],", "posterior.correlation: "),
         ("length_m = 0.14", "length_m = -1", "specimen.length_m: -1 is out of range"),
     ],
 )
