@@ -82,7 +82,7 @@ def _parse_posterior(table: Table, parameters: dict[str, dict[str, Estimate]]) -
     table.finish()
     try:
         return Posterior(tuple(names), deviation, tuple(tuple(float(one) for one in row) for row in rows))
-    except (TypeError, ValueError) as error:
+    except (OverflowError, TypeError, ValueError) as error:
         raise table.error(f"{error}", "correlation", f"{len(names)} rows of {len(names)} correlations") from None
 
 
