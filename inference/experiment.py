@@ -27,7 +27,7 @@ SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
 PARAMETER_SPREAD = {"elasticity": 0.01, "damping": 0.05, "drag": 0.03}
 SPREAD_REACH = 3.0  # spreads, however strongly the data pull: else a payload would be taken for a softer arm
 RATE_PRIOR = 30.0  # rad/s: initial rates of curvature, where the observation shows none
-RATE_REACH = 3.0  # times the rates seen in the recording: limit of an initial rate
+STATE_REACH = 3.0  # times the spread seen in the recording: of an initial shape or rate
 HIGHER_PRIOR = 0.3  # rad: initial curvature that the observation cannot see
 MEMORY_PRIOR = 0.5  # rad: memory of a Maxwell branch at the start, from the motion before the recording
 
@@ -40,8 +40,9 @@ class Experiment:
     then (None: it moves from the start). used (T,) bool: frames that the fit may use; the others judge it. noise_gain:
     factor on the observation's stated standard deviation, found from the data. remembers: the
     model has a Maxwell branch, whose initial state is unknown too (an arm held still until its release has none).
-    rates_seen (K,) [rad/s]: rms rates of the Legendre coordinates that the recording shows. base_known_from [s]: the
-    base motion is recorded from then on (None: from t0). complete: the declaration is complete, so that no absent
+    shapes_seen (K,) [rad], rates_seen (K,) [rad/s]: spread of the Legendre coordinates and of their rates in the
+    recording (inference.motion_spread; empty: not known). base_known_from [s]: the base motion is recorded from then
+    on (None: from t0). complete: the declaration is complete, so that no absent
     effect acts in this recording. varies: parameters (effect, name) that differ slightly between recordings.
     travel: of a base that travels, x, y, rates, accelerations (6, ...) over the pictures' clock (None: it stands).
     differs: fields of its declaration, with their values, in which it is not the first recording of the arm. lacks:
@@ -58,6 +59,7 @@ class Experiment:
     noise_gain: Array
     release_sigma: float = 0.01
     remembers: bool = False
+    shapes_seen: Array = field(default_factory=lambda: np.zeros(0))
     rates_seen: Array = field(default_factory=lambda: np.zeros(0))
     base_known_from: float | None = None
     complete: bool = False
@@ -121,17 +123,18 @@ class Experiment:
         higher = nuisances[self.observation.order : order] / HIGHER_PRIOR
         varied = self.deviations(nuisances) / np.array(self._spreads()).reshape(-1, 1)
         if self.release is None:
-            rates = nuisances[order : 2 * order]
+            rates, seen = nuisances[order : 2 * order], self.shapes_seen[:order]
+            shape = nuisances[: seen.size] / (STATE_REACH * seen)[:, None]
             memory = self.memory(order, nuisances)
             remembered = shift[:0] if memory is None else memory / MEMORY_PRIOR
-            return np.concatenate([rates / self.rate_limits(order)[:, None], shift, higher, remembered, varied])
+            return np.concatenate([shape, rates / self.rate_limits(order)[:, None], shift, higher, remembered, varied])
         return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher, varied])
 
     def rate_limits(self, order: int) -> Array:
         """Largest initial rates (order,) [rad/s] of the Legendre coordinates."""
         seen = self.rates_seen[:order]
-        rest = seen[-1] if seen.size else RATE_PRIOR / RATE_REACH
-        return RATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
+        rest = seen[-1] if seen.size else RATE_PRIOR / STATE_REACH
+        return STATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
 
     def parts(self, order: int, nuisances: Array) -> tuple[Array, Array, Array, Array]:
         """Initial shape, rates (or, released, the instant), memory and shift. Memory and shift may be empty."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from affine_model.curvature import Array, legendre_to_monomial, points_beside
 from inference.experiment import Experiment
-from inference.observation import POSE
+from inference.motion_spread import likely_shapes
+from inference.observation import POSE, ShapeObservation
 
 FIRST_FRAMES = 6  # of a recording: a marker's place at the start is their mean
 PLACED = 0.003  # arm lengths: deviation of a marker beside 1 rad of prior on the shape
@@ -20,20 +22,27 @@ def initial_nuisances(experiment: Experiment, order: int) -> Array:
     rates = np.zeros(order)
     if observation is not None:
         seen = np.flatnonzero(observation.seen)
-        z = observation.coefficients[:, POSE:]
         kept = min(order, observation.order)
         if experiment.release is not None:
             held = seen[observation.t[seen] <= experiment.release]
             held = held if held.size else seen[:1]
-            start[:kept] = np.median(z[held, :kept], axis=0)
+            start[:kept] = np.median(_shapes(experiment, observation, held)[:, :kept], axis=0)
         else:
             first = seen[:6]
-            slope, offset = np.polyfit(observation.t[first] - experiment.t0, z[first, :kept], 1)
+            shapes = _shapes(experiment, observation, first)[:, :kept]
+            slope, offset = np.polyfit(observation.t[first] - experiment.t0, shapes, 1)
             start[:kept], rates[:kept] = offset, slope
     else:
         start = _shape_of_points(experiment, order)
     moving = rates if experiment.release is None else np.zeros(1)
     return np.concatenate([start, moving, np.zeros(2 * experiment.sees_shift + len(experiment.varies))])
+
+
+def _shapes(experiment: Experiment, observation: ShapeObservation, frames: NDArray[np.intp]) -> Array:
+    """Legendre coordinates (F, K) of these frames, as likely as the motion of the recording makes them."""
+    if experiment.shapes_seen.size < observation.order:
+        return observation.coefficients[frames, POSE:]
+    return likely_shapes(observation, frames, experiment.shapes_seen)
 
 
 def _shape_of_points(experiment: Experiment, order: int) -> Array:

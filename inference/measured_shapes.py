@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.curvature import (
     Array,
@@ -20,6 +21,7 @@ from tentacle.signals import Markers, Midline, ShapeTrack
 
 SHAPE_NODES = 16
 SETTLED = 1e-4  # rad, m and 1: last step of a frame that has converged, a hundredth of what a camera resolves
+WIDENING, STEPS = 8, 20  # steps in which the shapes' spread is estimated, and in all
 
 
 @dataclass(frozen=True)
@@ -37,58 +39,93 @@ class Tracker:
 
 
 def fit_shapes(data: Midline, theta: Array, length: float, order: int, tracker: Tracker) -> ShapeObservation:
-    """Least-squares shape coefficients of every frame of a midline.
+    """Shape coefficients z of every frame of a midline, linearised about its likeliest shape z_0.
+
+        z = z_0 + N^-1 J' W (xy - f(z_0)),   N = J' W J = root' root,   J = df/dz at z_0
+        z_0 = argmin |xy - f(z)|^2_W + sum_k z_k^2 / tau_k^2
+
+    tau_k is the spread of curvature coordinate k over the frames, found by expectation and maximisation (Dempster,
+    Laird and Rubin 1977). A frame alone leaves its high coordinates open by a radian where the noise is a hundredth of
+    the length. Linearised about such a shape, the frame would be judged wrongly; about z_0, noise of any size does
+    not matter.
 
     theta (T,) recorded base angle. Frames with too few points, and frames whose fit does not converge, get root 0 and
     have no weight. Gauss-Newton from the straight arm along the points' mean direction; all frames at once.
     """
-    frames, points = data.xy.shape[:2]
+    frames = data.xy.shape[0]
     stated = np.where(np.isfinite(data.sigma) & (data.sigma > 0), data.sigma, tracker.sigma)
     seen = np.isfinite(data.xy).all(axis=2)
-    weight = np.where(seen, 1.0 / stated, 0.0)
-    xy = np.nan_to_num(data.xy)
-    to_monomial = legendre_to_monomial(order)
+    points = _Points(data, theta, length, np.where(seen, 1.0 / stated, 0.0), tracker)
     count = POSE + order
-    known = [*([0] if tracker.rigid else []), *(range(1, POSE) if tracker.by_edges else [])]
     usable = seen.sum(axis=1) * 2 >= count + 2
-    coefficients = np.zeros((frames, count))
-    steps, last = 12, np.zeros(frames)
-    jacobian = np.zeros((frames, points, 2, count))
-    normal, error = np.zeros((frames, count, count)), np.zeros_like(xy)
-    for _ in range(steps):
-        q, angle = coefficients[:, POSE:] @ to_monomial.T, theta + coefficients[:, 0]
-        shape = midline(q, angle, length, data.s)
+    coefficients, precision = np.zeros((frames, count)), np.zeros(count)
+    precision[POSE:] = 1.0
+    last = np.zeros(frames)
+    for step in range(STEPS):
+        normal, gradient, _ = points.linearised(coefficients, usable)
+        stiff = normal + np.diag(precision)
+        update = np.linalg.solve(stiff, (gradient - precision * coefficients)[..., None])[..., 0]
+        # A limit keeps the first steps of strongly bent frames from overshooting.
+        limit = np.minimum(1.0, 1.5 / np.maximum(np.abs(update).max(axis=1), 1e-12))
+        coefficients = coefficients + update * limit[:, None] * usable[:, None]
+        last = np.abs(update).max(axis=1)
+        if step < WIDENING and usable.any():
+            open_left = np.diagonal(np.linalg.inv(stiff[usable]), axis1=1, axis2=2)
+            precision[POSE:] = 1.0 / np.mean(coefficients[usable] ** 2 + open_left, axis=0)[POSE:]
+        elif last[usable].max(initial=0.0) < 1e-10:
+            break
+    usable &= last < SETTLED
+    normal, gradient, misfit = points.linearised(coefficients, usable)
+    update = np.linalg.solve(normal, gradient[..., None])[..., 0]
+    root = np.swapaxes(np.linalg.cholesky(normal), 1, 2) * usable[:, None, None]
+    chi2 = np.where(usable, misfit - np.einsum("tk,tk->t", update, gradient), 0.0)
+    left = np.where(usable, 2 * seen.sum(axis=1) - count, 0)
+    return ShapeObservation(data.t, theta, length, coefficients + update, root, chi2, left.astype(float))
+
+
+@dataclass(frozen=True)
+class _Points:
+    """A midline's points xy (T, P, 2) with their weight (T, P), 1 over the standard deviation; 0 where unseen."""
+
+    data: Midline
+    theta: Array
+    length: float
+    weight: Array
+    tracker: Tracker
+
+    def linearised(self, coefficients: Array, usable: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
+        """Normal matrices (T, K, K), gradients (T, K) and |xy - f|^2_W (T,) at coefficients (T, K).
+
+        Frames that are not usable get the unit matrix and no gradient.
+        """
+        order, s = coefficients.shape[1] - POSE, self.data.s
+        frames, points = self.data.xy.shape[:2]
+        q, angle = coefficients[:, POSE:] @ legendre_to_monomial(order).T, self.theta + coefficients[:, 0]
+        shape = midline(q, angle, self.length, s)
         size = np.exp(coefficients[:, 3])[:, None, None]
-        predicted = size * shape + coefficients[:, None, 1:3]
+        jacobian = np.zeros((frames, points, 2, POSE + order))
         jacobian[..., 0] = size * np.stack([-shape[..., 1], shape[..., 0]], axis=-1)
         jacobian[..., 0, 1] = 1.0
         jacobian[..., 1, 2] = 1.0
         jacobian[..., 3] = size * shape
-        jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, length, data.s, order)
-        error = (xy - predicted) * weight[..., None]
-        if tracker.by_edges:
-            phi = angle[:, None] + monomial_angle(q, data.s)
+        jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, self.length, s, order)
+        error = np.nan_to_num(self.data.xy) - size * shape - coefficients[:, None, 1:3]
+        error = error * self.weight[..., None]
+        if self.tracker.by_edges:
+            phi = angle[:, None] + monomial_angle(q, s)
             across = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
             error = np.sum(error * across, axis=2, keepdims=True) * across
             jacobian[:] = np.einsum("tpx,tpxk->tpk", across, jacobian)[:, :, None] * across[..., None]
+        known = [*([0] if self.tracker.rigid else []), *(range(1, POSE) if self.tracker.by_edges else [])]
         jacobian[..., known] = 0.0
-        weighted = (jacobian * weight[..., None, None]).reshape(frames, 2 * points, count)
+        weighted = (jacobian * self.weight[..., None, None] * usable[:, None, None, None]).reshape(
+            frames, 2 * points, POSE + order
+        )
         normal = np.einsum("tpk,tpl->tkl", weighted, weighted)
         normal[:, known, known] = 1.0
-        normal[~usable] = np.eye(count)
-        # Levenberg's share keeps the first steps of strongly bent frames from overshooting.
+        normal[~usable] = np.eye(POSE + order)
         gradient = np.einsum("tpk,tp->tk", weighted, error.reshape(frames, -1))
-        update = np.linalg.solve(normal, gradient[..., None])[..., 0]
-        limit = np.minimum(1.0, 1.5 / np.maximum(np.abs(update).max(axis=1), 1e-12))
-        coefficients = coefficients + update * limit[:, None] * usable[:, None]
-        last = np.abs(update).max(axis=1)
-        if last[usable].max(initial=0.0) < 1e-10:
-            break
-    usable &= last < SETTLED
-    root = np.swapaxes(np.linalg.cholesky(normal), 1, 2) * usable[:, None, None]
-    chi2 = np.where(usable, np.einsum("tpx,tpx->t", error, error), 0.0)
-    left = np.where(usable, 2 * seen.sum(axis=1) - count, 0)
-    return ShapeObservation(data.t, theta, length, coefficients, root, chi2, left.astype(float))
+        return normal, gradient, np.einsum("tpx,tpx->t", error, error)
 
 
 def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: int) -> Array:

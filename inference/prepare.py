@@ -14,8 +14,9 @@ from inference.jumps import without_jumps
 from inference.known_base import within_log
 from inference.linearise import LAW_KNOWN
 from inference.measured_shapes import Tracker, fit_shapes, from_markers, from_track
+from inference.motion_spread import motion_spread
 from inference.noise_floor import noise_deviation
-from inference.observation import POSE, Observation, ShapeObservation
+from inference.observation import POSE, Observation
 from tentacle.base_motion import BaseMotion, fit_base_motion, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.recording import Recording
@@ -32,7 +33,6 @@ JUDGED, LAST = (0.5, 5.0 / 6.0), (2.0 / 3.0, 1.0)
 # Of a motion that leaves the plane by a share r, the plane shows r^2 / 2 too little: as much as a law is known to, 3 %.
 MOST_OUT_OF_PLANE = math.sqrt(2.0 * LAW_KNOWN)
 LEAST_MOTION = 2.0  # noise sigmas
-LEAST_RATE = 0.01  # rad/s
 # Radians that the seen root turns for a radian of the servo. Below, its frame turns along, or one sign is wrong.
 TURNING, OPPOSITE = 0.35, -0.6
 
@@ -169,13 +169,13 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     if beyond:
         share = f"{beyond} of {len(times)}"
         words.append(f"Left out of {recording.name}: frames that show the base beyond the servo's log, {share}.")
-    rates = np.zeros(0)
+    shown = np.zeros((2, 0))
     if observation.shapes is not None:
         observation, jumps = without_jumps(observation.shapes)
         if jumps:
             share = f"{jumps} of {len(times)}"
             words.append(f"Left out of {recording.name}: frames shown twice or misread, out of the motion, {share}.")
-        rates = rates_seen(observation)
+        shown = motion_spread(observation)
     seen = observation.seen
     if seen.sum() < FEWEST_FRAMES:
         count = int(seen.sum())
@@ -205,7 +205,8 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         used=used,
         noise_gain=np.ones(observation.channels),
         release_sigma=_release_sd(recording, 2.0 * interval),
-        rates_seen=rates,
+        shapes_seen=shown[0],
+        rates_seen=shown[1],
         base_known_from=None if recording.motor is None else float(recording.motor.t[0]),
         travel=travel,
     )
@@ -229,14 +230,6 @@ def _release_sd(recording: Recording, usual: float) -> float:
     """Standard deviation [s] of the instant of the release: as declared, or some frames."""
     declared = recording.declaration.uncertain
     return next((number.spread for number in declared if number.field == RELEASE), usual)
-
-
-def rates_seen(observation: ShapeObservation) -> Array:
-    """rms rates (K,) [rad/s] of the Legendre coordinates, over four frames each. They include noise: an upper bound."""
-    good = np.flatnonzero(observation.seen)
-    z, t = observation.coefficients[good, POSE:], observation.t[good]
-    rates = (z[4:] - z[:-4]) / (t[4:] - t[:-4])[:, None]
-    return np.asarray(np.sqrt(np.mean(rates**2, axis=0)) + LEAST_RATE) if len(rates) else np.zeros(0)
 
 
 def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
