@@ -100,7 +100,7 @@ class Painter:
     """A film's scene without noise; a frame may be painted with another midline in the true one's place."""
 
     def __init__(self, film: Film, seed: int) -> None:
-        self.film = film
+        self.film, self.seed = film, seed
         rng = np.random.default_rng([seed, 3])
         width, height = film.size
         self.base, self.rest = base_of(film), REST[film.side]
