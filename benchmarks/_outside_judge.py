@@ -24,7 +24,6 @@ from vision.track import Tracking, track_fully
 METRES_PER_PX = 1e-3
 WRONG = 2.0  # px that an accepted midline may be off
 SIGMAS = 4.0  # of its own stated error, where that is larger
-VISIBLE = 0.03  # share of the midline that may be hidden
 DECLARED_OFF = (1.5, -1.0)  # px: a base that was read off the picture by hand
 
 
@@ -94,7 +93,7 @@ def seen_midlines(shape: ShapeTrack, declaration: Declaration, theta: Array) -> 
 def judge_film(film: Film, seed: int = 1) -> Judged:
     """Draw, track, compare; a film that is refused as a whole counts as none accepted."""
     drawn = draw_film(film, seed)
-    visible = drawn.fresh & (drawn.covered < VISIBLE)
+    visible = drawn.fresh & (drawn.covered == 0.0)
     hidden = drawn.fresh & ~visible
     try:
         tracked, declaration, theta = track_drawn(drawn)
