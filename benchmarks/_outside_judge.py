@@ -1,6 +1,7 @@
 """Tracking of the outside program's films: accepted, wrongly accepted, and errors against the film's own limit.
 
-_outside_limit has a film's limit. What is declared is what a user reads off: a base that is 2 px off, and no rounded tip.
+_outside_limit has a film's limit. What is declared is what a user reads off a picture: a base that is 2 px off, and no
+rounding of the tip.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ def arms(pictures: Sequence[Grey], polarity: float) -> list[Body | None]:
 
 
 def _contrasts(pictures: Sequence[Grey], polarity: float) -> list[NDArray[np.float32]]:
-    """Contrast (H, W) [grey] with the smooth ground, without the dirt that the ground shows while the arm is elsewhere."""
+    """Contrast (H, W) [grey] with the smooth ground, without the dirt that is there without the arm."""
     apart = []
     for image in pictures:
         shrink = max(max(image.shape) // 160, 1)
@@ -132,7 +132,7 @@ def _bodies(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDAr
 
 
 def _body(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDArray[np.bool_]) -> Body | None:
-    """The body of a mask without holes; None if it is not slender. Its merit: size, motion and contrast."""
+    """The body of a mask without holes; None if it is not slender. Its merit: length, motion and contrast."""
     grow = enlarged(contrast.shape)
     contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     contour = max(contours, key=cv2.contourArea)
@@ -146,7 +146,7 @@ def _body(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDArra
     coarse = mask if grow == 1 else cv2.resize(mask.astype(np.uint8), contrast.shape[::-1]) > 0
     strength = float(np.mean(contrast[coarse])) if coarse.any() else 0.0
     moving = STILL + np.count_nonzero(mask & ~always) / max(np.count_nonzero(mask), 1)
-    return Body(mask, points, axis, float(area / grow**2 * moving * max(strength, 0.0)))
+    return Body(mask, points, axis, float(axis.length * moving * max(strength, 0.0)))
 
 
 def _end(axis: Axis) -> tuple[Array, Array, float]:

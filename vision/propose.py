@@ -40,8 +40,8 @@ class ArmProposal:
     """base_px, tip_px (u, v); arm_px: unit vector along the mean arm; width_px: full width at base and tip; length_px.
 
     polarity: +1 an arm darker than its ground, -1 lighter. score: share of the pictures in which it was found. axis_px
-    (P, 2): the midline in the first that shows the whole arm alone, base to tip. words: what a person should check. swing [rad]: half the range
-    of the arm's directions. frame: number of the film's picture that axis_px and tip_px belong to.
+    (P, 2): the midline, base to tip, in the film's picture of number `frame`, the first that shows the whole arm alone;
+    tip_px is its tip. words: what a person should check. swing [rad]: half the range of the arm's directions.
     """
 
     base_px: tuple[float, float]
