@@ -143,7 +143,7 @@ class Painter:
         outline = _body(self.line(k), self.widths).reshape(2, -1, 2)
         body = np.rint([self.line(k), outline[0], outline[1, ::-1]]).astype(int)  # middle and both edges
         at = np.clip(body, 2, [width - 3, height - 3])
-        gone = (hidden[at[..., 1], at[..., 0]] > 0.3) | np.any(body != at, axis=2)
+        gone = (hidden[at[..., 1], at[..., 0]] > 0.05) | np.any(body != at, axis=2)
         return scene, float(np.mean(gone.any(axis=0)))
 
     def _in_front(self, k: int) -> tuple[Array, float]:

@@ -152,11 +152,7 @@ def pool(
         # so its root is used.
         solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
-    # an excess in the coordinates above over their noise is an error, of a coordinate left out or of the edges: state
-    # it
-    dropped = fitted - chosen
-    if dropped:
-        covariance = covariance * max(evidence.get(chosen, 0.0) / dropped, 1.0)
+    covariance = covariance * _left_out(evidence, fitted, chosen)
     result_x = np.full((len(seen), chosen + 1), np.nan)
     result_covariance = np.full((len(seen), chosen + 1, chosen + 1), np.nan)
     result_x[accepted], result_covariance[accepted] = x, covariance
@@ -173,6 +169,17 @@ def pool(
         staying=staying,
         result=solution.result,
     )
+
+
+def _left_out(evidence: dict[int, float], fitted: int, chosen: int) -> float:
+    """Factor on the variance of x for the coordinates above the chosen order.
+
+    Their excess over noise is an error, of a coordinate left out or of the edges. Above the highest fitted one nothing
+    is known: the first term left out of a series is taken to be as large as the last one kept.
+    """
+    if chosen < fitted:
+        return max(evidence.get(chosen, 0.0) / (fitted - chosen), 1.0)
+    return max(evidence.get(chosen - 1, 0.0), 1.0)
 
 
 def _orders(
