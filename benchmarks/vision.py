@@ -1,6 +1,7 @@
 """Vision's figures: errors against the Cramer-Rao limit over all looks, the real worm video, frames per second.
 
-python benchmarks/vision.py --json FILE [--short] [--films [--seed N]]. The real video is read from TENTACLE_DATA (default ../shared/data).
+python benchmarks/vision.py --json FILE [--short] [--films [--seed N]]. The real video is read from TENTACLE_DATA
+(default ../shared/data).
 """
 
 from __future__ import annotations

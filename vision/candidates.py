@@ -94,12 +94,12 @@ def _mask(contrast: NDArray[np.float32]) -> NDArray[np.bool_]:
     """
     grow = enlarged(contrast.shape)
     threshold = np.maximum(_noise(contrast), HALF_WAY * _nearby(contrast))
-    level = _level(contrast)
+    fine = contrast
     if grow > 1:
-        contrast = np.asarray(cv2.resize(contrast, None, fx=grow, fy=grow, interpolation=cv2.INTER_CUBIC))
+        fine = cv2.resize(contrast, None, fx=grow, fy=grow, interpolation=cv2.INTER_CUBIC)
         threshold = cv2.resize(threshold, None, fx=grow, fy=grow, interpolation=cv2.INTER_LINEAR)
-    _, part = cv2.connectedComponents((contrast > threshold).astype(np.uint8))
-    strong = np.unique(part[(contrast > level) & (part > 0)])
+    _, part = cv2.connectedComponents((fine > threshold).astype(np.uint8))
+    strong = np.unique(part[(fine > _level(contrast)) & (part > 0)])
     return np.isin(part, strong[strong > 0])
 
 
