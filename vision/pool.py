@@ -14,6 +14,7 @@ from enum import Enum
 import numpy as np
 
 from tentacle.signals import Array
+from vision.held_coordinates import held_covariance, left_out
 from vision.kinematics import SHARED
 from vision.settle import PRIOR
 from vision.slow_waves import inflation
@@ -152,7 +153,7 @@ def pool(
         # so its root is used.
         solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
-    covariance = covariance * _left_out(evidence, fitted, chosen)
+    covariance = covariance * left_out(evidence, fitted, chosen)
     result_x = np.full((len(seen), chosen + 1), np.nan)
     result_covariance = np.full((len(seen), chosen + 1, chosen + 1), np.nan)
     result_x[accepted], result_covariance[accepted] = x, covariance
@@ -169,17 +170,6 @@ def pool(
         staying=staying,
         result=solution.result,
     )
-
-
-def _left_out(evidence: dict[int, float], fitted: int, chosen: int) -> float:
-    """Factor on the variance of x for the coordinates above the chosen order.
-
-    Their excess over noise is an error, of a coordinate left out or of the edges. Above the highest fitted one nothing
-    is known: the first term left out of a series is taken to be as large as the last one kept.
-    """
-    if chosen < fitted:
-        return max(evidence.get(chosen, 0.0) / (fitted - chosen), 1.0)
-    return max(evidence.get(chosen - 1, 0.0), 1.0)
 
 
 def _orders(
@@ -291,7 +281,7 @@ def _update(stack: _Stack, solution: _Solution, order: int) -> tuple[Array, Arra
     innovation = -free[:, rows]
     innovation[:, 0] += solution.mean
     x = free + np.einsum("tkr,tr->tk", gain, innovation)
-    covariance = stack.covariance - gain @ np.swapaxes(stack.covariance[:, :, rows], 1, 2)
+    covariance = held_covariance(stack.covariance, rows, gain, solution.tau)
     # derivative of x by the common unknowns (g, mean), whose covariance adds to every frame
     common = np.zeros((*stack.x.shape, SHARED + 1))
     common[:, :, :SHARED] = stack.dx_dg - gain @ stack.dx_dg[:, rows]
