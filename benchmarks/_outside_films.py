@@ -100,7 +100,7 @@ class Painter:
     """A film's scene without noise; a frame may be painted with another midline in the true one's place."""
 
     def __init__(self, film: Film, seed: int) -> None:
-        self.film = film
+        self.film, self.seed = film, seed
         rng = np.random.default_rng([seed, 3])
         width, height = film.size
         self.base, self.rest = base_of(film), REST[film.side]
@@ -116,7 +116,7 @@ class Painter:
         return midline(self.base + shift, heading, self.bends[k], self.film.length * (1.0 + longer), self.film.wave)
 
     def paint(self, k: int, line: Array) -> tuple[Array, float]:
-        """Grey (H, W) of frame k, and the share of its own midline that something in front hides."""
+        """Grey (H, W) of frame k, and the share of its own length where something hides the middle or an edge."""
         film, (width, height) = self.film, self.film.size
         scene = np.asarray(film.ground + self.dirt, dtype=float)
         if film.intruder == "second_arm":
@@ -140,9 +140,11 @@ class Painter:
         scene = _over(scene, held, 0.4 * film.arm if film.at_base == "dark" else film.arm)
         hidden, grey = self._in_front(k)
         scene = _over(scene, hidden, grey) * self._light * (1.0 + film.flicker * np.sin(2.3 * k))
-        points = np.rint(self.line(k)).astype(int)
-        at = np.clip(points, 2, [width - 3, height - 3])
-        return scene, float(np.mean((hidden[at[:, 1], at[:, 0]] > 0.3) | np.any(points != at, axis=1)))
+        outline = _body(self.line(k), self.widths).reshape(2, -1, 2)
+        body = np.rint([self.line(k), outline[0], outline[1, ::-1]]).astype(int)  # middle and both edges
+        at = np.clip(body, 2, [width - 3, height - 3])
+        gone = (hidden[at[..., 1], at[..., 0]] > 0.05) | np.any(body != at, axis=2)
+        return scene, float(np.mean(gone.any(axis=0)))
 
     def _in_front(self, k: int) -> tuple[Array, float]:
         """Coverage (H, W) by the intruder of frame k, and its grey."""

@@ -1,6 +1,7 @@
 """Vision's figures: errors against the Cramer-Rao limit over all looks, the real worm video, frames per second.
 
-python benchmarks/vision.py --json FILE [--short]. The real video is read from TENTACLE_DATA (default ../shared/data).
+python benchmarks/vision.py --json FILE [--short] [--films [--seed N]]. The real video is read from TENTACLE_DATA
+(default ../shared/data).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ sys.path.append(str(Path(__file__).resolve().parent))
 import numpy as np  # noqa: E402
 from _outside_judge import Judged, judge_film  # noqa: E402
 from _outside_motion import FILMS  # noqa: E402
+from _outside_pick import judge_pick  # noqa: E402
 
 from tentacle.recording import Declaration  # noqa: E402
 from tentacle.signals import Array, MotorSignal  # noqa: E402
@@ -109,15 +111,15 @@ def memory_growth(frames: int) -> float:
     return growth
 
 
-def outside_films(short: bool) -> dict[str, float]:
-    """Films of an outside program: share of visible frames accepted, of accepted ones wrong, largest rms over limit.
+def outside_films(short: bool, seed: int = 1) -> dict[str, float]:
+    """Films of an outside program: share of visible frames accepted, of accepted ones wrong, rms over limit, proposals.
 
-    A film's limit is Cramer and Rao's of its delivered pictures; see _outside_judge.
+    A film's limit is that of its delivered pictures' own errors; see _outside_limit.
     """
     films = [film for film in FILMS if film.name in SHORT_FILMS] if short else FILMS
     judged: list[Judged] = []
     for film in films:
-        judged.append(judge_film(film))
+        judged.append(judge_film(film, seed))
         j = judged[-1]
         print(
             f"{j.film:11s} {j.seen:3d} of {j.visible:3d} visible accepted, {j.wrong} of {j.accepted} wrong,"
@@ -125,11 +127,21 @@ def outside_films(short: bool) -> dict[str, float]:
             f" part hidden: {j.hidden_accepted} of {j.hidden}, z {j.hidden_z:.2f}; {j.words}",
             flush=True,
         )
+    picked = [judge_pick(film, seed) for film in films]
+    for p in picked:
+        state = "right" if p.right else "WRONG"
+        print(
+            f"{p.film:11s} {state}: base {p.base_px:.1f} px off, length {p.longer:+.3f}, {p.turned:.2f} rad; {p.words}"
+        )
     accepted = max(sum(j.accepted for j in judged), 1)
+    over = [j.rms_px / j.limit_px for j in judged if j.visible]
     return {
         "other_renderer_accepted": sum(j.seen for j in judged) / sum(j.visible for j in judged),
         "other_renderer_false": sum(j.wrong for j in judged) / accepted,
-        "other_renderer_over_limit": float(np.nanmax([j.rms_px / j.limit_px for j in judged if j.visible])),
+        "other_renderer_over_limit": float(np.nanmax(over)),
+        "other_renderer_over_limit_median": float(np.nanmedian(over)),
+        "other_renderer_films": float(len(films)),
+        "other_renderer_picked": float(np.mean([p.right for p in picked])),
     }
 
 
@@ -142,11 +154,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--short", action="store_true", help="few frames, few looks: does it run, not how good is it")
+    parser.add_argument("--films", action="store_true", help="the worm and the outside program's films alone")
+    parser.add_argument("--seed", type=int, default=1, help="of the outside program's films (default 1)")
     arguments = parser.parse_args()
     short = arguments.short
     figures: dict[str, float] = {}
     figures |= worm(short)
-    figures |= outside_films(short)
+    figures |= outside_films(short, arguments.seed)
+    if arguments.films:
+        arguments.json.write_text(json.dumps({"figures": figures}, indent=1), encoding="utf-8")
+        return
     figures["fps_720p"] = frames_per_second((1280, 720), 30 if short else 120, 90 if short else 600)
     figures["fps_4k"] = frames_per_second((3840, 2160), 10 if short else 30, 45 if short else 150)
     figures["memory_growth_mb"] = memory_growth(1500 if short else 20_000)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tentacle.compiled import njit
 from tentacle.signals import Array
-from vision.greys_beside import level_sums, plateaus
+from vision.greys_beside import BEYOND, level_sums, plateaus
 from vision.kinematics import Outline
 from vision.lens import Lens, bend_point
 from vision.levels import KnownLight, count_strange, side_greys
@@ -131,6 +131,7 @@ def measure_edges(
     if contradicted > FEW:
         outside = level_sums(pixels, bars, 0.0, np.ascontiguousarray(lit.greys[:, ::3]), before.fade)
         greys, known, _ = side_greys(*beside, outside)
+    greys[:, 0] = _one_grey(expected, greys[:, 0], known & ~lit.known, optics.blur)
     greys[:, 0] = greys[:, 1] - before.fade * (greys[:, 1] - greys[:, 0])
     contrast = greys[:, 1] - greys[:, 0]
     measured = measure_profiles(pixels, bars, greys, float(reach))
@@ -144,6 +145,19 @@ def measure_edges(
         measured.softer,
         plateaus(pixels, bars, contrast, tell & known),
     )
+
+
+def _one_grey(expected: Outline, inside: Array, free: NDArray[np.bool_], blur: float) -> Array:
+    """Grey inside (E,) with one value for both sides of a thin body, where it comes from this picture alone.
+
+    No pixel of a thin body is free of both edges' blur. Each side alone then tells the grey so badly that the two
+    values differ by noise, which moves both edges the same way, and so the midline, over whole stretches.
+    """
+    left, right = np.flatnonzero(expected.kind == 0), np.flatnonzero(expected.kind == 1)
+    tied = free[left] & free[right] & (expected.depth[left] < 2.0 * BEYOND * blur)
+    inside = inside.copy()
+    inside[left[tied]] = inside[right[tied]] = 0.5 * (inside[left[tied]] + inside[right[tied]])
+    return inside
 
 
 def _beside_something(

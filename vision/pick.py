@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import av
@@ -52,7 +53,8 @@ def pick(video: Path, numbers: DeclaredNumbers) -> Picked:
     section = Cone(numbers.base_radius or radii[0], numbers.tip_radius or max(radii[1], LEAST_RADIUS))
     declaration = Declaration(Specimen(section, numbers.length, density=WATER_DENSITY), camera=camera)
     shown = video.with_name(video.name + ".pick.png")
-    write_picture(shown, picture(next(iter(read_frames(video, fps))).image, found))
+    frame = next(islice(read_frames(video, fps), found.frame, None))
+    write_picture(shown, picture(frame.image, found))
     return Picked(found, shown, declaration)
 
 

@@ -14,6 +14,7 @@ from enum import Enum
 import numpy as np
 
 from tentacle.signals import Array
+from vision.held_coordinates import held_covariance, left_out
 from vision.kinematics import SHARED
 from vision.settle import PRIOR
 from vision.slow_waves import inflation
@@ -152,11 +153,7 @@ def pool(
         # so its root is used.
         solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
     x, covariance = _update(stack, solution, chosen)
-    # an excess in the coordinates above over their noise is an error, of a coordinate left out or of the edges: state
-    # it
-    dropped = fitted - chosen
-    if dropped:
-        covariance = covariance * max(evidence.get(chosen, 0.0) / dropped, 1.0)
+    covariance = covariance * left_out(evidence, fitted, chosen)
     result_x = np.full((len(seen), chosen + 1), np.nan)
     result_covariance = np.full((len(seen), chosen + 1, chosen + 1), np.nan)
     result_x[accepted], result_covariance[accepted] = x, covariance
@@ -284,7 +281,7 @@ def _update(stack: _Stack, solution: _Solution, order: int) -> tuple[Array, Arra
     innovation = -free[:, rows]
     innovation[:, 0] += solution.mean
     x = free + np.einsum("tkr,tr->tk", gain, innovation)
-    covariance = stack.covariance - gain @ np.swapaxes(stack.covariance[:, :, rows], 1, 2)
+    covariance = held_covariance(stack.covariance, rows, gain, solution.tau)
     # derivative of x by the common unknowns (g, mean), whose covariance adds to every frame
     common = np.zeros((*stack.x.shape, SHARED + 1))
     common[:, :, :SHARED] = stack.dx_dg - gain @ stack.dx_dg[:, rows]

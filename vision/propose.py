@@ -14,28 +14,25 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import median_abs_deviation
 
 from tentacle.errors import InputError
 from tentacle.recording import Camera
 from tentacle.signals import Array
-from vision.body_axis import LEAST_SLENDERNESS, axis_between, base_opposite, clamped_until, widths_along
+from vision.body_axis import axis_between, base_opposite, clamped_until, widths_along
+from vision.candidates import arms, turned
 from vision.frames import Grey, read_frames
 from vision.hinge import motion_begins
 from vision.shoulders import from_shoulders
-from vision.silhouette import Axis, find_ends
+from vision.silhouette import Axis
 
 LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
-FINE_BELOW = 480  # px; smaller pictures are enlarged
-STANDING_OUT = 5.0  # least contrast, in units of the ground's scatter
-HALF_WAY, CONTRAST = 0.45, 0.8  # of the arm's contrast, which is this quantile of the foreground's
-SHORTEST_ARM = 20.0  # px of length
-STILL, ALWAYS = 0.1, 0.9  # weight of a body that does not move; the share of the pictures in which it is found
 MOSTLY = 0.5  # share of the pictures in which a wider part without corners holds the arm
-LOWER, ALIKE = 0.25, 0.05  # quantile of the lengths; a contour's ends are found to about 2 % of the length
+ALIKE = 0.05  # of the length: a contour's ends are found to about 2 %
 # rad: an arm whose mean direction lies so near to the picture's own axis hangs along it. A camera on a tripod is level
 # to about a degree; in the first 90 pictures of five level films the mean of the arm was .5 to 4.7 degrees off.
 LEVEL = 0.1
+RANGE = 1.0  # of the swing to either side of its mean: an axis within it is the rest, because few swings tell a mean
+RIM = 2.0  # px from the picture's border: a tip there is out of view
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,8 @@ class ArmProposal:
     """base_px, tip_px (u, v); arm_px: unit vector along the mean arm; width_px: full width at base and tip; length_px.
 
     polarity: +1 an arm darker than its ground, -1 lighter. score: share of the pictures in which it was found. axis_px
-    (P, 2): the midline in the first of them, base to tip. words: what a person should check.
+    (P, 2): the midline, base to tip, in the film's picture of number `frame`, the first that shows the whole arm alone;
+    tip_px is its tip. words: what a person should check. swing [rad]: half the range of the arm's directions.
     """
 
     base_px: tuple[float, float]
@@ -55,6 +53,8 @@ class ArmProposal:
     score: float
     axis_px: Array
     words: tuple[str, ...] = ()
+    swing: float = 0.0
+    frame: int = 0
 
     def camera(self, length: float, fps: float, exposure: float = 0.0) -> Camera:
         """The camera for an arm of that length [m], measured from the base to the tip of the silicone."""
@@ -67,20 +67,13 @@ class ArmProposal:
             axis = (np.copysign(1.0, u), 0.0)
         else:
             axis = (0.0, np.copysign(1.0, v))
-        near = np.hypot(u - axis[0], v - axis[1]) < LEVEL
+        near = np.hypot(u - axis[0], v - axis[1]) < max(LEVEL, RANGE * self.swing)
         return (float(axis[0]), float(axis[1])) if near else self.arm_px
 
     def straight_tip_px(self) -> tuple[float, float]:
         """Where the tip is when the arm hangs straight."""
         u, v = np.array(self.base_px) + self.length_px * np.array(self.level_arm_px())
         return (float(u), float(v))
-
-
-@dataclass(frozen=True)
-class _Body:
-    mask: NDArray[np.bool_]
-    contour: Array
-    merit: float
 
 
 def propose_arm(source: Path | Grey, fps: float | None = None) -> ArmProposal:
@@ -102,24 +95,24 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
     if not pictures:
         raise InputError("there are no pictures", expected="a film")
     pictures = [picture for picture in pictures if picture.shape == pictures[0].shape]
-    ways = [(polarity, _arms(pictures, polarity)) for polarity in (1.0, -1.0)]
+    ways = [(polarity, arms(pictures, polarity)) for polarity in (1.0, -1.0)]
     polarity, bodies = max(ways, key=lambda way: sum(body.merit for body in way[1] if body is not None))
-    contours = [body.contour for body in bodies if body is not None]
-    both = [(contour, axis) for contour in contours if (axis := axis_between(contour, *find_ends(contour))) is not None]
+    both = [(body.contour, body.axis) for body in bodies if body is not None]
     if not both:
         raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
     tips = [axis.points[-1] for axis in _base_first([axis for _, axis in both], pictures[0].shape)]
     # a flat end's two corners bend most: the middle of the base is half the perimeter from the tip
     ends = [base_opposite(contour, tip) for (contour, _), tip in zip(both, tips, strict=True)]
-    whole = [(contour, axis_between(contour, *pair)) for (contour, _), pair in zip(both, ends, strict=True)]
-    seen = [(contour, axis) for contour, axis in whole if axis is not None]
+    whole = [axis_between(contour, *pair) for (contour, _), pair in zip(both, ends, strict=True)]
+    there = [k for k, body in enumerate(bodies) if body is not None]
+    seen = [(k, both[i][0], axis) for i, (k, axis) in enumerate(zip(there, whole, strict=True)) if axis is not None]
     if not seen:
         raise InputError("nothing slender stands out against its ground", expected="an arm in view, or --base-px")
-    found = [axis for _, axis in seen]
+    found = [axis for _, _, axis in seen]
     held = [clamped_until(axis) for axis in found]
     cut = [
         from_shoulders(contour, axis, first) if first else None
-        for (contour, axis), first in zip(seen, held, strict=True)
+        for (_, contour, axis), first in zip(seen, held, strict=True)
     ]
     hinge = None
     if np.mean([first > 0 and line is None for first, line in zip(held, cut, strict=True)]) > MOSTLY:
@@ -127,12 +120,10 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
     if hinge is not None:
         cut, held = [None] * len(found), [_index_at(axis, hinge) for axis in found]
     lines = [axis.points[first:] if line is None else line for axis, first, line in zip(found, held, cut, strict=True)]
-    score, alone = len(found) / len(pictures), _alone([_length(line) for line in lines], held)
+    arm, swing = _direction(lines)
+    score, alone = len(found) / len(pictures), _alone(lines, held, pictures[0].shape)
     found, held, lines = [found[k] for k in alone], [held[k] for k in alone], [lines[k] for k in alone]
     base = np.median([line[0] for line in lines], axis=0)
-    ahead = np.array([line[-1] - base for line in lines])
-    mean = np.sum(ahead / np.linalg.norm(ahead, axis=1, keepdims=True), axis=0)
-    arm = mean / max(float(np.linalg.norm(mean)), 1e-9)
     lengths = [_length(line) for line in lines]
     widths = np.median([_ends_width(axis, first) for axis, first in zip(found, held, strict=True)], axis=0)
     words = []
@@ -152,6 +143,8 @@ def propose_among(pictures: Sequence[Grey]) -> ArmProposal:
         score=score,
         axis_px=lines[0],
         words=tuple(words),
+        swing=swing,
+        frame=EVERY * seen[alone[0]][0],
     )
 
 
@@ -174,52 +167,6 @@ def picture(image: Grey, proposal: ArmProposal) -> NDArray[np.uint8]:
     return np.asarray(shown, dtype=np.uint8)
 
 
-def _arms(pictures: Sequence[Grey], polarity: float) -> list[_Body | None]:
-    """In each picture the moving slender body with the most contrast, or None."""
-    masks = [_mask(picture, polarity) for picture in pictures]
-    always = np.mean(masks, axis=0) > ALWAYS if len(masks) > 3 else np.zeros(masks[0].shape, dtype=bool)
-    return [_most_like_an_arm(mask, always, pictures[0].shape) for mask in masks]
-
-
-def _mask(image: Grey, polarity: float) -> NDArray[np.bool_]:
-    """Mask of the foreground against the smooth ground; small pictures are enlarged first."""
-    grow = _enlarged(image.shape)
-    shrink = max(max(image.shape) // 160, 1)
-    small = cv2.resize(image, None, fx=1.0 / shrink, fy=1.0 / shrink, interpolation=cv2.INTER_AREA)
-    wide = min(51, 2 * (min(small.shape) // 3) + 1)
-    ground = cv2.resize(cv2.medianBlur(small, wide), image.shape[::-1], interpolation=cv2.INTER_LINEAR)
-    smooth = cv2.GaussianBlur(image, (0, 0), 0.8)
-    apart = polarity * (ground.astype(np.float32) - smooth.astype(np.float32))
-    noise = 1.4826 * float(median_abs_deviation(apart.ravel())) + 0.3
-    out = apart[apart > STANDING_OUT * noise]
-    level = max(STANDING_OUT * noise, HALF_WAY * float(np.quantile(out, CONTRAST))) if out.size else np.inf
-    if grow > 1:
-        apart = cv2.resize(apart, None, fx=grow, fy=grow, interpolation=cv2.INTER_CUBIC)
-    return np.asarray(apart > level)
-
-
-def _enlarged(shape: Sequence[int]) -> int:
-    return 4 if max(shape) < FINE_BELOW else 1
-
-
-def _most_like_an_arm(mask: NDArray[np.bool_], always: NDArray[np.bool_], shape: Sequence[int]) -> _Body | None:
-    grow = _enlarged(shape)
-    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    best: _Body | None = None
-    for contour in contours:
-        area, around = cv2.contourArea(contour), cv2.arcLength(contour, True)
-        length = 0.5 * around
-        if length < SHORTEST_ARM * grow or length**2 < LEAST_SLENDERNESS * max(area, 1.0):
-            continue
-        filled = np.zeros(mask.shape, np.uint8)
-        cv2.fillPoly(filled, [contour], 1)
-        here = filled > 0
-        merit = float(np.sqrt(area) * (STILL + np.count_nonzero(here & ~always) / max(np.count_nonzero(here), 1)))
-        if best is None or merit > best.merit:
-            best = _Body(here, (contour[:, 0].astype(float) + 0.5) / grow - 0.5, merit)
-    return best
-
-
 def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
     """Axes that begin at the base: the end that moves less or, if neither moves, the wider end."""
     points = [axes[0].points]
@@ -228,8 +175,8 @@ def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
         points.append(
             axis.points if same <= np.linalg.norm(axis.points[::-1] - points[-1], axis=1).mean() else axis.points[::-1]
         )
-    turned = [p is not axis.points for p, axis in zip(points, axes, strict=True)]
-    axes = [_reversed(axis) if turn else axis for axis, turn in zip(axes, turned, strict=True)]
+    exchanged = [p is not axis.points for p, axis in zip(points, axes, strict=True)]
+    axes = [turned(axis) if turn else axis for axis, turn in zip(axes, exchanged, strict=True)]
     ends = np.array([[axis.points[0], axis.points[-1]] for axis in axes])
     moves = np.linalg.norm(np.std(ends, axis=0), axis=1)
     if max(moves) > 2.0 * min(moves) + 1.0:
@@ -239,11 +186,7 @@ def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
         rim = np.min(np.concatenate([ends, size - 1.0 - ends], axis=2), axis=2).mean(axis=0)
         wide = [np.median([np.mean(axis.width[part]) for axis in axes]) for part in (slice(0, 60), slice(-60, None))]
         exchange = rim[1] < rim[0] - 5.0 if abs(wide[0] - wide[1]) < 0.15 * sum(wide) else wide[1] > wide[0]
-    return [_reversed(axis) for axis in axes] if exchange else axes
-
-
-def _reversed(axis: Axis) -> Axis:
-    return Axis(axis.points[::-1], axis.width[::-1], axis.length)
+    return [turned(axis) for axis in axes] if exchange else axes
 
 
 def _length(line: Array) -> float:
@@ -257,15 +200,29 @@ def _index_at(axis: Axis, arc: float) -> int:
     return min(int(np.searchsorted(along, arc)), len(axis.points) - 2)
 
 
-def _alone(lengths: Sequence[float], held: Sequence[int]) -> list[int]:
-    """The pictures in which the arm's base is seen best.
+def _direction(lines: Sequence[Array]) -> tuple[Array, float]:
+    """Unit vector (2,) of the mean of the lines' directions, base to tip, and half the range of these [rad]."""
+    ahead = np.array([line[-1] - line[0] for line in lines])
+    mean = np.sum(ahead / np.linalg.norm(ahead, axis=1, keepdims=True), axis=0)
+    arm = mean / max(float(np.linalg.norm(mean)), 1e-9)
+    turn = np.arctan2(arm[0] * ahead[:, 1] - arm[1] * ahead[:, 0], ahead @ arm)
+    return arm, 0.5 * float(np.ptp(turn))
 
-    An arm has one length. Where it swings against its holder the two are one body, and longer: the lengths do not
-    agree. A quarter of the pictures may show less than the whole arm. Pictures without a clamp show the arm's own end.
+
+def _alone(lines: Sequence[Array], held: Sequence[int], shape: Sequence[int]) -> list[int]:
+    """The pictures in which the arm is seen best: its tip within the picture, and nothing added to it.
+
+    An arm has one length, which most pictures agree on. Where it swings against its holder the two are one body, and
+    longer by various amounts; where something hides a part of it, it is shorter. Pictures without a clamp show the
+    arm's own end.
     """
-    low = float(np.quantile(lengths, LOWER, method="lower"))
-    alike = [k for k, length in enumerate(lengths) if abs(length - low) <= ALIKE * low]
-    return [k for k in alike if held[k] == 0] or alike
+    rim = [float(np.min([line[-1], np.array(shape[::-1]) - 1.0 - line[-1]])) for line in lines]
+    whole = [k for k, far in enumerate(rim) if far > RIM] or list(range(len(lines)))
+    lengths = np.array([_length(lines[k]) for k in whole])
+    alike = np.abs(lengths[:, None] - lengths) <= ALIKE * lengths  # (with, length)
+    usual = max(range(len(whole)), key=lambda k: (int(alike[:, k].sum()), -lengths[k]))
+    those = [k for k, like in zip(whole, alike[:, usual], strict=True) if like]
+    return [k for k in those if held[k] == 0] or those
 
 
 def _ends_width(axis: Axis, first: int) -> tuple[float, float]:

@@ -41,7 +41,12 @@ class Repeats:
 
 
 def _change(before: NDArray[np.uint8], after: NDArray[np.uint8]) -> float:
-    """Mean change of grey from one picture to the next; infinite where their sizes differ."""
+    """Mean change of grey from one picture to the next, but for the light's; infinite where their sizes differ.
+
+    Flickering light changes a picture by one factor; beside it two pictures of equal light would look like copies.
+    """
     if before.shape != after.shape:
         return np.inf
-    return float(np.mean(cv2.absdiff(np.ascontiguousarray(before[::7]), np.ascontiguousarray(after[::7]))))
+    first, second = np.ascontiguousarray(before[::7]), np.ascontiguousarray(after[::7])
+    gain = float(np.mean(second)) / max(float(np.mean(first)), 1.0)
+    return float(np.mean(cv2.absdiff(cv2.convertScaleAbs(first, alpha=gain), second)))

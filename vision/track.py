@@ -153,6 +153,9 @@ def _angle(motor: MotorSignal | None) -> Callable[[float], float] | None:
 
 
 def _shape(seen: list[TrackedFrame], pooled: Pooled, geometry: Geometry, declaration: Declaration) -> ShapeTrack:
+    """The frames' shapes. An undeclared tip may move the scale by +- tip_untold, so that its variance is a third of
+    tip_untold^2 larger.
+    """
     assert declaration.camera is not None
     axes = np.array([geometry.normal, geometry.arm])
     return ShapeTrack(
@@ -162,7 +165,7 @@ def _shape(seen: list[TrackedFrame], pooled: Pooled, geometry: Geometry, declara
         accepted=np.array([frame.accepted for frame in seen]),
         reason=tuple(frame.reason for frame in seen),
         scale=float(1.0 + pooled.shared[2]),
-        scale_sigma=float(np.sqrt(pooled.shared_covariance[2, 2])),
+        scale_sigma=float(np.sqrt(pooled.shared_covariance[2, 2] + tip_untold(declaration) ** 2 / 3.0)),
         base_shift=axes @ pooled.shared[:2] * declaration.camera.metres_per_px,
     )
 
@@ -189,7 +192,8 @@ def tip_untold(declaration: Declaration) -> float:
 def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ...]:
     """A remark if the length differs from the declared one by more than its standard deviation allows."""
     off, untold = shape.scale - 1.0, tip_untold(declaration)
-    if not abs(off) > max(SURE * shape.scale_sigma + untold, WORTH_SAYING):
+    seen = np.sqrt(max(shape.scale_sigma**2 - untold**2 / 3.0, 0.0))
+    if not abs(off) > max(SURE * seen + untold, WORTH_SAYING):
         return ()
     more, length = "longer" if off > 0 else "shorter", declaration.specimen.length
     measured = f"the arm measures {abs(off):.2%} {more} than declared (+- {shape.scale_sigma:.2%})"
@@ -219,7 +223,12 @@ def _remarks(seen: list[TrackedFrame], pooled: Pooled) -> tuple[str, ...]:
             remarks.append(f"{dropped} frames are missing between the time stamps")
     if pooled.result is PoolResult.MAX_TURNS:
         remarks.append(f"{pooled.result.message} Its stated errors may be wrong")
-    left = pooled.evidence.get(pooled.order, 0.0)
+    left, last = (pooled.evidence.get(order, 0.0) for order in (pooled.order, pooled.order - 1))
+    if pooled.order == len(seen[0].x) - 1 and last > COORDINATE_PENALTY:
+        remarks.append(
+            f"the shapes need all {pooled.order} coordinates and may need more: the stated errors are"
+            f" {np.sqrt(last):.1f} times those of the edges"
+        )
     if left > COORDINATE_PENALTY * (len(seen[0].x) - 1 - pooled.order):
         remarks.append(
             f"the video shows more curvature than order {pooled.order} can follow: chi-square {left:.0f} per frame"

@@ -43,7 +43,7 @@ def test_doubtful_frames_have_times_and_decisions_beyond_the_film_are_told(clip,
     doubtful = told.split("most doubtful of the accepted: frames ")[1].split(" s)")[0].split(" (")
     assert float(doubtful[1]) == pytest.approx(int(doubtful[0]) / 60.0, abs=0.005)  # 60 pictures/s, two digits
     # the tip's shape is not declared: half a pixel of 150 px
-    assert "until tip_rounding_m tells the tip's shape" in told
+    assert "for the tip's shape, until tip_rounding_m tells it" in told
 
 
 def test_a_video_without_an_accepted_frame_ends_with_1(clip, tmp_path, capsys):

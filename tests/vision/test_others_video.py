@@ -65,6 +65,8 @@ def test_a_rounded_tip_of_4_mm_gives_the_true_scale(tmp_path, declared, within):
     tracked = track_fully(tmp_path / "film.mp4", declaration, motor, following=Following(order=2))
     assert tracked.shape.accepted.all()
     assert abs(tracked.shape.scale - 1.0) < within
+    if declared is None:  # a tip of untold shape may be half a pixel longer or shorter: the stated error holds it
+        assert abs(tracked.shape.scale - 1.0) < 2.0 * tracked.shape.scale_sigma
     assert not any("than declared" in remark for remark in tracked.remarks)
 
 

@@ -113,6 +113,75 @@ def test_a_tail_is_held_where_it_begins_to_move(sway):
     assert "begins to move" in found.words[0]
 
 
+def _swung(angle: float, tip: float = 60.0) -> np.ndarray:
+    """A cone of 150 px at (160, 15) that turns, four times too large; grey 60 at its base, tip at its tip, on 180."""
+    fine = 4
+    picture = np.full((240 * fine, 320 * fine), 180, np.uint8)
+    s = np.linspace(0.0, 1.0, 31)
+    heading = angle + 0.6 * angle * s
+    steps = 5.0 * np.column_stack([np.sin(heading), np.cos(heading)])
+    line = np.array([160.0, 15.0]) + np.cumsum(steps, axis=0) - steps[0]
+    across = np.column_stack([np.cos(heading), -np.sin(heading)]) * (7.0 - 4.0 * s)[:, None]
+    for k in range(30):
+        part = np.array(
+            [line[k] - across[k], line[k] + across[k], line[k + 1] + across[k + 1], line[k + 1] - across[k + 1]]
+        )
+        cv2.fillPoly(picture, [np.rint((part + 0.5) * fine).astype(np.int32)], round(60.0 + (tip - 60.0) * s[k] ** 2))
+    return picture
+
+
+def _seen(picture: np.ndarray, seed: int, dirt: np.ndarray | float = 0.0) -> np.ndarray:
+    """A picture through the lens, with noise."""
+    small = cv2.resize(cv2.GaussianBlur(picture, (0, 0), 3.6), (320, 240), interpolation=cv2.INTER_AREA)
+    noise = np.random.default_rng(seed).normal(0, 2, small.shape)
+    return np.clip(small + dirt + noise, 0, 255).astype(np.uint8)
+
+
+ANGLES = 0.5 * np.sin(np.arange(15) * 0.9)
+LENGTH = 150.0
+
+
+def _is_the_arm(found: ArmProposal) -> None:
+    assert np.linalg.norm(np.subtract(found.base_px, (160.0, 15.0))) < 3.0  # px
+    assert found.length_px == pytest.approx(LENGTH, rel=0.05)
+    assert found.level_arm_px() == (0.0, 1.0)
+
+
+def test_an_arm_behind_a_post_is_proposed_whole():
+    """A post of the ground's grey hides 18 of 150 px in all pictures, and cuts the arm in two."""
+    drawn = [_swung(angle) for angle in ANGLES]
+    for sheet in drawn:
+        sheet[4 * 95 : 4 * 113] = 180
+    _is_the_arm(propose_among([_seen(sheet, k) for k, sheet in enumerate(drawn)]))
+
+
+def test_a_larger_body_that_passes_is_not_the_arm():
+    """A hand of 160 px crosses the picture; it has no end that stays in its place."""
+    drawn = [_swung(angle) for angle in ANGLES]
+    for k, sheet in enumerate(drawn):
+        u = 4 * (30 * k - 60)
+        cv2.line(sheet, (u, 4 * 190), (u + 4 * 90, 4 * 60), 55, 4 * 40)
+    _is_the_arm(propose_among([_seen(sheet, k) for k, sheet in enumerate(drawn)]))
+
+
+def test_a_tip_that_lets_light_through_is_proposed_in_front_of_dirt():
+    """The tip has a third of the contrast, and still dirt on the ground a sixth of it."""
+    dirt = cv2.GaussianBlur(np.random.default_rng(3).standard_normal((240, 320)), (0, 0), 4.0)
+    pictures = [_seen(_swung(angle, 140.0), k, 6.0 * dirt / dirt.std()) for k, angle in enumerate(ANGLES)]
+    _is_the_arm(propose_among(pictures))
+
+
+def test_two_arms_that_cross_are_no_arm():
+    """In the pictures where they cross they are one body, whose area no axis times width gives."""
+    pictures = []
+    for k, angle in enumerate(ANGLES):
+        both = np.minimum(_swung(angle), np.roll(_swung(-0.8 * angle), 4 * 45, axis=1))
+        pictures.append(_seen(both, k))
+    found = propose_among(pictures)
+    assert min(abs(found.base_px[0] - 160.0), abs(found.base_px[0] - 205.0)) < 3.0
+    assert found.length_px == pytest.approx(LENGTH, rel=0.05)
+
+
 def test_an_empty_picture_is_one_line():
     empty = (200 + np.random.default_rng(0).normal(0, 2, (120, 160))).astype(np.uint8)
     with pytest.raises(InputError, match="nothing slender"):

@@ -45,7 +45,7 @@ def in_words(told: dict[str, Any], source: Path, recording: Recording, shape: Sh
     """The summary for people, line by line."""
     aside, along = 1e3 * shape.base_shift
     untold = tip_untold(recording.declaration)
-    tip = f" (+- {untold:.5f} until tip_rounding_m tells the tip's shape)" if untold else ""
+    tip = f" (in it at most {untold:.5f} for the tip's shape, until tip_rounding_m tells it)" if untold else ""
     lines = [
         f"{told['accepted']} of {told['frames']} frames accepted, {told['order']} curvature coordinates",
         f"scale {shape.scale:.5f} +- {shape.scale_sigma:.5f} of the declared{tip}; base {aside:+.2f} mm aside of the"
