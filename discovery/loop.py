@@ -38,7 +38,7 @@ from inference.posterior import (
     with_derivatives,
     with_rest,
 )
-from inference.prepare import CannotTellError, Prepared, prepare
+from inference.prepare import CannotTellError, Prepared, prepare, recalibrated
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Problem
 from tentacle.diagnosis import Diagnosis
@@ -92,9 +92,12 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
     decision = decide_by_mass(list(found.hypotheses))
     open_loop = _open_loop(decision.leading)
+    # The floor is the noise that the answer leaves: the declared model's residual may hold more.
     shown = [
-        replace(p, experiment=replace(experiment, observation=p.experiment.observation))
-        for p, experiment in zip(prepared, decision.leading.problem.experiments, strict=False)
+        replace(p, experiment=recalibrated(replace(experiment, observation=p.experiment.observation), residuals))
+        for p, experiment, residuals in zip(
+            prepared, open_loop.problem.experiments, open_loop.fitted.residuals, strict=False
+        )
     ]
     around = PosteriorContext(paper, shown, order, reduction, limits)
     answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)

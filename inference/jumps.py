@@ -8,7 +8,10 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from inference.observation import ShapeObservation
 
-NEIGHBOURS, JUMP = 15, 10.0  # frames beside one; how many times as far as theirs its distance is
+NEIGHBOURS = 15  # frames beside one
+# How many times as far as theirs its distance is: of 36 000 sound frames of 25 simulated recordings none was 4 times
+# as far, and one was 3 times.
+JUMP = 4.0
 OF_WAY = 0.3  # of the motion from frame to frame: what is nearer is no jump
 
 

@@ -21,7 +21,7 @@ def swinging(frames=120, rate=30.0):
 
 
 def test_a_motion_without_jumps_keeps_every_frame():
-    # At 10 times the scatter around it, no frame of 120 with Gaussian noise stands out.
+    # At 4 times the scatter around it, no frame of 120 with Gaussian noise stands out.
     assert not jumping_frames(swinging()).any()
 
 
@@ -34,3 +34,10 @@ def test_a_frame_shown_twice_is_left_out_and_it_alone():
     cleaned, count = without_jumps(observation)
     assert count == 1
     assert np.flatnonzero(cleaned.root[:, -1, -1] == 0.0).tolist() == [60]
+
+
+def test_frames_that_are_shifted_as_a_whole_are_left_out():
+    """By 5 mm, 50 standard deviations and half of the motion between frames: of what was tracked for one picture."""
+    observation, wrong = swinging(), [30, 61, 90]
+    observation.coefficients[wrong, 1] += [5e-3, -5e-3, 5e-3]
+    assert np.flatnonzero(jumping_frames(observation)).tolist() == wrong
