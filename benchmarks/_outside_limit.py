@@ -128,11 +128,11 @@ def _rms_error(stretches: list[list[_Look]], weight: Array, own: int, count: int
 
 def _long_run(scores: list[Array]) -> Array:
     """Covariance (C, C) of a mean of many scores, times their number: by lag, with Bartlett's weights."""
-    total = sum(score.T @ score for score in scores) / sum(len(score) for score in scores)
+    total = np.sum([score.T @ score for score in scores], axis=0) / sum(len(score) for score in scores)
     for lag in range(1, LAGS + 1):
         apart = [(score[lag:], score[:-lag]) for score in scores if len(score) > lag]
         if apart:
-            product = sum(late.T @ early for late, early in apart) / sum(len(late) for late, _ in apart)
+            product = np.sum([late.T @ early for late, early in apart], axis=0) / sum(len(late) for late, _ in apart)
             total = total + (1.0 - lag / (LAGS + 1.0)) * (product + product.T)
     return np.asarray(total, dtype=float)
 
