@@ -35,6 +35,7 @@ def test_a_run_is_whole_and_on_time(
     fit = board.clock.fit()
     now = time.monotonic()
     assert abs(fit.to_board(now) - emulator.truth().board_time(now)) < 1e-3
+    assert to_neutral(emulator) < 0.5  # the host hears of the end before the servo is there
     assert emulator.truth().pulse_us == NEUTRAL_US
 
 
