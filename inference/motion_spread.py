@@ -30,12 +30,20 @@ def spread(value: Array, information: Array) -> Array:
     return np.sqrt(variance)
 
 
-def likely_shapes(observation: ShapeObservation, frames: NDArray[np.intp], spread: Array) -> Array:
-    """The likeliest coordinates (F, K) of these frames [rad] where each has that spread (K,) about 0."""
+def _information(observation: ShapeObservation, frames: NDArray[np.intp]) -> Array:
+    """Information matrices (F, K, K) of the coordinates in these frames, the pose marginalised.
+
+    The pose stands first in the triangular root: without its rows this is the shape's.
+    """
     root = observation.root[frames, POSE:, POSE:]
-    information = np.swapaxes(root, 1, 2) @ root
+    return np.swapaxes(root, 1, 2) @ root
+
+
+def likely_shapes(observation: ShapeObservation, frames: NDArray[np.intp], tau: Array) -> Array:
+    """The likeliest coordinates (F, K) of these frames [rad] where each has the spread tau (K,) about 0."""
+    information = _information(observation, frames)
     pull = np.einsum("tkl,tl->tk", information, observation.coefficients[frames, POSE:])
-    return np.linalg.solve(information + np.diag(spread**-2.0), pull[..., None])[..., 0]
+    return np.linalg.solve(information + np.diag(tau**-2.0), pull[..., None])[..., 0]
 
 
 def motion_spread(observation: ShapeObservation) -> tuple[Array, Array]:
@@ -43,9 +51,7 @@ def motion_spread(observation: ShapeObservation) -> tuple[Array, Array]:
     good = np.flatnonzero(observation.seen)
     if good.size <= APART:
         return np.zeros(0), np.zeros(0)
-    z, t, root = observation.coefficients[good, POSE:], observation.t[good], observation.root[good, POSE:, POSE:]
-    # The pose stands first in the triangular root: without its rows this is the shape's, the pose marginalised.
-    information = np.swapaxes(root, 1, 2) @ root
+    z, t, information = observation.coefficients[good, POSE:], observation.t[good], _information(observation, good)
     apart = t[APART:] - t[:-APART]
     rates, between = (z[APART:] - z[:-APART]) / apart[:, None], apart[:, None, None] ** 2 / 2.0
     every = slice(None, None, max(1, good.size // FRAMES))

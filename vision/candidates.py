@@ -177,9 +177,9 @@ def _bridged(one: Body, other: Body, grow: int) -> NDArray[np.bool_]:
     first, second = _facing(one, other)
     corners = []
     for axis in (first, second):
-        point, wide = axis.points[int(AT * len(axis.points))], 0.5 * _end(axis)[2]
-        along = _end(axis)[1] * (1.0 if axis is first else -1.0)
-        across = wide * np.array([-along[1], along[0]])
+        point, (_, course, wide) = axis.points[int(AT * len(axis.points))], _end(axis)
+        along = course * (1.0 if axis is first else -1.0)
+        across = 0.5 * wide * np.array([-along[1], along[0]])
         corners.append((point + across, point - across))
     (a, b), (c, d) = corners
     filled = (one.mask | other.mask).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Coordinates that are held at zero: the covariance after it, and what it leaves out."""
+"""A fit holds its highest coordinates at zero: its covariance, and a factor for the error that this makes."""
 
 from __future__ import annotations
 
