@@ -29,6 +29,9 @@ def _require_positive(**values: float) -> None:
             raise InputError(f"{value!r} is not usable", field=name, expected="a positive number")
 
 
+LARGEST_RADIUS = 100.0  # m: no arm is thicker; the fourth power of what a wrong file states would overflow
+
+
 @dataclass(frozen=True)
 class Cone:
     """A circular cone, or truncated cone: radius base_radius [m] at s = 0, tip_radius [m] at s = 1."""
@@ -40,6 +43,9 @@ class Cone:
         _require_positive(base_radius_m=self.base_radius)
         if not (np.isfinite(self.tip_radius) and self.tip_radius >= 0):
             raise InputError(f"{self.tip_radius!r} is not usable", field="tip_radius_m", expected="a number >= 0")
+        for name, radius in (("base_radius_m", self.base_radius), ("tip_radius_m", self.tip_radius)):
+            if radius > LARGEST_RADIUS:
+                raise InputError(f"{radius!r} is not usable", field=name, expected=f"metres, up to {LARGEST_RADIUS:g}")
 
     def half_thickness(self, s: ArrayLike) -> Array:
         """Half the extent along the normal n, in the plane of motion [m]: the radius r(s) = r0 + (r_tip - r0) s."""
