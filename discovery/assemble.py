@@ -223,7 +223,7 @@ def _not_named(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]
     temperature = missing_of(found.hypotheses).temperature
 
     def plausible(h: Hypothesis) -> float:
-        return float(h.log_evidence.max()) / temperature + log_prior_of_set(len(h.effects))
+        return float(h.evidence_at(temperature).max()) / temperature + log_prior_of_set(len(h.effects))
 
     words = []
     for h in found.hypotheses:

@@ -1,9 +1,10 @@
 """From hypotheses to a verdict, by posterior mass alone.
 
-    P(set, known | y) ~ (1 - ELSE) P(set)   int  k(a, r)      evidence(set, a)^(1/T) d log a
-    P(set, else  | y) ~ ELSE P(set | else)  int (1 - k(a, r)) evidence(set, a)^(1/T) d log a
+    P(set, known | y) ~ (1 - ELSE) P(set)   int  k(a, r)      evidence(set, a, T)^(1/T) d log a
+    P(set, else  | y) ~ ELSE P(set | else)  int (1 - k(a, r)) evidence(set, a, T)^(1/T) d log a
     k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = d^2 + (FORM a_0)^2
-    T = 1 + max(min(FORM_ALIKE^2 G, D), B / FALSE_GAIN, DECLARED_ALIKE^2 M / FALSE_GAIN)
+    T = max(1 + min(FORM_ALIKE^2 G, D), 1 + DECLARED_ALIKE^2 M / odds(1), max over sets of B(set) / odds(set))
+    odds(set) = log P(none) - log P(set)
 
 a is the share of the acting forces that no law of the set explains (inference.latent_force), with a prior that is flat
 in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share d of the
@@ -14,11 +15,13 @@ and none, one, two and three effects are equally likely to do so best: P(set | e
 
 An error of form can also look like another effect: of the G nats that the best set gains, such an effect can gain
 FORM_ALIKE^2 G, and no more than the D nats by which the residual of the best set's model alone exceeds its noise. The
-likelihood is therefore coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening). A baseline
-measures the same directly: B nats are what the best set would gain there, although none acts. Without a baseline, the
-declared laws may err by a share DECLARED_ALIKE of the motion that looks like an effect: in M nats of motion
-(inference.motion) such an effect gains DECLARED_ALIKE^2 M. In 19 development recordings of two plants without an
-effect, the best set gained at most .00095^2 M; the constant is 1.5 times that.
+likelihood is therefore coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening). What is known
+of the set-up does not depend on the form of laws, and is not coarsened: in evidence(set, a, T) the prior variance of
+the camera's pose is T times smaller (inference.pose). A baseline measures T directly: there a set would gain B(set)
+nats, although none acts, and T is what no set is named with. Without a baseline, the declared laws may err by a share
+DECLARED_ALIKE of the motion that looks like an effect: in M nats of motion (inference.motion) such an effect gains
+DECLARED_ALIKE^2 M, and one effect is not named for it. In 19 development recordings of two plants without an effect,
+the best set gained at most .00095^2 M; the constant is 1.5 times that.
 
 The verdict is the outcome with the largest mass. The credible sets are the smallest family of sets with CREDIBLE of the
 known mass. What they share is the answer if one of them holds nothing else; otherwise all of them are a group, for
@@ -27,7 +30,7 @@ another effect acts beside what they share, and its name is open.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import comb
 
@@ -41,9 +44,8 @@ from tentacle.solver_result import RESULTS
 COMPLETE = (0.4, 0.4, 0.15, 0.05)  # prior of none, one, two and three effects missing: chosen, not measured yet
 ELSE = 0.15  # prior of something outside the catalogue; chosen, its sensitivity is not measured yet
 DECLARED_FORM = 0.003  # share of the acting forces that the declared laws leave
-# The next two were chosen while looking at the recordings of the silicone beam; their sensitivity is not measured.
+# The next was chosen while looking at the recordings of the silicone beam; its sensitivity is not measured.
 MOST_DECLARED_FORM = 0.05  # the same on a baseline: one whose model leaves more proves nothing
-FALSE_GAIN = 3.0  # nats: what effects may gain, coarsened, on a baseline where none acts
 DECLARED_ALIKE = 0.0015  # share of the motion in which two programs of the same laws differ as if an effect acted
 FORM = 0.22  # share of what an added law explains that its true form may differ by: 10 to 36 % are known cases
 FORM_ALIKE = 0.15  # share of it that resembles another effect
@@ -79,6 +81,23 @@ def log_prior_of_imitation(count: int) -> float:
     return float(-np.log(len(COMPLETE) * comb(len(absent_effects()), count)))
 
 
+def odds_against(count: int) -> float:
+    """Nats that one set of so many effects must gain to be as likely as none."""
+    return log_prior_of_set(0) - log_prior_of_set(count)
+
+
+def baseline_coarsening(gains: Iterable[tuple[int, float]]) -> float:
+    """T with which no set is named on a baseline. gains: the number of a set's effects, and what it would gain there
+    [nats].
+    """
+    return max((gain / odds_against(count) for count, gain in gains), default=1.0)
+
+
+def form_coarsening(motion: float) -> float:
+    """T that the form of the declared laws asks for in so many nats of motion."""
+    return 1.0 + DECLARED_ALIKE**2 * motion / odds_against(1)
+
+
 def stands_at_bound(h: Hypothesis) -> bool:
     """Whether a strength or a relaxation time of its effects stands at a bound of what is physically possible: the set
     explains nothing. A memory that relaxes at once is a damping, and one that never does is a change of shape.
@@ -106,7 +125,7 @@ class Missing:
 
     share: of the acting forces. rest [noise variances]: residual beyond noise. gained [nats]: by the best set, whose
     model alone leaves a residual of `structured` nats beyond noise. declared: share of the acting forces that the form
-    of the declared laws leaves. baseline_gain [nats]: see Hypothesis. motion [nats]: see inference.motion.
+    of the declared laws leaves. baseline_coarsening: see Hypothesis. motion [nats]: see inference.motion.
     """
 
     share: float
@@ -114,14 +133,14 @@ class Missing:
     gained: float
     structured: float
     declared: float
-    baseline_gain: float
+    baseline_coarsening: float = 1.0
     motion: float = 0.0
 
     @property
     def temperature(self) -> float:
         """T: the factor by which the likelihood is coarsened."""
-        alike = min(FORM_ALIKE**2 * self.gained, self.structured)
-        return 1.0 + max(alike, max(self.baseline_gain, DECLARED_ALIKE**2 * self.motion) / FALSE_GAIN)
+        added = 1.0 + min(FORM_ALIKE**2 * self.gained, self.structured)
+        return max(added, form_coarsening(self.motion), self.baseline_coarsening)
 
 
 def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
@@ -130,14 +149,14 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     form = max(DECLARED_FORM, min(base.baseline_share, MOST_DECLARED_FORM))
     best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: float(h.log_evidence.max()))
     gained = float(best.log_evidence.max()) - float(base.log_evidence.max())
-    return Missing(base.share, base.rest, gained, best.structured, form, base.baseline_gain, base.motion)
+    return Missing(base.share, base.rest, gained, best.structured, form, base.baseline_coarsening, base.motion)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     """Log posterior mass, not normalised, of the set with known laws alone, and with something else beside them."""
     if stands_at_bound(h):
         return -np.inf, -np.inf
-    shares, evidence = h.profile()
+    shares, evidence = h.profile(missing.temperature)
     width = np.log(shares[1] / shares[0])
     form = np.hypot(missing.declared, FORM * missing.share if h.effects else 0.0)
     left = h.rest / missing.rest if h.effects and np.isfinite(h.rest) and missing.rest > 0.0 else 0.0

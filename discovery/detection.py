@@ -3,8 +3,9 @@
     limit = s (sqrt(2 (T log prior odds + price of a free strength)) + 1.645)
 
 s is the standard deviation of the strength beside the chosen model. T is the factor by which the decision coarsens the
-likelihood (discovery.decide). An estimate p is named if (p^2 / 2 s^2 - price of a free strength) / T exceeds the log
-prior odds. A true strength 1.645 s above that is named in 95 of 100 recordings.
+likelihood, and by which the set-up's prior variance is divided (discovery.decide). An estimate p is named if
+(p^2 / 2 s^2 - price of a free strength) / T exceeds the log prior odds. A true strength 1.645 s above that is named in
+95 of 100 recordings.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from discovery.decide import log_prior_of_set
-from inference.posterior import Hypothesis
+from inference.posterior import Hypothesis, filters_at
 from inference.score import responses, score
 from inference.whitened_fit import whitened_fit
 from tentacle.diagnosis import Limit
@@ -28,7 +29,8 @@ def detection_limits(chosen: Hypothesis, temperature: float) -> dict[str, dict[s
     odds = temperature * (log_prior_of_set(count) - log_prior_of_set(count + 1))
     limits: dict[str, dict[str, Limit]] = {}
     known = responses(chosen.problem, chosen.fitted)
-    for candidate in score(whitened_fit(chosen.problem, chosen.fitted), known):
+    filters = filters_at(chosen.forces, chosen.fitted_at, temperature)
+    for candidate in score(whitened_fit(chosen.problem, chosen.fitted, filters), known):
         if candidate.effect.name in chosen.effects:
             continue
         for strength, column in zip(candidate.effect.strengths, candidate.sensitivity.T, strict=True):

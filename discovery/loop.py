@@ -14,7 +14,7 @@ from functools import partial
 from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.decide import decide_by_mass, missing_of
+from discovery.decide import baseline_coarsening, decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
@@ -122,13 +122,13 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
 
 
 def _with_baseline(base: Hypothesis, known: Hypothesis | None) -> Hypothesis:
-    """The declared model with what its baseline shows of its own error: the share of unknown forces there, and what the
-    best set of absent effects would gain there, although none acts.
+    """The declared model with what its baseline shows of its own error: the share of unknown forces there, and the
+    coarsening with which no absent effect is named there.
     """
     if known is None:
         return base
-    gained = max((one.evidence for one in ranking(known, MOST_EFFECTS).sets), default=0.0)
-    return replace(base, baseline_share=known.share, baseline_gain=max(gained, 0.0))
+    gains = [(len(one.names), one.evidence) for one in ranking(known, MOST_EFFECTS).sets]
+    return replace(base, baseline_share=known.share, baseline_coarsening=max(baseline_coarsening(gains), 1.0))
 
 
 def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:

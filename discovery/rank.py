@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
-from inference.posterior import FORCE_SHARES, Hypothesis
+from inference.posterior import Hypothesis, filters_at
 from inference.score import Candidate, responses, score
 from inference.whitened_fit import WhitenedFit, whitened_fit
 
@@ -54,21 +54,23 @@ class Ranking:
     sets: tuple[RankedSet, ...]
 
 
-def ranking(centre: Hypothesis, most: int) -> Ranking:
+def ranking(centre: Hypothesis, most: int, coarsening: float = 1.0) -> Ranking:
     """All sets of up to `most` absent effects beside a model, at its best share of unknown forces and at smaller ones.
 
     The candidates are those at the best share; the sets have the strengths at the share where each promises most.
+    coarsening: T of the decision, with which the set-up's prior is narrowed (inference.pose).
     """
     known = responses(centre.problem, centre.fitted)
-    best = int(np.argmax(centre.log_evidence))
+    evidence = centre.evidence_at(coarsening)
+    best = int(np.argmax(evidence))
     found: dict[tuple[str, ...], RankedSet] = {}
     first: tuple[Candidate, ...] = ()
     for place in range(best, -1, -EVERY):
-        filters = tuple(force.filter(FORCE_SHARES[place]) for force in centre.forces)
+        filters = filters_at(centre.forces, place, coarsening)
         white = whitened_fit(centre.problem, centre.fitted, filters)
         candidates = score(white, known)
         first = first or tuple(candidates)
-        behind = float(centre.log_evidence[place] - centre.log_evidence[best])
+        behind = float(evidence[place] - evidence[best])
         for one in ranked_sets(white, candidates, most):
             one = replace(one, evidence=one.evidence + behind)
             name = tuple(sorted(one.names))

@@ -70,9 +70,9 @@ def search_posterior(
     first: tuple[Candidate, ...] = ()
     centre, decays = base, has_decay(base.problem)
     for number in range(ROUNDS):
-        promised = ranking(centre, MOST_EFFECTS - len(centre.effects))
-        first = first or promised.candidates
         temperature = missing_of(list(tried.values())).temperature
+        promised = ranking(centre, MOST_EFFECTS - len(centre.effects), temperature)
+        first = first or promised.candidates
         wanted = [
             begun
             for begun in _begun_about(centre, promised, centre if number else _at(base, origin), temperature)
@@ -88,8 +88,8 @@ def search_posterior(
         temperature = missing_of([*tried.values(), *found]).temperature
         for h in found:
             if not h.effects:  # a decay's base, fitted from where an effect had left it
-                share, gain = base.baseline_share, base.baseline_gain
-                h = replace(h, baseline_share=share, baseline_gain=gain, motion=base.motion)
+                share, coarsening = base.baseline_share, base.baseline_coarsening
+                h = replace(h, baseline_share=share, baseline_coarsening=coarsening, motion=base.motion)
             known = tried.get(frozenset(h.effects))
             tried[frozenset(h.effects)] = h if known is None else _preferred(h, known, temperature)
         progress((number + 1.0) / ROUNDS)

@@ -93,25 +93,34 @@ def cells_of(t: Array, frames: NDArray[np.bool_], time: float) -> Cells:
 @dataclass(frozen=True)
 class Filter:
     """The Kalman filter of one recording at one share a: transition (N, N); push (C, n, J), forces of the last J
-    states, and pushed (N, n), what a force does to the others; observation (C, K, N); gain (C, N, K); root (C, K, K):
-    inverse of the innovation's Cholesky factor; log_determinant: half that of the covariance [nats].
+    states, and pushed (N, n), what a force does to the others; observation (C, K, N), its columns pose those of the
+    camera's pose; gain (C, N, K); root (C, K, K): inverse of the innovation's Cholesky factor; log_determinant: half
+    that of the covariance [nats].
     """
 
+    share: float
     cells: Cells
     transition: Array
     pushed: Array
     push: Array
     observation: Array
+    pose: slice
     gain: Array
     root: Array
     log_determinant: float
 
     def whiten(self, rows: Array) -> Array:
         """Residual rows (T, K, B) as independent ones of unit variance (C K, B)."""
-        averaged = np.ascontiguousarray(self.cells.averaged(rows))
+        return self._whitened(self.cells.averaged(rows))
+
+    def pose_rows(self) -> Array:
+        """Whitened rows (C K, 2) that unit errors of the camera's roll [rad] and scale [1] cause."""
+        return self._whitened(self.observation[:, :, self.pose])
+
+    def _whitened(self, averaged: Array) -> Array:
         motion = (self.transition, self.pushed, self.push)
-        white = whitened_along(averaged, motion, self.observation, self.gain, self.root)
-        return white.reshape(-1, rows.shape[2])
+        white = whitened_along(np.ascontiguousarray(averaged), motion, self.observation, self.gain, self.root)
+        return white.reshape(-1, averaged.shape[2])
 
 
 @dataclass(frozen=True)
@@ -145,7 +154,7 @@ class LatentForce:
         ends = np.cumsum(list(sizes.values()))
         return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
-    def state_equation(self, a: float) -> tuple[Array, Array, Array]:
+    def state_equation(self, a: float, coarsening: float = 1.0) -> tuple[Array, Array, Array]:
         """Drift F (N, N), diffusion G (N, N) and initial covariance of the state [z, z', f', b, b', e, f_0, pose,
         place, f, c].
 
@@ -177,17 +186,19 @@ class LatentForce:
         diffusion[at["e"], at["e"]] += 2.0 / slow * np.diag(error**2)
         for place, deviation in (
             (f, 1.0), (g, rate), (b, base), (turn, rate * base), (at["e"], error), (at["f0"], 1.0),
-            (at["pose"], np.hypot(POSE_SHARE * a, POSE_FLOOR)), (at["c"], 1.0),
+            (at["pose"], np.sqrt(pose_variance(a, coarsening))), (at["c"], 1.0),
             (at["place"], PLACE),
         ):  # fmt: skip
             start[place] = np.square(deviation)
         return drift, diffusion, np.diag(start)
 
-    def filter(self, a: float) -> Filter:
-        """The Kalman filter at that share."""
+    def filter(self, a: float, coarsening: float = 1.0) -> Filter:
+        """The Kalman filter at that share. coarsening: T of the likelihood (discovery.decide); the variance of the
+        set-up's own prior is divided by it.
+        """
         at, lin = self._places(), self.linearised
         n = lin.mass.shape[0]
-        drift, diffusion, start = self.state_equation(a)
+        drift, diffusion, start = self.state_equation(a, coarsening)
         transition, added, held = discretised(drift, diffusion, self.cells.interval)
         pushed = np.ascontiguousarray(held[:, at["v"]] @ np.linalg.inv(lin.mass[:, :n]))
         push = np.concatenate([a * lin.envelope[:, None, None] * lin.force_root, lin.laws], axis=2)
@@ -197,7 +208,12 @@ class LatentForce:
         rows[:, :, at["pose"]] = self.seen[:, :, n : n + 2]
         rows[:, :, at["place"]] = self.seen[:, :, n + 2 :]
         gain, root, half = gains_along((transition, pushed, push), added, start, rows)
-        return Filter(self.cells, transition, pushed, push, rows, gain, root, float(half))
+        return Filter(a, self.cells, transition, pushed, push, rows, at["pose"], gain, root, float(half))
+
+
+def pose_variance(a: float, coarsening: float = 1.0) -> float:
+    """Variance of the constant errors of scale [1] and roll [rad]: of the model's form, and of the set-up."""
+    return (POSE_SHARE * a) ** 2 + POSE_FLOOR**2 / coarsening
 
 
 def with_scaled_mass(mass: Array, stiffness: Array, time: float) -> Array:

@@ -19,12 +19,12 @@ from scipy.interpolate import PchipInterpolator
 
 from affine_model.curvature import Array
 from inference.deferred_correction import corrected, minimised_at_step
+from inference.evidence import evidence_beside
 from inference.fit import Fit, linearised_fit, minimised, split
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
-from inference.prior import log_prior, prior_precision
+from inference.pose import PosteriorPose
 from inference.trajectory import Problem
-from inference.whitened_fit import whitened_rows
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
 PIECE_FRAMES = 60  # of a recording: a second of most, longer than what an error is correlated over
@@ -41,9 +41,10 @@ class Hypothesis:
     yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows;
     rest_in_time (C,): the same in pieces of about PIECE_FRAMES frames.
     baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none).
-    baseline_gain [nats]: what the best set of absent effects would gain there, to first order, although none acts.
+    baseline_coarsening: by which the likelihood must be coarsened so that no absent effect is named there.
     motion [nats]: of the motion seen, beside the smallest share of unknown forces (inference.motion; 0: not known).
-    fitted_at: place among FORCE_SHARES of the share beside which it was fitted.
+    fitted_at: place among FORCE_SHARES of the share beside which it was fitted. poses: posterior of the camera's pose
+    beside each of FORCE_SHARES.
     """
 
     effects: tuple[str, ...]
@@ -56,9 +57,10 @@ class Hypothesis:
     rows: int = 0
     rest_in_time: Array = field(default_factory=lambda: np.zeros(0))
     baseline_share: float = 0.0
-    baseline_gain: float = 0.0
+    baseline_coarsening: float = 1.0
     motion: float = 0.0
     fitted_at: int = 0
+    poses: tuple[PosteriorPose, ...] = ()
 
     @property
     def structured(self) -> float:
@@ -73,10 +75,16 @@ class Hypothesis:
         fine, values = self.profile()
         return float(fine[np.argmax(values)])
 
-    def profile(self) -> tuple[Array, Array]:
-        """The log evidence at finely spaced shares."""
+    def evidence_at(self, coarsening: float) -> Array:
+        """The log evidence (A,) with the camera's pose known as well as a decision of this coarsening asks for."""
+        gained = [one.evidence_gained(coarsening) for one in self.poses]
+        return self.log_evidence + np.array(gained) if gained else self.log_evidence
+
+    def profile(self, coarsening: float = 1.0) -> tuple[Array, Array]:
+        """The same at finely spaced shares."""
         fine = np.geomspace(FORCE_SHARES[0], FORCE_SHARES[-1], 241)
-        return fine, np.asarray(PchipInterpolator(np.log(FORCE_SHARES), self.log_evidence)(np.log(fine)))
+        coarse = self.evidence_at(coarsening)
+        return fine, np.asarray(PchipInterpolator(np.log(FORCE_SHARES), coarse)(np.log(fine)))
 
 
 @dataclass(frozen=True)
@@ -139,13 +147,14 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     fitted = linearised_fit(corrected(problem, unknowns), unknowns, 0)
     tried, last = set[int](), 0
     while True:
-        evidence = cache(lambda place, problem=problem, fitted=fitted: log_evidence(problem, fitted, filters(place)))
-        best = _climbed(evidence, last)
+        evidence = cache(lambda place, problem=problem, fitted=fitted: evidence_beside(problem, fitted, filters(place)))
+        best = _climbed(lambda place, evidence=evidence: evidence(place).log, last)
         if best in tried:  # the fit is at its share: now all shares are needed
-            evidences = np.array([evidence(place) for place in range(len(FORCE_SHARES))])
+            beside = [evidence(place) for place in range(len(FORCE_SHARES))]
+            evidences, poses = np.array([one.log for one in beside]), tuple(one.pose for one in beside)
             best = int(np.argmax(evidences))
             if best in tried:
-                return Hypothesis(rough.effects, problem, fitted, forces, evidences, fitted_at=last)
+                return Hypothesis(rough.effects, problem, fitted, forces, evidences, fitted_at=last, poses=poses)
         tried.add(best)
         last = best
         problem = replace(problem, filters=filters(best))
@@ -246,27 +255,6 @@ def _moved(problem: Problem, unknowns: Array) -> tuple[Problem, tuple[Array, ...
     return replace(problem, parameters=parameters), nuisances
 
 
-def filters_at(forces: tuple[LatentForce, ...], place: int) -> tuple[Filter, ...]:
-    """The filters of every recording at that one of FORCE_SHARES."""
-    return tuple(force.filter(FORCE_SHARES[place]) for force in forces)
-
-
-def log_evidence(problem: Problem, fitted: Fit, filters: tuple[Filter, ...]) -> float:
-    """Log evidence [nats] beside the share of unknown forces of these filters, after one Gauss-Newton step.
-
-    LinAlgError if it is not finite.
-    """
-    scale, precision = problem.scales(), prior_precision(problem, fitted)
-    constant = 0.5 * len(scale) * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
-    white = whitened_rows(problem, fitted, filters)
-    residual, columns = white[:, 0], white[:, 1:] * scale
-    information = columns.T @ columns
-    slope = columns.T @ residual
-    step = np.clip(np.linalg.lstsq(information, -slope, rcond=1e-12)[0], -1.0, 1.0)
-    square = float(residual @ residual + 2.0 * slope @ step + step @ information @ step)
-    _, half = np.linalg.slogdet(information + np.diag(precision * scale**2))
-    seen = sum(one.log_determinant for one in filters)
-    found = float(constant - 0.5 * min(square, float(residual @ residual)) - 0.5 * half - seen)
-    if not np.isfinite(found):
-        raise np.linalg.LinAlgError("the evidence is not finite")
-    return found
+def filters_at(forces: tuple[LatentForce, ...], place: int, coarsening: float = 1.0) -> tuple[Filter, ...]:
+    """The filters of every recording at that one of FORCE_SHARES; coarsening: see LatentForce.filter."""
+    return tuple(force.filter(FORCE_SHARES[place], coarsening) for force in forces)

@@ -23,7 +23,7 @@ import numpy as np
 from affine_model.curvature import Array
 from affine_model.effect import Effect
 from affine_model.effects import absent_effects
-from discovery.decide import DECLARED_ALIKE, FALSE_GAIN
+from discovery.decide import form_coarsening
 from inference.base_fit import Setting, fitted_order, most_coordinates, needed_order, rough_base_fit
 from inference.fit import Fit
 from inference.latent_force import Filter
@@ -110,7 +110,7 @@ def evidence_of(base: Hypothesis) -> RecordingEvidence:
         scale=scale,
         roots=np.array(roots),
         log_evidence=base.log_evidence[list(SHARES)],
-        coarsening=1.0 + DECLARED_ALIKE**2 * motion / FALSE_GAIN,
+        coarsening=form_coarsening(motion),
         data=int(
             sum(np.sum(rows[e.used] != 0.0) for e, rows in zip(problem.experiments, fitted.residuals, strict=True))
         ),

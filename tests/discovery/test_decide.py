@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discovery.decide import decide_by_mass, log_prior_of_set
+from discovery.decide import baseline_coarsening, decide_by_mass, log_prior_of_set
 from inference.posterior import FORCE_SHARES, Hypothesis
 from tentacle.solver_result import RESULTS
 
@@ -70,3 +70,14 @@ def test_where_each_credible_set_has_more_than_they_share_all_of_them_are_the_an
 def test_a_fit_that_did_not_converge_is_not_named(made):
     found = decide_by_mass([made((), 0.003, 0.0), made(("wall",), 0.003, 60.0, RESULTS.MAX_STEPS)])
     assert found.verdict != "effect"
+
+
+def test_a_baseline_s_coarsening_is_the_least_with_which_no_set_is_likelier_there_than_none():
+    """The likeliest set is then as likely as none. A gain of one effect counts more than the same gain of three, for
+    which the prior asks more.
+    """
+    gains = [(1, 83.0), (2, 137.7), (3, 155.4)]
+    coarsening = baseline_coarsening(gains)
+    ahead = [gain / coarsening + log_prior_of_set(count) - log_prior_of_set(0) for count, gain in gains]
+    assert max(ahead) == pytest.approx(0.0, abs=1e-12)
+    assert baseline_coarsening([(3, 83.0)]) < baseline_coarsening([(1, 83.0)])

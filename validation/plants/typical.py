@@ -47,7 +47,7 @@ TYPICAL: dict[str, Typical] = {
         ("U_cos", "U_sin"), 0.5,
     ),
     "wall": lambda d: (
-        {"wall_B": 20.0, "wall_x": d.sign * (0.3 + 0.3 * d.share) * d.arm["length"]}, ("wall_B",), 400.0,
+        {"wall_B": 20.0, "wall_x": d.sign * (0.3 + 0.3 * d.share) * d.arm["length"]}, ("wall_B",), 200.0,
     ),
     "buoyancy": lambda d: (
         {"heavier" if d.law == "arm" else "saltier": 0.03 * d.sign}, ("heavier" if d.law == "arm" else "saltier",), 0.3,
