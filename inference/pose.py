@@ -47,8 +47,8 @@ def posterior_pose(filters: Sequence[Filter], white: tuple[Array, Array], inform
     (N, P); information (P, P): of the unknowns, priors included.
     """
     residual, columns = white
-    rows = block_diag(*(one.pose_rows() for one in filters))
-    rows = np.concatenate([rows, np.zeros((residual.size - rows.shape[0], rows.shape[1]))])
+    seen_errors = np.asarray(block_diag(*(one.pose_rows() for one in filters)), dtype=np.float64)
+    rows = np.concatenate([seen_errors, np.zeros((residual.size - seen_errors.shape[0], seen_errors.shape[1]))])
     crossed = columns.T @ rows
     seen = rows.T @ rows - crossed.T @ np.linalg.lstsq(information, crossed, rcond=1e-12)[0]
     before = pose_variance(filters[0].share)
