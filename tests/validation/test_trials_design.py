@@ -2,19 +2,23 @@
 
 import json
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from affine_model.arm import parameter_index, parameter_vector
 from tentacle.errors import InputError
-from tests.validation.made_designs import of_kind
+from tentacle.io.model_file import model_tables
+from tests.validation.made_designs import MODEL, of_kind
 from validation.plants.draw import FASTEST, SETTLED
 from validation.plants.laws import LAWS, OUTSIDE
+from validation.trials.design import Design
 from validation.trials.plant_design import DURATION_RANGE, PlantDesign, plant_designs
 from validation.trials.plant_recording import plant_recording
 from validation.trials.recording import trial_recording
 from validation.trials.rounds import TRIAL_KINDS, dealt
-from validation.trials.sizing import bare_problem, sized, visible_size
+from validation.trials.sizing import bare_problem, left_by_refit, sized, visible_size
 
 
 def test_a_longer_series_begins_with_the_shorter_one():
@@ -98,6 +102,26 @@ def test_what_refitting_absorbs_has_no_r():
     changed = [{"C_perp": design.model().value("drag", "C_perp") * factor} for factor in (1.02, 1.04)]
     small, twice = visible_size(problem, nuisances, "drag", changed)
     assert twice == pytest.approx(4.0 * small, rel=0.3)
+
+
+def test_the_arm_that_is_refitted_carries_the_water_that_is_declared():
+    """A stiffness 30 times as large is within the base. Without the declared water the bare arm would move otherwise
+    than the plant's, and R would be the difference between these two motions.
+    """
+    carried = replace(MODEL, fluid=replace(MODEL.fluid, added_mass="section"))
+    design = Design.of({**of_kind("buoyancy").table(), "arm": model_tables(carried)})
+    problem, nuisances = bare_problem(design)
+    np.testing.assert_array_equal(problem.parameters, parameter_vector(carried))
+    (experiment,) = problem.experiments
+    stiffer, unknowns = (
+        parameter_vector(carried)[:, None],
+        np.concatenate([problem.parameters[problem.rows()], nuisances]),
+    )
+    stiffer[parameter_index("elasticity", "E")] *= 30.0
+    bare = problem.residuals_everywhere(parameter_vector(carried)[:, None], unknowns[:, None])[0][:, :, 0]
+    changed = problem.residuals_everywhere(stiffer, unknowns[:, None])[0][:, :, 0]
+    assert np.sqrt(np.mean((changed - bare)[experiment.used] ** 2)) > 5.0  # noise sigmas: the stiffness is well seen
+    assert left_by_refit(problem, nuisances, changed - bare) < 0.1
 
 
 def test_an_effect_that_cannot_reach_r_keeps_within_its_limit():

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from affine_model.arm import arm_of, neutral_parameters, parameter_index
+from affine_model.arm import arm_of, declared_parameters, parameter_index
 from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
 from inference.experiment import Experiment, predict
 from inference.fit import unfitted
@@ -54,7 +54,7 @@ def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Ar
     model = design.model()
     arm = arm_of(replace(model, order=SIZED_ORDER))
     free = tuple((effect, name) for effect, values in model.parameters.items() for name in values)
-    parameters = neutral_parameters()
+    parameters = declared_parameters(model.specimen, model.fluid)
     for effect, name in free:
         parameters[parameter_index(effect, name)] = model.value(effect, name)
     t = np.arange(0.0, design.duration, 1.0 / SIZED_AT)
