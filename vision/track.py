@@ -130,7 +130,8 @@ def track_fully(
     known = KnownBefore(*follower.told, rigid=angle is not None)
     pooled = pool(seen, follower.shared, following.order, follower.prior, known)
     shape = _shape(seen, pooled, follower.geometry, declaration)
-    remarks = (*_remarks(seen, pooled), *_scale_finding(shape, declaration), *_slowed(follower.repeats.again, shape))
+    remarks = (*_remarks(seen, pooled), *_scale_finding(shape, pooled, declaration))
+    remarks = (*remarks, *_slowed(follower.repeats.again, shape))
     if past := sum(frame >= len(seen) for frame in follower.verdicts):
         remarks = (*remarks, f"{past} frames of the proofreading are not in the video: its last one is {len(seen) - 1}")
     return Tracking(shape, tuple(seen), pooled, remarks)
@@ -189,10 +190,10 @@ def tip_untold(declaration: Declaration) -> float:
     return TIP_UNTOLD * declaration.camera.metres_per_px / declaration.specimen.length
 
 
-def _scale_finding(shape: ShapeTrack, declaration: Declaration) -> tuple[str, ...]:
+def _scale_finding(shape: ShapeTrack, pooled: Pooled, declaration: Declaration) -> tuple[str, ...]:
     """A remark if the length differs from the declared one by more than its standard deviation allows."""
     off, untold = shape.scale - 1.0, tip_untold(declaration)
-    seen = np.sqrt(max(shape.scale_sigma**2 - untold**2 / 3.0, 0.0))
+    seen = np.sqrt(pooled.shared_covariance[2, 2])
     if not abs(off) > max(SURE * seen + untold, WORTH_SAYING):
         return ()
     more, length = "longer" if off > 0 else "shorter", declaration.specimen.length
