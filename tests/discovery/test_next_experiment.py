@@ -3,11 +3,12 @@
 import pytest
 
 from discovery.answer import SEPARATES
+from discovery.begin import Begun
 from discovery.diagnose import diagnose
 from discovery.given import SERVO_UNDER_LOAD
 from discovery.next_experiment import DURATION, propose_experiment
 from discovery.rank import RankedSet, ranking
-from discovery.search import Begun, added
+from discovery.refits import added
 from discovery.starts import base_follows, refit_starts
 from inference.posterior import declared_model, fit_hypothesis
 from tentacle.io.waveform_file import waveform_from_table

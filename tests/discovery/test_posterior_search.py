@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from affine_model.arm import parameter_index
+from discovery.begin import Begun
 from discovery.decide import decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.rank import RankedSet, ranked_sets, ranking
-from discovery.search import Begun, added, is_fitted_anew, search_posterior
+from discovery.refits import added
+from discovery.search import is_fitted_anew, search_posterior
 from discovery.starts import base_follows, is_far, refit_starts
 from inference.estimates import interval
 from inference.posterior import declared_model, fit_hypothesis
