@@ -213,8 +213,13 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
         else:
             words.append("These data cannot separate " + ", ".join(apart) + ".")
     elif decision.certain and len(decision.sets) > 1:
-        open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
-        words.append(f"{' + '.join(decision.certain)} is certain; {', '.join(open_names)} may act too.")
+        likely = [name for name in decision.effects if name not in decision.certain]
+        open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.effects))
+        words.append(
+            f"{' + '.join(decision.certain)} is certain"
+            + (f"; {' + '.join(likely)} is likely" if likely else "")
+            + (f"; {', '.join(open_names)} may act too." if open_names else ".")
+        )
     return words + _not_named(found, decision)
 
 
