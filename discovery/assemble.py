@@ -213,13 +213,8 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
         else:
             words.append("These data cannot separate " + ", ".join(apart) + ".")
     elif decision.certain and len(decision.sets) > 1:
-        likely = [name for name in decision.effects if name not in decision.certain]
-        open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.effects))
-        words.append(
-            f"{' + '.join(decision.certain)} is certain"
-            + (f"; {' + '.join(likely)} is likely" if likely else "")
-            + (f"; {', '.join(open_names)} may act too." if open_names else ".")
-        )
+        open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
+        words.append(f"{' + '.join(decision.certain)} is certain; {', '.join(open_names)} may act too.")
     return words + _not_named(found, decision)
 
 

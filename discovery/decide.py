@@ -24,8 +24,7 @@ DECLARED_ALIKE^2 M, and one effect is not named for it. In 19 development record
 the best set gained at most .00095^2 M; the constant is 1.5 times that.
 
 The verdict is the outcome with the largest mass. The credible sets are the smallest family of sets with CREDIBLE of the
-known mass. What they share is certain, and is the answer if most of their mass is on it alone. Otherwise more effects
-act than these: the same is asked of the sets that hold more. If these share nothing more, all of them are a group, for
+known mass. What they share is the answer if one of them holds nothing else; otherwise all of them are a group, for
 another effect acts beside what they share, and its name is open.
 """
 
@@ -57,9 +56,9 @@ CREDIBLE = 0.95
 class PosteriorDecision:
     """The verdict, its effects and its posterior mass.
 
-    certain: effects that are in every credible set. sets: the credible sets with their mass. masses: effect ->
-    posterior mass of all sets that contain it. leading: the hypothesis that is named; rivals: the others of the
-    credible sets.
+    certain: effects that are in every credible set; the answer if one of these sets holds nothing else. sets: the
+    credible sets with their mass. masses: effect -> posterior mass of all sets that contain it. leading, rivals:
+    hypotheses of the credible sets.
     """
 
     verdict: Verdict
@@ -171,22 +170,6 @@ def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     return (within if usable(h) else -np.inf), beyond
 
 
-def shared_answer(sets: Sequence[tuple[tuple[str, ...], float]]) -> frozenset[str]:
-    """What sets (effects, mass) share, if most of their mass is on it alone; else what those with more effects share,
-    and so on. Empty where the sets differ in what they hold beside it.
-    """
-    left = [(frozenset(effects), mass) for effects, mass in sets if effects]
-    while left:
-        shared = frozenset.intersection(*(effects for effects, _ in left))
-        alone = sum(mass for effects, mass in left if effects == shared)
-        if alone >= 0.5 * sum(mass for _, mass in left):
-            return shared
-        if alone == 0.0:
-            break
-        left = [one for one in left if one[0] != shared]
-    return frozenset()
-
-
 def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
     """The verdict over hypotheses, one for each set of effects and one without effects."""
     missing = missing_of(hypotheses)
@@ -218,11 +201,10 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
         return PosteriorDecision(
             "nothing_missing", (), float(mass[empty, 0]), (), sets, masses, hypotheses[empty], rivals
         )
-    if answer := shared_answer(sets):
-        named = next(hypotheses[k] for k in credible if set(hypotheses[k].effects) == answer)
-        others = tuple(h for h in (leading, *rivals) if h is not named)
-        holding = sum(float(m[0]) for h, m in zip(hypotheses, mass, strict=True) if answer <= set(h.effects))
-        return PosteriorDecision("effect", named.effects, holding, certain, sets, masses, named, others)
+    # What all credible sets share is the whole answer if one of them holds nothing else.
+    if any(set(effects) == set(certain) for effects, _ in sets if effects):
+        holding = sum(float(m[0]) for h, m in zip(hypotheses, mass, strict=True) if set(certain) <= set(h.effects))
+        return PosteriorDecision("effect", certain, holding, certain, sets, masses, leading, rivals)
     union = sorted({name for effects, _ in sets for name in effects}, key=lambda name: -masses[name])
     named = float(total - mass[empty, 0] * (empty in credible))
     return PosteriorDecision("group", tuple(union), named, certain, sets, masses, leading, rivals)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discovery.decide import baseline_coarsening, decide_by_mass, log_prior_of_set, shared_answer
+from discovery.decide import baseline_coarsening, decide_by_mass, log_prior_of_set
 from inference.posterior import FORCE_SHARES, Hypothesis
 from tentacle.solver_result import RESULTS
 
@@ -65,30 +65,6 @@ def test_where_each_credible_set_has_more_than_they_share_all_of_them_are_the_an
     found = decide_by_mass([*sets, made(("tip_mass",), 0.003, 15.0)])
     assert (found.verdict, found.certain) == ("group", ("tip_mass",))
     assert set(found.effects) == {"tip_mass", *others}
-
-
-def test_an_effect_that_most_of_the_mass_holds_is_named_beside_the_certain_one(made):
-    """Of nested sets the answer has the effects that probably act: neither fewer nor more."""
-    sets = [made((), 0.1, 0.0), made(("tip_mass",), 0.003, 40.0), made(("tip_mass", "wall"), 0.003, 53.0)]
-    found = decide_by_mass(sets)
-    assert (found.verdict, found.effects, found.certain) == ("effect", ("tip_mass", "wall"), ("tip_mass",))
-    assert found.leading.effects == found.effects
-    assert 0.5 < found.confidence == pytest.approx(found.masses["wall"], abs=0.01)
-
-
-@pytest.mark.parametrize(
-    ("sets", "answer"),
-    [
-        ([(("a",), 0.6), (("a", "b"), 0.3)], {"a"}),
-        ([(("a", "b"), 0.9), (("a",), 0.07)], {"a", "b"}),
-        ([(("a",), 0.4), (("a", "b"), 0.35), (("a", "b", "c"), 0.2)], {"a", "b"}),  # b probably acts, c does not
-        ([(("a", "b"), 0.5), (("a", "c"), 0.3), (("a",), 0.15)], set()),  # something acts beside a: b or c
-        ([(("a",), 0.5), (("b",), 0.45)], set()),
-        ([((), 0.4), (("a",), 0.5)], {"a"}),
-    ],
-)
-def test_the_answer_is_what_sets_share_where_most_of_the_mass_is_on_it(sets, answer):
-    assert shared_answer(sets) == answer
 
 
 def test_a_fit_that_did_not_converge_is_not_named(made):
