@@ -214,7 +214,8 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
             words.append("These data cannot separate " + ", ".join(apart) + ".")
     elif decision.certain and len(decision.sets) > 1:
         open_names = sorted({n for names, _ in decision.sets for n in names} - set(decision.certain))
-        words.append(f"{' + '.join(decision.certain)} is certain; {', '.join(open_names)} may act too.")
+        likely = ", ".join(f"{name} ({tempered(decision.masses[name]):.2f})" for name in open_names)
+        words.append(f"{' + '.join(decision.certain)} is certain; {likely} may act too.")
     return words + _not_named(found, decision)
 
 
