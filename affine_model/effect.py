@@ -63,8 +63,7 @@ class Parameter:
 
     nominal is a typical size, used as the scale of the fit and as the strength in tests; the fit keeps the value
     within bounds. A strength is neutral at 0. A parameter with scan values shapes the effect and means nothing while
-    the strengths are zero: a search tries each of them (default: the first). end_exists: whether an arm may be at the
-    upper bound (a spot without stiffness is a hinge); elsewhere the bound is what is plausible at most.
+    the strengths are zero: a search tries each of them (default: the first).
     """
 
     name: str
@@ -73,7 +72,6 @@ class Parameter:
     bounds: tuple[float, float]
     words: str
     scan: tuple[float, ...] = ()
-    end_exists: bool = False
 
     def __post_init__(self) -> None:
         low, high = self.bounds

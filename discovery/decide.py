@@ -100,8 +100,7 @@ def form_coarsening(motion: float) -> float:
 
 def stands_at_bound(h: Hypothesis) -> bool:
     """Whether a strength or a relaxation time of its effects stands at a bound of what is physically possible: the set
-    explains nothing. A memory that relaxes at once is a damping, and one that never does is a change of shape. An end
-    at which an arm may be is no such bound.
+    explains nothing. A memory that relaxes at once is a damping, and one that never does is a change of shape.
     """
     limited = {
         (name, parameter.name)
@@ -112,11 +111,7 @@ def stands_at_bound(h: Hypothesis) -> bool:
             else catalogue()[name].strengths
         )
     }
-    ends = {
-        (name, strength.name) for name in h.effects for strength in catalogue()[name].strengths if strength.end_exists
-    }
-    values = dict(zip(h.fitted.free, h.fitted.values, strict=True))
-    return any(name in limited and not (name in ends and values[name] > 0.0) for name in h.fitted.at_bound)
+    return any(name in limited for name in h.fitted.at_bound)
 
 
 def usable(h: Hypothesis) -> bool:
@@ -159,11 +154,8 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     """Log posterior mass, not normalised, of the set with known laws alone, and with something else beside them."""
-    return (-np.inf, -np.inf) if stands_at_bound(h) else log_masses_of_any(h, missing)
-
-
-def log_masses_of_any(h: Hypothesis, missing: Missing) -> tuple[float, float]:
-    """The same also of a set with a strength at a bound: it may not be named, but sets that contain it may."""
+    if stands_at_bound(h):
+        return -np.inf, -np.inf
     shares, evidence = h.profile(missing.temperature)
     width = np.log(shares[1] / shares[0])
     form = np.hypot(missing.declared, FORM * missing.share if h.effects else 0.0)
@@ -175,7 +167,7 @@ def log_masses_of_any(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     coarse, count = evidence / missing.temperature + np.log(width), len(h.effects)
     within = float(np.logaddexp.reduce(coarse + known)) + followed + log_prior_of_set(count) + np.log(1.0 - ELSE)
     beyond = float(np.logaddexp.reduce(coarse + anything)) + log_prior_of_imitation(count) + np.log(ELSE)
-    return (within if h.fitted.result is not RESULTS.MAX_STEPS else -np.inf), beyond
+    return (within if usable(h) else -np.inf), beyond
 
 
 def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:

@@ -14,7 +14,7 @@ import numpy as np
 
 from discovery.answer import MOST_EFFECTS
 from discovery.begin import at_origin, begun_about, may_be_named
-from discovery.decide import log_masses, log_masses_of_any, missing_of
+from discovery.decide import log_masses, missing_of
 from discovery.exchange import NEGLIGIBLE_NATS, exchange_starts
 from discovery.rank import ranking
 from discovery.refits import added, removed
@@ -88,11 +88,9 @@ def is_fitted_anew(effects: tuple[str, ...], centre: Hypothesis, tried: Tried) -
 
 
 def _leading(tried: Tried) -> Hypothesis:
-    """The hypothesis with the largest mass, about which the search goes on. A strength at its bound says that more acts
-    than this set: it is not named, but the sets that contain it are tried.
-    """
+    """The hypothesis with the largest mass."""
     missing = missing_of(list(tried.values()))
-    return max(tried.values(), key=lambda h: max(log_masses_of_any(h, missing)))
+    return max(tried.values(), key=lambda h: max(log_masses(h, missing)))
 
 
 def _with(tried: Tried, found: list[Hypothesis]) -> Tried:

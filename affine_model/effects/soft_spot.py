@@ -7,7 +7,7 @@ SOFT_SPOT = Effect(
     name="soft_spot",
     title="Soft spot",
     parameters=(
-        Parameter("depth", "1", 0.3, (0.0, 0.995), "relative loss of stiffness at its middle", end_exists=True),
+        Parameter("depth", "1", 0.3, (0.0, 0.95), "relative loss of stiffness at its middle"),
         Parameter("s0", "1", 0.3, (0.0, 1.0), "where it lies", scan=(0.3, 0.1, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8)),
     ),
     source="Gaussian dip of k(s) of width 0.08",

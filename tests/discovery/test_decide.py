@@ -5,14 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discovery.decide import (
-    baseline_coarsening,
-    decide_by_mass,
-    log_masses,
-    log_masses_of_any,
-    log_prior_of_set,
-    missing_of,
-)
+from discovery.decide import baseline_coarsening, decide_by_mass, log_prior_of_set
 from inference.posterior import FORCE_SHARES, Hypothesis
 from tentacle.solver_result import RESULTS
 
@@ -72,28 +65,6 @@ def test_where_each_credible_set_has_more_than_they_share_all_of_them_are_the_an
     found = decide_by_mass([*sets, made(("tip_mass",), 0.003, 15.0)])
     assert (found.verdict, found.certain) == ("group", ("tip_mass",))
     assert set(found.effects) == {"tip_mass", *others}
-
-
-def at_its_end(h, name, value):
-    """The hypothesis with one strength at its upper bound."""
-    fitted = replace(h.fitted, free=(name,), values=np.array([value]), at_bound=(name,))
-    return replace(h, fitted=fitted)
-
-
-def test_a_strength_at_the_bound_of_what_is_plausible_is_not_named_but_sets_with_it_are_tried(made):
-    base, wall = made((), 0.1, 0.0), at_its_end(made(("wall",), 0.003, 60.0), ("wall", "B"), 200.0)
-    assert decide_by_mass([base, wall]).verdict != "effect"
-    missing = missing_of([base, wall])
-    assert max(log_masses(wall, missing)) == -np.inf
-    assert max(log_masses_of_any(wall, missing)) > max(log_masses_of_any(base, missing))  # the search goes on about it
-
-
-def test_a_spot_without_stiffness_is_a_hinge_and_may_be_named(made):
-    name = ("soft_spot", "depth")
-    found = decide_by_mass([made((), 0.1, 0.0), at_its_end(made(("soft_spot",), 0.003, 60.0), name, 0.995)])
-    assert (found.verdict, found.effects) == ("effect", ("soft_spot",))
-    none = at_its_end(made(("soft_spot",), 0.003, 60.0), name, 0.0)  # at the other end there is no soft spot
-    assert decide_by_mass([made((), 0.1, 0.0), none]).verdict != "effect"
 
 
 def test_a_fit_that_did_not_converge_is_not_named(made):
