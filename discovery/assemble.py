@@ -89,12 +89,13 @@ def assemble_posterior(
             effects, verdict = ("third_curvature",), "effect"
         elif verdict in ("effect", "group"):
             effects = (*effects, "third_curvature")
-    known = _over_sets(decision, missing_of(found.hypotheses).temperature)
+    temperature = missing_of(found.hypotheses).temperature
+    known = _over_sets(decision, temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
     joint = joint_posterior(open_loop.problem, open_loop.fitted)
     proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
-    words += declared_words(chosen.problem, chosen.fitted)
+    words += declared_words(chosen.problem, chosen.fitted, temperature)
     words += _decision_words(found, decision)
     if withdrawn:
         words.append("With it the model predicts the judged frames worse than without it: it is not named.")
