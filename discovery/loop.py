@@ -14,7 +14,8 @@ from functools import partial
 from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.decide import baseline_coarsening, decide_by_mass, missing_of
+from discovery.baseline_law import baseline_advice
+from discovery.decide import MOST_DECLARED_FORM, baseline_coarsening, decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
@@ -99,7 +100,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
             prepared, open_loop.problem.experiments, open_loop.fitted.residuals, strict=False
         )
     ]
-    around = PosteriorContext(paper, shown, order, reduction, limits)
+    advice = baseline_advice(setting) if base.baseline_share > MOST_DECLARED_FORM else None
+    around = PosteriorContext(paper, shown, order, reduction, limits, advice)
     answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
     if not deciding.laws or not seeks_laws(answer):
         return answer

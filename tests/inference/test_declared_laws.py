@@ -102,9 +102,14 @@ def test_laws_are_written_and_read_back(tmp_path):
 
 @pytest.mark.parametrize(
     ("laws", "told"),
-    [(["dry_frictoin"], "did you mean dry_friction?"), (["camera_roll"], "laws that act in an arm"),
-     (["dry_friction", "dry_friction"], "a name twice"), ("dry_friction", "no list of names"), ([3], "no list of names")],
-)  # fmt: skip
+    [
+        (["dry_frictoin"], "did you mean dry_friction?"),
+        (["camera_roll"], "laws that act in an arm"),
+        (["dry_friction", "dry_friction"], "a name twice"),
+        ("dry_friction", "no list of names"),
+        ([3], "no list of names"),
+    ],
+)
 def test_a_law_that_no_arm_has_is_told_in_one_line(laws, told, tmp_path, capsys):
     folder = tmp_path / "arm"
     write_folder(with_friction(seconds=1.0), folder)
