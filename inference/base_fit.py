@@ -31,6 +31,7 @@ SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 # A curvature coordinate counts as seen where it adds this share to the noise's variance, or more
 VISIBLE_COORDINATE_SHARE = 0.05
 MOST_FOR_MARKERS = 4  # coordinates
+REFINED, REFINED_WITH_LAWS = 2, 16  # starts that are refined, of those that one batch screens
 FOLLOWED = 0.2  # noise sigmas to which a run with fewer coordinates must follow one with MOST_FOR_MARKERS
 
 
@@ -196,12 +197,17 @@ def _starts(setting: Setting) -> Array:
     return np.array(columns).T
 
 
+def _from_many_starts(setting: Setting, problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
+    """The best fit from all starts. A law that yields has many valleys, so that more of its starts are refined."""
+    return fit_multistart(problem, nuisances, _starts(setting), keep=REFINED_WITH_LAWS if setting.laws else REFINED)
+
+
 def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
     """Fit the base effects alone at that order, from many starts or from a fit at another order."""
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = setting.problem(order, setting.start())
     if warm is None:
-        return refit_noise_and_step(problem, fit_multistart(problem, nuisances, _starts(setting)))
+        return refit_noise_and_step(problem, _from_many_starts(setting, problem, nuisances))
     problem = replace(problem, parameters=warm.parameters)
     return refit_noise_and_step(problem, fit(problem, nuisances))
 
@@ -214,7 +220,7 @@ def rough_base_fit(setting: Setting, order: int, *, warm: Fit | None = None) -> 
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = setting.problem(order, setting.start() if warm is None else warm.parameters)
     if warm is None:
-        fitted = fit_multistart(problem, nuisances, _starts(setting))
+        fitted = _from_many_starts(setting, problem, nuisances)
     else:
         fitted = fit(problem, nuisances, tolerance=1e-3, most=20)
     experiments = tuple(
