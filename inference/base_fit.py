@@ -31,7 +31,7 @@ SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 # A curvature coordinate counts as seen where it adds this share to the noise's variance, or more
 VISIBLE_COORDINATE_SHARE = 0.05
 MOST_FOR_MARKERS = 4  # coordinates
-REFINED, REFINED_WITH_LAWS = 2, 16  # starts that are refined, of those that one batch screens
+REFINED_WITH_LAWS = 16  # starts that are refined, of those that one batch screens
 FOLLOWED = 0.2  # noise sigmas to which a run with fewer coordinates must follow one with MOST_FOR_MARKERS
 
 
@@ -198,8 +198,17 @@ def _starts(setting: Setting) -> Array:
 
 
 def _from_many_starts(setting: Setting, problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
-    """The best fit from all starts. A law that yields has many valleys, so that more of its starts are refined."""
-    return fit_multistart(problem, nuisances, _starts(setting), keep=REFINED_WITH_LAWS if setting.laws else REFINED)
+    """The best fit from all starts. A law that yields has many valleys: more of its starts are refined, with the
+    uncertain numbers at their means, which are freed afterwards.
+    """
+    starts, count = _starts(setting), len(problem.free) - len(problem.declared)
+    if not setting.laws:
+        return fit_multistart(problem, nuisances, starts)
+    known = replace(problem, free=problem.free[:count])
+    found = fit_multistart(known, nuisances, starts[:count], keep=REFINED_WITH_LAWS)
+    if not problem.declared:
+        return found
+    return fit(replace(problem, parameters=found.parameters), found.nuisances)
 
 
 def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
