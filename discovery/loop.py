@@ -80,7 +80,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
     base = _base(fine, fitted, reduction)
     base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
-    base = _with_baseline(base, baseline_alone(fine, fitted.nuisances))
+    if complete:
+        base = _with_baseline(base, fine, fitted.nuisances)
     found = search_posterior(
         base,
         fitted,
@@ -123,12 +124,14 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
     return max(found, key=lambda h: float(h.log_evidence.max()))
 
 
-def _with_baseline(base: Hypothesis, known: Hypothesis | None) -> Hypothesis:
+def _with_baseline(base: Hypothesis, problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
     """The declared model with what its baseline shows of its own error: the share of unknown forces there, and the
     coarsening with which no absent effect is named there.
     """
-    if known is None:
-        return base
+    found = side_by_side([partial(baseline_alone, problem, nuisances)])
+    if not found:
+        raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
+    (known,) = found
     gains = [(len(one.names), one.evidence) for one in ranking(known, MOST_EFFECTS).sets]
     return replace(base, baseline_share=known.share, baseline_coarsening=max(baseline_coarsening(gains), 1.0))
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from discovery.diagnose import diagnose
@@ -14,9 +15,9 @@ FRICTION = {("dry_friction", "c_f"): 0.1, ("dry_friction", "slip"): 0.03}
 PAYLOAD = 2e-3  # kg, a thirtieth of the arm's mass
 
 
-def recorded(laws: tuple[str, ...], payload: float, seed: int) -> Recording:
+def recorded(laws: tuple[str, ...], payload: float, seed: int, seconds: float = 10.0) -> Recording:
     hidden = {**FRICTION, ("tip_mass", "mass"): payload}
-    made = record_declared(Declaration(replace(SPECIMEN, laws=laws), WATER), hidden, Run(seconds=10.0, seed=seed))
+    made = record_declared(Declaration(replace(SPECIMEN, laws=laws), WATER), hidden, Run(seconds=seconds, seed=seed))
     return replace(made, name=f"run{seed}")
 
 
@@ -43,3 +44,16 @@ def test_without_the_declaration_the_payload_alone_is_not_the_answer():
     assert found.effects != ("tip_mass",)
     assert any("proves nothing" in sentence for sentence in found.words)
     assert any('declare laws = ["dry_friction"]' in sentence for sentence in found.words)
+
+
+def test_a_declared_model_that_runs_away_in_the_baseline_is_told(monkeypatch):
+    """As softening declared for an arm that swings farther than the softening holds."""
+
+    def runs_away(*_):
+        raise np.linalg.LinAlgError("the evidence is not finite")
+
+    monkeypatch.setattr("discovery.loop.baseline_alone", runs_away)
+    laws = ("cubic_stiffness",)
+    found = diagnose([recorded(laws, PAYLOAD, 1, seconds=2.0)], baseline=[recorded(laws, 0.0, 2, seconds=2.0)])
+    assert found.verdict == "unknown"
+    assert any("leave all bounds in the baseline" in sentence for sentence in found.words)
