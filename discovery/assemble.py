@@ -42,7 +42,8 @@ DRAWS = 400  # of the bootstrap
 @dataclass(frozen=True)
 class PosteriorContext:
     """What an answer needs beside the search: the fitted model of the paper, the recordings, the number of coordinates
-    that their shapes show, the reduction's error (None: not known), and the detection limits.
+    that their shapes show, the reduction's error (None: not known), the detection limits, and what a baseline that the
+    declared model does not explain seems to lack.
     """
 
     paper: tuple[Problem, Fit]
@@ -50,6 +51,7 @@ class PosteriorContext:
     order: int
     reduction: ModelDiscrepancy | None
     limits: dict[str, dict[str, Limit]]
+    advice: str | None = None
 
 
 def assemble_posterior(
@@ -89,13 +91,15 @@ def assemble_posterior(
             effects, verdict = ("third_curvature",), "effect"
         elif verdict in ("effect", "group"):
             effects = (*effects, "third_curvature")
-    known = _over_sets(decision, missing_of(found.hypotheses).temperature)
+    temperature = missing_of(found.hypotheses).temperature
+    known = _over_sets(decision, temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
     joint = joint_posterior(open_loop.problem, open_loop.fitted)
     proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
-    words += declared_words(chosen.problem, chosen.fitted)
+    words += declared_words(chosen.problem, chosen.fitted, temperature)
     words += _decision_words(found, decision)
+    words += [] if around.advice is None else [around.advice]
     if withdrawn:
         words.append("With it the model predicts the judged frames worse than without it: it is not named.")
     if proposal is not None:

@@ -14,7 +14,8 @@ from functools import partial
 from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.decide import baseline_coarsening, decide_by_mass, missing_of
+from discovery.baseline_law import baseline_advice
+from discovery.decide import MOST_DECLARED_FORM, baseline_coarsening, decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
@@ -79,7 +80,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
     base = _base(fine, fitted, reduction)
     base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
-    base = _with_baseline(base, baseline_alone(fine, fitted.nuisances))
+    if complete:
+        base = _with_baseline(base, fine, fitted.nuisances)
     found = search_posterior(
         base,
         fitted,
@@ -99,7 +101,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
             prepared, open_loop.problem.experiments, open_loop.fitted.residuals, strict=False
         )
     ]
-    around = PosteriorContext(paper, shown, order, reduction, limits)
+    advice = baseline_advice(setting) if base.baseline_share > MOST_DECLARED_FORM else None
+    around = PosteriorContext(paper, shown, order, reduction, limits, advice)
     answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
     if not deciding.laws or not seeks_laws(answer):
         return answer
@@ -121,12 +124,14 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
     return max(found, key=lambda h: float(h.log_evidence.max()))
 
 
-def _with_baseline(base: Hypothesis, known: Hypothesis | None) -> Hypothesis:
+def _with_baseline(base: Hypothesis, problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
     """The declared model with what its baseline shows of its own error: the share of unknown forces there, and the
     coarsening with which no absent effect is named there.
     """
-    if known is None:
-        return base
+    found = side_by_side([partial(baseline_alone, problem, nuisances)])
+    if not found:
+        raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
+    (known,) = found
     gains = [(len(one.names), one.evidence) for one in ranking(known, MOST_EFFECTS).sets]
     return replace(base, baseline_share=known.share, baseline_coarsening=max(baseline_coarsening(gains), 1.0))
 

@@ -56,11 +56,11 @@ def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, 
 def _remembering(
     effects: tuple[str, ...], problem: Problem, nuisances: tuple[Array, ...]
 ) -> tuple[Problem, tuple[Array, ...]]:
-    """With the memory at the start of each run among the unknowns where an effect relaxes, else without."""
-    wanted = any(catalogue()[name].relaxation_time is not None for name in effects)
+    """With the memory at the start of each run among the unknowns where an effect or a declared law relaxes."""
     experiments, kept = [], []
     for experiment, values in zip(problem.experiments, nuisances, strict=True):
-        changed = replace(experiment, remembers=wanted)
+        acting = (*effects, *experiment.declared)
+        changed = replace(experiment, remembers=any(catalogue()[name].relaxation_time is not None for name in acting))
         start, moving, memory, shift = experiment.parts(problem.arm.order, values)
         if not changed.begins_with_memory:
             memory = memory[:0]

@@ -6,8 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from affine_model.arm import Arm, arm_of, declared_parameters
+from affine_model.arm import Arm, arm_of, declared_parameters, parameter_index
 from affine_model.curvature import Array
+from affine_model.declared_laws import declared_laws, law_starts
+from affine_model.effect import Effect
 from inference.declared_arm import names_of
 from inference.experiment import Experiment
 from inference.fit import Fit, fit, linearised_fit, unfitted
@@ -29,6 +31,7 @@ SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 # A curvature coordinate counts as seen where it adds this share to the noise's variance, or more
 VISIBLE_COORDINATE_SHARE = 0.05
 MOST_FOR_MARKERS = 4  # coordinates
+REFINED_WITH_LAWS = 16  # starts that are refined, of those that one batch screens
 FOLLOWED = 0.2  # noise sigmas to which a run with fewer coordinates must follow one with MOST_FOR_MARKERS
 
 
@@ -71,7 +74,13 @@ class Setting:
             free.append(("drag", "C_perp"))
             if self.fluid.added_mass == "fit":
                 free.append(("added_mass", "C_a"))
-        return (*free, *names_of(self.declared))
+        own = [(law.name, parameter.name) for law in self.laws for parameter in law.parameters]
+        return (*free, *own, *names_of(self.declared))
+
+    @property
+    def laws(self) -> tuple[Effect, ...]:
+        """The laws of its own that the arm's declaration names and that act in the fluid."""
+        return declared_laws(self.declaration.specimen, self.fluid)
 
     def problem(self, order: int, parameters: Array) -> Problem:
         """The fit of the base effects and of the uncertain declaration, from a parameter vector (R + D,)."""
@@ -80,8 +89,11 @@ class Setting:
 
     def start(self) -> Array:
         """The parameter vector (R + D,) of the declared model, with the uncertain numbers at their means."""
-        neutral = declared_parameters(self.declaration.specimen, self.fluid)
-        return np.concatenate([neutral, [number.value for number in self.declared]])
+        begun = declared_parameters(self.declaration.specimen, self.fluid)
+        for law in self.laws:
+            for parameter in law.strengths:
+                begun[parameter_index(law.name, parameter.name)] = parameter.nominal
+        return np.concatenate([begun, [number.value for number in self.declared]])
 
 
 def needed_order(setting: Setting, *, complete: bool = False) -> int:
@@ -157,11 +169,17 @@ def _residual_rms(experiments: tuple[Experiment, ...], fitted: Fit) -> float:
 
 
 def _starts(setting: Setting) -> Array:
-    """Starts of the base parameters over the range of silicones, (F, S): stiffness, damping, drag."""
+    """Starts of the base parameters, (F, S): stiffness, damping and drag over the range of silicones, each with every
+    start of the declared laws. Several laws take their starts side by side.
+    """
     specimen = setting.declaration.specimen
-    wet = setting.fluid.density > 0.0
+    fluid, carried = setting.fluid, specimen.section.added_mass
+    wet = fluid.density > 0.0
     second_moment = float(specimen.section.second_moment(0.0)) / specimen.length
     tip_moment = float(specimen.section.second_moment(1.0)) / specimen.length
+    each = [law_starts(law) for law in setting.laws]
+    count = max(map(len, each), default=1)
+    laws = [[value for starts in each for value in starts[k % len(starts)]] for k in range(count)]
     columns = []
     for E in (3e4, 6e4, 1.2e5, 2e5, 3.2e5, 5e5, 9e5, 2e6):
         for relaxation in (0.003, 0.02):
@@ -174,8 +192,23 @@ def _starts(setting: Setting) -> Array:
                     tip = max(tip_moment, 0.05 * second_moment) - second_moment
                     column = [E * second_moment, E * tip, eta * second_moment, eta * tip]
                 stated = [number.value for number in setting.declared]
-                columns.append([*column, *([] if drag is None else [drag]), *stated])
+                water = [] if drag is None else [drag, *([carried] if fluid.added_mass == "fit" else [])]
+                columns += [[*column, *water, *values, *stated] for values in laws]
     return np.array(columns).T
+
+
+def _from_many_starts(setting: Setting, problem: Problem, nuisances: tuple[Array, ...]) -> Fit:
+    """The best fit from all starts. A law that yields has many valleys: more of its starts are refined, with the
+    uncertain numbers at their means, which are freed afterwards.
+    """
+    starts, count = _starts(setting), len(problem.free) - len(problem.declared)
+    if not setting.laws:
+        return fit_multistart(problem, nuisances, starts)
+    known = replace(problem, free=problem.free[:count])
+    found = fit_multistart(known, nuisances, starts[:count], keep=REFINED_WITH_LAWS)
+    if not problem.declared:
+        return found
+    return fit(replace(problem, parameters=found.parameters), found.nuisances)
 
 
 def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[Problem, Fit]:
@@ -183,7 +216,7 @@ def fit_base(setting: Setting, order: int, *, warm: Fit | None = None) -> tuple[
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = setting.problem(order, setting.start())
     if warm is None:
-        return refit_noise_and_step(problem, fit_multistart(problem, nuisances, _starts(setting)))
+        return refit_noise_and_step(problem, _from_many_starts(setting, problem, nuisances))
     problem = replace(problem, parameters=warm.parameters)
     return refit_noise_and_step(problem, fit(problem, nuisances))
 
@@ -196,7 +229,7 @@ def rough_base_fit(setting: Setting, order: int, *, warm: Fit | None = None) -> 
     nuisances = tuple(initial_nuisances(experiment, order) for experiment in setting.experiments)
     problem = setting.problem(order, setting.start() if warm is None else warm.parameters)
     if warm is None:
-        fitted = fit_multistart(problem, nuisances, _starts(setting))
+        fitted = _from_many_starts(setting, problem, nuisances)
     else:
         fitted = fit(problem, nuisances, tolerance=1e-3, most=20)
     experiments = tuple(

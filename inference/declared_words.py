@@ -1,22 +1,29 @@
-"""Sentences about the uncertain declared numbers: what the data say of each."""
+"""Sentences about the uncertain declared numbers and the declared laws: what the data say of each."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 
 from inference.declared_arm import names_of
+from inference.estimates import estimates
 from inference.fit import Fit
 from inference.trajectory import Problem
 from tentacle.declared import Uncertain
+from tentacle.model import Estimate
 
 # Standard deviations of the declaration: one honest declaration in 400 is farther from its number
 FAR_FROM_DECLARED = 3.0
 SILENT = 0.9  # of the declared spread: if the fit leaves more than this share, the data say nothing about the number
 
 
-def declared_words(problem: Problem, fitted: Fit) -> list[str]:
-    """A sentence for each uncertain number: what was declared, what the data say, and whether the two agree."""
-    words = []
+def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0) -> list[str]:
+    """A sentence for each declared law, with its parameters and their 95 % intervals, and for each uncertain number:
+    what was declared, what the data say, and whether the two agree. inflation: see inference.estimates.
+    """
+    table = estimates(problem, fitted, inflation)
+    words = [_law_sentence(name, table[name]) for name in problem.arm.specimen.laws if name in table]
     for name, number in zip(names_of(problem.declared), problem.declared, strict=True):
         if name not in fitted.free:
             continue
@@ -24,6 +31,11 @@ def declared_words(problem: Problem, fitted: Fit) -> list[str]:
         sd = float(np.sqrt(max(fitted.covariance[place, place], 0.0)))
         words.append(_sentence(number, float(fitted.values[place]), sd))
     return words
+
+
+def _law_sentence(name: str, fitted: Mapping[str, Estimate]) -> str:
+    values = (f"{key} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}" for key, e in fitted.items())
+    return f"The declared law {name} acts in all recordings: {', '.join(values)}."
 
 
 def _sentence(number: Uncertain, value: float, sd: float) -> str:

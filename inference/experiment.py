@@ -46,7 +46,8 @@ class Experiment:
     effect acts in this recording. varies: parameters (effect, name) that differ slightly between recordings.
     travel: of a base that travels, x, y, rates, accelerations (6, ...) over the pictures' clock (None: it stands).
     differs: fields of its declaration, with their values, in which it is not the first recording of the arm. lacks:
-    effects of the model that do not act in this recording.
+    effects of the model that do not act in this recording. declared: effects that its declaration holds; they act in
+    a complete recording too.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Experiment:
     differs: tuple[tuple[str, float], ...] = ()
     travel: Callable[[Array], Array] | None = None
     lacks: frozenset[str] = frozenset()
+    declared: frozenset[str] = frozenset()
 
     def arm(self, first: Arm) -> Arm:
         """The arm as it is in this recording; first: as the first recording declares it."""
@@ -160,7 +162,8 @@ class Experiment:
             return parameters
         parameters = parameters.copy()
         for row in parameter_rows():
-            if row.effect in self.lacks or (self.complete and catalogue()[row.effect].family != "base"):
+            known = row.effect in self.declared or catalogue()[row.effect].family == "base"
+            if row.effect in self.lacks or (self.complete and not known):
                 parameters[row.index] = row.parameter.neutral
         return parameters
 

@@ -126,7 +126,7 @@ def identify(
             *own_geometry_words(prepared),
             *_told(problem, known),
             *([UNSETTLED] if drawn is not None and not drawn.result.converged else []),
-            *declared_words(problem, fitted),
+            *declared_words(problem, fitted, inflation),
         ),
         adequate=judged.train.passed,
     )

@@ -3,7 +3,8 @@
 Shared are the material's parameters and the effects. Each recording keeps the length, section, clamp, payload and fluid
 that it declares, and its markers' places. What one arm cannot be is refused:
 
-- another kind of section, stiffness law or treatment of the added mass: these are other parameters;
+- another kind of section, stiffness law or treatment of the added mass, other laws of its own: these are other
+  parameters;
 - lengths that differ by more than the latent force's correlation length: an effect that acts at a share of the length
   would act at another place of the arm;
 - thickness, width or density that differ by more than SAME: callipers on soft silicone are off by some per cent. They
@@ -51,6 +52,7 @@ def _difference(first: Declaration, other: Declaration) -> tuple[str, tuple[obje
     named = (
         ("specimen.section", kinds),
         ("specimen.stiffness", (one.stiffness, two.stiffness)),
+        ("specimen.laws", (list(one.laws), list(two.laws))),
         ("fluid.added_mass", (first.fluid.added_mass, other.fluid.added_mass)),
         ("gravity.magnitude_m_s2", (first.gravity.magnitude, other.gravity.magnitude)),
     )

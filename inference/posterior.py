@@ -118,11 +118,9 @@ def rough_fit(
     return min(found, key=lambda one: one.cost)
 
 
-def baseline_alone(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis | None:
-    """The declared model fitted to the complete recordings alone; None where there is none."""
+def baseline_alone(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
+    """The declared model fitted to the complete recordings alone."""
     both = [(e, n) for e, n in zip(problem.experiments, nuisances, strict=True) if e.complete]
-    if not both:
-        return None
     experiments = tuple(replace(e, varies=(), complete=False) for e, _ in both)
     own = tuple(n[: len(n) - len(e.varies)] for e, n in both)
     return declared_model(replace(problem, experiments=experiments), own)

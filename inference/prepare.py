@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from affine_model.curvature import Array
+from affine_model.declared_laws import declared_laws, refuse_unknown_laws
 from inference.experiment import Experiment
 from inference.jumps import without_jumps
 from inference.known_base import within_log
@@ -21,6 +22,7 @@ from tentacle.base_motion import BaseMotion, fit_base_motion, fit_travel, seen_f
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.slips import root_direction, root_turning
+from tentacle.specimen import declared_effects
 from tentacle.waveform import Rest, Waveform
 
 MOST_COORDINATES = 8  # measured per frame; an arm that is nearly a hinge somewhere shows all of them
@@ -148,6 +150,9 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
     Raises InputError where no shape was measured at all, CannotTellError where too little was.
     """
     spatial = _spatial_words(recording)
+    specimen, fluid = recording.declaration.specimen, recording.declaration.fluid
+    refuse_unknown_laws(specimen, f"{recording.name}/recording.toml")
+    laws = declared_laws(specimen, fluid)
     travel = None if recording.travel is None else fit_travel(recording.travel)
     recording = seen_from_base(recording, travel)
     base = _base(recording)
@@ -209,6 +214,8 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         rates_seen=shown[1],
         base_known_from=None if recording.motor is None else float(recording.motor.t[0]),
         travel=travel,
+        remembers=any(law.relaxation_time is not None for law in laws),
+        declared=frozenset((*(law.name for law in laws), *declared_effects(specimen, fluid))),
     )
     return Prepared(recording, experiment, points, sigma, tuple(words))
 

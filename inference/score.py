@@ -128,6 +128,7 @@ def _that_can_act(problem: Problem, effects: tuple[Effect, ...]) -> tuple[Effect
     arms = [experiment.arm(problem.arm) for experiment in problem.experiments]
     fluid = densest(arm.fluid for arm in arms)
     names = {name for name, _ in problem.free} | set(declared_effects(problem.arm.specimen, fluid))
+    names |= set(problem.arm.specimen.laws)
     wet, loaded = fluid.density > 0.0, any(arm.specimen.tip_mass > 0.0 for arm in arms)
     return tuple(
         e

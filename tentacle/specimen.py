@@ -122,6 +122,7 @@ class Specimen:
     along the normal; tip_mass_density [kg/m^3] gives its volume. tip_rounding [m]: radius with which the end of the
     silicone is rounded in a side view, 0 for a flat cut, None if unknown; the length ends at the outermost point. It
     shapes the outline in a picture only: mass and stiffness neglect the silicone that a rounding takes off.
+    laws: effects of the catalogue that are known to act in this arm, with unknown strength.
     """
 
     section: Section
@@ -133,6 +134,7 @@ class Specimen:
     tip_mass_drop: float = 0.0
     tip_mass_density: float = STEEL
     tip_rounding: float | None = None
+    laws: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _require_positive(

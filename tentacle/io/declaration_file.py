@@ -95,6 +95,7 @@ def parse_specimen(table: Table) -> Specimen:
         tip_mass_drop=table.measured("tip_mass_drop_m", 0.0, least=-length, most=length),
         tip_mass_density=table.measured("tip_mass_density_kg_m3", STEEL, least=LIGHTEST_SOLID),
         tip_rounding=table.number("tip_rounding_m", least=0) if "tip_rounding_m" in table else None,
+        laws=table.names("laws"),
     )
     table.finish()
     thickness = 2.0 * float(section.half_thickness(0.0))
@@ -234,6 +235,7 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         ("tip_mass_drop_m", specimen.tip_mass_drop, 0.0),
         ("tip_mass_density_kg_m3", specimen.tip_mass_density, STEEL),
     )
+    laws = {"laws": list(specimen.laws)} if specimen.laws else {}
     return {
         **sizes,
         "length_m": specimen.length,
@@ -241,6 +243,7 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         "tip_mass_kg": specimen.tip_mass,
         "stiffness": specimen.stiffness,
         **rounded,
+        **laws,
     } | {key: value for key, value, usual in placed if value != usual}
 
 

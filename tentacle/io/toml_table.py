@@ -235,6 +235,15 @@ class Table:
             raise self.error(f"{_shown(value)} is no text", key, "a text in quotes")
         return value
 
+    def names(self, key: str) -> tuple[str, ...]:
+        """A list of different names; empty if the key is absent."""
+        value = self.raw(key, "a list of names", [])
+        if not isinstance(value, list) or not all(isinstance(name, str) and name for name in value):
+            raise self.error(f"{_shown(value)} is no list of names", key, '["name", ...]')
+        if len(set(value)) < len(value):
+            raise self.error(f"{_shown(value)} has a name twice", key, "different names")
+        return tuple(value)
+
     def finish(self) -> None:
         """InputError at the first key that nothing asked for, with the nearest known name."""
         for key in self._values:

@@ -6,8 +6,11 @@ the tip. The source does not state the following; these values were chosen:
 - A disc is a marker on the axis, at the depth that all discs have at rest to 1 mm. Its d is where it lies at rest
   beside the vertical under the clamp: the arm at rest counts as straight. Rest is the end of the decay itself: the tip
   comes to rest up to 10 mm from where it did before. The clamp is above the first disc.
+  The rest of an arm with friction is not known better than it repeats: REST_SD.
 - The plane of motion is the one of the tip's displacements (tentacle.plane). Its out-of-plane share is declared.
-- The time of the release comes from the tip's path (tentacle.release), with its standard deviation.
+- A decay begins where the arm is free. The hand lets go of the tip first: the middle disc stays where it is for some
+  0.13 s more. So the frames before the middle disc has gone BEGUN of its way are left out, and no release is declared.
+- Friction acts in this arm: its moment follows its bend in loops with a steep turn at every reversal.
 - The tendon-driven runs have no release and no known rest. They are declared as a passive clamped arm that is straight.
 - The arm's mass and section are not known. Declared are a cone of 25 to 15 mm and a density of 800 +- 400 kg/m3: a mass
   of 0.32 +- 0.16 kg. Payloads are declared as 200 g also where 300 g hang there: that is the effect to be found.
@@ -16,7 +19,6 @@ the tip. The source does not state the following; these values were chosen:
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +27,6 @@ from tentacle.declared import Uncertain
 from tentacle.io.csv_table import CsvTable, read_csv
 from tentacle.plane import plane_of_motion
 from tentacle.recording import Declaration, Recording
-from tentacle.release import find_release
 from tentacle.signals import Array, Markers
 from tentacle.specimen import AIR, HANGING_DOWN, Cone, Specimen
 
@@ -33,6 +34,8 @@ DECAYS = ("observations_manual_decay_200g", "observations_manual_decay_200g_2", 
 DRIVEN = ("observations_controlled_1_0g", "observations_controlled_1_100g")
 DISCS = ("disc1", "disc2", "disc3")
 RATE = 100.0  # Hz
+BEGUN = 0.1  # of the middle disc's way to rest: from there on the arm is free
+REST_SD = (0.0003, 0.0016, 0.006)  # m: of each disc's rest, between the decays of one file
 LAST_FRAMES = 145  # frames at a decay's end: two periods of 1.4 Hz, over which the remaining swing averages out
 DENSITY, DENSITY_SD = 800.0, 400.0  # kg/m^3
 DECLARED_PAYLOAD = 0.2  # kg, in the decays
@@ -75,32 +78,35 @@ def _points(table: CsvTable) -> Array:
 
 
 def _decay(name: str, points: Array) -> Recording:
-    t = np.arange(points.shape[0]) / RATE
-    release = find_release(t, points[:, -1])
-    recording = _recording(name, points, points[-LAST_FRAMES:].mean(axis=0), DECLARED_PAYLOAD)
-    if release is None:
-        return recording
-    number = Uncertain("release.t_s", release.time, release.sd, 0.0)
-    declaration = recording.declaration
-    declared = replace(declaration, release_t=release.time, uncertain=(*declaration.uncertain, number))
-    return Recording(name, declared, markers=recording.markers, notes=recording.notes)
+    rest = points[-LAST_FRAMES:].mean(axis=0)
+    return _recording(name, points, rest, DECLARED_PAYLOAD, _first_free(points[:, 1], rest[1]))
 
 
-def _recording(name: str, points: Array, rest: Array, payload: float) -> Recording:
+def _first_free(path: Array, rest: Array) -> int:
+    """The first frame at which a disc (T, 3) [m] has gone BEGUN of its way to rest."""
+    gone = np.linalg.norm(path - path[0], axis=1)
+    return int(np.argmax(gone > BEGUN * np.linalg.norm(path[0] - rest)))
+
+
+def _recording(name: str, points: Array, rest: Array, payload: float, first: int = 0) -> Recording:
+    """The recording of the frames from `first` on."""
     plane = plane_of_motion(points[:, -1] - rest[-1], DOWN)
-    specimen = Specimen(Cone(0.025, 0.015), LENGTH, DENSITY, payload)
+    specimen = Specimen(Cone(0.025, 0.015), LENGTH, DENSITY, payload, laws=("dry_friction",))
+    points = points[first:]
     markers = Markers(
-        t=np.arange(points.shape[0]) / RATE,
+        t=(first + np.arange(points.shape[0])) / RATE,
         names=DISCS,
         s=DISC_S,
         d=np.round(plane.coordinates(rest - CLAMP_PLACE)[:, 0], 6),
         xy=np.round(plane.coordinates(points - CLAMP_PLACE), 7),
     )
     density = Uncertain("specimen.density_kg_m3", DENSITY, DENSITY_SD, 10.0)
+    beside = zip(DISCS, markers.d.tolist(), REST_SD, strict=True)
+    places = (Uncertain(f"markers.{disc}.d", d, sd) for disc, d, sd in beside)
     notes = {
         "source": "github.com/StanfordASL/trunk-stack",
         "geometry": "see tentacle/io/trunk_payload.py",
     }
     share = round(plane.out_of_plane, 4)
-    declaration = Declaration(specimen, AIR, HANGING_DOWN, out_of_plane=share, uncertain=(density,))
+    declaration = Declaration(specimen, AIR, HANGING_DOWN, out_of_plane=share, uncertain=(density, *places))
     return Recording(name, declaration, markers=markers, notes=notes)

@@ -103,9 +103,9 @@ def test_other_arms_are_converted_to_import_folders(name: str, tmp_path: Path) -
             assert np.abs(still.mean(axis=0)[:, 1] - along).max() < 1.5e-2  # what still swings hangs less deep
         assert recording.declaration.uncertain[0].field == "specimen.density_kg_m3"
         if "decay" in folder.name:
-            release = recording.declaration.release_t
-            assert release is not None
-            held = markers.xy[(markers.t < release) & (markers.t > release - 0.1)]
-            speed = np.linalg.norm(np.diff(held[:, -1], axis=0), axis=-1).max() / 0.01
-            fastest = np.linalg.norm(np.diff(markers.xy[:, -1], axis=0), axis=-1).max() / 0.01
-            assert speed < 0.4 * fastest  # the hand moves too, but the arm swings only once it is let go
+            assert recording.declaration.release_t is None
+            assert recording.declaration.specimen.laws == ("dry_friction",)
+            # The middle disc begins its swing: it moves at once, with a tenth of its way to rest behind it.
+            way = np.linalg.norm(markers.xy[:, 1] - still[:, 1].mean(axis=0), axis=1)
+            assert way[10] < way[0] - 0.03 * way[0]
+            assert way[:3].max() > 0.8 * way.max()
