@@ -52,9 +52,6 @@ Five of 20 films: a wave along a tail whose tip fades (no five coordinates follo
 the stated error says so), dirt on the ground of 13 % of the contrast (2.9 times; the limit knows the dirt's spectrum),
 two tails whose base nothing shows (2.1 and 2.4), and a film of 100 x 90 px (2.2), in which the unused 3 px beside the
 tip are a twentieth of the arm. With seed 7 (`--seed 7`) the base of a tail slid along it by 2.7 px.""",
-    ("blind", "false_alarm"): """\
-One of 16: "a stiffness that drifts by .05 % a second, or nothing", with a confidence of .50. So few nulls cannot show a
-rate of .02; in the last five series together it is 1 of 50.""",
     ("blind", "calibration_gap"): """\
 This is the gap of the worst of ten bins, which holds few trials. A confidence that were exactly true would show the
 larger gap of the next row by chance. Many hundred trials would be needed to tell
