@@ -15,6 +15,7 @@ import numpy as np
 
 from affine_model.arm import neutral_parameters, parameter_index
 from affine_model.curvature import Array
+from affine_model.declared_laws import SIZES
 from discovery.decide import MOST_DECLARED_FORM
 from discovery.rank import RankedSet
 from inference.decay import has_decay, horizons_of
@@ -25,7 +26,6 @@ from inference.score import Candidate
 from inference.successive_halving import LEFT, Leg, Points, followed, residuals_at
 from inference.whitened_fit import LinearRefit
 
-START_SIZES = (0.5, 2.0, 6.0, 20.0)  # of a strength, in nominal sizes, both signs where bounds allow
 LINEAR_SHARES = (1.0, 0.4)  # of the linear estimate: beyond the linear regime it is too large
 SHAPES = 6  # points of the grid of one effect's shapes, at most
 FAR_LEGS = ((1, 0.25), (2, 0.5), (3, 0.0))  # of successive halving: steps from each point, and the share that goes on
@@ -122,7 +122,7 @@ def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
     for values in shapes[:: max(1, -(-len(shapes) // SHAPES))]:
         at = replace(candidate, shapes=values)
         for place, strength in enumerate(effect.strengths):
-            for size in (*START_SIZES, *(-size for size in START_SIZES)):
+            for size in (*SIZES, *(-size for size in SIZES)):
                 if strength.bounds[0] <= size * strength.nominal <= strength.bounds[1]:
                     sized = np.zeros(len(effect.strengths))
                     sized[place] = size * strength.nominal
