@@ -12,6 +12,7 @@ import hashlib
 import json
 import os
 import signal
+import socket
 import sys
 import threading
 import zipfile
@@ -43,6 +44,7 @@ Task = Mapping[str, Any]
 Result = Mapping[str, Any]
 Work = Callable[[Task], Result]
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+ANSWER = 10.0  # s; a scheduler that does not answer by then is taken for absent
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,14 @@ class Runner:
         with progress_bar(console, quiet=self.quiet or not console.is_terminal) as progress:
             stored = sum(file not in missing for file in files)
             line = progress.add_task(words or "running", total=stored + len(missing), completed=stored)
-            for _ in (self._on_dask if self.scheduler else self._on_processes)(work, missing) if missing else ():
-                progress.advance(line)
+            if missing:
+                stored_now = (
+                    self._on_dask(self.scheduler, work, missing)
+                    if self.scheduler
+                    else self._on_processes(work, missing)
+                )
+                for _ in stored_now:
+                    progress.advance(line)
         return [load_result(file) for file in files]
 
     def file_of(self, work: Work, task: Task, version: str = "1") -> Path:
@@ -113,19 +121,22 @@ class Runner:
             finally:
                 pool.shutdown(wait=True, cancel_futures=True)
 
-    def _on_dask(self, work: Work, tasks: Mapping[Path, Task]) -> Iterator[None]:
+    def _on_dask(self, scheduler: str, work: Work, tasks: Mapping[Path, Task]) -> Iterator[None]:
         """Yields once for every task; the results are stored here, so that a cluster's workers need no access to this
         disk.
         """
         try:
             import distributed
+            from distributed.comm.addressing import get_address_host_port
         except ImportError:
             raise InputError("a scheduler needs Dask", expected="pip install 'tentacle-twin[cluster]'") from None
         try:
-            client: Any = distributed.Client(self.scheduler, timeout="10s", set_as_default=False)
+            # A plain connection answers at once; a client first starts its own event loop.
+            socket.create_connection(get_address_host_port(scheduler), timeout=ANSWER).close()
+            client: Any = distributed.Client(scheduler, timeout=ANSWER, set_as_default=False)
         except (OSError, ValueError):
             raise InputError(
-                f"no Dask scheduler answers at {self.scheduler}", field="--cluster", expected="tcp://HOST:PORT"
+                f"no Dask scheduler answers at {scheduler}", field="--cluster", expected="tcp://HOST:PORT"
             ) from None
         with client:
             futures = {client.submit(work, dict(task), pure=False): file for file, task in tasks.items()}

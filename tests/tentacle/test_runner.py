@@ -136,7 +136,7 @@ def test_no_workers_are_refused(tmp_path: Path, square: Any) -> None:
 
 
 def test_where_no_scheduler_answers_one_line_says_so(tmp_path: Path, square: Any) -> None:
-    for address in ("nonsense", "tcp://nowhere"):
+    for address in ("nonsense", "tcp://nowhere", "tcp://127.0.0.1:1"):  # nothing listens at port 1
         with pytest.raises(InputError, match="no Dask scheduler answers"):
             Runner(tmp_path / "results", scheduler=address, quiet=True).run(square, tasks(tmp_path, 1))
 
