@@ -108,7 +108,8 @@ def set_desk(desk: Path) -> Path:
     (desk / "docs").mkdir()
     for name in ("README.md", "docs/measured.md"):  # with the tables that benchmarks/readme_table.py makes anew
         shutil.copy(ROOT / name, desk / name)
-    for name in ("examples", "benchmarks"):
+    # benchmarks/rig.py and vision.py must not stand for the rooms of those names, which lie beside them in a checkout.
+    for name in ("examples", "benchmarks", "rig", "vision"):
         shutil.copytree(ROOT / name, desk / name, ignore=shutil.ignore_patterns("__pycache__"))
     return desk
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from tentacle.proposed_law import ProposedLaw
 from tentacle.recording import Recording
-from validation.plants import PLANTS, Filming, drawn, recorded, shown, truth_of
+from validation.plants import PLANTS, Filming, Plant, Shown, Trial, drawn, recorded, shown, truth_of
 from validation.plants.draw import Hidden, Numbers
 from validation.plants.hidden_law import KINDS
 
@@ -66,21 +66,27 @@ def law_recording(seed: int, kind: str | None = None) -> tuple[Recording, dict[s
         law = Hidden(chosen, "as_it_is", {"law_kind": float(KINDS.index(chosen)), **numbers}, strengths, most)
         trial = replace(trial, hidden=(law,), size=(size,))
     plant = PLANTS["stranger"](trial)
-    while True:
-        try:
-            run = shown(trial, plant)
-            break
-        except FloatingPointError:  # a vortex force of that size drives the arm without bound
-            size *= SMALLER
-            trial = replace(trial, size=(size,))
-            if size < SIZE[0]:
-                raise
+    trial, run = _run(trial, plant)
     if chosen != "nothing":  # the strength was found on a part of the film: correct it on the whole
+        size = trial.size[0]
         moved = float(np.sqrt(np.mean(np.sum((run.xy - run.bare) ** 2, axis=2)))) / trial.sigma
-        trial = replace(trial, size=(size * float(np.clip(size / moved, 0.1, 10.0)),))
-        run = shown(trial, plant)
+        trial, run = _run(replace(trial, size=(size * float(np.clip(size / moved, 0.1, 10.0)),)), plant)
     truth = truth_of(trial, plant, run)
     return recorded(trial, run), {"kind": chosen, "numbers": truth["effects"].get(chosen, {}), **truth}
+
+
+def _run(trial: Trial, plant: Plant) -> tuple[Trial, Shown]:
+    """The plant's run, with the law as much smaller as the plant needs to stay within bounds, and the trial of it.
+
+    A vortex force may drive an arm without bound. FloatingPointError where the plant runs away at the smallest size.
+    """
+    while True:
+        try:
+            return trial, shown(trial, plant)
+        except FloatingPointError:
+            if not trial.size or trial.size[0] * SMALLER < SIZE[0]:
+                raise
+            trial = replace(trial, size=(trial.size[0] * SMALLER,))
 
 
 def met(truth: dict[str, Any], laws: Sequence[ProposedLaw]) -> list[Met]:
