@@ -85,7 +85,7 @@ def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
         t, waveform(t)[0], observation.length, coefficients, root, np.zeros(t.size), np.zeros(t.size)
     )
     return replace(
-        experiment, name="proposal", observation=virtual, base=waveform, t0=0.0, duration=DURATION, release=None,
+        experiment.seeing(virtual), name="proposal", base=waveform, t0=0.0, duration=DURATION, release=None,
         remembers=False, varies=(), lacks=frozenset(), travel=None, used=np.ones(t.size, dtype=bool),
     )  # fmt: skip
 

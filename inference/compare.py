@@ -199,7 +199,7 @@ def floor_errors(
     for (run, _, _), source in zip(runs, prepared, strict=True):
         experiment = source.experiment
         observation = experiment.observation.shapes
-        gain = float(np.sqrt(np.mean(experiment.noise_gain**2)))
+        gain = float(np.sqrt(np.mean(experiment.picture_gain**2)))
         if observation is None:
             distance.append(np.full(10, 1e3 * np.sqrt(2.0) * source.sigma * gain))
             continue
@@ -207,18 +207,18 @@ def floor_errors(
         frames = frames[:: max(1, frames.size // 50)]
         data = source.recording.midline
         sparse = replace(observation, root=observation.root[frames])
-        two = _deviation(sparse, experiment.noise_gain, 2)
+        two = _deviation(sparse, experiment.picture_gain, 2)
         q = np.linalg.norm(legendre_to_monomial(2) @ two, axis=2)
         first.append(q[:, 0])
         second.append(q[:, 1])
         order = min(ANGLE_ORDER, observation.order)
-        several = _deviation(sparse, experiment.noise_gain, order)
+        several = _deviation(sparse, experiment.picture_gain, order)
         angle.append(np.linalg.norm(angle_basis(order, run.s) @ several, axis=2))
         if data is not None:
             stated = data.sigma[frames]
             distance.append(1e3 * np.sqrt(2.0) * gain * np.where(np.isfinite(stated), stated, source.sigma))
         else:
-            every = _deviation(sparse, experiment.noise_gain, observation.order)
+            every = _deviation(sparse, experiment.picture_gain, observation.order)
             lever = observation.length * np.cumsum(angle_basis(observation.order, run.s), axis=0) / run.s.size
             distance.append(1e3 * np.linalg.norm(lever @ every, axis=2))
     noise = _rms(distance)

@@ -118,7 +118,7 @@ def without_discrepancy(problem: Problem, reduction: ModelDiscrepancy) -> Proble
         shapes = experiment.observation.shapes
         if beyond is None or shapes is None:
             return None
-        corrected = replace(shapes, coefficients=shapes.coefficients - beyond)
+        corrected = experiment.observation.with_shapes(replace(shapes, coefficients=shapes.coefficients - beyond))
         experiments.append(replace(experiment, observation=corrected))
     return replace(problem, experiments=tuple(experiments))
 
@@ -129,7 +129,7 @@ def _beyond(experiment: Experiment, virtual: Experiment, rows: Array) -> Array |
     assert shown is not None
     if seen.t[-1] > shown.t[-1] + 0.5:  # frames just after the chain's end keep its last value
         return None
-    coefficients: Array = (rows * experiment.noise_gain) @ np.linalg.pinv(shown.root[0]).T
+    coefficients: Array = (rows * virtual.noise_gain) @ np.linalg.pinv(shown.root[0]).T
     # linear interpolation would cut the turns of a swing by more than the noise
     t = np.minimum(seen.t, shown.t[-1])
     return np.array([CubicSpline(shown.t, column)(t) for column in coefficients.T]).T
@@ -163,7 +163,7 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     seen = replace(chain.midline, xy=chain.midline.xy - chain.mount[:, None])  # counted from the base
     virtual = _virtual(experiment, observation, seen)
     alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
-    again = fit(alone, (fitted.nuisances[place],), most=12)
+    again = fit(alone, (experiment.without_zeros(fitted.nuisances[place]),), most=12)
     shown = predict(arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
     points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, seen.s)
     points = points + shown.shift[:, 0]
@@ -190,4 +190,4 @@ def _virtual(experiment: Experiment, observation: ShapeObservation, seen: Midlin
     judged = observation.t[judged_frames(experiment, True) & observation.seen]
     shapes = replace(shapes, root=np.repeat(typical[None], t.size, axis=0))
     used = (t < judged.min()) | (t > judged.max()) if judged.size else np.ones(t.size, dtype=bool)
-    return replace(experiment, name="chain", observation=shapes, duration=float(seen.t[-1]) + 0.2, used=used)
+    return replace(experiment.seeing(shapes), name="chain", duration=float(seen.t[-1]) + 0.2, used=used)

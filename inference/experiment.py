@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from tentacle.waveform import Waveform
 
 SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
 SHIFT_LIMIT = 0.01  # arm lengths
+ZERO_PRIOR, ZERO_LIMIT = 3.0, 10.0  # of the largest reading: how far a gauge's zero may lie off
 SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
 # Relative spread of an arm's parameters between recordings: two of a silicone beam differ by .6 % in E; losses, in
 # silicone and in water, change with temperature by some per cent.
@@ -84,6 +85,15 @@ class Experiment:
         """Whether the shift of the clamp is among the nuisances. The frame of a marker system needs no shift."""
         return self.observation.shapes is not None
 
+    @property
+    def picture_gain(self) -> Array:
+        """noise_gain of what the pictures show, without that of gauges."""
+        return self.noise_gain[: self.noise_gain.size - len(self.observation.zero_names)]
+
+    def seeing(self, observation: Observation) -> Experiment:
+        """The experiment with another observation of the same pictures; without gauges where that has none."""
+        return replace(self, observation=observation, noise_gain=self.noise_gain[: observation.channels])
+
     def instant(self, t: Array) -> Instant:
         """Times (...) [s] with the base's travel then, as the equations of motion take them: (..., 1) and (..., 6)."""
         travel = None if self.travel is None else np.moveaxis(self.travel(t), 0, -1)
@@ -91,21 +101,21 @@ class Experiment:
 
     def nuisance_names(self, order: int) -> list[str]:
         """Unknowns of this run alone: initial shape and rates in Legendre coordinates (or, released, the instant),
-        memory, shift of the clamp.
+        memory, shift of the clamp, zeros of gauges.
         """
         initial = [f"z{j + 1}(0)" for j in range(order)]
         moving = [f"z{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
         memory = [f"memory{j + 1}(0)" for j in range(order)] if self.begins_with_memory else []
         shift = ["shift_x", "shift_y"] if self.sees_shift else []
-        return [*initial, *moving, *memory, *shift, *(f"log {name}" for _, name in self.varies)]
+        zeros = [f"zero of {name}" for name in self.observation.zero_names]
+        return [*initial, *moving, *memory, *shift, *zeros, *(f"log {name}" for _, name in self.varies)]
 
     def nuisance_scales(self, order: int, length: float) -> Array:
         """Typical sizes of the nuisances, the scale of the fit's steps."""
         moving = [1.0] * order if self.release is None else [0.01]
         memory = [0.1] * order if self.begins_with_memory else []
-        return np.array(
-            [0.1] * order + moving + memory + [SHIFT_PRIOR * length] * 2 * self.sees_shift + self._spreads()
-        )
+        shift, zeros = [SHIFT_PRIOR * length] * 2 * self.sees_shift, self.observation.zero_size.tolist()
+        return np.array([0.1] * order + moving + memory + shift + zeros + self._spreads())
 
     def nuisance_limits(self, order: int, length: float) -> Array:
         """Bounds (M,) on the size of each nuisance."""
@@ -116,12 +126,15 @@ class Experiment:
             + moving
             + memory
             + [SHIFT_LIMIT * length] * 2 * self.sees_shift
+            + (ZERO_LIMIT * self.observation.zero_size).tolist()
             + [SPREAD_REACH * spread for spread in self._spreads()]
         )
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
         """The priors of the nuisances (M, B), as whitened residuals."""
-        shift = self.parts(order, nuisances)[3] / (SHIFT_PRIOR * length)
+        offsets, two = self.parts(order, nuisances)[3], 2 * self.sees_shift
+        zeros = offsets[two:] / (ZERO_PRIOR * self.observation.zero_size)[:, None]
+        shift = np.concatenate([offsets[:two] / (SHIFT_PRIOR * length), zeros])
         higher = nuisances[self.observation.order : order] / HIGHER_PRIOR
         varied = self.deviations(nuisances) / np.array(self._spreads()).reshape(-1, 1)
         if self.release is None:
@@ -139,15 +152,31 @@ class Experiment:
         return STATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
 
     def parts(self, order: int, nuisances: Array) -> tuple[Array, Array, Array, Array]:
-        """Initial shape, rates (or, released, the instant), memory and shift. Memory and shift may be empty."""
+        """Initial shape, rates (or, released, the instant), memory, and offsets: the clamp's shift and the gauges'
+        zeros. Memory and offsets may be empty.
+        """
         moving = order + (order if self.release is None else 1)
         memory = moving + order * self.begins_with_memory
         return (
             nuisances[:order],
             nuisances[order:moving],
             nuisances[moving:memory],
-            nuisances[memory : memory + 2 * self.sees_shift],
+            nuisances[memory : memory + 2 * self.sees_shift + len(self.observation.zero_names)],
         )
+
+    def shift(self, order: int, nuisances: Array) -> Array:
+        """Shift of the clamp (2, B) [m] in the pictures; zero where it is known not to shift."""
+        found = self.parts(order, nuisances)[3][: 2 * self.sees_shift]
+        return found if self.sees_shift else np.zeros((2, *nuisances.shape[1:]))
+
+    def without_zeros(self, nuisances: Array) -> Array:
+        """The nuisances of the same run without gauges."""
+        end = len(nuisances) - len(self.varies)
+        return np.concatenate([nuisances[: end - len(self.observation.zero_names)], nuisances[end:]])
+
+    def zeros(self, order: int, nuisances: Array) -> Array:
+        """Zeros (G, B) of the gauges."""
+        return self.parts(order, nuisances)[3][2 * self.sees_shift :]
 
     def deviations(self, nuisances: Array) -> Array:
         """Logarithms (D, B) of this recording's share of each parameter that varies."""
@@ -183,13 +212,21 @@ class Experiment:
 
 
 @dataclass(frozen=True)
-class Prediction:
-    """A batch at the observation's instants: q (T, n, B), theta (T, B), shift (2, B) of the clamp in the
-    picture, and the simulated batch."""
+class Appearance:
+    """What instruments see at the observation's instants: q (T, n, B), theta (T, B), shift (2, B) [m] of the clamp in
+    the picture, and zeros (G, B) of gauges.
+    """
 
     q: Array
     theta: Array
     shift: Array
+    zeros: Array
+
+
+@dataclass(frozen=True)
+class Prediction(Appearance):
+    """The same of simulated individuals, with their batch."""
+
     batch: Batch
 
 
@@ -215,8 +252,8 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
         times = times[:, :1]
     q = at_times(batch.t, batch.q, batch.q_rate, times)
     theta = at_times(batch.t, batch.theta[:, None], batch.theta_rate[:, None], times)[:, 0]
-    shift = experiment.parts(n, nuisances)[3] if experiment.sees_shift else np.zeros((2, nuisances.shape[1]))
-    return Prediction(q, theta, shift + arm.specimen.length * np.array(sight.shift), batch)
+    shift = experiment.shift(n, nuisances) + arm.specimen.length * np.array(sight.shift)
+    return Prediction(q, theta, shift, experiment.zeros(n, nuisances), batch)
 
 
 def _with_travel(base: Array, experiment: Experiment, times: Array) -> Array:
@@ -229,8 +266,11 @@ def _with_travel(base: Array, experiment: Experiment, times: Array) -> Array:
     return np.concatenate(both)
 
 
-def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Prediction) -> Array:
+def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Appearance) -> Array:
     """Measured minus predicted, whitened (T, K, B), over all frames."""
     sight = sight_of(experiment.acting(parameters))
-    error = experiment.observation.predict(prediction.q, prediction.theta, sight.roll, sight.excess, prediction.shift)
+    observation, zeros = experiment.observation, prediction.zeros
+    error = observation.predict(prediction.q, prediction.theta, sight.roll, sight.excess, prediction.shift)
+    if zeros.size:
+        error[:, -len(zeros) :] += observation.zero_slopes()[:, :, None] * zeros
     return error / experiment.noise_gain[:, None]

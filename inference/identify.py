@@ -159,12 +159,14 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
     """Sentences about what the recordings do not determine."""
     words = [f"Condition of the parameters' information: {known.condition:.3g}."]
     for experiment, dead in zip(problem.experiments, known.dead, strict=True):
-        shapes = experiment.observation.shapes is not None
+        shapes, pictured = experiment.observation.shapes is not None, experiment.picture_gain.size
         # Silence is right for the pose, which the camera alone moves, and for curvatures beyond the model's order.
-        curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < POSE + problem.arm.order]
-        markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes]
-        if curvatures or markers:
-            words.append(f"{experiment.name}: {', '.join(curvatures + markers)} say nothing about any parameter.")
+        last = min(POSE + problem.arm.order, pictured)
+        curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < last]
+        markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes and k < pictured]
+        gauges = [f"gauge {experiment.observation.zero_names[k - pictured]}" for k in dead if k >= pictured]
+        if silent := curvatures + markers + gauges:
+            words.append(f"{experiment.name}: {', '.join(silent)} say nothing about any parameter.")
     offset, sigma = known.clock
     if abs(offset) > CLOCK_DOUBT * sigma:
         words.append(f"The motor's clock seems off by {1e3 * offset:.2g} ms +- {1e3 * sigma:.1g} ms (diagnose it).")

@@ -35,8 +35,8 @@ def initial_nuisances(experiment: Experiment, order: int) -> Array:
     else:
         start = _shape_of_points(experiment, order)
     moving = rates if experiment.release is None else np.zeros(1)
-    rest = order * experiment.begins_with_memory + 2 * experiment.sees_shift + len(experiment.varies)
-    return np.concatenate([start, moving, np.zeros(rest)])
+    known = np.concatenate([start, moving])
+    return np.concatenate([known, np.zeros(len(experiment.nuisance_names(order)) - known.size)])
 
 
 def _shapes(experiment: Experiment, observation: ShapeObservation, frames: NDArray[np.intp]) -> Array:

@@ -86,17 +86,22 @@ def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) 
 
 
 def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> SeenError:
-    """Slow errors of the shape and the base angle, or of every coordinate of every marker."""
+    """Slow errors of the shape and the base angle, or of every coordinate of every marker; and of every gauge."""
     n, observation = arm.order, experiment.observation
     shape = run.q[:, :, 0] @ arm.from_monomial.T
-    size = observation.slow_errors(experiment.used, shape)
+    size, of_gauges = observation.slow_errors(experiment.used, shape), observation.slow_gauge_errors(experiment.used)
+    live, gain = np.any(seen != 0.0, axis=2), experiment.noise_gain
+    alone = live[:, :, None] * np.diag(1.0 / gain)
     if observation.shapes is None:
-        live = np.any(seen != 0.0, axis=2)
-        return SeenError(live[:, :, None] * np.diag(1.0 / experiment.noise_gain), size, 0.0 * size)
-    rows = seen[:, :, : n + 1]
+        size = np.concatenate([size, of_gauges])
+        return SeenError(alone, size, 0.0 * size)
+    rows = seen[:, :, : n + 1].copy()
+    pictured = observation.channels - of_gauges.size
+    rows[:, pictured:] = 0.0  # an error of the pictures
     information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
     noise = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
-    return SeenError(rows, size, TRACKER_ERROR * observation.tracked * noise)
+    floor = np.concatenate([TRACKER_ERROR * observation.tracked * noise, 0.0 * of_gauges])
+    return SeenError(np.concatenate([rows, alone[:, :, pictured:]], axis=2), np.concatenate([size, of_gauges]), floor)
 
 
 def _linearised(

@@ -24,7 +24,7 @@ from affine_model.arm import Arm, active_effects, parameter_rows
 from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
-from inference.experiment import SHIFT_PRIOR, Experiment, predict, whitened_residuals
+from inference.experiment import SHIFT_PRIOR, ZERO_PRIOR, Appearance, Experiment, predict, whitened_residuals
 from inference.fit import Fit
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
@@ -74,21 +74,28 @@ def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]
 
 
 def _cells_of(arm: Arm, experiment: Experiment, force: LatentForce, residuals: Array) -> tuple[Array, Array]:
-    """Whitened residuals (C, K) in the cells, and how they see (C, K, n + 2) the coordinates and the clamp's shift.
+    """Whitened residuals (C, K) in the cells, and how they see (C, K, n + O) the coordinates and the offsets.
 
-    The shift is in units of its prior. A model that lacks a force has an error in that shift too.
+    The offsets are in units of their prior. A model that lacks a force has an error in them too.
     """
-    shift = SHIFT_PRIOR * arm.specimen.length * _by_shift(experiment, residuals.shape)
-    seen = np.concatenate([force.seen[:, :, : arm.order], force.cells.averaged(shift)], axis=2)
+    offsets = force.cells.averaged(_by_offsets(experiment, residuals.shape, arm.specimen.length))
+    seen = np.concatenate([force.seen[:, :, : arm.order], offsets], axis=2)
     return force.cells.averaged(residuals[:, :, None])[:, :, 0], seen
 
 
-def _by_shift(experiment: Experiment, shape: tuple[int, ...]) -> Array:
-    """Derivatives (T, K, 2) of what is seen by a shift of the clamp [1/m]; 0 where it is known not to shift."""
-    shapes = experiment.observation.shapes
-    if shapes is None or not experiment.sees_shift:
-        return np.zeros((*shape, 2))
-    return np.asarray(shapes.root[:, :, 1:3] / experiment.noise_gain[:, None])
+def _by_offsets(experiment: Experiment, shape: tuple[int, ...], length: float) -> Array:
+    """Derivatives (T, K, 2 + G) of what is seen by a shift of the clamp, 0 where it is known not to shift, and by the
+    zeros of gauges; each in units of its prior.
+    """
+    observation, shapes = experiment.observation, experiment.observation.shapes
+    gauges = len(observation.zero_names)
+    found = np.zeros((*shape, 2 + gauges))
+    if shapes is not None and experiment.sees_shift:
+        found[:, : shapes.channels, :2] = SHIFT_PRIOR * length * shapes.root[:, :, 1:3]
+    by_zeros = ZERO_PRIOR * observation.zero_size * observation.zero_slopes()
+    for k in range(gauges):
+        found[:, shape[1] - gauges + k, 2 + k] = by_zeros[:, k]
+    return found / experiment.noise_gain[:, None]
 
 
 def _motion(
@@ -202,7 +209,8 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
     none = np.zeros((left.size, 0))
     bare = SmallMotions(motion, advance, push, when, rows, left, none, none)
     still = np.zeros((motion.t.size, n, 2 * n))
-    moved = _by_shift(experiment, residuals.shape[:2])[shown].reshape(-1, 2)
+    offsets = _by_offsets(experiment, residuals.shape[:2], arm.specimen.length)[shown]
+    moved = offsets.reshape(-1, offsets.shape[2])
     return replace(
         bare,
         target=left + bare.answer(motion.force[:, :, None])[:, 0],
@@ -220,12 +228,9 @@ def _seen_of(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arr
     q[:, :, 1:] += STATE_DIFFERENCE * arm.to_monomial
     theta = np.repeat(smooth[:, n : n + 1], 1 + n, axis=1)
     sight = sight_of(parameters)
-    shift = arm.specimen.length * np.array(sight.shift, dtype=float)
-    if experiment.sees_shift:
-        shift = shift + experiment.parts(n, nuisances)[3]
-    roll, scale = np.full(1 + n, sight.roll), np.full(1 + n, sight.excess)
-    rows = experiment.observation.predict(q, theta, roll, scale, np.repeat(shift[:, None], 1 + n, axis=1))
-    return rows / experiment.noise_gain[:, None]
+    shift = arm.specimen.length * np.array(sight.shift, dtype=float) + experiment.shift(n, nuisances)
+    seen = Appearance(q, theta, shift[:, None], experiment.zeros(n, nuisances)[:, None])
+    return whitened_residuals(experiment, parameters[:, None], seen)
 
 
 def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:

@@ -8,9 +8,11 @@ y: what the recording would show of the fitted run u(t); w: whitened by noise an
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from inference.experiment import Prediction, predict, whitened_residuals
+from inference.experiment import predict, whitened_residuals
 from inference.fit import Fit
 from inference.latent_force import LatentForce
 from inference.trajectory import Problem
@@ -23,7 +25,7 @@ def motion_nats(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...], 
     for experiment, nuisances, force in zip(known.experiments, fitted.nuisances, forces, strict=True):
         run = predict(known.arm, experiment, parameters[:, None], nuisances[:, None], known.step)
         q, theta = run.q[experiment.used], run.theta[experiment.used]
-        still = Prediction(0.0 * run.q + q.mean(axis=0), 0.0 * run.theta + theta.mean(axis=0), run.shift, run.batch)
+        still = replace(run, q=0.0 * run.q + q.mean(axis=0), theta=0.0 * run.theta + theta.mean(axis=0))
         own = experiment.own(parameters[:, None], nuisances[:, None])
         moved = whitened_residuals(experiment, own, still) - whitened_residuals(experiment, own, run)
         total += 0.5 * float(np.sum(force.filter(share).whiten(moved) ** 2))

@@ -2,10 +2,11 @@
 
     R (measured - predicted) ~ N(0, 1)
 
-One interface, Observation, for both kinds. ShapeObservation: each frame's midline is reduced by least squares to shape
+One interface, Observation, for all kinds. ShapeObservation: each frame's midline is reduced by least squares to shape
 coefficients [base angle offset, shift x, shift y, log scale, z_1 .. z_m]. R is the root of their information matrix. In
 this order the last rows of R belong to the highest curvature coordinates alone, so they show directly whether a further
-coordinate is needed. MarkerObservation: single points, compared as points.
+coordinate is needed. MarkerObservation: single points, compared as points. Gauges beside either of them:
+inference.gauge_observation.
 """
 
 from __future__ import annotations
@@ -65,6 +66,20 @@ class Observation(ABC):
         """Distances (P,) [m] of the points from the midline; None where they lie on it."""
         return None
 
+    @property
+    def zero_names(self) -> tuple[str, ...]:
+        """Of G gauges whose zero is unknown. They are the last of the channels."""
+        return ()
+
+    @property
+    def zero_size(self) -> Array:
+        """The largest reading (G,) of each of them."""
+        return np.zeros(0)
+
+    def zero_slopes(self) -> Array:
+        """Derivatives (T, G) of the gauges' whitened residuals by their zeros."""
+        return np.zeros((self.t.size, 0))
+
     def moved_places(self, step: float) -> tuple[Self, ...]:
         """The same pictures with each place that was declared by hand moved by `step` [m] along and across the arm."""
         return ()
@@ -74,6 +89,10 @@ class Observation(ABC):
         """Sizes (E,) of which slow errors are a share: the shape's coordinates z (T, n) and the base angle [rad], or
         what is seen of every number in these frames [noise deviations].
         """
+
+    def slow_gauge_errors(self, frames: NDArray[np.bool_]) -> Array:
+        """Sizes (G,) of which the gauges' slow errors are a share: their motion in these frames [noise deviations]."""
+        return np.zeros(0)
 
     @abstractmethod
     def points(self, s: Array) -> tuple[Array, Array]:
@@ -102,6 +121,10 @@ class Observation(ABC):
         """The same pictures of an arm of another length [m], seen at `scale` times the metres a pixel, with the markers
         at the places s and d that `values` states (`markers.NAME.s`).
         """
+
+    def with_shapes(self, shapes: ShapeObservation) -> Observation:
+        """The observation with these shapes in place of its own."""
+        return shapes
 
     @abstractmethod
     def motion(self) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from affine_model.curvature import Array
 from affine_model.declared_laws import declared_laws, refuse_unknown_laws
 from inference.experiment import Experiment
+from inference.gauge_observation import with_gauges
 from inference.jumps import without_jumps
 from inference.known_base import within_log
 from inference.linearise import LAW_KNOWN
@@ -181,6 +182,8 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
             share = f"{jumps} of {len(times)}"
             words.append(f"Left out of {recording.name}: frames shown twice or misread, out of the motion, {share}.")
         shown = motion_spread(observation)
+    observation, of_gauges = with_gauges(observation, recording.strain)
+    words += of_gauges
     seen = observation.seen
     if seen.sum() < FEWEST_FRAMES:
         count = int(seen.sum())

@@ -22,8 +22,8 @@ START_SHAPE, START_RATE, TINY = 0.3, 5.0, 1e-10  # rad, rad/s of the state befor
 
 @dataclass(frozen=True)
 class Smoothed:
-    """The state [d, d', f, f', shift of the clamp] in every cell given all of them: mean and standard deviation
-    (C, 4 n + 2); f in units of share times the acting forces; log_likelihood [nats].
+    """The state [d, d', f, f', offsets] in every cell given all of them: mean and standard deviation (C, 4 n + O); f in
+    units of share times the acting forces; log_likelihood [nats].
     """
 
     mean: Array
@@ -40,13 +40,14 @@ def likeliest(force: LatentForce, given: tuple[Array, Array]) -> Smoothed:
 def smoothed(force: LatentForce, given: tuple[Array, Array], share: float) -> Smoothed:
     """The smoothed state, driven by a latent force alone; servo and camera are assumed to be right.
 
-    given: the model's whitened residuals (C, K) in the cells, and how they see the state (C, K, n + 2). Source: Rauch,
-    Tung and Striebel 1965.
+    given: the model's whitened residuals (C, K) in the cells, and how they see d and O constant offsets (C, K, n + O).
+    Source: Rauch, Tung and Striebel 1965.
     """
     rows, columns = given
     lin, n = force.linearised, force.linearised.mass.shape[0]
     rate, inverse, one = np.sqrt(3.0) / TIME_SCALE, np.linalg.inv(lin.mass[:, :n]), np.eye(n)
-    size = 4 * n + 2
+    offsets = columns.shape[2] - n
+    size = 4 * n + offsets
     drift, diffusion, none = np.zeros((size, size)), np.zeros((size, size)), np.zeros((n, n))
     drift[:n, : 4 * n] = np.hstack([none, one, none, none])
     by_force = share * inverse @ lin.force_root
@@ -58,7 +59,7 @@ def smoothed(force: LatentForce, given: tuple[Array, Array], share: float) -> Sm
     diffusion[3 * n : 4 * n, 3 * n : 4 * n] = 4.0 * rate**3 * one
     forward, added, _ = discretised(drift, diffusion, force.cells.interval)
     mean = np.zeros(size)
-    covariance = np.diag(np.append(np.repeat(np.square([START_SHAPE, START_RATE, 1.0, rate]), n), [1.0, 1.0]))
+    covariance = np.diag(np.append(np.repeat(np.square([START_SHAPE, START_RATE, 1.0, rate]), n), np.ones(offsets)))
     ahead, filtered, likelihood = [], [], 0.0
     for k in range(rows.shape[0]):
         if k > 0:

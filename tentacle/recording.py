@@ -9,7 +9,17 @@ import numpy as np
 
 from tentacle.declared import Uncertain
 from tentacle.notebook import html_paragraph, html_table
-from tentacle.signals import Array, BaseTravel, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
+from tentacle.signals import (
+    Array,
+    BaseTravel,
+    LoadCellSignal,
+    Markers,
+    Midline,
+    MotorSignal,
+    ShapeTrack,
+    StrainSignal,
+    Video,
+)
 from tentacle.specimen import AIR, HANGING_DOWN, Fluid, Gravity, Specimen
 
 
@@ -78,12 +88,13 @@ class Recording:
     video: Video | None = None
     shape: ShapeTrack | None = None
     travel: BaseTravel | None = None
+    strain: StrainSignal | None = None
     notes: dict[str, str] = field(default_factory=dict)
 
     def _repr_html_(self) -> str:
         """The measured signals, for notebooks: each with its number of samples and its time span."""
         rows = []
-        for signal in ("motor", "travel", "load_cell", "midline", "markers", "shape"):
+        for signal in ("motor", "travel", "load_cell", "midline", "markers", "strain", "shape"):
             measured = getattr(self, signal)
             if measured is not None:
                 t = measured.t

@@ -1,4 +1,4 @@
-"""The signals of a recording: motor, load cell, midline, markers, video. Arrays in SI units, times in seconds.
+"""The signals of a recording: motor, load cell, midline, markers, strain, video. Arrays in SI units, times in seconds.
 
 All positions are in the base frame: origin at the clamp, x along the normal n, y along the straight arm at
 theta = 0. It stands still in the laboratory: when the servo turns the base by theta, the arm turns in this frame.
@@ -68,6 +68,37 @@ class Markers:
     s: Array
     d: Array
     xy: Array
+
+
+@dataclass(frozen=True)
+class StrainGauge:
+    """A gauge along the arm: the middle of it at s, d [m] from the midline along the normal; length [m] along the arm;
+    sigma, the standard deviation of one reading (None: not known).
+
+    strain = d times the mean of d phi / dS over its length. d = 1 m describes a sensor that tells curvature [1/m].
+    """
+
+    s: float
+    d: float
+    length: float = 0.0
+    sigma: float | None = None
+
+    def ends(self, length: float) -> tuple[float, float]:
+        """Where it begins and ends, as shares of the arm's length [m]."""
+        half = 0.5 * self.length / length
+        return self.s - half, self.s + half
+
+
+@dataclass(frozen=True)
+class StrainSignal:
+    """What strain gauges measure: t (T,) [s] on the pictures' clock, names (G), gauges (G), values (T, G); NaN where
+    nothing was measured. A gauge's zero is not known: its values are right up to a constant.
+    """
+
+    t: Array
+    names: tuple[str, ...]
+    gauges: tuple[StrainGauge, ...]
+    values: Array
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@
 | load_cell.csv | t_s, thrust_n | not measured |
 | midline.csv | t_s, s, x_m, y_m, sigma_m, one point a row; sigma_m may be left out | no midline |
 | markers.csv | t_s, then NAME_x_m, NAME_y_m (and NAME_z_m); [markers] NAME = {s, d} in recording.toml | no markers |
+| strain.csv | t_s, then NAME_strain; [strain] NAME = {s, d} in recording.toml (tentacle.io.strain_file) | no gauges |
 
 A blank cell in x_m, y_m, sigma_m or a marker's columns means: not seen.
 One of video, midline and markers must be there.
@@ -26,6 +27,7 @@ from tentacle.io.csv_table import CsvTable, read_csv
 from tentacle.io.declaration_file import RecordingFile, read_recording_file
 from tentacle.io.plain_file import is_there
 from tentacle.io.sound_recording import LARGEST_ANGLE, LARGEST_THRUST, LONGEST_TRAVEL, check_recording, reach_of
+from tentacle.io.strain_file import read_strain
 from tentacle.io.video_file import find_video, misnamed_video
 from tentacle.plane import plane_of_motion
 from tentacle.recording import Recording
@@ -61,6 +63,7 @@ def read_folder(folder: Path) -> Recording:
         load_cell=_read_load_cell(folder / "load_cell.csv"),
         midline=_read_midline(folder / "midline.csv", reach),
         markers=markers,
+        strain=read_strain(folder / "strain.csv", declared.strain, declared.declaration.specimen.length),
         video=video,
         notes=declared.notes,
     )

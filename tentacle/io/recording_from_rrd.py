@@ -24,7 +24,17 @@ from tentacle.io.toml_table import parse_toml
 from tentacle.io.video_file import VIDEO_SUFFIXES, check_frames
 from tentacle.io.video_store import store_frames, store_video
 from tentacle.recording import Recording
-from tentacle.signals import Array, BaseTravel, LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
+from tentacle.signals import (
+    Array,
+    BaseTravel,
+    LoadCellSignal,
+    Markers,
+    Midline,
+    MotorSignal,
+    ShapeTrack,
+    StrainSignal,
+    Video,
+)
 
 PLANNED = "/planned"  # s that the recording is to last, where it is written as it is measured
 # Exceptions from damaged files: a wrong number of values, a missing value, a wrong type.
@@ -49,7 +59,7 @@ def read_rrd(file: Path) -> Recording:
     except DAMAGE as error:
         raise InputError(f"damaged: {error}", file=file, expected="an .rrd of `tentacle import`") from None
     if note is not None:
-        kept = {name: None for name in ("motor", "load_cell", "midline", "markers", "shape")
+        kept = {name: None for name in ("motor", "load_cell", "midline", "markers", "strain", "shape")
                 if (signal := getattr(recording, name)) is not None and not len(signal.t)}  # fmt: skip
         recording = replace(recording, notes={**recording.notes, "cut_off": note}, **kept)
     return check_recording(recording, file)
@@ -71,6 +81,7 @@ def _assembled(entities: dict[str, EntityColumns], file: Path) -> Recording:
         load_cell=_load_cell(entities, compare),
         midline=_midline(entities.get("/midline"), compare),
         markers=_markers(entities.get("/markers"), declared, compare),
+        strain=_strain(entities.get("/strain"), declared, compare),
         shape=_shape(entities.get("/shape"), compare),
         video=_video(entities, file, compare),
         notes=declared.notes,
@@ -168,6 +179,14 @@ def _markers(columns: EntityColumns | None, declared: RecordingFile, compare: _C
     positions = np.array(list(declared.markers.values()), dtype=float).reshape(-1, 2)
     xy = np.stack([found["x_m"], found["y_m"]], axis=-1)
     return Markers(found["t_s"], tuple(declared.markers), positions[:, 0].copy(), positions[:, 1].copy(), xy)
+
+
+def _strain(columns: EntityColumns | None, declared: RecordingFile, compare: _Comparison) -> StrainSignal | None:
+    if columns is None or not columns.has_rows("t_s", "Scalars:scalars"):
+        return None
+    t, strain = columns.aligned("t_s", "Scalars:scalars")
+    found = compare.rows("strain", {"t_s": np.ascontiguousarray(t[:, 0]), "strain": strain})
+    return StrainSignal(found["t_s"], tuple(declared.strain), tuple(declared.strain.values()), found["strain"])
 
 
 def _shape(columns: EntityColumns | None, compare: _Comparison) -> ShapeTrack | None:

@@ -25,10 +25,13 @@ def summarise(recording: Recording) -> dict[str, str]:
         lines["load_cell"] = f"load cell: {_sampling(recording.load_cell.t)}"
     if recording.midline is not None:
         line = f"midline: {len(recording.midline.s)} points, {_sampling(recording.midline.t)}"
-        lines["midline"] = line + _missing(recording.midline.xy)
+        lines["midline"] = line + _missing(recording.midline.xy[..., 0])
     if recording.markers is not None:
         line = f"markers: {', '.join(recording.markers.names)}, {_sampling(recording.markers.t)}"
-        lines["markers"] = line + _missing(recording.markers.xy)
+        lines["markers"] = line + _missing(recording.markers.xy[..., 0])
+    if recording.strain is not None:
+        line = f"strain: {', '.join(recording.strain.names)}, {_sampling(recording.strain.t)}"
+        lines["strain"] = line + _missing(recording.strain.values)
     if recording.shape is not None:
         shape = recording.shape
         accepted = f"{int(shape.accepted.sum())} of {len(shape.t)} frames accepted"
@@ -62,6 +65,6 @@ def gap_words(t: Array) -> str:
     return f", a gap of {steps[longest]:.4g} s after {t[longest]:.4g} s"
 
 
-def _missing(xy: Array) -> str:
-    missing = float(np.isnan(xy[..., 0]).mean())
+def _missing(values: Array) -> str:
+    missing = float(np.isnan(values).mean())
     return f", {100 * missing:.2g} % not seen" if missing else ""

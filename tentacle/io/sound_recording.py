@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.errors import InputError
+from tentacle.io.strain_file import largest_strain
 from tentacle.recording import Declaration, Recording
-from tentacle.signals import Array, BaseTravel, Markers, Midline, ShapeTrack
+from tentacle.signals import Array, BaseTravel, Markers, Midline, ShapeTrack, StrainSignal
 
 LARGEST_ANGLE = 4 * math.pi  # rad; a servo turns less, so more is degrees by mistake
 LARGEST_DISTANCE = 3.0  # arm lengths; farther from the clamp is millimetres by mistake
@@ -49,6 +50,8 @@ def check_recording(recording: Recording, file: Path) -> Recording:
         _check_midline(recording.midline, reach, file)
     if recording.markers is not None:
         _check_markers(recording.markers, reach, file)
+    if recording.strain is not None:
+        _check_strain(recording.strain, recording.declaration.specimen.length, file)
     if recording.shape is not None:
         _check_shape(recording.shape, file)
     _check_clocks(recording, file)
@@ -141,6 +144,16 @@ def _check_markers(markers: Markers, reach: float, file: Path) -> None:
     _check_points("markers", markers.xy, (len(markers.t), len(markers.names), 2), reach, file)
 
 
+def _check_strain(strain: StrainSignal, length: float, file: Path) -> None:
+    _check_times("strain", strain.t, file)
+    if strain.values.shape != (len(strain.t), len(strain.gauges)):
+        expected = f"{(len(strain.t), len(strain.gauges))}"
+        raise InputError(f"{strain.values.shape} values", file=file, field="strain", expected=expected)
+    for k, (name, gauge) in enumerate(zip(strain.names, strain.gauges, strict=True)):
+        most = largest_strain(gauge, length)
+        _check_within(f"strain.{name}", strain.values[:, k], most, "a strain, 0.001 for 1000 microstrain", file)
+
+
 def _check_shape(shape: ShapeTrack, file: Path) -> None:
     _check_times("shape", shape.t, file)
     count, order = shape.coefficients.shape
@@ -162,7 +175,8 @@ def _check_clocks(recording: Recording, file: Path) -> None:
     if pictures is None:
         return
     start, stop = float(pictures.t[0]), float(pictures.t[-1])
-    for name, signal in (("motor", recording.motor), ("base", recording.travel), ("load_cell", recording.load_cell)):
+    logs = {"motor": recording.motor, "base": recording.travel, "load_cell": recording.load_cell}
+    for name, signal in (*logs.items(), ("strain", recording.strain)):
         if signal is not None and (signal.t[-1] < start or signal.t[0] > stop):
             raise InputError(
                 f"from {signal.t[0]:.9g} to {signal.t[-1]:.9g} s, and the arm is seen from {start:.9g} to {stop:.9g} s",

@@ -15,7 +15,7 @@ from tentacle.io.model_file import read_model
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Camera, Declaration, Recording
-from tentacle.signals import LoadCellSignal, Markers, Midline, MotorSignal, Video
+from tentacle.signals import LoadCellSignal, Markers, Midline, MotorSignal, StrainGauge, StrainSignal, Video
 from tentacle.specimen import WATER, Cone, Specimen
 
 SPECIMEN = Specimen(Cone(0.0125, 0.003), 0.14, 1070.0)
@@ -187,6 +187,7 @@ def measured_recording() -> Recording:
         LoadCellSignal(fine, 0.02 * np.sin(4 * np.pi * fine)),
         Midline(t, s, xy, np.full(xy.shape[:2], 2e-4)),
         Markers(t, ("middle", "tip"), np.array([0.5, 1.0]), np.zeros(2), xy[:, [4, 8]].copy()),
+        strain=StrainSignal(fine, ("root",), (StrainGauge(0.2, 0.01),), 0.03 * np.sin(2 * np.pi * fine - 0.5)[:, None]),
     )
 
 

@@ -110,7 +110,7 @@ def sampled_motion(base: Waveform, first: float, last: float) -> dict[str, Any]:
 def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Measurement:
     """The measurement of a recording: the noise that it states, and the noise that the fit found."""
     recording, observation = prepared.recording, experiment.observation
-    gain = float(np.median(experiment.noise_gain))
+    gain = float(np.median(experiment.picture_gain))
     angle_noise = _angle_noise(recording, experiment, interval)
     if observation.beside is not None:
         places = tuple(observation.points(np.zeros(0))[0].tolist()), tuple(observation.beside.tolist())
@@ -118,7 +118,7 @@ def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Mea
     if recording.midline is None:
         assert recording.shape is not None
         assert observation.shapes is not None
-        return _track_sight(recording.shape, observation.shapes, experiment.noise_gain, angle_noise)
+        return _track_sight(recording.shape, observation.shapes, experiment.picture_gain, angle_noise)
     stated = recording.midline.sigma[np.isfinite(recording.midline.sigma)]
     places = tuple(map(float, recording.midline.s))
     sigma = float(np.median(stated)) if stated.size else prepared.sigma

@@ -11,6 +11,9 @@ from tentacle.errors import InputError
 from tentacle.io.import_folder import read_folder
 from tests.tentacle.io.lab_folder import CAMERA, CONE, LOAD_CELL, MARKERS, MIDLINE, MOTOR, lab_folder
 
+GAUGE = "[strain]\nroot = {s = 0.1, d = 0.01}"
+STRAIN = "t_s,root_strain\n0,0.001\n0.1,0.002\n"
+
 
 def good(**changes: str) -> dict[str, str]:
     return {"recording__toml": CONE, "midline__csv": MIDLINE, **changes}
@@ -98,6 +101,24 @@ BAD = {
     "half a marker": (
         good(recording__toml=CONE + "[markers]\ntip = {s = 1, d = 0}", markers__csv=MARKERS.replace("0.02", "")),
         "markers.csv:3: tip_x_m: blank cell",
+    ),
+    "gauge beyond the arm": (
+        good(recording__toml=CONE + "[strain]\nroot = {s = 0.01, d = 0.01, length_m = 0.02}", strain__csv=STRAIN),
+        "strain.root.s: the gauge reaches from",
+    ),
+    "gauge on the midline": (
+        good(recording__toml=CONE + "[strain]\nroot = {s = 0.1, d = 0}", strain__csv=STRAIN),
+        "strain.root.d: a gauge on the midline is not stretched",
+    ),
+    "gauge undeclared": (good(strain__csv=STRAIN), "recording.toml: strain: missing, and there is strain.csv"),
+    "gauge without file": (good(recording__toml=CONE + GAUGE), "strain.csv: no such file"),
+    "gauge without column": (
+        good(recording__toml=CONE + GAUGE, strain__csv=STRAIN.replace("root", "top")),
+        "strain.csv:1: root_strain: column missing",
+    ),
+    "microstrain": (
+        good(recording__toml=CONE + GAUGE, strain__csv=STRAIN.replace("0.002", "2000")),
+        "strain.csv:3: root_strain: 2000 cannot be; expected a strain",
     ),
     "no picture": ({"recording__toml": CONE}, "nothing shows the arm"),
     "empty csv": (good(motor__csv=""), "motor.csv: empty file"),

@@ -14,9 +14,20 @@ from tentacle.io.csv_table import read_csv, write_csv
 from tentacle.io.import_folder import read_folder
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Camera, Declaration, Recording
-from tentacle.signals import LoadCellSignal, Markers, Midline, MotorSignal, ShapeTrack, Video
+from tentacle.signals import (
+    LoadCellSignal,
+    Markers,
+    Midline,
+    MotorSignal,
+    ShapeTrack,
+    StrainGauge,
+    StrainSignal,
+    Video,
+)
 from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
 from tests.tentacle.io.lab_folder import CAMERA, CONE, MARKERS, lab_folder
+
+GAUGES = (StrainGauge(1 / 3, 0.01, 0.007, 2e-5), StrainGauge(0.9, -1.0))
 
 
 def random_recording(video: Path | None = None) -> Recording:
@@ -28,6 +39,8 @@ def random_recording(video: Path | None = None) -> Recording:
     sigma[4, 2] = np.nan
     marker_xy = rng.normal(0, 0.05, (50, 2, 2))
     marker_xy[9, 1] = np.nan
+    strain = rng.normal(0, 0.01, (50, 2))
+    strain[3, 0] = np.nan
     return Recording(
         name="a random run",
         declaration=Declaration(
@@ -42,6 +55,7 @@ def random_recording(video: Path | None = None) -> Recording:
         load_cell=LoadCellSignal(t[::5].copy(), rng.normal(size=10)),
         midline=Midline(t, np.linspace(0, 1, 7), xy, sigma),
         markers=Markers(t, ("tip", "Tip-2"), np.array([1.0, 1 / 3]), np.array([0.0, -0.015]), marker_xy),
+        strain=StrainSignal(t, ("root", "g-2"), GAUGES, strain),
         video=None if video is None else Video(video),
         notes={"by": "hand", "light": 'a "bad" one, 3/4'},
     )
@@ -51,7 +65,7 @@ def assert_equal_recordings(left: Recording, right: Recording) -> None:
     assert left.name == right.name
     assert left.declaration == right.declaration
     assert left.notes == right.notes
-    for name in ("motor", "load_cell", "midline", "markers", "shape"):
+    for name in ("motor", "load_cell", "midline", "markers", "strain", "shape"):
         a, b = getattr(left, name), getattr(right, name)
         assert (a is None) == (b is None), name
         if a is None:
