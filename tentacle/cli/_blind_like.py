@@ -5,11 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 
-def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple[list, list]:
-    """Designs of trials like a recording, and the report's section on what they share with it."""
+def like_recording(
+    path: Path, count: int, seed: int, kinds: list[str], real: tuple[bool, list[Path]]
+) -> tuple[list, list]:
+    """Designs of trials like a recording, and the report's section on what they share with it. real: whether its own
+    errors are the noise, and recordings that are the baseline.
+    """
     from tentacle.cli._progress import stages
     from tentacle.cli.pages.blind_like import like_section
-    from validation.trials.design import designs
+    from validation.trials.design import RealParts, designs
     from validation.trials.likeness import likeness
     from validation.trials.series import CATALOGUED, UNCATALOGUED
     from validation.trials.sizing import shown_effects
@@ -18,9 +22,11 @@ def like_recording(path: Path, count: int, seed: int, kinds: list[str]) -> tuple
     with stages() as stage:
         recording = read_tracked(path, stage)
         stage(f"fitting the declared model to {recording.name}")
-        like = likeness(recording)
+        own, baseline = real
+        like = likeness(recording, with_own_errors=own)
         stage("which effects can show in such a recording")
         effects = shown_effects(like, CATALOGUED, UNCATALOGUED)
     silent = sorted({*CATALOGUED, *UNCATALOGUED}.difference(*effects))
-    found = designs(count, seed, *effects, like, kinds)
-    return found, [like_section(recording.name, like, effects, silent)]
+    parts = RealParts(str(path.resolve()) if own else "", tuple(str(one.resolve()) for one in baseline))
+    found = designs(count, seed, *effects, like, kinds, parts)
+    return found, [like_section(recording.name, like, effects, silent, parts)]

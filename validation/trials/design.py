@@ -22,13 +22,25 @@ BASE_SPREAD = (0.8, 1.25)  # times a fitted base parameter, in the trials like a
 
 
 @dataclass(frozen=True)
+class RealParts:
+    """Parts of trials that are real (paths of recordings): whose own errors are the noise, and the baseline."""
+
+    errors_of: str = ""
+    baseline: tuple[str, ...] = ()
+
+
+NOTHING_REAL = RealParts()
+
+
+@dataclass(frozen=True)
 class Design:
     """One trial as plain data: all that its recording depends on.
 
     index; seed of its random numbers; kind; effects hidden; r: wanted size of each [noise sigmas]; sight: how the arm
     is seen; duration [s]; fps [1/s]; arm: the model with its true base parameters, as model.toml's tables; motion of
     the base, as a waveform's table. initial_q [rad], release_t [s]: instead, the arm is held in that shape until it is
-    let go.
+    let go. errors_of: the recording whose own errors are the noise (a path; empty: white noise). baseline: recordings
+    that the diagnosis is told to be complete (paths).
     """
 
     index: int
@@ -43,18 +55,20 @@ class Design:
     motion: dict[str, Any]
     initial_q: tuple[float, ...] | None = None
     release_t: float | None = None
+    errors_of: str = ""
+    baseline: tuple[str, ...] = ()
 
     def table(self) -> dict[str, Any]:
         """The design as JSON holds it."""
         start = None if self.initial_q is None else list(self.initial_q)
-        lists = {"effects": list(self.effects), "r": list(self.r), "initial_q": start}
+        lists = {"effects": list(self.effects), "r": list(self.r), "initial_q": start, "baseline": list(self.baseline)}
         return {**asdict(self), **lists, "sight": self.sight.table()}
 
     @staticmethod
     def of(table: Mapping[str, Any]) -> Design:
         """The design of a table."""
         start = None if table["initial_q"] is None else tuple(table["initial_q"])
-        tuples = {"effects": tuple(table["effects"]), "r": tuple(table["r"]), "initial_q": start}
+        tuples = {name: tuple(table[name]) for name in ("effects", "r", "baseline")} | {"initial_q": start}
         return Design(**{**table, **tuples, "sight": Measurement.of(table["sight"])})
 
     def model(self) -> Model:
@@ -84,16 +98,18 @@ def designs(
     outside: Sequence[str],
     like: Likeness,
     kinds: Sequence[str] = TRIAL_KINDS,
+    real: RealParts = NOTHING_REAL,
 ) -> list[Design]:
     """The first `count` trials of a seed like a recording: its arm, its motion, its kind of measurement.
 
-    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. InputError where a
-    kind is not known.
+    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. real: what is not
+    simulated; beside a real baseline the arm keeps its fitted parameters. InputError where a kind is not known.
     """
     found = []
     for one in dealt(count, seed, catalogued, outside, kinds=kinds):
         sizes = tuple(log_uniform(one.random, *R_RANGE) for _ in one.effects)
         head = (one.index, int(one.random.integers(2**31)), one.kind, one.effects, sizes)
-        arm, start = model_tables(_varied(like.model, one.random)), (like.initial_q, like.release_t)
-        found.append(Design(*head, like.sight, like.duration, like.fps, arm, like.motion, *start))
+        arm = model_tables(like.model if real.baseline else _varied(like.model, one.random))
+        rest = (like.initial_q, like.release_t, real.errors_of, real.baseline)
+        found.append(Design(*head, like.sight, like.duration, like.fps, arm, like.motion, *rest))
     return found

@@ -10,14 +10,17 @@ import numpy as np
 from affine_model.curvature import Array, midline
 from inference.base_fit import Setting, fit_base, needed_order
 from inference.experiment import Experiment
+from inference.fit import Fit
 from inference.observation import ShapeObservation
 from inference.prepare import CannotTellError, HeldOutside, Prepared, prepare
+from inference.trajectory import Problem
 from tentacle.base_motion import BaseMotion
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.recording import Recording
 from tentacle.signals import ShapeTrack
 from tentacle.waveform import Waveform
+from validation.trials.own_errors import own_errors
 from validation.trials.sight import EVERYWHERE, Measurement, track_noise
 
 LEAST_BASE_TURN = 0.02  # rad: a base that turns by less counts as not moving
@@ -43,12 +46,42 @@ class Likeness:
     release_t: float | None = None
 
 
-def likeness(recording: Recording) -> Likeness:
+def likeness(recording: Recording, with_own_errors: bool = False) -> Likeness:
     """The properties that trials like this recording share with it.
 
-    The declared model is fitted without further effects; the noise is that of this fit. Raises InputError where the
-    recording shows too little, or where neither the base moves nor a release is declared.
+    The declared model is fitted without further effects; the noise is that of this fit, or, with its own errors, as
+    large as they are. Raises InputError where the recording shows too little, or where neither the base moves nor a
+    release is declared.
     """
+    prepared, problem, fitted = declared_fit(recording)
+    (experiment,) = problem.experiments
+    seen = experiment.observation.t[experiment.used]
+    first, last = float(seen[0]), float(seen[-1])
+    interval = float(np.median(np.diff(experiment.observation.t)))
+    arm, declared = problem.arm, recording.declaration
+    parameters: dict[str, dict[str, Estimate]] = {}
+    for (effect, name), value in zip(fitted.free, fitted.values, strict=True):
+        parameters.setdefault(effect, {})[name] = Estimate.exact(float(value), UNITS.get(name, "1"))
+    sight = sight_of(prepared, experiment, interval)
+    if with_own_errors:
+        sight = replace(sight, noise=own_errors(prepared, problem, fitted).rms)
+    found = Likeness(
+        model=Model(declared.specimen, declared.fluid, declared.gravity, 2, parameters),
+        motion={"kind": "rest", "angle_rad": float(experiment.base(seen)[0][0])}
+        if experiment.release is not None
+        else sampled_motion(experiment.base, first, last),
+        duration=last - first,
+        fps=1.0 / interval,
+        sight=sight,
+    )
+    if experiment.release is None:
+        return found
+    start = arm.to_monomial @ experiment.parts(arm.order, fitted.nuisances[0])[0]
+    return replace(found, initial_q=tuple(map(float, start)), release_t=experiment.release - first)
+
+
+def declared_fit(recording: Recording) -> tuple[Prepared, Problem, Fit]:
+    """The declared model, fitted to a recording that trials can be like; InputError where there can be none."""
     try:
         prepared = prepare(recording, hold_out=False)
     except CannotTellError as reason:
@@ -70,27 +103,7 @@ def likeness(recording: Recording) -> Likeness:
             expected="a base that moves, or a release at rest",
         )
     setting = Setting(recording.declaration, (experiment,), 2)
-    problem, fitted = fit_base(setting, needed_order(setting))
-    (experiment,) = problem.experiments
-    first, last = float(seen[0]), float(seen[-1])
-    interval = float(np.median(np.diff(experiment.observation.t)))
-    arm, declared = problem.arm, recording.declaration
-    parameters: dict[str, dict[str, Estimate]] = {}
-    for (effect, name), value in zip(fitted.free, fitted.values, strict=True):
-        parameters.setdefault(effect, {})[name] = Estimate.exact(float(value), UNITS.get(name, "1"))
-    found = Likeness(
-        model=Model(declared.specimen, declared.fluid, declared.gravity, 2, parameters),
-        motion={"kind": "rest", "angle_rad": float(theta[0])}
-        if released
-        else sampled_motion(experiment.base, first, last),
-        duration=last - first,
-        fps=1.0 / interval,
-        sight=sight_of(prepared, experiment, interval),
-    )
-    if experiment.release is None:
-        return found
-    start = arm.to_monomial @ experiment.parts(arm.order, fitted.nuisances[0])[0]
-    return replace(found, initial_q=tuple(map(float, start)), release_t=experiment.release - first)
+    return prepared, *fit_base(setting, needed_order(setting))
 
 
 def sampled_motion(base: Waveform, first: float, last: float) -> dict[str, Any]:

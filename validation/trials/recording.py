@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +14,12 @@ from inference.measured_shapes import Tracker, fit_shapes
 from inference.observation import POSE
 from mujoco_ref.influence import value
 from mujoco_ref.undeclared.make import Noise, Scenario, make_recording
+from tentacle.io.reading import read_recording
 from tentacle.recording import Recording
 from tentacle.signals import Markers
 from validation.trials.design import Design
+from validation.trials.likeness import declared_fit
+from validation.trials.own_errors import OwnErrors, own_errors
 from validation.trials.sight import EVERYWHERE, Measurement, track_noise, track_of
 from validation.trials.sizing import sized, track_root
 
@@ -42,15 +47,22 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
         design.seed,
         Noise(midline=sight.noise, angle=sight.angle_noise),
         name=f"trial_{design.index:04d}",
-        clean_midline=sight.kind in ("track", "markers"),
+        clean_midline=sight.kind in ("track", "markers") or bool(design.errors_of),
     )
     random = np.random.default_rng([design.seed, 2])
     assert recording.midline is not None
+    own = errors_of(design.errors_of).drawn(recording.midline.t, random) if design.errors_of else None
     if sight.kind == "track":
         recording = _tracked(recording, sight, random)
     elif sight.kind == "markers":
-        recording = _marked(recording, sight, value(truth["effects"], "camera_scale", "excess"), random)
+        excess = value(truth["effects"], "camera_scale", "excess")
+        if own is None:
+            own = sight.noise * random.standard_normal((recording.midline.t.size, len(sight.s), 2))
+        recording = _marked(recording, sight, excess, own)
     else:
+        if own is not None:
+            recording = replace(recording, midline=replace(recording.midline, xy=recording.midline.xy + own))
+        assert recording.midline is not None
         stated = np.nan if sight.stated is None else sight.stated
         sigma = np.full(recording.midline.sigma.shape, stated)
         recording = replace(recording, midline=replace(recording.midline, sigma=sigma))
@@ -87,14 +99,20 @@ def _tracked(recording: Recording, sight: Measurement, random: np.random.Generat
     return replace(recording, midline=None, shape=track_of(sight, midline.t, coefficients, measured))
 
 
-def _marked(recording: Recording, sight: Measurement, excess: float, random: np.random.Generator) -> Recording:
-    """The same run as markers seen by a camera; excess: relative error of the scale."""
+@cache
+def errors_of(path: str) -> OwnErrors:
+    """The own errors of a recording, kept: one is fitted once in a process."""
+    return own_errors(*declared_fit(read_recording(Path(path))))
+
+
+def _marked(recording: Recording, sight: Measurement, excess: float, noise: Array) -> Recording:
+    """The same run as markers seen by a camera; excess: relative error of the scale; noise (T, M, 2) [m]."""
     midline = recording.midline
     assert midline is not None
     before, at, after = np.split(midline.xy, 3, axis=1)
     along = (after - before) / np.linalg.norm(after - before, axis=2, keepdims=True)
     beside = (1.0 + excess) * np.array(sight.d)[:, None] * np.stack([along[..., 1], -along[..., 0]], axis=-1)
-    xy = at + beside + sight.noise * random.standard_normal(at.shape)
+    xy = at + beside + noise
     names = tuple(f"m{k + 1}" for k in range(len(sight.s)))
     markers = Markers(midline.t, names, np.array(sight.s), np.array(sight.d), xy)
     return replace(recording, midline=None, markers=markers)

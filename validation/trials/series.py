@@ -14,6 +14,7 @@ from discovery.given import Deciding
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
 from mujoco_ref.undeclared.strength import SCALED_TOGETHER
 from tentacle.errors import InputError
+from tentacle.io.reading import read_recording
 from tentacle.recording import Recording
 from tentacle.runner import Runner
 from validation.trials.baselines import baselines
@@ -77,7 +78,8 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
         return {"refused": str(error)}
     begin = time.process_time()
     try:
-        answer = answer_table(diagnose([recording], seed=design.seed, deciding=Deciding(laws=False)))
+        baseline = [read_recording(Path(path)) for path in (design.baseline if isinstance(design, Design) else ())]
+        answer = answer_table(diagnose([recording], baseline, seed=design.seed, deciding=Deciding(laws=False)))
     except InputError as error:
         return {"refused": error.line(), "truth": truth}
     seconds = time.process_time() - begin
@@ -87,12 +89,14 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     return {"truth": truth, "answer": answer, "baselines": {k: list(v) for k, v in others.items()}, "seconds": seconds}
 
 
-def run_series(found: Sequence[AnyDesign], runner: Runner) -> tuple[list[Outcome], list[tuple[int, str]]]:
+def run_series(
+    found: Sequence[AnyDesign], runner: Runner, inputs: str = ""
+) -> tuple[list[Outcome], list[tuple[int, str]]]:
     """Outcomes of the trials, and (index, line) of those that were refused; what the runner's folder holds is not
-    done again."""
-    results = runner.run(
-        trial, [design.table() for design in found], version=trials_code_version(), words="blind trials"
-    )
+    done again. inputs: a hash of the recordings that the trials use.
+    """
+    version = trials_code_version() + inputs
+    results = runner.run(trial, [design.table() for design in found], version=version, words="blind trials")
     outcomes, refused = [], []
     for design, result in zip(found, results, strict=True):
         if "refused" in result:
