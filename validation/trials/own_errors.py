@@ -4,7 +4,9 @@
 
 e: measured points minus those of the declared model, fitted without further effects. It holds what no simulation has: a
 tracker's bias, changing light, and what the declared laws leave. It grows and shrinks with the motion, and so does e*;
-but its sign and size vary slowly, so that no two trials have the same. Source: Shao 2010.
+but its sign and size vary slowly, so that no two trials have the same. Slowly, because e is the arm's answer to what
+the laws lack, and rings as the arm does: a sign that turned within a few swings would need forces that nothing exerts.
+Source: Shao 2010.
 """
 
 from __future__ import annotations
@@ -16,12 +18,11 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.compare import measured_points, model_run
 from inference.fit import Fit
-from inference.motion_time import motion_time
 from inference.prepare import Prepared
 from inference.trajectory import Problem
 from tentacle.errors import InputError
 
-BLOCK = 10.0  # times of the motion (rms angle over rms rate), 1.6 periods of a sine: over which w is correlated
+BLOCK = 0.2  # of the recording: over which w is correlated
 WAVES = 400  # random frequencies, of which w is the sum: its variance is right to 1 / sqrt(400)
 
 
@@ -60,4 +61,4 @@ def own_errors(prepared: Prepared, problem: Problem, fitted: Fit) -> OwnErrors:
     shown = model_run(problem, fitted, 0, s, experiment.observation.beside).points
     used, t = experiment.used, experiment.observation.t
     error = np.nan_to_num(points[used] - shown[used])
-    return OwnErrors(t[used] - t[used][0], error, BLOCK * motion_time(experiment))
+    return OwnErrors(t[used] - t[used][0], error, BLOCK * float(np.ptp(t[used])))
