@@ -69,6 +69,14 @@ class GaugedObservation(Observation):
     def zero_size(self) -> Array:
         return np.nanmax(np.abs(self.strain), axis=0)
 
+    @property
+    def readings(self) -> Array:
+        return self.strain
+
+    def strain_of(self, q: Array) -> Array:
+        rows = [mean_curvature(one.ends(self.length), q) * (one.d / self.length) for one in self.gauges]
+        return np.stack(rows, axis=1)
+
     def zero_slopes(self) -> Array:
         return np.where(np.isfinite(self.strain), -1.0 / self.sigma, 0.0)
 
@@ -92,8 +100,7 @@ class GaugedObservation(Observation):
     def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
         """Whitened residuals (T, K + G, B), for gauges whose zero is 0; 0 where nothing was measured."""
         shown = self.pictures.predict(q, theta, roll, scale, shift)
-        rows = np.stack([mean_curvature(one.ends(self.length), q) * (one.d / self.length) for one in self.gauges], 1)
-        error = (self.strain[:, :, None] - rows) / self.sigma[:, None]
+        error = (self.strain[:, :, None] - self.strain_of(q)) / self.sigma[:, None]
         return np.concatenate([shown, np.nan_to_num(error)], axis=1)
 
     def first(self, count: int) -> Self:

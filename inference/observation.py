@@ -76,6 +76,15 @@ class Observation(ABC):
         """The largest reading (G,) of each of them."""
         return np.zeros(0)
 
+    @property
+    def readings(self) -> Array:
+        """What these gauges read (T, G); NaN where nothing was measured."""
+        return np.zeros((self.t.size, 0))
+
+    def strain_of(self, q: Array) -> Array:
+        """What they would read (T, G, B) of q (T, n, B), were their zeros 0."""
+        return np.zeros((self.t.size, 0, q.shape[2]))
+
     def zero_slopes(self) -> Array:
         """Derivatives (T, G) of the gauges' whitened residuals by their zeros."""
         return np.zeros((self.t.size, 0))

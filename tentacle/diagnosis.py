@@ -57,7 +57,9 @@ class RunComparison:
     q_measured, q_base, q_augmented (T, 2) [rad] the paper's coordinates (NaN where not measured); judged (T,) True on
     the samples on which the errors are stated. theta (T,) [rad]. points: what the P columns are.
     thrust_base, thrust_augmented (T,) [N] along +y as a load cell at the base would read it, and drag_base,
-    drag_augmented (T, P, 2) [N/m], the water's drag per length at the P points; None where they are not known.
+    drag_augmented (T, P, 2) [N/m], the water's drag per length at the P points; None where they are not known. gauges
+    (G): names of strain gauges, with what they read and what the models say, strain_measured, strain_base and
+    strain_augmented (T, G), each about its own mean.
     """
 
     name: str
@@ -76,6 +78,10 @@ class RunComparison:
     thrust_augmented: Array | None = None
     drag_base: Array | None = None
     drag_augmented: Array | None = None
+    gauges: tuple[str, ...] = ()
+    strain_measured: Array | None = None
+    strain_base: Array | None = None
+    strain_augmented: Array | None = None
 
 
 @dataclass(frozen=True)

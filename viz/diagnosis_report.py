@@ -19,6 +19,7 @@ from viz.figures.missing_force import missing_force_figure
 from viz.figures.residual import residual_figure
 from viz.figures.shapes import shapes_figure
 from viz.figures.spectrum import spectrum_figure
+from viz.figures.strain import strain_figure
 from viz.figures.thrust import thrust_figure
 from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
@@ -149,6 +150,9 @@ def run_section(scene: ViewedRun, recording: Recording | None) -> ReportSection:
     thrust = thrust_figure(scene, recording.load_cell if recording else None)
     if thrust is not None:
         pictures.append(Picture(thrust, "Thrust, as a load cell at the base reads it."))
+    strain = strain_figure(scene)
+    if strain is not None:
+        pictures.append(Picture(strain, "Strain at the gauges, about its mean."))
     return ReportSection(f"Recording: {scene.name}", (), (), pictures)
 
 

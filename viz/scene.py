@@ -22,7 +22,7 @@ class Party:
     unknown.
 
     q (T, 2) [rad], the paper's coordinates, thrust (T,) [N] as a load cell reads it, and drag (T, P, 2) [N/m], the
-    water's force per length, where they are known.
+    water's force per length, where they are known. strain (T, G): of the run's gauges, about its mean.
     """
 
     key: str
@@ -31,11 +31,14 @@ class Party:
     q: Array | None = None
     thrust: Array | None = None
     drag: Array | None = None
+    strain: Array | None = None
 
 
 @dataclass(frozen=True)
 class ViewedRun:
-    """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P."""
+    """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P; gauges
+    (G), names.
+    """
 
     name: str
     t: Array
@@ -44,6 +47,7 @@ class ViewedRun:
     parties: tuple[Party, ...]
     judged: NDArray[np.bool_]
     points: Literal["midline", "markers"] = "midline"
+    gauges: tuple[str, ...] = ()
 
     @property
     def subject(self) -> Party:
@@ -93,16 +97,19 @@ def paired(
 
 def model_scene(run: RunComparison) -> ViewedRun:
     """A run with one model (its base and augmented models are the same): measured, model."""
-    model = Party("model", MODEL, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented)
-    measured = Party("measured", MEASURED, run.measured, run.q_measured)
-    return ViewedRun(run.name, run.t, run.s, run.theta, (measured, model), run.judged, run.points)
+    measured, _, augmented = scene_of(run).parties
+    parties = (measured, replace(augmented, key="model", role=MODEL))
+    return replace(scene_of(run), parties=parties)
 
 
 def scene_of(run: RunComparison) -> ViewedRun:
     """A diagnosis's run as a scene: measured, base model, augmented model."""
     parties = (
-        Party("measured", MEASURED, run.measured, run.q_measured),
-        Party("base", BASE, run.base, run.q_base, run.thrust_base, run.drag_base),
-        Party("augmented", AUGMENTED, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented),
-    )
-    return ViewedRun(run.name, run.t, run.s, run.theta, parties, run.judged, run.points)
+        Party("measured", MEASURED, run.measured, run.q_measured, strain=run.strain_measured),
+        Party("base", BASE, run.base, run.q_base, run.thrust_base, run.drag_base, run.strain_base),
+        Party(
+            "augmented", AUGMENTED, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented,
+            run.strain_augmented,
+        ),
+    )  # fmt: skip
+    return ViewedRun(run.name, run.t, run.s, run.theta, parties, run.judged, run.points, run.gauges)

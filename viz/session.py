@@ -26,6 +26,7 @@ from viz.topics.events import Event, judged_events, log_events, recording_events
 from viz.topics.forces import log_forces, log_missing_force
 from viz.topics.paths import run_path
 from viz.topics.residual import log_residual, log_spectra
+from viz.topics.strain import log_strain
 from viz.topics.thrust import log_thrust
 from viz.topics.tip import log_tip
 from viz.topics.verdict import log_verdict
@@ -59,17 +60,19 @@ def log_scene(
     log_coordinates(session, path, scene, recording.shape)
     log_residual(session, path, scene)
     log_spectra(session, path, scene)
+    log_strain(session, path, scene)
     return LoggedTopics(
         scene.name,
         recording.declaration,
         tuple((party.key, party.role.name) for party in scene.models),
         arms=any(bool(np.isfinite(party.xy).any()) for party in scene.parties),
-        coordinates=any(party.q is not None for party in scene.parties),
+        coordinates=any(party.q is not None and bool(np.isfinite(party.q).any()) for party in scene.parties),
         camera=log_camera(session, path, scene, recording),
         thrust=log_thrust(session, path, scene, recording.load_cell),
         events=log_events(session, path, [*events, *recording_events(recording), *judged_events(scene)]),
         forces=forces,
         tip_mm=log_tip(session, path, scene),
+        gauges=scene.gauges,
     )
 
 

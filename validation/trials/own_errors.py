@@ -1,12 +1,12 @@
 """The errors of a recording's own fit, as the noise of trials like it: the dependent wild bootstrap.
 
-    e*(t) = e(t) w(t),       w Gaussian of mean 0 and variance 1, cov(w(t), w(t')) = exp(-(t - t')^2 / 2 time^2)
+    e*(t) = e(t) w(t),    w(t) = sin(pi/2 tanh(STEEP g(t))),    g Gaussian, cov(g(t), g(t')) = exp(-(t - t')^2 / 2 T^2)
 
 e: measured points minus those of the declared model, fitted without further effects. It holds what no simulation has: a
-tracker's bias, changing light, and what the declared laws leave. It grows and shrinks with the motion, and so does e*;
-but its sign and size vary slowly, so that no two trials have the same. Slowly, because e is the arm's answer to what
-the laws lack, and rings as the arm does: a sign that turned within a few swings would need forces that nothing exerts.
-Source: Shao 2010.
+tracker's bias, changing light, and what the declared laws leave. w is a sign that turns now and then, smoothly: e* is
+as large as e, but no two trials have the same. It turns seldom, because e is the arm's answer to what the laws lack,
+and rings as the arm does: a sign that turned within a few swings would need forces that nothing exerts. Sources: Shao
+2010 (dependent), Davidson and Flachaire 2008 (signs alone).
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ from inference.prepare import Prepared
 from inference.trajectory import Problem
 from tentacle.errors import InputError
 
-BLOCK = 0.2  # of the recording: over which w is correlated
-WAVES = 400  # random frequencies, of which w is the sum: its variance is right to 1 / sqrt(400)
+BLOCK = 0.2  # of the recording: T
+STEEP = 4.0  # |w| is over .9 in four instants of five
+WAVES = 400  # random frequencies, of which g is the sum: its variance is right to 1 / sqrt(400)
 
 
 @dataclass(frozen=True)
 class OwnErrors:
-    """t (T,) [s] from the first frame; xy (T, P, 2) [m], 0 where nothing was seen; time [s] of the correlation of w."""
+    """t (T,) [s] from the first frame; xy (T, P, 2) [m], 0 where nothing was seen; time [s]: T."""
 
     t: Array
     xy: Array
@@ -43,7 +44,8 @@ class OwnErrors:
         """Errors (F, P, 2) [m] at the times t (F,)."""
         frequency = random.standard_normal(WAVES) / self.time
         phase = random.uniform(0.0, 2.0 * np.pi, WAVES)
-        w = np.sqrt(2.0 / WAVES) * np.cos(t[:, None] * frequency + phase).sum(axis=1)
+        g = np.sqrt(2.0 / WAVES) * np.cos(t[:, None] * frequency + phase).sum(axis=1)
+        w = np.sin(0.5 * np.pi * np.tanh(STEEP * g))
         flat = self.xy.reshape(self.t.size, -1)
         there = np.stack([np.interp(t, self.t, column) for column in flat.T], axis=1)
         return (w[:, None] * there).reshape(t.size, *self.xy.shape[1:])

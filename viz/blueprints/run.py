@@ -8,12 +8,12 @@ import rerun.blueprint as rrb
 
 from tentacle.recording import Declaration
 from viz.blueprints.views import camera_view, events_view, lines_view, space_view, tip_view
-from viz.topics.paths import run_path
+from viz.topics.paths import gauge_path, run_path
 
 
 @dataclass(frozen=True)
 class LoggedTopics:
-    """The logged topics of a run: its models (key, name), and which of the optional topics."""
+    """The logged topics of a run: its models (key, name), its gauges, and which of the optional topics."""
 
     name: str
     declaration: Declaration
@@ -25,6 +25,7 @@ class LoggedTopics:
     events: bool
     forces: str = ""  # what the force arrows' lengths mean
     tip_mm: float = 0.0  # how far the enlarged view of the tip reaches; 0: there is none
+    gauges: tuple[str, ...] = ()
 
 
 def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
@@ -40,13 +41,16 @@ def run_page(shown: LoggedTopics) -> rrb.Container:
     if shown.arms:
         name = f"arms (3D); {shown.forces}" if shown.forces else "arms (3D)"
         seen.append(space_view(path, shown.declaration, name))
-    signals = [lines_view(f"{path}/theta", "servo angle [rad]")]
+    signals: list[rrb.View | rrb.Container] = [lines_view(f"{path}/theta", "servo angle [rad]")]
     if shown.coordinates:
         signals = [lines_view(f"{path}/q{index}", f"q{index} [rad]") for index in (1, 2)]
     if shown.models:
         signals.append(lines_view(f"{path}/error", "distance, rms along the arm [mm]"))
     if shown.thrust:
         signals.append(lines_view(f"{path}/thrust", "thrust [N]"))
+    strain = [lines_view(gauge_path(path, gauge), f"strain, {gauge}") for gauge in shown.gauges]
+    if strain:
+        signals.append(rrb.Tabs(*strain))
     last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")] if shown.coordinates else []
     if shown.events:
         last.insert(0, events_view(path))

@@ -14,6 +14,11 @@ def run_path(name: str) -> str:
     return f"runs/{rr.escape_entity_path_part(name)}"
 
 
+def gauge_path(run: str, gauge: str) -> str:
+    """Where the lines of one gauge of a run live."""
+    return f"{run}/strain/{rr.escape_entity_path_part(gauge)}"
+
+
 def seconds(t: Array) -> rr.TimeColumn:
     """The time column of columns sent at times t (T,) [s]."""
     return rr.TimeColumn(TIMELINE, duration=t)
