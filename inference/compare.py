@@ -62,7 +62,7 @@ def _deviation(observation: ShapeObservation, gain: Array, order: int) -> Array:
     columns = observation.root[:, :, POSE : POSE + order] / gain[:, None]
     normal = np.einsum("tkj,tkl->tjl", columns, columns)
     normal[~observation.seen] = np.eye(order)
-    return np.linalg.cholesky(np.linalg.inv(normal))
+    return np.swapaxes(np.linalg.inv(np.linalg.cholesky(normal)), 1, 2)
 
 
 def measured_points(prepared: Prepared) -> tuple[Array, Array]:

@@ -158,7 +158,7 @@ def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservati
     transform[0, 0] = 1.0
     transform[1:, 1:] = from_monomial
     covariance = transform @ track.covariance[good] @ transform.T
-    inner = np.swapaxes(np.linalg.cholesky(np.linalg.inv(covariance)), 1, 2)
+    inner = information_root(covariance)
     kept = np.array([0, *range(POSE, count)])
     root[np.ix_(good, kept, kept)] = inner
     # The recording has one scale: its information is spread evenly over the frames, so that the sum is right.
@@ -167,6 +167,15 @@ def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservati
         root[good, 3, 3] = 1.0 / (track.scale_sigma * np.sqrt(good.size))
     nothing = np.zeros(frames)
     return ShapeObservation(track.t, theta, length, coefficients, root, nothing, nothing)
+
+
+def information_root(covariance: Array) -> Array:
+    """The upper triangular R (..., K, K) with R'R the inverse of a covariance, without that inverse.
+
+    A shape whose tip is hidden has variances of 1e5 beside others of 1e-9: its inverse is not positive to rounding.
+    """
+    root: Array = np.linalg.inv(np.linalg.cholesky(covariance[..., ::-1, ::-1]))
+    return root[..., ::-1, ::-1]
 
 
 def from_markers(markers: Markers, theta: Array, length: float, sigma: float) -> MarkerObservation:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from affine_model.curvature import Array, legendre_to_monomial
+from inference.measured_shapes import information_root
 from tentacle.signals import ShapeTrack
 
 MeasurementKind = Literal["midline", "video", "track", "markers"]
@@ -68,6 +69,6 @@ def track_noise(sight: Measurement, frames: int, random: np.random.Generator) ->
     to_monomial = np.eye(order + 1)
     to_monomial[1:, 1:] = legendre_to_monomial(order)
     inverse = np.linalg.inv(to_monomial)
-    root = np.linalg.cholesky(np.linalg.inv(inverse @ covariance @ inverse.T)).T
+    root = information_root(inverse @ covariance @ inverse.T)
     white = np.array(sight.gain) * random.standard_normal((frames, order + 1))
     return np.linalg.solve(root, white.T).T @ to_monomial.T
