@@ -174,8 +174,8 @@ def information_root(covariance: Array) -> Array:
 
     A shape whose tip is hidden has variances of 1e5 beside others of 1e-9: its inverse is not positive to rounding.
     """
-    root: Array = np.linalg.inv(np.linalg.cholesky(covariance[..., ::-1, ::-1]))
-    return root[..., ::-1, ::-1]
+    lower = np.linalg.cholesky(covariance[..., ::-1, ::-1])
+    return np.asarray(np.triu(np.linalg.inv(lower)[..., ::-1, ::-1]), dtype=np.float64)
 
 
 def from_markers(markers: Markers, theta: Array, length: float, sigma: float) -> MarkerObservation:
