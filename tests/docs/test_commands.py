@@ -70,6 +70,9 @@ SPECIAL = {
     "tentacle blind-trial 100 --like my_arm.rrd --out like_mine --workers 4": How(
         add="--workers 1", until="like_mine/trials"
     ),
+    "tentacle blind-trial 40 --like sine.rrd --own-errors --baseline chirp.rrd --out like_sine": How(
+        add="--workers 1", until="like_sine/trials"
+    ),
     "tentacle blind-trial 40 --out blind --seed 1 --workers 4": How(add="--workers 1", until="blind/trials"),
     "tentacle optimise arm.toml --out gait": How(add=QUICK),
     "tentacle optimise arm.toml --out afloat --objective free": How(add=QUICK),
