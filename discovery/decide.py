@@ -2,16 +2,17 @@
 
     P(set, known | y) ~ (1 - ELSE) P(set)   int  k(a, r)      evidence(set, a, T)^(1/T) d log a
     P(set, else  | y) ~ ELSE P(set | else)  int (1 - k(a, r)) evidence(set, a, T)^(1/T) d log a
-    k = exp(-a^2 / 2 s^2 - r^2 / 2 FORM^2),  s^2 = d^2 + (FORM a_0)^2
+    k = exp(-a^2 / 2 s^2 - r^2 / 2 q^2),  s^2 = d^2 + (FORM a_0)^2,  q^2 = b^2 + (FORM r_0)^2
     T = max(1 + min(FORM_ALIKE^2 G, D), 1 + DECLARED_ALIKE^2 M / odds(1), max over sets of B(set) / odds(set))
     odds(set) = log P(none) - log P(set)
 
 a is the share of the acting forces that no law of the set explains (inference.latent_force), with a prior that is flat
 in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share d of the
 acting forces: DECLARED_FORM, or what the baseline's recordings need by themselves; added laws leave a share of FORM of
-the force a_0 that is missing without them. r^2 is the residual that the set's model alone leaves, over the residual
-without the set. "Something else" (ELSE) means that more is left than the forms allow. The set then only imitates it,
-and none, one, two and three effects are equally likely to do so best: P(set | else).
+the force a_0 that is missing without them. r^2 is the residual that the set's model alone leaves, r_0^2 the one without
+the set, and b^2 the one that the declared model leaves in the baseline. "Something else" (ELSE) means that more is left
+than the forms allow. The set then only imitates it, and none, one, two and three effects are equally likely to do so
+best: P(set | else).
 
 An error of form can also look like another effect: of the G nats that the best set gains, such an effect can gain
 FORM_ALIKE^2 G, and no more than the D nats by which the residual of the best set's model alone exceeds its noise. The
@@ -125,7 +126,8 @@ class Missing:
 
     share: of the acting forces. rest [noise variances]: residual beyond noise. gained [nats]: by the best set, whose
     model alone leaves a residual of `structured` nats beyond noise. declared: share of the acting forces that the form
-    of the declared laws leaves. baseline_coarsening: see Hypothesis. motion [nats]: see inference.motion.
+    of the declared laws leaves, and declared_rest the residual [noise variances]. baseline_coarsening: see Hypothesis.
+    motion [nats]: see inference.motion.
     """
 
     share: float
@@ -133,6 +135,7 @@ class Missing:
     gained: float
     structured: float
     declared: float
+    declared_rest: float = 0.0
     baseline_coarsening: float = 1.0
     motion: float = 0.0
 
@@ -146,10 +149,12 @@ class Missing:
 def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     """What the hypothesis without effects leaves unexplained."""
     base = next(h for h in hypotheses if not h.effects)
-    form = max(DECLARED_FORM, min(base.baseline_share, MOST_DECLARED_FORM))
+    # A baseline that leaves more than MOST_DECLARED_FORM proves nothing, so that no more than this counts as its own.
+    counted = min(1.0, MOST_DECLARED_FORM / max(base.baseline_share, 1e-12))
+    form, rest = max(DECLARED_FORM, counted * base.baseline_share), counted**2 * base.baseline_rest
     best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: float(h.log_evidence.max()))
     gained = float(best.log_evidence.max()) - float(base.log_evidence.max())
-    return Missing(base.share, base.rest, gained, best.structured, form, base.baseline_coarsening, base.motion)
+    return Missing(base.share, base.rest, gained, best.structured, form, rest, base.baseline_coarsening, base.motion)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
@@ -159,8 +164,8 @@ def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     shares, evidence = h.profile(missing.temperature)
     width = np.log(shares[1] / shares[0])
     form = np.hypot(missing.declared, FORM * missing.share if h.effects else 0.0)
-    left = h.rest / missing.rest if h.effects and np.isfinite(h.rest) and missing.rest > 0.0 else 0.0
-    followed = -0.5 * max(left, 0.0) / FORM**2
+    left = max(h.rest, 0.0) if h.effects and np.isfinite(h.rest) and missing.rest > 0.0 else 0.0
+    followed = -0.5 * left / (missing.declared_rest + FORM**2 * missing.rest) if left > 0.0 else 0.0
     known = -0.5 * (shares / form) ** 2
     anything = np.log(-np.expm1(np.minimum(known + followed, -1e-12)))
     known, anything = (p - np.logaddexp.reduce(p) - np.log(width) for p in (known, anything))

@@ -125,15 +125,16 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
 
 
 def _with_baseline(base: Hypothesis, problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
-    """The declared model with what its baseline shows of its own error: the share of unknown forces there, and the
-    coarsening with which no absent effect is named there.
+    """The declared model with what its baseline shows of its own error: the share of unknown forces there, the residual
+    that it leaves, and the coarsening with which no absent effect is named there.
     """
     found = side_by_side([partial(baseline_alone, problem, nuisances)])
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
-    (known,) = found
+    known = with_rest(found[0])
     gains = [(len(one.names), one.evidence) for one in ranking(known, MOST_EFFECTS).sets]
-    return replace(base, baseline_share=known.share, baseline_coarsening=max(baseline_coarsening(gains), 1.0))
+    coarsening = max(baseline_coarsening(gains), 1.0)
+    return replace(base, baseline_share=known.share, baseline_rest=max(known.rest, 0.0), baseline_coarsening=coarsening)
 
 
 def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:

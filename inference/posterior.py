@@ -40,7 +40,8 @@ class Hypothesis:
     log_evidence (A,) [nats] at each of FORCE_SHARES. alone: the model fitted without unknown forces (None: not fitted
     yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows;
     rest_in_time (C,): the same in pieces of about PIECE_FRAMES frames.
-    baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none).
+    baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none). baseline_rest:
+    as rest, of these recordings alone.
     baseline_coarsening: by which the likelihood must be coarsened so that no absent effect is named there.
     motion [nats]: of the motion seen, beside the smallest share of unknown forces (inference.motion; 0: not known).
     fitted_at: place among FORCE_SHARES of the share beside which it was fitted. poses: posterior of the camera's pose
@@ -57,6 +58,7 @@ class Hypothesis:
     rows: int = 0
     rest_in_time: Array = field(default_factory=lambda: np.zeros(0))
     baseline_share: float = 0.0
+    baseline_rest: float = 0.0
     baseline_coarsening: float = 1.0
     motion: float = 0.0
     fitted_at: int = 0

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discovery.decide import baseline_coarsening, decide_by_mass, log_prior_of_set
+from discovery.decide import baseline_coarsening, decide_by_mass, log_masses, log_prior_of_set, missing_of
 from inference.posterior import FORCE_SHARES, Hypothesis
 from tentacle.solver_result import RESULTS
 
@@ -81,3 +81,19 @@ def test_a_baseline_s_coarsening_is_the_least_with_which_no_set_is_likelier_ther
     ahead = [gain / coarsening + log_prior_of_set(count) - log_prior_of_set(0) for count, gain in gains]
     assert max(ahead) == pytest.approx(0.0, abs=1e-12)
     assert baseline_coarsening([(3, 83.0)]) < baseline_coarsening([(1, 83.0)])
+
+
+def test_what_the_baseline_leaves_too_does_not_speak_against_an_effect(made):
+    """The set's model alone leaves half of the residual; in the baseline, without any effect, as much is left."""
+
+    def mass_of_something_else(baseline_rest: float) -> float:
+        base = replace(made((), 0.05, 0.0), rest=4.0, rows=1000, baseline_share=0.03, baseline_rest=baseline_rest)
+        payload = replace(made(("tip_mass",), 0.03, 80.0), rest=1.0, rows=1000)
+        missing = missing_of([base, payload])
+        within, beyond = log_masses(payload, missing)
+        return float(1.0 / (1.0 + np.exp(within - beyond)))
+
+    assert mass_of_something_else(1.0) < 0.5 * mass_of_something_else(0.0)
+    # A baseline that leaves ten times as much in forces as a baseline may, counts a hundredth of its residual.
+    worse = replace(made((), 0.05, 0.0), rest=4.0, rows=1000, baseline_share=0.5, baseline_rest=1.0)
+    assert missing_of([worse]).declared_rest == pytest.approx(0.01, rel=1e-12)
