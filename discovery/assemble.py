@@ -37,6 +37,7 @@ from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Estimate, Model
 
 DRAWS = 400  # of the bootstrap
+FAR_FROM_FLOOR = 1.5  # times the noise: in 31 drawn trials with nothing hidden, right answers left 1.11 times at most
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,8 @@ def assemble_posterior(
     proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
     words += declared_words(chosen.problem, chosen.fitted, temperature)
     words += _decision_words(found, decision)
+    if decision.verdict == "nothing_missing":
+        words += left_words(after.midline_mm, floor.midline_mm)
     words += [] if around.advice is None else [around.advice]
     if withdrawn:
         words.append("With it the model predicts the judged frames worse than without it: it is not named.")
@@ -221,6 +224,16 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
         likely = ", ".join(f"{name} ({tempered(decision.masses[name]):.2f})" for name in open_names)
         words.append(f"{' + '.join(decision.certain)} is certain; {likely} may act too.")
     return words + _not_named(found, decision)
+
+
+def left_words(after: float | None, floor: float | None) -> list[str]:
+    """A sentence where nothing is named and the model still leaves more [mm] than noise; none else."""
+    if after is None or floor is None or after <= FAR_FROM_FLOOR * floor:
+        return []
+    return [
+        f"The model leaves {after:.2g} mm where noise alone would leave {floor:.2g} mm. The declared laws are not known "
+        "well enough to say of what: an effect below its detection limit may act."
+    ]
 
 
 def _not_named(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]:
