@@ -227,12 +227,12 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
 
 
 def left_words(after: float | None, floor: float | None) -> list[str]:
-    """A sentence where nothing is named and the model still leaves more [mm] than noise; none else."""
+    """A sentence where nothing is named and the model leaves far more [mm] than noise; none else."""
     if after is None or floor is None or after <= FAR_FROM_FLOOR * floor:
         return []
     return [
-        f"The model leaves {after:.2g} mm where noise alone would leave {floor:.2g} mm. The declared laws are not known "
-        "well enough to say of what: an effect below its detection limit may act."
+        f"The model leaves {after:.2g} mm where noise alone would leave {floor:.2g} mm. The declared laws are not "
+        "known well enough to say of what: an effect below its detection limit may act."
     ]
 
 
