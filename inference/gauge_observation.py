@@ -67,7 +67,7 @@ class GaugedObservation(Observation):
 
     @property
     def zero_size(self) -> Array:
-        return np.nanmax(np.abs(self.strain), axis=0)
+        return np.fmax(np.fmax.reduce(np.abs(self.strain), axis=0), self.sigma)  # of a part without readings: sigma
 
     @property
     def readings(self) -> Array:
@@ -92,7 +92,8 @@ class GaugedObservation(Observation):
         return self.pictures.slow_errors(frames, z)
 
     def slow_gauge_errors(self, frames: NDArray[np.bool_]) -> Array:
-        return np.nanstd(self.strain[frames], axis=0) / self.sigma
+        read = np.ma.masked_invalid(self.strain[frames])
+        return np.asarray(read.std(axis=0).filled(0.0)) / self.sigma
 
     def points(self, s: Array) -> tuple[Array, Array]:
         return self.pictures.points(s)
@@ -150,7 +151,7 @@ def mean_curvature(ends: tuple[float, float], q: Array) -> Array:
 def with_gauges(pictures: Observation, strain: StrainSignal | None) -> tuple[Observation, list[str]]:
     """The pictures with what gauges measured beside them, and words on their noise; as they are where there is none.
 
-    InputError where a gauge has no reading while the arm is seen.
+    InputError where a gauge has no reading while the arm is seen, or too few to find the noise that it does not state.
     """
     if strain is None:
         return pictures, []
@@ -162,6 +163,8 @@ def with_gauges(pictures: Observation, strain: StrainSignal | None) -> tuple[Obs
         own = gauge.sigma
         if own is None:
             own = max(float(noise_deviation(values[:, None])[0]), LEAST_NOISE)
+            if not np.isfinite(own):
+                raise InputError("has too few readings to find its noise", field=f"strain.{name}", expected="sigma")
             words.append(f"Gauge {name} states no noise; a strain of {own:.2g} was found between its readings.")
         sigma.append(own * share)
     observation = GaugedObservation(

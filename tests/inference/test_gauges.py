@@ -134,3 +134,26 @@ def test_a_gauge_that_was_off_is_told(pair: tuple[Recording, Recording]) -> None
     silent[:, 1] = np.nan
     with pytest.raises(InputError, match=r"strain\.middle: has no reading"):
         prepare(replace(pair[1], strain=replace(strain, values=silent)), hold_out=False)
+
+
+def test_a_gauge_that_reads_nothing_for_a_while_or_zero_has_a_size_and_no_slow_error(
+    pair: tuple[Recording, Recording],
+) -> None:
+    strain = pair[1].strain
+    assert strain is not None
+    values = np.stack([np.where(strain.t < 4.0, np.nan, strain.values[:, 0]), 0.0 * strain.t], axis=1)
+    gauges = tuple(replace(one, sigma=NOISE) for one in strain.gauges)
+    quiet = replace(pair[1], strain=replace(strain, values=values, gauges=gauges))
+    early = prepare(quiet, hold_out=False).experiment.observation.first(100)  # 2 s
+    np.testing.assert_array_equal(early.zero_size, [NOISE, NOISE])
+    np.testing.assert_array_equal(early.slow_gauge_errors(early.seen), [0.0, 0.0])
+    found = identify([quiet], order=4).model.parameters["elasticity"]["E"]
+    assert np.isfinite([found.low, found.value, found.high]).all()
+
+
+def test_few_readings_that_state_no_noise_are_refused(pair: tuple[Recording, Recording]) -> None:
+    strain = pair[1].strain
+    assert strain is not None
+    few = replace(strain, t=strain.t[::200], values=strain.values[::200])
+    with pytest.raises(InputError, match="too few readings to find its noise"):
+        prepare(replace(pair[1], strain=few), hold_out=False)
