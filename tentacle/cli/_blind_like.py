@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 
@@ -13,8 +14,8 @@ def like_recording(
     """
     from tentacle.cli._progress import stages
     from tentacle.cli.pages.blind_like import like_section
-    from validation.trials.design import RealParts, designs
-    from validation.trials.likeness import likeness
+    from validation.trials.design import designs
+    from validation.trials.likeness import RealParts, likeness
     from validation.trials.series import CATALOGUED, UNCATALOGUED
     from validation.trials.sizing import shown_effects
     from vision.tracked_recording import read_tracked
@@ -27,6 +28,8 @@ def like_recording(
         stage("which effects can show in such a recording")
         effects = shown_effects(like, CATALOGUED, UNCATALOGUED)
     silent = sorted({*CATALOGUED, *UNCATALOGUED}.difference(*effects))
-    parts = RealParts(str(path.resolve()) if own else "", tuple(str(one.resolve()) for one in baseline))
-    found = designs(count, seed, *effects, like, kinds, parts)
-    return found, [like_section(recording.name, like, effects, silent, parts)]
+    like = replace(
+        like, real=RealParts(str(path.resolve()) if own else "", tuple(str(one.resolve()) for one in baseline))
+    )
+    found = designs(count, seed, *effects, like, kinds)
+    return found, [like_section(recording.name, like, effects, silent)]

@@ -52,10 +52,9 @@ def run(arguments: argparse.Namespace) -> int:
                 raise InputError("not together with --like", field=field, expected=expected)
         found, sections = like_recording(arguments.like, arguments.count, arguments.seed, kinds, real)
         inputs = [arguments.like, *arguments.baseline]
-        options = " ".join(
-            [f"--like {arguments.like}", *(["--own-errors"] * arguments.own_errors)]
-            + [f"--baseline {' '.join(map(str, arguments.baseline))}"] * bool(arguments.baseline)
-        )
+        own = ["--own-errors"] if arguments.own_errors else []
+        beside = ["--baseline", *map(str, arguments.baseline)] if arguments.baseline else []
+        options = " ".join(["--like", str(arguments.like), *own, *beside])
     if arguments.only:
         for path in remake(found, arguments.only, arguments.out):
             say(path)

@@ -11,8 +11,8 @@ import pytest
 
 from tentacle.errors import InputError
 from tentacle.io.recording_rrd import write_rrd
-from validation.trials.design import Design, RealParts, designs
-from validation.trials.likeness import declared_fit, likeness
+from validation.trials.design import Design, designs
+from validation.trials.likeness import RealParts, declared_fit, likeness
 from validation.trials.own_errors import OwnErrors, own_errors
 from validation.trials.recording import trial_recording
 
@@ -54,7 +54,7 @@ def test_a_trial_has_the_errors_of_the_recording(recorded, tmp_path: Path) -> No
     assert own_errors(*declared_fit(recording)).rms == pytest.approx(NOISE, rel=0.02)
     alike = likeness(recording, with_own_errors=True)
     assert alike.sight.noise == pytest.approx(NOISE, rel=0.02)
-    (design,) = designs(1, 0, ("wall",), ("magnet",), alike, ["null"], RealParts(str(file)))
+    (design,) = designs(1, 0, ("wall",), ("magnet",), replace(alike, real=RealParts(str(file))), ["null"])
     assert Design.of(design.table()) == design
     noisy = trial_recording(design)[0].midline
     quiet = trial_recording(replace(design, errors_of="", sight=replace(design.sight, noise=0.0)))[0].midline
@@ -69,7 +69,9 @@ def test_a_trial_has_the_errors_of_the_recording(recorded, tmp_path: Path) -> No
 def test_beside_a_real_baseline_the_arm_is_that_of_the_recording(recorded) -> None:
     alike = likeness(recorded(noise=NOISE))
     varied, same = (
-        designs(1, 3, ("wall",), ("magnet",), alike, ["null"], RealParts(baseline=paths))[0].model().parameters
+        designs(1, 3, ("wall",), ("magnet",), replace(alike, real=RealParts(baseline=paths)), ["null"])[0]
+        .model()
+        .parameters
         for paths in ((), ("bare",))
     )
     assert same["elasticity"]["E"].value == alike.model.parameters["elasticity"]["E"].value

@@ -22,17 +22,6 @@ BASE_SPREAD = (0.8, 1.25)  # times a fitted base parameter, in the trials like a
 
 
 @dataclass(frozen=True)
-class RealParts:
-    """Parts of trials that are real (paths of recordings): whose own errors are the noise, and the baseline."""
-
-    errors_of: str = ""
-    baseline: tuple[str, ...] = ()
-
-
-NOTHING_REAL = RealParts()
-
-
-@dataclass(frozen=True)
 class Design:
     """One trial as plain data: all that its recording depends on.
 
@@ -98,18 +87,17 @@ def designs(
     outside: Sequence[str],
     like: Likeness,
     kinds: Sequence[str] = TRIAL_KINDS,
-    real: RealParts = NOTHING_REAL,
 ) -> list[Design]:
     """The first `count` trials of a seed like a recording: its arm, its motion, its kind of measurement.
 
-    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. real: what is not
-    simulated; beside a real baseline the arm keeps its fitted parameters. InputError where a kind is not known.
+    catalogued, outside: names of the effects that can be hidden, in the catalogue and out of it. Beside a real baseline
+    the arm keeps its fitted parameters. InputError where a kind is not known.
     """
     found = []
     for one in dealt(count, seed, catalogued, outside, kinds=kinds):
         sizes = tuple(log_uniform(one.random, *R_RANGE) for _ in one.effects)
         head = (one.index, int(one.random.integers(2**31)), one.kind, one.effects, sizes)
-        arm = model_tables(like.model if real.baseline else _varied(like.model, one.random))
-        rest = (like.initial_q, like.release_t, real.errors_of, real.baseline)
+        arm = model_tables(like.model if like.real.baseline else _varied(like.model, one.random))
+        rest = (like.initial_q, like.release_t, like.real.errors_of, like.real.baseline)
         found.append(Design(*head, like.sight, like.duration, like.fps, arm, like.motion, *rest))
     return found

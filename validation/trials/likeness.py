@@ -31,10 +31,18 @@ UNITS = {"E": "Pa", "eta": "Pa s", "k0": "N m/rad", "k1": "N m/rad", "d0": "N m 
 
 
 @dataclass(frozen=True)
+class RealParts:
+    """Parts of trials that are real (paths of recordings): whose own errors are the noise, and the baseline."""
+
+    errors_of: str = ""
+    baseline: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Likeness:
     """A recording's arm with the base parameters that fit it best; motion of the base as a waveform's table; duration
     [s], fps [1/s], sight; and of a free decay the shape that it was let go from, initial_q [rad], and when, release_t
-    [s].
+    [s]. real: what of its trials is not simulated.
     """
 
     model: Model
@@ -44,6 +52,7 @@ class Likeness:
     sight: Measurement
     initial_q: tuple[float, ...] | None = None
     release_t: float | None = None
+    real: RealParts = RealParts()
 
 
 def likeness(recording: Recording, with_own_errors: bool = False) -> Likeness:

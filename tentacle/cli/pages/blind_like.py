@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.rounding import number
-from validation.trials.design import BASE_SPREAD, RealParts
+from validation.trials.design import BASE_SPREAD
 from validation.trials.likeness import Likeness
 from viz.report import ReportSection, ReportTable
 from viz.words import effect_name
@@ -22,18 +22,12 @@ SEEN_AS = {
 
 
 def like_section(
-    name: str,
-    like: Likeness,
-    effects: tuple[Sequence[str], Sequence[str]],
-    silent: Sequence[str],
-    real: RealParts,
+    name: str, like: Likeness, effects: tuple[Sequence[str], Sequence[str]], silent: Sequence[str]
 ) -> ReportSection:
-    """name of the recording; effects that can show in it, in the catalogue and out of it, and silent ones; real: what
-    of the trials is not simulated.
-    """
+    """name of the recording; effects that can show in it, in the catalogue and out of it, and silent ones."""
     inside, outside = (", ".join(map(effect_name, names)) for names in effects)
     driven = "the base moves as recorded" if like.release_t is None else "the arm is let go as recorded"
-    varied = f"{BASE_SPREAD[0]:g} to {BASE_SPREAD[1]:g} times " * (not real.baseline)
+    varied = f"{BASE_SPREAD[0]:g} to {BASE_SPREAD[1]:g} times " * (not like.real.baseline)
     words = [
         f"All trials are runs of the arm of {name}. The base parameters are {varied}those fitted to it without further "
         f"effects; {driven}. Duration, frame rate, kind of measurement and noise are those of the recording.",
@@ -42,13 +36,13 @@ def like_section(
     if silent:
         names = ", ".join(map(effect_name, silent))
         words.append(f"Not hidden, because at no strength would they be detected in such a recording: {names}.")
-    if real.baseline:
-        names = ", ".join(Path(path).name for path in real.baseline)
+    if like.real.baseline:
+        names = ", ".join(Path(path).name for path in like.real.baseline)
         words.append(f"The diagnosis has a real baseline: {names}.")
     words.append(
         "Their noise is what the declared model leaves in the recording, times a random function of time. So it has "
         "the tracker's bias, the changing light and the errors of the declared laws."
-        if real.errors_of
+        if like.real.errors_of
         else "Their noise is white. The recording may also have a tracker's bias, missing frames or "
         "changing light. The trials have none of these, so the confidence does not account for them."
     )
