@@ -99,8 +99,8 @@ def _with(tried: Tried, found: list[Hypothesis]) -> Tried:
     together = dict(tried)
     for h in found:
         if not h.effects:  # a decay's base, fitted from where an effect had left it
-            told = {name: getattr(base, name) for name in ("baseline_share", "baseline_rest", "baseline_coarsening")}
-            h = replace(h, **told, motion=base.motion)
+            told = ("baseline_share", "baseline_rest", "baseline_coarsening", "motion")
+            h = replace(h, **{name: getattr(base, name) for name in told})
         known = together.get(frozenset(h.effects))
         together[frozenset(h.effects)] = h if known is None else _preferred(h, known, temperature)
     return together

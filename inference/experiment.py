@@ -132,18 +132,20 @@ class Experiment:
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
         """The priors of the nuisances (M, B), as whitened residuals."""
-        offsets, two = self.parts(order, nuisances)[3], 2 * self.sees_shift
-        zeros = offsets[two:] / (ZERO_PRIOR * self.observation.zero_size)[:, None]
-        shift = np.concatenate([offsets[:two] / (SHIFT_PRIOR * length), zeros])
+        zeros = self.zeros(order, nuisances) / (ZERO_PRIOR * self.observation.zero_size)[:, None]
+        shift = self.parts(order, nuisances)[3][: 2 * self.sees_shift] / (SHIFT_PRIOR * length)
+        offsets = np.concatenate([shift, zeros])
         higher = nuisances[self.observation.order : order] / HIGHER_PRIOR
         varied = self.deviations(nuisances) / np.array(self._spreads()).reshape(-1, 1)
         if self.release is None:
             rates, seen = nuisances[order : 2 * order], self.shapes_seen[:order]
             shape = nuisances[: seen.size] / (STATE_REACH * seen)[:, None]
             memory = self.memory(order, nuisances)
-            remembered = shift[:0] if memory is None else memory / MEMORY_PRIOR
-            return np.concatenate([shape, rates / self.rate_limits(order)[:, None], shift, higher, remembered, varied])
-        return np.concatenate([nuisances[order : order + 1] / self.release_sigma, shift, higher, varied])
+            remembered = offsets[:0] if memory is None else memory / MEMORY_PRIOR
+            return np.concatenate(
+                [shape, rates / self.rate_limits(order)[:, None], offsets, higher, remembered, varied]
+            )
+        return np.concatenate([nuisances[order : order + 1] / self.release_sigma, offsets, higher, varied])
 
     def rate_limits(self, order: int) -> Array:
         """Largest initial rates (order,) [rad/s] of the Legendre coordinates."""

@@ -162,7 +162,7 @@ def with_gauges(pictures: Observation, strain: StrainSignal | None) -> tuple[Obs
             raise InputError("has no reading while the arm is seen", field=f"strain.{name}", expected="the same clock")
         own = gauge.sigma
         if own is None:
-            own = max(float(noise_deviation(values[:, None])[0]), LEAST_NOISE)
+            own = max(float(noise_deviation(values)), LEAST_NOISE)
             if not np.isfinite(own):
                 raise InputError("has too few readings to find its noise", field=f"strain.{name}", expected="sigma")
             words.append(f"Gauge {name} states no noise; a strain of {own:.2g} was found between its readings.")
@@ -185,10 +185,8 @@ def at_frames(t: Array, read_at: Array, values: Array) -> tuple[Array, float]:
     if read_at.size < 2:
         return found, 1.0
     if interval < FEWEST_READINGS * float(np.median(np.diff(read_at))):
-        near = np.searchsorted(t, read_at)
-        near = np.where(np.abs(t[np.clip(near - 1, 0, t.size - 1)] - read_at)
-                        < np.abs(t[np.clip(near, 0, t.size - 1)] - read_at), near - 1, near)  # fmt: skip
-        near = np.unique(near[(near >= 0) & (near < t.size)])
+        middles = 0.5 * (t[1:] + t[:-1])
+        near = np.unique(np.searchsorted(middles, read_at[read_at <= t[-1]], side="right"))
         near = near[(t[near] >= read_at[0]) & (t[near] <= read_at[-1])]
         found[near] = PchipInterpolator(read_at, values)(t[near])
         return found, 1.0
