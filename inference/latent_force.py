@@ -10,8 +10,9 @@ slow error of the base's angle, a times the base's motion; e: slow and constant 
 times the shape's motion, and of where the markers sit. All are Gaussian, of unit size but for what is said here. a, the
 share of the acting forces that is unknown, is the one hyperparameter. M, D, K are those of the model's laws, averaged
 along the fitted motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a force so smooth
-moves them by their stiffness alone. One Kalman pass whitens any number of residual columns alike: the sum of squares of
-the whitened rows and log_determinant are the marginal likelihood, linear in frames.
+moves them by their stiffness alone. One Kalman pass whitens any number of residual columns alike, and what is constant
+is marginalised out of them (inference.unknown_constants): the sum of squares of the whitened rows and log_determinant
+are the marginal likelihood, linear in frames.
 
 Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models); Alvarez, Luengo and Lawrence 2009
 (latent forces); Kennedy and O'Hagan 2001 (a model's discrepancy as a Gaussian process).
@@ -22,11 +23,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh, expm
 
 from affine_model.curvature import Array
-from inference.kalman import gains_along, whitened_along
+from inference.cells import CELLS, Cells
+from inference.innovations import Innovations
+from inference.unknown_constants import UnknownConstants
 
 ELL = 1.0  # of the motion's own time, rms angle over rms rate: time scale of the latent force
 CORRELATION_LENGTH = 0.3  # arm lengths: of the latent force
@@ -35,7 +37,6 @@ PLACE = 3e-4  # m: standard deviation of a marker's declared place
 POSE_FLOOR = 3e-4  # the same at any a: lengths and angles of a set-up are not measured more accurately
 SHAPE_SHARE = 0.3  # of the force's share a: the error of few coordinates follows the motion itself
 SHAPE_TIME = 2.0  # of the latent force's time: that of the measured shape's own slow error
-CELLS = 4.5  # cells of averaged frames in the latent force's time: enough to show all of such a force
 FASTEST_MODE = 4.0 * np.pi * CELLS  # of the latent force's rate: twice what cells can show
 DOUBLINGS = 12
 
@@ -59,68 +60,35 @@ class Linearised:
 
 
 @dataclass(frozen=True)
-class Cells:
-    """Frames averaged in cells of equal length: place (F,) of the frames that count, cell (F,) of each among `count`
-    cells, weight (F,) = 1 / sqrt(frames in the cell); t (count,) middles and interval [s].
-    """
-
-    place: NDArray[np.int64]
-    cell: NDArray[np.int64]
-    weight: Array
-    t: Array
-    interval: float
-
-    def averaged(self, rows: Array) -> Array:
-        """Rows (T, K, ...) of frames as those of cells (count, K, ...), of unit noise again; 0 in an empty cell."""
-        total = np.zeros((self.t.size, *rows.shape[1:]))
-        weight = self.weight.reshape(-1, *(1 for _ in rows.shape[1:]))
-        seen, first = np.unique(self.cell, return_index=True)  # frames stand in the order of time
-        total[seen] = np.add.reduceat(rows[self.place] * weight, first, axis=0)
-        return total
-
-
-def cells_of(t: Array, frames: NDArray[np.bool_], time: float) -> Cells:
-    """Cells over the chosen frames, for a latent force of that time [s]."""
-    place = np.flatnonzero(frames)
-    frame_interval = float(np.median(np.diff(t[place]))) if place.size > 1 else time / CELLS
-    interval = frame_interval * max(1, round(time / (CELLS * frame_interval)))
-    cell = np.floor((t[place] - t[place[0]]) / interval + 1e-6).astype(np.int64)
-    weight = 1.0 / np.sqrt(np.bincount(cell)[cell])
-    middles = t[place[0]] + interval * np.arange(cell[-1] + 1.0) + 0.5 * (interval - frame_interval)
-    return Cells(place, cell, weight, middles, interval)
-
-
-@dataclass(frozen=True)
 class Filter:
-    """The Kalman filter of one recording at one share a: transition (N, N); push (C, n, J), forces of the last J
-    states, and pushed (N, n), what a force does to the others; observation (C, K, N), its columns pose those of the
-    camera's pose; gain (C, N, K); root (C, K, K): inverse of the innovation's Cholesky factor; log_determinant: half
-    that of the covariance [nats].
+    """What whitens one recording's rows at one share a of unknown forces: the Kalman filter of what changes in time,
+    and the constants; pose: the camera's among these, of that variance.
     """
 
     share: float
     cells: Cells
-    transition: Array
-    pushed: Array
-    push: Array
-    observation: Array
+    innovations: Innovations
+    constants: UnknownConstants
     pose: slice
-    gain: Array
-    root: Array
-    log_determinant: float
+    pose_variance: float
+
+    @property
+    def log_determinant(self) -> float:
+        """Half the logarithm of the determinant of the rows' covariance [nats]."""
+        return self.innovations.log_determinant + self.constants.log_determinant
+
+    @property
+    def rows(self) -> int:
+        """How many whitened rows there are."""
+        return self.constants.columns.shape[0]
 
     def whiten(self, rows: Array) -> Array:
         """Residual rows (T, K, B) as independent ones of unit variance (C K, B)."""
-        return self._whitened(self.cells.averaged(rows))
+        return self.constants.freed(self.innovations.of(self.cells.averaged(rows)))
 
     def pose_rows(self) -> Array:
         """Whitened rows (C K, 2) that unit errors of the camera's roll [rad] and scale [1] cause."""
-        return self._whitened(self.observation[:, :, self.pose])
-
-    def _whitened(self, averaged: Array) -> Array:
-        motion = (self.transition, self.pushed, self.push)
-        white = whitened_along(np.ascontiguousarray(averaged), motion, self.observation, self.gain, self.root)
-        return white.reshape(-1, averaged.shape[2])
+        return self.constants.freed(self.constants.columns[:, self.pose]) / np.sqrt(self.pose_variance)
 
 
 @dataclass(frozen=True)
@@ -137,39 +105,35 @@ class SeenError:
 @dataclass(frozen=True)
 class LatentForce:
     """One recording's unknown forces and errors, for any share a; seen (C, K, n + 2 + P): rows that each cell sees of a
-    change of shape, base angle, scale, and of P markers' places [m].
+    change of shape, base angle, scale, and of P markers' places [m]; seeing: see inference.innovations.
     """
 
     linearised: Linearised
     cells: Cells
     seen: Array
     error: SeenError
+    seeing: Array | None
 
     def _places(self) -> dict[str, slice]:
         """Where each part of the state stands."""
         n = self.linearised.mass.shape[0]
-        sizes = {"z": n, "v": n, "g": n, "b": 1, "turn": 1, "e": self.error.size.size, "f0": n, "pose": 2}
-        sizes["place"] = self.seen.shape[2] - n - 2
-        sizes |= {"f": n, "c": self.linearised.laws.shape[2]}
-        ends = np.cumsum(list(sizes.values()))
+        sizes = {"z": n, "v": n, "g": n, "b": 1, "turn": 1, "f": n, "e": self.error.size.size}
+        ends = np.cumsum(list(sizes.values())).tolist()
         return {name: slice(end - size, end) for (name, size), end in zip(sizes.items(), ends, strict=True)}
 
-    def state_equation(self, a: float, coarsening: float = 1.0) -> tuple[Array, Array, Array]:
-        """Drift F (N, N), diffusion G (N, N) and initial covariance of the state [z, z', f', b, b', e, f_0, pose,
-        place, f, c].
+    def state_equation(self, a: float) -> tuple[Array, Array, Array]:
+        """Drift F (N, N), diffusion G (N, N) and initial covariance of the state [z, z', f', b, b', f, e].
 
-        The action of f and c on the others is not in F. z and z' begin at zero, as the initial state is an unknown of
-        the fit.
+        What f does to z' is not in F. z and z' begin at zero, as the initial state is an unknown of the fit.
         """
         lin, at = self.linearised, self._places()
-        n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / lin.time, at["c"].stop
+        n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / lin.time, at["e"].stop
         slow = SHAPE_TIME * lin.time
         inverse = np.linalg.inv(lin.mass[:, :n])
         drift, start = np.zeros((size, size)), np.zeros(size)
         z, v, f, g, b, turn = (at[name] for name in ("z", "v", "f", "g", "b", "turn"))
         drift[z, v] = np.eye(n)
         drift[v, z], drift[v, v] = -inverse @ lin.stiffness[:, :n], -inverse @ lin.damping[:, :n]
-        drift[v, at["f0"]] = a * inverse @ lin.force_root
         mass, damping, stiffness = (inverse @ columns[:, n:] for columns in (lin.mass, lin.damping, lin.stiffness))
         drift[v, b], drift[v, turn] = rate**2 * mass - stiffness, 2.0 * rate * mass - damping
         for value, slope in ((f, g), (b, turn)):
@@ -184,31 +148,37 @@ class LatentForce:
         diffusion = 4.0 * rate**3 * base**2 * np.outer(strike, strike)
         diffusion[g, g] += 4.0 * rate**3 * np.eye(n)
         diffusion[at["e"], at["e"]] += 2.0 / slow * np.diag(error**2)
-        for place, deviation in (
-            (f, 1.0), (g, rate), (b, base), (turn, rate * base), (at["e"], error), (at["f0"], 1.0),
-            (at["pose"], np.sqrt(pose_variance(a, coarsening))), (at["c"], 1.0),
-            (at["place"], PLACE),
-        ):  # fmt: skip
+        for place, deviation in ((f, 1.0), (g, rate), (b, base), (turn, rate * base), (at["e"], error)):
             start[place] = np.square(deviation)
         return drift, diffusion, np.diag(start)
 
     def filter(self, a: float, coarsening: float = 1.0) -> Filter:
-        """The Kalman filter at that share. coarsening: T of the likelihood (discovery.decide); the variance of the
+        """What whitens the rows at that share. coarsening: T of the likelihood (discovery.decide); the variance of the
         set-up's own prior is divided by it.
         """
         at, lin = self._places(), self.linearised
-        n = lin.mass.shape[0]
-        drift, diffusion, start = self.state_equation(a, coarsening)
-        transition, added, held = discretised(drift, diffusion, self.cells.interval)
-        pushed = np.ascontiguousarray(held[:, at["v"]] @ np.linalg.inv(lin.mass[:, :n]))
-        push = np.concatenate([a * lin.envelope[:, None, None] * lin.force_root, lin.laws], axis=2)
+        n, cells = lin.mass.shape[0], self.cells
+        drift, diffusion, start = self.state_equation(a)
+        transition, added, held = discretised(drift, diffusion, cells.interval)
+        pushed = held[: 2 * n, at["v"]] @ np.linalg.inv(lin.mass[:, :n])  # by unit generalised forces
+        forced = np.ascontiguousarray(a * pushed @ lin.force_root)
         rows = np.zeros((*self.seen.shape[:2], len(start)))
         rows[:, :, at["z"]], rows[:, :, at["b"]] = self.seen[:, :, :n], self.seen[:, :, n : n + 1]
         rows[:, :, at["e"]] = lin.envelope[:, None, None] * self.error.rows
-        rows[:, :, at["pose"]] = self.seen[:, :, n : n + 2]
-        rows[:, :, at["place"]] = self.seen[:, :, n + 2 :]
-        gain, root, half = gains_along((transition, pushed, push), added, start, rows)
-        return Filter(a, self.cells, transition, pushed, push, rows, at["pose"], gain, root, float(half))
+        motion = (transition, forced, lin.envelope, at["f"].start)
+        innovations = Innovations.along(motion, (added, start), rows, self.seeing)
+        variance = pose_variance(a, coarsening)
+        directly = self.seen[:, :, n:].copy()
+        directly[:, :, :2] *= np.sqrt(variance)
+        directly[:, :, 2:] *= PLACE
+        constant = np.repeat(forced[None], lin.laws.shape[0], axis=0)
+        push = np.concatenate(
+            [np.zeros((len(constant), 2 * n, directly.shape[2])), constant, pushed @ lin.laws], axis=2
+        )
+        shown = np.zeros((*self.seen.shape[:2], push.shape[2]))
+        shown[:, :, : directly.shape[2]] = directly
+        constants = UnknownConstants.of(innovations.of(shown, push))
+        return Filter(a, cells, innovations, constants, slice(0, 2), variance)
 
 
 def pose_variance(a: float, coarsening: float = 1.0) -> float:

@@ -1,6 +1,6 @@
 """Least squares within bounds by Levenberg-Marquardt, eight dampings at once: for residuals that are cheap in batches.
 
-The kernel simulates sixteen individuals in the time of one. Therefore each round tries a ladder of dampings in one
+The kernel simulates eight individuals in the time of one. Therefore each round tries a ladder of dampings in one
 batch and takes the best. A fit then takes about half the rounds of a trust region that tries one step at a time.
 Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
 """

@@ -14,17 +14,10 @@ from affine_model.curvature import Array
 from affine_model.dynamics import Balance, Instant, balance
 from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
+from inference.cells import Cells, cells_of
 from inference.experiment import Experiment, Prediction, predict
-from inference.latent_force import (
-    CORRELATION_LENGTH,
-    ELL,
-    Cells,
-    LatentForce,
-    Linearised,
-    SeenError,
-    cells_of,
-    with_scaled_mass,
-)
+from inference.innovations import rotation_to_seeing
+from inference.latent_force import CORRELATION_LENGTH, ELL, LatentForce, Linearised, SeenError, with_scaled_mass
 from inference.motion_time import motion_time
 from inference.observation import TRACKER_ERROR
 from inference.trajectory import Problem
@@ -63,7 +56,8 @@ def latent_forces(
         if declared:
             same = declared[place].linearised
             linearised = replace(linearised, force_root=same.force_root, envelope=same.envelope)
-        found.append(LatentForce(linearised, cells, seen, _error(arm, experiment, run, seen)))
+        error = _error(arm, experiment, run, seen)
+        found.append(LatentForce(linearised, cells, seen, error, rotation_to_seeing(error.rows)))
     return tuple(found)
 
 

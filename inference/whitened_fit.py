@@ -99,7 +99,7 @@ def _prior_rows(problem: Problem, fitted: Fit) -> Array:
     """Rows [residual, Jacobian] of the priors alone."""
     rows = [int(e.used.sum()) * e.noise_gain.size for e in problem.experiments]
     if problem.filters:
-        rows = [one.observation.shape[0] * one.observation.shape[1] for one in problem.filters]
+        rows = [one.rows for one in problem.filters]
     place, kept = 0, list[int]()
     for experiment, nuisances, size in zip(problem.experiments, fitted.nuisances, rows, strict=True):
         place += size

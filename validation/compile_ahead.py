@@ -50,10 +50,11 @@ def compile_fit() -> None:
     from inference.interpolate import at_times
     from inference.kalman import gains_along, whitened_along
 
-    one, push, seen = np.eye(1), np.zeros((2, 1, 1)), np.ones((2, 1, 1))
-    gain, root, _ = gains_along((one, one, push), one, one, seen)
-    whitened_along(np.zeros((2, 1, 1)), (one, one, push), seen, gain, root)
-    at_times(np.arange(2.0), seen, push, np.zeros((1, 1)))
+    one, seen, none = np.eye(2), np.ones((2, 1, 2)), np.zeros((2, 1, 1))
+    motion = (one, np.zeros((1, 1)), np.ones(2), 0)
+    gain, root, _ = gains_along(motion, one, one, seen)
+    whitened_along(none, none, motion, seen, gain, root)
+    at_times(np.arange(2.0), none, none, np.zeros((1, 1)))
 
 
 def compile_kernels() -> None:

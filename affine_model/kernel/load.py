@@ -1,8 +1,8 @@
 """Compiles the generated kernel once and keeps it: machine code in the user's cache folder, named by the hash of its
 text and of all else that decides over it.
 
-Two kernels a (nodes, order): of BLOCK lanes for a batch, and of FEW lanes, so that one arm alone pays for few empty
-ones.
+Two kernels a (nodes, order): of BLOCK lanes for a batch, and of FEW lanes for what is left of it, so that few pay for
+few empty ones.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -87,16 +88,29 @@ def advance_blocks(nodes: int, order: int, count: int, *arguments: Any, free: bo
     It uses Python threads, and the kernel releases the interpreter lock. A block writes to its own individuals' columns
     alone.
     """
-    lanes = FEW if count <= FEW else BLOCK
-    kernel = load_kernel(nodes, order, lanes, free)
-    words, held = packed(kernel.names, arguments)
-    blocks, address = range(-(-count // lanes)), words.ctypes.data
+    blocks = list(_blocks(count))
+    kernels = {lanes: load_kernel(nodes, order, lanes, free) for lanes in {lanes for lanes, _ in blocks}}
+    words, held = packed(next(iter(kernels.values())).names, arguments)
+    address = words.ctypes.data
+
+    def run(block: tuple[int, int]) -> None:
+        kernels[block[0]].code.run(block[1], address)
+
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if len(blocks) == 1 or cores == 1:
         for block in blocks:
-            kernel.code.run(block, address)
+            run(block)
     else:
         with ThreadPoolExecutor(min(len(blocks), cores)) as pool:
-            for _ in pool.map(lambda block: kernel.code.run(block, address), blocks):
+            for _ in pool.map(run, blocks):
                 pass
     del held  # the arrays lived until here
+
+
+def _blocks(count: int) -> Iterator[tuple[int, int]]:
+    """(lanes, place) of every block of so many individuals: whole ones, and a small one where it holds the rest."""
+    whole, rest = divmod(count, BLOCK)
+    for place in range(whole + (rest > FEW)):
+        yield BLOCK, place
+    if 0 < rest <= FEW:
+        yield FEW, whole * (BLOCK // FEW)

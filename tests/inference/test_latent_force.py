@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from inference.cells import Cells
 from inference.evidence import evidence_beside
-from inference.latent_force import FASTEST_MODE, discretised, with_scaled_mass
+from inference.innovations import rotation_to_seeing
+from inference.latent_force import FASTEST_MODE, PLACE, discretised, pose_variance, with_scaled_mass
 from inference.linearise import latent_forces
 from inference.posterior import FORCE_SHARES, filters_at
 
@@ -18,23 +20,72 @@ def forces(plain):
 
 
 def test_whitening_is_the_inverse_root_of_the_covariance(forces):
-    """Of its first cells: the whitened unit columns form W with (W'W)^-1 the covariance, so det W is known to be the
-    filter's own determinant, cell by cell.
-    """
-    found = forces[0].filter(0.03)
-    cells, count = 6, found.root.shape[1]
-    whole = np.zeros((found.cells.place.max() + 1, count, cells * count))
-    for cell in range(cells):
-        frames = np.flatnonzero(found.cells.cell == cell)
-        for channel in range(count):
-            whole[found.cells.place[frames[0]], channel, cell * count + channel] = 1.0 / found.cells.weight[frames[0]]
-    white = found.whiten(whole).reshape(-1, cells * count)[: cells * count]
-    own = np.log(np.abs(np.linalg.det(found.root[:cells]))).sum()
-    assert np.linalg.slogdet(white)[1] == pytest.approx(own, rel=1e-9)
+    """The whitened unit columns form W with (W'W)^-1 the covariance, so det W is known to be the filter's own."""
+    found = shortened(forces[0], 8).filter(0.03)
+    white = found.whiten(unit_columns(found))
+    assert np.linalg.slogdet(white)[1] == pytest.approx(-found.log_determinant, rel=1e-9)
     covariance = np.linalg.inv(white.T @ white)
     # Noise alone would be the identity; the unknown force adds to it, and later cells hang together with earlier ones.
     assert np.linalg.eigvalsh(covariance).min() > 1.0 - 1e-9
-    assert np.trace(covariance) > cells * count
+    assert np.trace(covariance) > len(white)
+
+
+def test_the_covariance_is_that_of_the_equations(forces):
+    """Summed over the cells by powers of the transition, with every constant and every unit column written out."""
+    force = shortened(forces[0], 5)
+    found, lin = force.filter(0.1), force.linearised
+    n, (cells, channels) = lin.mass.shape[0], force.seen.shape[:2]
+    drift, diffusion, start = force.state_equation(0.1)
+    transition, added, held = discretised(drift, diffusion, force.cells.interval)
+    pushed = held[:, n : 2 * n] @ np.linalg.inv(lin.mass[:, :n])
+    f = slice(3 * n + 2, 4 * n + 2)
+    size = len(drift)
+    constants = np.concatenate([np.repeat(0.1 * lin.force_root[None], cells, axis=0), lin.laws], axis=2)
+    deviations = np.repeat([np.sqrt(pose_variance(0.1)), PLACE], [2, force.seen.shape[2] - n - 2])
+    offsets = force.seen[:, :, n:] * deviations
+    spread, state = start, np.zeros((size, constants.shape[2]))
+    seen, driven, spreads, forward = [], [], [], []
+    for k in range(cells):
+        if k > 0:
+            moves = transition.copy()
+            moves[:, f] += 0.1 * lin.envelope[k - 1] * pushed @ lin.force_root
+            spread, state = moves @ spread @ moves.T + added, moves @ state + pushed @ constants[k - 1]
+            forward.append(moves)
+        rows = np.zeros((channels, size))
+        rows[:, :n], rows[:, 3 * n] = force.seen[k, :, :n], force.seen[k, :, n]
+        rows[:, 4 * n + 2 :] = lin.envelope[k] * force.error.rows[k]
+        seen.append(rows)
+        driven.append(np.concatenate([rows @ state, offsets[k]], axis=1))
+        spreads.append(spread)
+    covariance = np.eye(cells * channels) + np.concatenate(driven) @ np.concatenate(driven).T
+    for k in range(cells):
+        between = spreads[k]
+        for later in range(k, cells):
+            if later > k:
+                between = forward[later - 1] @ between
+            block = seen[later] @ between @ seen[k].T
+            covariance[later * channels : (later + 1) * channels, k * channels : (k + 1) * channels] += block
+            if later > k:
+                covariance[k * channels : (k + 1) * channels, later * channels : (later + 1) * channels] += block.T
+    white = found.whiten(unit_columns(found))
+    np.testing.assert_allclose(white @ covariance @ white.T, np.eye(len(white)), atol=1e-6)
+
+
+def shortened(force, cells):
+    """The latent force of the first cells alone, with one frame in each."""
+    own = force.cells
+    few = Cells(np.arange(cells), np.arange(cells), np.ones(cells), own.t[:cells], own.interval)
+    lin = replace(force.linearised, laws=force.linearised.laws[:cells], envelope=force.linearised.envelope[:cells])
+    error = replace(force.error, rows=force.error.rows[:cells])
+    return replace(
+        force, linearised=lin, cells=few, seen=force.seen[:cells], error=error, seeing=rotation_to_seeing(error.rows)
+    )
+
+
+def unit_columns(found):
+    """One column of rows (T, K, T K) for every row."""
+    cells, channels = found.cells.t.size, found.rows // found.cells.t.size
+    return np.eye(cells * channels).reshape(cells, channels, -1)
 
 
 def test_without_unknown_forces_rows_are_as_white_as_they_were(forces):
@@ -43,9 +94,11 @@ def test_without_unknown_forces_rows_are_as_white_as_they_were(forces):
     posed[:, :, found.linearised.mass.shape[0] :] = 0.0  # base angle and scale are never known without any error
     silent = replace(found, linearised=replace(found.linearised, laws=0.0 * found.linearised.laws), seen=posed)
     whitened = silent.filter(1e-9)
-    rows = np.random.default_rng(0).standard_normal((found.cells.place.max() + 1, whitened.root.shape[1], 1))
-    averaged = whitened.cells.averaged(rows).reshape(-1)
-    np.testing.assert_allclose(whitened.whiten(rows)[:, 0], averaged, atol=1e-3 * np.abs(averaged).max())
+    rows = np.random.default_rng(0).standard_normal((found.cells.place.max() + 1, found.seen.shape[1], 1))
+    turned = np.matmul(found.seeing.transpose(0, 2, 1), whitened.cells.averaged(rows))
+    count = found.error.size.size
+    apart = np.concatenate([turned[:, :count].ravel(), turned[:, count:].ravel()])
+    np.testing.assert_allclose(whitened.whiten(rows)[:, 0], apart, atol=1e-3 * np.abs(apart).max())
     assert abs(whitened.log_determinant) < 1.0
 
 
@@ -84,4 +137,4 @@ def test_a_stiff_arm_s_filter_is_finite(forces):
     mass = with_scaled_mass(lin.mass, stiff, lin.time)
     made = replace(found, linearised=replace(lin, stiffness=stiff, mass=mass)).filter(0.1)
     assert np.isfinite(made.log_determinant)
-    assert np.all(np.isfinite(made.gain))
+    assert np.all(np.isfinite(made.innovations.gain))
