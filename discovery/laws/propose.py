@@ -23,10 +23,9 @@ from inference.compare import midline_error
 from inference.fit import Fit, fit
 from inference.missing_force import SeenMotion, lacking
 from inference.more_coordinates import with_coordinates
-from inference.posterior import NOISE_REACH
 from inference.prepare import Prepared
 from inference.prior import laplace_evidence
-from inference.trajectory import ParameterName, Problem
+from inference.trajectory import RAN_AWAY, ParameterName, Problem
 from tentacle.io.waveform_file import waveform_table
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter
@@ -37,7 +36,7 @@ EXPLAINS = 0.9  # largest share of the missing force's answer that a law may lea
 ALIKE = 3.0  # nats: laws that are no farther apart do equally well
 RIVAL = 1.1  # of the best law's error on held-out frames: a law within it is its rival
 FIT_ROUNDS, FIT_TOLERANCE = 25, 1e-4
-CLOSE_ROUNDS, CLOSE_TOLERANCE = 40, 1e-6
+CLOSE_ROUNDS, CLOSE_TOLERANCE = 200, 1e-6
 LEAST_FORCE = 0.25  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
 LAW_KINDS = {
@@ -111,6 +110,11 @@ class LawFit:
         """Whether a number of the law stands at a bound of the grammar: the law explains nothing there."""
         return any(effect == self.law.name for effect, _ in self.fitted.at_bound)
 
+    @property
+    def ran_away(self) -> bool:
+        """Whether the run left all bounds, so that its misfit says nothing."""
+        return bool(np.abs(self.fitted.used_residuals).max() >= RAN_AWAY)
+
 
 @dataclass(frozen=True)
 class LawHypothesis:
@@ -153,14 +157,12 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
         nothing = laplace_evidence(plain, bare, variance)
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
-        judged = [one for one in judged if one.gain > GAIN and not one.stands_at_bound]
+        judged = [one for one in judged if one.gain > GAIN and not one.stands_at_bound and not one.ran_away]
         judged = sorted(judged, key=lambda one: -one.gain)[:MOST]
-        if judged:
-            finer = _leaves_more_than_noise(judged[0].fitted)
-            closer = [_fitted_closely(one, finer) for one in judged]
-            judged = [
-                replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in closer
-            ]
+        judged = [
+            replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing)
+            for one in _fitted_closely(judged, variance)
+        ]
         accepted: list[LawHypothesis] = []
         for one in sorted(judged, key=lambda one: -one.gain):
             error = midline_error(prepared, one.problem, one.fitted, _held_out(prepared))
@@ -243,22 +245,31 @@ def _with_law(plain: Problem, base: Fit, found: FittedLaw, law: WrittenLaw) -> L
     return LawFit(law, replace(problem, parameters=fitted.parameters), fitted)
 
 
-def _fitted_closely(one: LawFit, finer: bool) -> LawFit:
-    """The same fitted to a small tolerance, for a power, a strength and a place trade along a flat valley.
+def _fitted_closely(laws: list[LawFit], variance: float) -> list[LawFit]:
+    """Laws, best first, fitted to a small tolerance, for a power, a strength and a place trade along a flat valley.
 
-    finer: with as many curvature coordinates as the recordings hold. A force at the tip or at one place bends an arm
-    more sharply than the coordinates that are seen without it.
+    All get as many curvature coordinates as the recordings hold, if these serve the best: a force at the tip or at one
+    place bends an arm more sharply than the coordinates that are seen without it. They serve if they lower its misfit
+    by more nats than they add unknowns (Akaike 1974).
     """
+    if not laws:
+        return []
+    best, most = _closer(laws[0]), most_coordinates(laws[0].problem)
+    if most > best.problem.arm.order:
+        finer = _closer(best, most)
+        added = sum(finer.problem.sizes()) - sum(best.problem.sizes())
+        if (best.fitted.misfit - finer.fitted.misfit) / variance > added:
+            return [finer, *(_closer(one, most) for one in laws[1:])]
+    return [best, *(_closer(one) for one in laws[1:])]
+
+
+def _closer(one: LawFit, order: int | None = None) -> LawFit:
+    """A law fitted to a small tolerance, with so many coordinates (None: as it is)."""
     problem, nuisances = one.problem, one.fitted.nuisances
-    if finer:
-        order = max(most_coordinates(problem), problem.arm.order)
+    if order is not None and order > problem.arm.order:
         problem, nuisances = with_coordinates(problem, nuisances, order)
     fitted = fit(problem, nuisances, tolerance=CLOSE_TOLERANCE, most=CLOSE_ROUNDS)
     return LawFit(one.law, replace(problem, parameters=fitted.parameters), fitted)
-
-
-def _leaves_more_than_noise(fitted: Fit) -> bool:
-    return 2.0 * fitted.misfit / fitted.count > 1.0 + NOISE_REACH * float(np.sqrt(2.0 / fitted.count))
 
 
 def _hypothesis(one: LawFit, error: float | None, left: float, variance: float) -> LawHypothesis:
