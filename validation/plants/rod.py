@@ -26,9 +26,13 @@ def move(laws: np.ndarray, theta: Array, step: float, every: int) -> tuple[Array
     laws: one record of validation.plants.laws. theta (2 S + 1,) [rad]: base angle at half steps [s]. FloatingPointError
     where the rod runs away.
     """
-    places, pulls = _moved(laws[0], theta, step, every)
+    away = FloatingPointError("the rod ran away: take a smaller step")
+    try:
+        places, pulls = _moved(laws[0], theta, step, every)
+    except ZeroDivisionError:
+        raise away from None
     if not np.isfinite(places).all():
-        raise FloatingPointError("the rod ran away: take a smaller step")
+        raise away
     return places, pulls
 
 
