@@ -6,7 +6,6 @@ outside it: what each set of effects is worth beside any share of unknown forces
 
 from __future__ import annotations
 
-import io
 import sys
 from pathlib import Path
 
@@ -57,8 +56,6 @@ def draw(left: Axes, right: Axes, trial: Searched) -> None:
 
 def main() -> None:
     """Draw it."""
-    import cv2
-
     designs = plant_designs(max(TRIALS) + 1, SERIES_SEED, video_share=0.0)
     found = [searched(designs[place]) for place in TRIALS]
     with house_style():
@@ -70,11 +67,7 @@ def main() -> None:
             draw(left, right, trial)
         rows[-1, 0].set_xlabel("share of the acting forces that no law explains [%]")
         rows[-1, 1].set_xlabel("posterior mass")
-        written = io.BytesIO()
-        figure.savefig(written, dpi=DPI, facecolor="white")
-    pixels = cv2.imdecode(np.frombuffer(written.getvalue(), np.uint8), cv2.IMREAD_COLOR)
-    assert pixels is not None
-    cv2.imwrite(str(PICTURE), pixels, [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
+        figure.savefig(PICTURE, dpi=DPI, facecolor="white", pil_kwargs={"quality": QUALITY})
 
 
 if __name__ == "__main__":

@@ -5,13 +5,10 @@ A library of 200 recordings drawn as in benchmarks/library_joint.py --linear: a 
 
 from __future__ import annotations
 
-import io
 import sys
 import tempfile
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-
-import numpy as np
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "benchmarks"))
@@ -28,8 +25,6 @@ FIRST, DPI, QUALITY = datetime(2026, 3, 1, tzinfo=UTC), 170, 88
 
 def main() -> None:
     """Draw it."""
-    import cv2
-
     with tempfile.TemporaryDirectory() as folder:
         recordings = library_of(0, Source(Path(folder), 1, True), with_effect(0))
     names = [f"run {k}" for k in range(RECORDINGS)]
@@ -38,11 +33,7 @@ def main() -> None:
     figure = presence_figure([presence_panel(arm, effect, rows) for effect in arm["effects"]])
     if figure is None:
         raise SystemExit("no effect was found")
-    written = io.BytesIO()
-    figure.savefig(written, dpi=DPI, facecolor="white")
-    pixels = cv2.imdecode(np.frombuffer(written.getvalue(), np.uint8), cv2.IMREAD_COLOR)
-    assert pixels is not None
-    cv2.imwrite(str(PICTURE), pixels, [cv2.IMWRITE_WEBP_QUALITY, QUALITY])
+    figure.savefig(PICTURE, dpi=DPI, facecolor="white", pil_kwargs={"quality": QUALITY})
 
 
 if __name__ == "__main__":

@@ -21,13 +21,14 @@ Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models);
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import eigh, expm
 
 from affine_model.curvature import Array
 from inference.cells import CELLS, Cells
-from inference.innovations import Innovations
+from inference.innovations import Innovations, rotation_to_seeing
 from inference.unknown_constants import UnknownConstants
 
 ELL = 1.0  # of the motion's own time, rms angle over rms rate: time scale of the latent force
@@ -105,14 +106,18 @@ class SeenError:
 @dataclass(frozen=True)
 class LatentForce:
     """One recording's unknown forces and errors, for any share a; seen (C, K, n + 2 + P): rows that each cell sees of a
-    change of shape, base angle, scale, and of P markers' places [m]; seeing: see inference.innovations.
+    change of shape, base angle, scale, and of P markers' places [m].
     """
 
     linearised: Linearised
     cells: Cells
     seen: Array
     error: SeenError
-    seeing: Array | None
+
+    @cached_property
+    def seeing(self) -> Array | None:
+        """The rotation of each cell's rows to those that see the state (inference.innovations)."""
+        return rotation_to_seeing(self.error.rows)
 
     def _places(self) -> dict[str, slice]:
         """Where each part of the state stands."""
@@ -168,9 +173,8 @@ class LatentForce:
         motion = (transition, forced, lin.envelope, at["f"].start)
         innovations = Innovations.along(motion, (added, start), rows, self.seeing)
         variance = pose_variance(a, coarsening)
-        directly = self.seen[:, :, n:].copy()
-        directly[:, :, :2] *= np.sqrt(variance)
-        directly[:, :, 2:] *= PLACE
+        places = self.seen.shape[2] - n - 2
+        directly = self.seen[:, :, n:] * np.repeat([np.sqrt(variance), PLACE], [2, places])
         constant = np.repeat(forced[None], lin.laws.shape[0], axis=0)
         push = np.concatenate(
             [np.zeros((len(constant), 2 * n, directly.shape[2])), constant, pushed @ lin.laws], axis=2

@@ -16,7 +16,6 @@ from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
 from inference.cells import Cells, cells_of
 from inference.experiment import Experiment, Prediction, predict
-from inference.innovations import rotation_to_seeing
 from inference.latent_force import CORRELATION_LENGTH, ELL, LatentForce, Linearised, SeenError, with_scaled_mass
 from inference.motion_time import motion_time
 from inference.observation import TRACKER_ERROR
@@ -56,8 +55,7 @@ def latent_forces(
         if declared:
             same = declared[place].linearised
             linearised = replace(linearised, force_root=same.force_root, envelope=same.envelope)
-        error = _error(arm, experiment, run, seen)
-        found.append(LatentForce(linearised, cells, seen, error, rotation_to_seeing(error.rows)))
+        found.append(LatentForce(linearised, cells, seen, _error(arm, experiment, run, seen)))
     return tuple(found)
 
 

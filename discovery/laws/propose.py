@@ -266,7 +266,7 @@ def _fitted_closely(laws: list[LawFit], variance: float) -> list[LawFit]:
 def _closer(one: LawFit, order: int | None = None) -> LawFit:
     """A law fitted to a small tolerance, with so many coordinates (None: as it is)."""
     problem, nuisances = one.problem, one.fitted.nuisances
-    if order is not None and order > problem.arm.order:
+    if order is not None:
         problem, nuisances = with_coordinates(problem, nuisances, order)
     fitted = fit(problem, nuisances, tolerance=CLOSE_TOLERANCE, most=CLOSE_ROUNDS)
     return LawFit(one.law, replace(problem, parameters=fitted.parameters), fitted)

@@ -8,7 +8,6 @@ from scipy.linalg import eigh
 
 from inference.cells import Cells
 from inference.evidence import evidence_beside
-from inference.innovations import rotation_to_seeing
 from inference.latent_force import FASTEST_MODE, PLACE, discretised, pose_variance, with_scaled_mass
 from inference.linearise import latent_forces
 from inference.posterior import FORCE_SHARES, filters_at
@@ -77,9 +76,7 @@ def shortened(force, cells):
     few = Cells(np.arange(cells), np.arange(cells), np.ones(cells), own.t[:cells], own.interval)
     lin = replace(force.linearised, laws=force.linearised.laws[:cells], envelope=force.linearised.envelope[:cells])
     error = replace(force.error, rows=force.error.rows[:cells])
-    return replace(
-        force, linearised=lin, cells=few, seen=force.seen[:cells], error=error, seeing=rotation_to_seeing(error.rows)
-    )
+    return replace(force, linearised=lin, cells=few, seen=force.seen[:cells], error=error)
 
 
 def unit_columns(found):
