@@ -92,12 +92,3 @@ def midline(q: ArrayLike, theta: ArrayLike, length: float, s: ArrayLike, nodes: 
     phi = np.asarray(theta, dtype=float)[..., None] + monomial_angle(q, rule.s)
     weights = length * integration_to(nodes, s)
     return np.stack([-np.sin(phi) @ weights.T, np.cos(phi) @ weights.T], axis=-1)
-
-
-def points_beside(q: ArrayLike, theta: ArrayLike, length: float, s: ArrayLike, d: ArrayLike) -> Array:
-    """Positions of points (s, d) beside the axis, d (P,) [m] along the normal (the paper's x(s, d)): (..., P,
-    2) [m].
-    """
-    phi = np.asarray(theta, dtype=float)[..., None] + monomial_angle(q, s)
-    normal = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
-    return midline(q, theta, length, s) + np.asarray(d, dtype=float)[:, None] * normal

@@ -120,7 +120,8 @@ def balance(
     acceleration = integrate(-tangent * (phi_rate**2)[..., None]) + pushed  # the part without u''
     unturned = [0 * phi[..., None]] * (u.shape[-1] - n - 1)
     angle_columns = xp.concatenate([A + 0 * phi[..., None], xp.ones_like(phi)[..., None], *unturned], -1)
-    turning = xp.einsum("ik,...kx,...kj->...ixj", W, -normal, angle_columns[..., : n + 1])
+    swings = -normal[..., None] * angle_columns[..., None, : n + 1]  # (..., N, 2, n + 1)
+    turning = (W @ swings.reshape(*swings.shape[:-2], -1)).reshape(swings.shape)
     base_columns = xp.stack([still, xp.ones_like(phi)], -1)[..., None]
     if free:
         base_columns = xp.concatenate([base_columns, xp.stack([xp.ones_like(phi), still], -1)[..., None]], -1)
@@ -184,8 +185,8 @@ def balance(
     motions = xp.concatenate([jacobian[..., 0, :], jacobian[..., 1, :], projected, angle_columns], -2)  # (..., 4 N, D)
     inertia = xp.concatenate([carried_all, carried_all, w * normal_inertia, w * rotary], -1)
     M = xp.swapaxes(motions * inertia[..., None], -1, -2) @ motions
-    force = xp.einsum("i,...ixj,...ix->...j", w, jacobian, applied)
-    force = force + xp.einsum("i,...ij,...i->...j", w, angle_columns, couple + 0 * phi)
+    force = xp.einsum("...ixj,...ix->...j", jacobian, w[:, None] * applied)
+    force = force + xp.einsum("...ij,...i->...j", angle_columns, w * couple + 0 * phi)
     moment = x.stiffness * x.c
     slots = {effect.name: slot for slot, effect in enumerate(remembering(effects))}
     for effect, p in own:
@@ -193,18 +194,18 @@ def balance(
             slot = slots.get(effect.name)
             x.memory = 0.0 * phi if instant.memory is None or slot is None else instant.memory[..., slot, :]
             moment = moment + effect.bending_moment(x, p)
-    force = force - xp.einsum("i,...ij,...i->...j", w / L, curvature_columns, moment)
+    force = force - xp.einsum("...ij,...i->...j", curvature_columns, w / L * moment)
 
     fluid_force = xp.einsum("i,...ix->...x", w, fluid)
-    fluid_mass = xp.einsum("i,...i,...ix,...ij->...xj", w, normal_inertia, normal, projected)
-    fluid_mass = fluid_mass + xp.einsum("i,...i,...ixj->...xj", w, carried_water, jacobian)
+    fluid_mass = xp.einsum("...ix,...ij->...xj", (w * normal_inertia)[..., None] * normal, projected)
+    fluid_mass = fluid_mass + xp.einsum("...i,...ixj->...xj", w * carried_water, jacobian)
 
     # Compact bodies at the tip: the payload, and an undeclared body.
     end_columns = xp.concatenate([end + 0 * z, xp.ones_like(theta)], -1)
     end_phi, end_rate = theta[..., 0] + z @ end, theta_rate[..., 0] + z_rate @ end
     end_normal = xp.stack([xp.cos(end_phi), xp.sin(end_phi)], -1)
     end_tangent = xp.stack([-xp.sin(end_phi), xp.cos(end_phi)], -1)
-    tip_turning = xp.einsum("k,...kx,...kj->...xj", w, -normal, angle_columns[..., : n + 1])
+    tip_turning = xp.einsum("k,...kxj->...xj", w, swings)
     tip_centripetal = xp.einsum("k,...kx->...x", w, -tangent * (phi_rate**2)[..., None])
     along, aside = ((part + 0 * phi)[..., -1, None] for part in total_pair("payload_shift"))
     for effect, p in own:

@@ -8,13 +8,8 @@ from typing import Any
 import numpy as np
 
 from affine_model.camera import sight_of
-from affine_model.curvature import (
-    Array,
-    angle_basis,
-    legendre_to_monomial,
-    midline,
-    points_beside,
-)
+from affine_model.curvature import Array, angle_basis, legendre_to_monomial, midline
+from affine_model.points_beside import points_beside
 from inference.experiment import Experiment, predict
 from inference.fit import Fit
 from inference.observation import POSE, Observation, ShapeObservation

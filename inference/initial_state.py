@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from affine_model.curvature import Array, legendre_to_monomial, points_beside
+from affine_model.curvature import Array, legendre_to_monomial
+from affine_model.points_beside import points_beside
 from inference.experiment import Experiment
 from inference.motion_spread import likely_shapes
 from inference.observation import POSE, ShapeObservation

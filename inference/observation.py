@@ -19,7 +19,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
+from affine_model.curvature import Array, legendre_to_monomial, midline
+from affine_model.points_beside import points_beside
 
 # Noise deviations: a tracker states its noise to 30 % (benchmarks/vision.py), and the rest of its error is slow.
 TRACKER_ERROR = 0.83

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import ast
+import math
 import struct
 from dataclasses import dataclass, field
 
 FAST = "contract reassoc arcp nsz afn"  # what a sum may be reordered for; not nnan: divergence must show
+EXP_MOST = 708.0  # exp of it is a double, and so is exp of its negative
+EXP_TERMS = 13  # of exp's series up to log(2) / 2: the next is 4e-18
+WHOLE_BITS = 1.5 * 2.0**52  # added to a number, this leaves it rounded in the lowest bits
+LOG_2_HIGH = float.fromhex("0x1.62e42feep-1")  # times a whole number below 2^20 exact
+LOG_2_LOW = float.fromhex("0x1.a39ef35793c76p-33")  # log 2 less that
 _INTRINSICS = {"math.sqrt": "sqrt", "abs": "fabs", "np.floor": "floor"}  # one instruction a vector
 _LIBRARY = {"math.exp": "exp", "math.tanh": "tanh", "math.sin": "sin", "math.cos": "cos", "math.log": "log"}
 _ARITHMETIC: dict[type, tuple[str, str]] = {
@@ -162,7 +168,43 @@ class Instructions:
             return self._like(value, f"call {FAST} {kind} @llvm.{_INTRINSICS[name]}.{suffix}({self.operand(value)})")
         if name not in _LIBRARY:
             raise SyntaxError(f"{name}: no function of a kernel's text")
+        if name in ("math.exp", "math.tanh") and arguments[0].lanes:
+            return self._exponential(arguments[0]) if name == "math.exp" else self._hyperbolic_tangent(arguments[0])
         return self.of_library(_LIBRARY[name], arguments)
+
+    def _exponential(self, x: Value) -> Value:
+        """exp(x) of a vector: 2^k exp(x - k log 2), the second factor by its series; 2^k from the bits of k.
+
+        At most 1e-15 of it wrong. What would leave the doubles' range stays at its ends.
+        """
+        kind, whole_kind = self.type_of(x), f"<{self.width} x i64>"
+        x = self.called("min", [self.called("max", [x, number(-EXP_MOST)]), number(EXP_MOST)])  # NaN stays
+
+        def exact(operation: str, left: str, right: float) -> str:
+            return self.new(f"{operation} {kind} {left}, {self.splat(number(right)).text}")
+
+        shifted = exact("fadd", exact("fmul", x.text, 1.0 / math.log(2.0)), WHOLE_BITS)
+        k = exact("fsub", shifted, WHOLE_BITS)
+        near = self.new(f"fsub {kind} {x.text}, {exact('fmul', k, LOG_2_HIGH)}")
+        rest = Value(self.new(f"fsub {kind} {near}, {exact('fmul', k, LOG_2_LOW)}"), "double", True)
+        series = number(1.0 / math.factorial(EXP_TERMS))
+        for power in range(EXP_TERMS - 1, -1, -1):
+            series = self.arithmetic(ast.Mult(), series, rest)
+            series = self.arithmetic(ast.Add(), series, number(1.0 / math.factorial(power)))
+        bits = self.new(f"bitcast {kind} {shifted} to {whole_kind}")
+        biased = self.new(f"add {whole_kind} {bits}, splat (i64 1023)")
+        scale = self.new(f"shl {whole_kind} {biased}, splat (i64 52)")
+        return self.arithmetic(ast.Mult(), series, self._like(x, f"bitcast {whole_kind} {scale} to {kind}"))
+
+    def _hyperbolic_tangent(self, y: Value) -> Value:
+        """tanh(y) of a vector: sign(y) (1 - e) / (1 + e), e = exp(-2 |y|); at most 2e-16 wrong."""
+        size = self.called("abs", [y])
+        e = self._exponential(self.arithmetic(ast.Mult(), number(-2.0), size))
+        ratio = self.arithmetic(
+            ast.Div(), self.arithmetic(ast.Sub(), number(1.0), e), self.arithmetic(ast.Add(), number(1.0), e)
+        )
+        copied = f"@llvm.copysign.v{self.width}f64({self.operand(ratio)}, {self.operand(y)})"
+        return self._like(y, f"call {self.type_of(y)} {copied}")
 
     def of_library(self, function: str, arguments: list[Value]) -> Value:
         """A function of the C library; of a vector lane by lane."""

@@ -21,6 +21,7 @@ SPELLING = {
     **{name: f"{name}[i, b]" for name in STATE_QUANTITIES},
 }
 TINY = 1e-12  # keeps a secant finite where its argument vanishes
+_WAVES = (sympy.sin, sympy.cos)
 _Term = sympy.Basic | complex
 
 
@@ -56,16 +57,36 @@ def traced(effect: Effect, kind: str) -> tuple[sympy.Expr, ...]:
 
 
 def lines(assignments: list[tuple[str, str, sympy.Expr]], indent: str) -> list[str]:
-    """Code of `target op expression` for every assignment whose expression is not zero, subexpressions shared."""
+    """Code of `target op expression` for every assignment whose expression is not zero, subexpressions shared. A sine
+    and a cosine come from the kernel's own `sincos`, which vectorises.
+    """
     kept = [(target, operator, value) for target, operator, value in assignments if value != 0]
     if not kept:
         return []
-    shared, reduced = sympy.cse([value for _, _, value in kept], symbols=sympy.numbered_symbols("share"))
     printer = _Printer({"fully_qualified_modules": True})
-    text = [f"{indent}{symbol} = {printer.doprint(value)}" for symbol, value in shared]
+    angles, values = _waves([value for _, _, value in kept])
+    text = [f"{indent}sine_{k}, cosine_{k} = sincos({printer.doprint(angle)})" for k, angle in enumerate(angles)]
+    shared, reduced = sympy.cse(values, symbols=sympy.numbered_symbols("share"))
+    text += [f"{indent}{symbol} = {printer.doprint(value)}" for symbol, value in shared]
     for (target, operator, _), value in zip(kept, reduced, strict=True):
         text.append(f"{indent}{target} {operator} {printer.doprint(value)}")
     return text
+
+
+def _waves(values: list[sympy.Expr]) -> tuple[list[sympy.Expr], list[sympy.Expr]]:
+    """The angles of whose sines and cosines the expressions are made, and the expressions of sine_k and cosine_k. A
+    sine within a sine stays as it is.
+    """
+    inner = {wave for value in values for wave in value.atoms(*_WAVES) if not _angle(wave).has(*_WAVES)}
+    angles = sorted({_angle(wave) for wave in inner}, key=str)
+    names: dict[_Term, _Term] = {}
+    for k, angle in enumerate(angles):
+        names[sympy.sin(angle)], names[sympy.cos(angle)] = sympy.symbols(f"sine_{k} cosine_{k}", real=True)
+    return angles, [cast(sympy.Expr, value.xreplace(names)) for value in values]
+
+
+def _angle(wave: sympy.Basic) -> sympy.Expr:
+    return cast(sympy.Expr, wave.args[0])
 
 
 def step_slope(value: sympy.Expr, of: sympy.Symbol) -> sympy.Expr:

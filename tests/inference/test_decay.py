@@ -7,7 +7,7 @@ import pytest
 
 from affine_model.arm import arm_of, neutral_parameters, parameter_index
 from affine_model.base_signal import Steps, base_table
-from affine_model.curvature import points_beside
+from affine_model.points_beside import points_beside
 from affine_model.simulate import Start, Timing, simulate
 from inference.base_fit import Setting
 from inference.decay import fit_from_release, horizons_of

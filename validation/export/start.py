@@ -21,7 +21,7 @@ from scipy.optimize import least_squares
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.base_signal import Steps, base_table, has_servo_effects, step_middles
 from affine_model.camera import sight_of
-from affine_model.curvature import points_beside
+from affine_model.points_beside import points_beside
 from affine_model.simulate import Start, Timing, simulate
 from tentacle.base_motion import BaseMotion, fit_base_motion
 from tentacle.errors import InputError

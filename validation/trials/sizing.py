@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from affine_model.arm import arm_of, declared_parameters, parameter_index
-from affine_model.curvature import Array, legendre_to_monomial, midline, points_beside
+from affine_model.curvature import Array, legendre_to_monomial, midline
+from affine_model.points_beside import points_beside
 from inference.experiment import Experiment, predict
 from inference.fit import unfitted
 from inference.measured_shapes import Tracker, fit_shapes, from_track

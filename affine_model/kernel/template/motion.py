@@ -23,6 +23,13 @@ MOTION = """\
         for b in range(BLOCK):
             for j in unrolled(D):
                 acc[j, b] = 2.0 * last[j, b] - before[j, b]
+        # The water's velocity and acceleration that are the same everywhere.
+        for b in range(BLOCK):
+            stream_x[b] = 0.0
+            stream_y[b] = 0.0
+            rush_x[b] = 0.0
+            rush_y[b] = 0.0
+@STREAM@
 @COMMAND@
         if not free_theta:
             for b in range(BLOCK):
@@ -93,10 +100,10 @@ MOTION = """\
                         acceleration_x[b] += acc[n + 2, b]
                         x[i, b] += mid[n + 2, b]
                         y[i, b] += mid[n + 1, b]
-                    water_x[b] = 0.0
-                    water_y[b] = 0.0
-                    surge_x[b] = 0.0
-                    surge_y[b] = 0.0
+                    water_x[b] = stream_x[b]
+                    water_y[b] = stream_y[b]
+                    surge_x[b] = rush_x[b]
+                    surge_y[b] = rush_y[b]
 @WATER@
                 for b in range(BLOCK):
                     relative_x = velocity_x[b] - water_x[b]
