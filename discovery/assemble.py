@@ -149,9 +149,9 @@ def _over_sets(decision: PosteriorDecision, temperature: float) -> dict[str, dic
     """The estimates of the leading set that has them, with intervals over all credible sets: each is a Gaussian of its
     set's mass, and 95 % of their sum lies within.
     """
-    masses = [mass for _, mass in decision.sets] or [1.0]
-    sets = zip((decision.leading, *decision.rivals), masses, strict=True)
-    tables = [(estimates(h.problem, h.fitted, temperature), mass) for h, mass in sets]
+    masses = dict(decision.sets)
+    sets = (decision.leading, *decision.rivals)
+    tables = [(estimates(h.problem, h.fitted, temperature), masses.get(h.effects, 1.0)) for h in sets]
     found: dict[str, dict[str, Estimate]] = {}
     for effect in {effect: None for table, _ in tables for effect in table}:
         leading = next(table[effect] for table, _ in tables if effect in table)

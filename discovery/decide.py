@@ -208,7 +208,9 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
             "nothing_missing", (), float(mass[empty, 0]), (), sets, masses, hypotheses[empty], rivals
         )
     # What all credible sets share is the whole answer if one of them holds nothing else.
-    if any(set(effects) == set(certain) for effects, _ in sets if effects):
+    exact = [k for k in credible if certain and set(hypotheses[k].effects) == set(certain)]
+    if exact:  # the set that holds nothing else is the answer's model, though one with a further effect may have more
+        leading, rivals = hypotheses[exact[0]], tuple(hypotheses[k] for k in credible if k != exact[0])
         holding = sum(float(m[0]) for h, m in zip(hypotheses, mass, strict=True) if set(certain) <= set(h.effects))
         return PosteriorDecision("effect", certain, holding, certain, sets, masses, leading, rivals)
     union = sorted({name for effects, _ in sets for name in effects}, key=lambda name: -masses[name])

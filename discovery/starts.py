@@ -16,6 +16,7 @@ import numpy as np
 from affine_model.arm import neutral_parameters, parameter_index
 from affine_model.curvature import Array
 from affine_model.declared_laws import SIZES
+from affine_model.effect import Effect
 from discovery.decide import MOST_DECLARED_FORM
 from discovery.rank import RankedSet
 from inference.decay import has_decay, horizons_of
@@ -29,6 +30,7 @@ from inference.whitened_fit import LinearRefit
 LINEAR_SHARES = (1.0, 0.4)  # of the linear estimate: beyond the linear regime it is too large
 SHAPES = 6  # points of the grid of one effect's shapes, at most
 FAR_LEGS = ((1, 0.25), (2, 0.5), (3, 0.0))  # of successive halving: steps from each point, and the share that goes on
+MOST_BY_THEMSELVES = 2  # strengths of a law, each of which the grid takes by itself
 Names = tuple[tuple[str, str], ...]
 LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
 
@@ -121,14 +123,25 @@ def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
         shapes.append(candidate.shapes)
     for values in shapes[:: max(1, -(-len(shapes) // SHAPES))]:
         at = replace(candidate, shapes=values)
-        for place, strength in enumerate(effect.strengths):
-            for size in (*SIZES, *(-size for size in SIZES)):
-                if strength.bounds[0] <= size * strength.nominal <= strength.bounds[1]:
-                    sized = np.zeros(len(effect.strengths))
-                    sized[place] = size * strength.nominal
-                    plan.append(_with(centre.fitted.parameters, [(at, sized)], 1.0))
+        for sized in _sizes(effect):
+            plan.append(_with(centre.fitted.parameters, [(at, sized)], 1.0))
         plan.append(_with(centre.fitted.parameters, [(at, estimate)], 1.0))
     return plan
+
+
+def _sizes(effect: Effect) -> list[Array]:
+    """Strengths of the grid: each by itself in several sizes. Many are taken together: a step finds them all at once,
+    from whatever direction it begins.
+    """
+    count = len(effect.strengths)
+    directions = np.eye(count) if count <= MOST_BY_THEMSELVES else np.ones((1, count))
+    found = []
+    for direction in directions:
+        for size in (*SIZES, *(-size for size in SIZES)):
+            sized = size * direction * np.array([one.nominal for one in effect.strengths])
+            if all(one.bounds[0] <= value <= one.bounds[1] for one, value in zip(effect.strengths, sized, strict=True)):
+                found.append(sized)
+    return found
 
 
 def _with(parameters: Array, chosen: list[tuple[Candidate, Array]], share: float) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from affine_model.curvature import Array
+from tentacle.compiled import njit
 
 CELLS = 4.5  # cells in the latent force's time: enough to show all of such a force
 
@@ -26,11 +27,9 @@ class Cells:
 
     def averaged(self, rows: Array) -> Array:
         """Rows (T, K, ...) of frames as those of cells (count, K, ...), of unit noise again; 0 in an empty cell."""
-        total = np.zeros((self.t.size, *rows.shape[1:]))
-        weight = self.weight.reshape(-1, *(1 for _ in rows.shape[1:]))
-        seen, first = np.unique(self.cell, return_index=True)  # frames stand in the order of time
-        total[seen] = np.add.reduceat(rows[self.place] * weight, first, axis=0)
-        return total
+        flat = np.ascontiguousarray(rows).reshape(rows.shape[0], -1)
+        total = _summed(flat, self.place, self.cell, self.weight, self.t.size)
+        return total.reshape(self.t.size, *rows.shape[1:])
 
 
 def cells_of(t: Array, frames: NDArray[np.bool_], time: float) -> Cells:
@@ -42,3 +41,14 @@ def cells_of(t: Array, frames: NDArray[np.bool_], time: float) -> Cells:
     weight = 1.0 / np.sqrt(np.bincount(cell)[cell])
     middles = t[place[0]] + interval * np.arange(cell[-1] + 1.0) + 0.5 * (interval - frame_interval)
     return Cells(place, cell, weight, middles, interval)
+
+
+@njit(cache=True, nogil=True)
+def _summed(rows, place, cell, weight, count):
+    """Weighted rows (T, R) at the places, summed in each of `count` cells."""
+    total = np.zeros((count, rows.shape[1]))
+    for frame in range(place.size):
+        row, into = rows[place[frame]], total[cell[frame]]
+        for k in range(row.size):
+            into[k] += weight[frame] * row[k]
+    return total

@@ -17,7 +17,8 @@ def gains_along(motion, added, start, observation):
     """Gain (C, N, K), inverse Cholesky root (C, K, K) of every innovation, and half the log determinant.
 
     motion: F (N, N); forced (M, n), what n latent forces of unit size do to the first M states; envelope (C,), their
-    size in each cell; first, their place in the state. The states after them remember each itself alone. added (N, N):
+    size in each cell; first, their place in the state, behind their n rates and a pair more: a value and its rate. The
+    states after them remember each itself alone. added (N, N):
     Q; start (N, N): covariance at the start; observation (C, K, N): H. A cell whose rows are 0 adds no information.
     """
     transition, forced, envelope, first = motion
@@ -66,23 +67,51 @@ def whitened_along(rows, push, motion, observation, gain, root):
     moves the first M states of each column from each cell to the next and the filter does not know; (0, M, B): nothing.
     """
     transition, forced, envelope, first = motion
-    cells, _, columns = rows.shape
+    cells, count, columns = rows.shape
     moved, core = forced.shape[0], first + forced.shape[1]
-    among, alone = _parts(transition, core)
+    by_arm = np.ascontiguousarray(transition[:moved, :moved])
+    by_others = np.ascontiguousarray(transition[:moved, first - 2 : core])
     state = np.zeros((transition.shape[0], columns))
-    white = np.empty_like(rows)
+    arm, more, known = np.empty((moved, columns)), np.empty((moved, columns)), np.empty(state.shape)
+    error, white = np.empty((count, columns)), np.empty_like(rows)
     for k in range(cells):
         if k > 0:
-            force = envelope[k - 1] * (forced @ state[first:core])
-            state[:core] = among @ state[:core]
-            state[core:] *= alone.reshape(-1, 1)
-            state[:moved] += force
+            by_others[:, 2:] = envelope[k - 1] * forced
+            np.dot(by_arm, state[:moved], arm)
+            np.dot(by_others, state[first - 2 : core], more)
+            _remember(transition, state, moved, first)
+            for i in range(moved):
+                for b in range(columns):
+                    state[i, b] = arm[i, b] + more[i, b]
             if push.shape[0] > 0:
                 state[:moved] -= push[k - 1]
-        error = rows[k] - observation[k] @ state
-        white[k] = root[k] @ error
-        state += gain[k] @ error
+        np.dot(observation[k], state, error)
+        for i in range(count):
+            for b in range(columns):
+                error[i, b] = rows[k, i, b] - error[i, b]
+        np.dot(root[k], error, white[k])
+        np.dot(gain[k], error, known)
+        for i in range(state.shape[0]):
+            for b in range(columns):
+                state[i, b] += known[i, b]
     return white
+
+
+@njit(cache=True, nogil=True)
+def _remember(transition, state, moved, first):
+    """The states (N, B) that nothing else moves, from one cell to the next: pairs of a value and its rate (the latent
+    forces f, f' at first and moved; the base's error b, b' before first), and those that remember themselves alone.
+    """
+    forces = first - 2 - moved
+    for pair in range(forces + 1):
+        value, rate = (first + pair, moved + pair) if pair < forces else (first - 2, first - 1)
+        for b in range(state.shape[1]):
+            before, slope = state[value, b], state[rate, b]
+            state[value, b] = transition[value, value] * before + transition[value, rate] * slope
+            state[rate, b] = transition[rate, value] * before + transition[rate, rate] * slope
+    for i in range(first + forces, state.shape[0]):
+        for b in range(state.shape[1]):
+            state[i, b] *= transition[i, i]
 
 
 @njit(cache=True, nogil=True)

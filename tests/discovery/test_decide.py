@@ -56,6 +56,12 @@ def test_what_credible_sets_share_is_the_answer_where_the_data_may_need_no_more(
     sets = [made((), 0.1, 0.0), made(("tip_mass",), 0.003, 48.0), made(("tip_mass", "wall"), 0.003, 52.0)]
     found = decide_by_mass(sets)
     assert (found.verdict, found.effects, found.certain) == ("effect", ("tip_mass",), ("tip_mass",))
+    found = decide_by_mass([*sets[:2], made(("tip_mass", "wall"), 0.003, 56.0)])
+    assert (found.verdict, found.effects) == ("effect", ("tip_mass",))
+    masses = dict(found.sets)
+    assert masses["tip_mass", "wall"] > masses[("tip_mass",)]
+    assert found.leading.effects == ("tip_mass",), "the answer's model holds what is named, and no more"
+    assert [h.effects for h in found.rivals] == [("tip_mass", "wall")]
 
 
 def test_where_each_credible_set_has_more_than_they_share_all_of_them_are_the_answer(made):
