@@ -2,7 +2,9 @@
 
     R (value - reading of the model - zero) ~ N(0, 1)
 
-A sensor's zero is an unknown of the recording. Its readings are taken at the frames (inference.frame_readings).
+A sensor's zero is an unknown of the recording. Its readings are taken at the frames (inference.frame_readings). An
+accelerometer does not count where the acceleration of the model jumps: at the release, and at the ends of what is known
+of the base, which stands still before and after.
 """
 
 from __future__ import annotations
@@ -22,6 +24,8 @@ from inference.observation import Observation, ShapeObservation
 from inference.sensor import AccelerometerAxis, Gauge, Sensor
 from tentacle.errors import InputError
 from tentacle.recording import Recording
+
+ABRUPT = 0.1  # s beside such a jump: the differences of a run reach over six of the coarsest steps, 1/75 s
 
 
 @dataclass(frozen=True)
@@ -157,8 +161,13 @@ def with_sensors(pictures: Observation, recording: Recording) -> tuple[Observati
         return pictures, []
     words, sensors, columns = [], [], []
     for sensor, sigma, t, values in read:
-        column, share = at_frames(pictures.t, t, values, sensor.widest)
         field = f"{sensor.quantity}.{sensor.name}"
+        interval = float(np.median(np.diff(t[np.isfinite(values)]))) if np.isfinite(values).sum() > 1 else 0.0
+        if interval > sensor.taking.rarest:
+            expected = f"one every {sensor.taking.rarest:.2g} s at least"
+            raise InputError(f"has a reading every {interval:.3g} s", field=field, expected=expected)
+        column, share = at_frames(pictures.t, t, values, sensor.taking)
+        column = np.where(sensor.moves & _at_a_jump(recording, pictures.t), np.nan, column)
         if not (np.isfinite(column) & pictures.seen).any():
             raise InputError("has no reading while the arm is seen", field=field, expected="the same clock")
         if sigma is None:
@@ -171,3 +180,11 @@ def with_sensors(pictures: Observation, recording: Recording) -> tuple[Observati
         columns.append(column)
     values = np.stack(columns, axis=1)
     return SensedObservation(pictures.t, pictures.theta, pictures.length, pictures, tuple(sensors), values), words
+
+
+def _at_a_jump(recording: Recording, t: Array) -> NDArray[np.bool_]:
+    """Which times (T,) [s] lie beside a jump of the model's acceleration."""
+    release = recording.declaration.release_t
+    jumps = [log.t[[0, -1]] for log in (recording.motor, recording.travel) if log is not None and len(log.t)]
+    every = np.concatenate([*jumps, [] if release is None else [release]])
+    return np.any(np.abs(t[:, None] - every) < ABRUPT, axis=1)

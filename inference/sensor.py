@@ -18,6 +18,7 @@ import numpy as np
 from affine_model.acceleration_beside import specific_force
 from affine_model.curvature import Array
 from inference.appearance import Appearance
+from inference.frame_readings import FAST, SLOW, Taking
 from inference.latent_force import ACCELERATION_SHARE, ACCELERATION_TIME, LAW_KNOWN, SHAPE_SHARE, SHAPE_TIME
 from tentacle.diagnosis import Quantity
 from tentacle.signals import Accelerometer, StrainGauge
@@ -29,8 +30,8 @@ SENSOR_SIZE = 0.01  # m along the arm: one end of an accelerometer that lies hig
 class Sensor(ABC):
     """One channel beside the pictures: its name, and sigma, the standard deviation of one value at a frame.
 
-    quantity: the signal of the recording that holds it. moves: whether it must know how the arm moves. widest [s]: how
-    long its readings are taken together. least: the smallest noise that is found between readings. error: floor, share
+    quantity: the signal of the recording that holds it. moves: whether it must know how the arm moves. taking: how its
+    readings are taken together. least: the smallest noise that is found between readings. error: floor, share
     and time of its own slow error, the first two as parts of what it reads (inference.latent_force.SeenError).
     """
 
@@ -40,7 +41,7 @@ class Sensor(ABC):
     kind: ClassVar[str]
     moves: ClassVar[bool]
     noise_words: ClassVar[str]
-    widest: ClassVar[float]
+    taking: ClassVar[Taking]
     least: ClassVar[float]
     error: ClassVar[tuple[float, float, float]]
 
@@ -71,7 +72,7 @@ class Gauge(Sensor):
     kind = "gauge"
     moves = False
     noise_words = "a strain of {:.2g}"
-    widest = np.inf
+    taking = SLOW
     least = 1e-9
     error = (0.0, SHAPE_SHARE, SHAPE_TIME)
 
@@ -99,7 +100,7 @@ class AccelerometerAxis(Sensor):
     kind = "accelerometer"
     moves = True
     noise_words = "{:.2g} m/s^2"
-    widest = 0.05  # a parabola follows 10 m/s^2 at 4 Hz to .006 m/s^2 over it
+    taking = FAST
     least = 1e-6
     error = (LAW_KNOWN, ACCELERATION_SHARE, ACCELERATION_TIME)
 
