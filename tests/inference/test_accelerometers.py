@@ -16,6 +16,7 @@ from discovery.diagnose import diagnose
 from discovery.given import Deciding
 from inference.appearance import Appearance
 from inference.base_fit import FIRST_STEP
+from inference.frame_readings import FAST, at_frames
 from inference.identify import Identification, identify
 from inference.interpolate import at_times
 from inference.latent_force import LAW_KNOWN
@@ -29,6 +30,7 @@ from tentacle.model import Estimate, Model
 from tentacle.recording import Recording
 from tentacle.signals import AccelerationSignal, Accelerometer, Array, Markers, Midline
 from tentacle.specimen import WATER
+from tentacle.waveform import Rest
 from tests.made_recordings import SPECIMEN, TRUTH, WAVE, base_of
 
 RATE, FPS = 240, 15  # readings and pictures a second
@@ -39,13 +41,13 @@ AXES = (Accelerometer(1.0, 0.0, "normal"), Accelerometer(1.0, 0.0, "tangent"))
 TIP_MASS = 2e-3  # kg
 
 
-def scene(travel: Callable[[Array], Array] | None = None) -> Scenario:
+def scene() -> Scenario:
     """A run of the MuJoCo chain in water, from rest."""
     tables: dict[str, dict[str, Estimate]] = {}
     for (effect, name), value in TRUTH.items():
         tables.setdefault(effect, {})[name] = Estimate.exact(value)
     model = Model(SPECIMEN, WATER, parameters=tables)
-    return Scenario(model, WAVE, 8.0, RATE, s=np.linspace(0, 1, 41), travel=travel)
+    return Scenario(model, WAVE, 8.0, RATE, s=np.linspace(0, 1, 41))
 
 
 def felt(seen: Midline) -> Array:
@@ -58,11 +60,9 @@ def felt(seen: Midline) -> Array:
     return np.stack([np.sum(force * normal, axis=1), np.sum(force * tangent, axis=1)], axis=1)
 
 
-def seen_both_ways(
-    hidden: Mapping[str, Mapping[str, float]], travel: Callable[[Array], Array] | None = None
-) -> tuple[Recording, Recording]:
+def seen_both_ways(hidden: Mapping[str, Mapping[str, float]], run: Scenario) -> tuple[Recording, Recording]:
     """A run as two blurred markers show it in a slow camera; and as an accelerometer at the tip shows it, too."""
-    made, _ = make_recording(hidden, scene(travel), 1, Noise(1e-4, 0.0, 0.0), clean_midline=True)
+    made, _ = make_recording(hidden, run, 1, Noise(1e-4, 0.0, 0.0), clean_midline=True)
     seen, random = made.midline, np.random.default_rng(3)
     assert seen is not None
     values = felt(seen) + np.array(ZEROS)
@@ -78,7 +78,7 @@ def seen_both_ways(
 @pytest.fixture(scope="module")
 def pair() -> tuple[Recording, Recording]:
     """A run of the declared arm."""
-    return seen_both_ways({})
+    return seen_both_ways({}, scene())
 
 
 @pytest.fixture(scope="module")
@@ -168,11 +168,34 @@ def test_a_base_that_travels_is_felt() -> None:
         x, rate = 0.02 * (1.0 - np.cos(omega * t)), 0.02 * omega * np.sin(omega * t)
         return np.stack([x, still, rate, still, 0.02 * omega**2 * np.cos(omega * t), still])
 
-    found = identify([seen_both_ways({}, travel)[1]], order=4)
+    found = identify([seen_both_ways({}, replace(scene(), travel=travel))[1]], order=4)
     for one in found.runs[0].sensors:
         assert np.nanstd(one.measured - one.augmented) < NOISE
     stiffness = found.model.parameters["elasticity"]["E"]
     assert stiffness.value == pytest.approx(TRUTH["elasticity", "E"], rel=0.01)
+
+
+def test_an_arm_that_is_held_until_its_release_reads_gravity_alone_until_then() -> None:
+    held = replace(scene(), waveform=Rest(), initial_q=np.array([0.8, 0.0]), release_t=1.0)
+    marked, read = (replace(one, motor=None) for one in seen_both_ways({}, held))
+    alone, found = identify([marked], order=4), identify([read], order=4)
+    for one in found.runs[0].sensors:
+        early = one.measured[found.runs[0].t < 0.9]
+        assert np.nanstd(early) < NOISE
+        assert np.nanstd(one.measured) > 0.5
+        assert np.nanstd(one.measured - one.augmented) < NOISE
+    without, beside = (one.model.parameters["elasticity"]["E"] for one in (alone, found))
+    assert beside.low < TRUTH["elasticity", "E"] < beside.high
+    assert beside.high - beside.low < 0.5 * (without.high - without.low)
+
+
+def test_readings_near_a_frame_are_taken_as_a_quartic_and_rare_ones_as_a_spline() -> None:
+    frames, fine, often = np.arange(0.1, 3.9, 1.0 / FPS), np.arange(0.0, 4.0, 1e-3), np.arange(0.0, 4.0, 0.01)
+    curve = np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.7, -0.4])
+    np.testing.assert_allclose(at_frames(frames, fine, curve(fine), FAST)[0], curve(frames), atol=1e-9)
+    found, share = at_frames(frames, often, np.sin(12.0 * often), FAST)
+    assert share == 1.0
+    np.testing.assert_allclose(found, np.sin(12.0 * frames), atol=5e-6)  # 5 / 384 of (12 rad/s 10 ms)^4, and half
 
 
 def test_in_the_likelihood_an_accelerometer_sees_its_own_error_and_its_place_alone(
@@ -198,7 +221,7 @@ def test_in_the_likelihood_an_accelerometer_sees_its_own_error_and_its_place_alo
 def test_a_hidden_mass_at_the_tip_is_weighed_better_with_an_accelerometer() -> None:
     found = [
         diagnose([recording], seed=1, deciding=Deciding(laws=False)).parameters["tip_mass"]["mass"]
-        for recording in seen_both_ways({"tip_mass": {"mass": TIP_MASS}})
+        for recording in seen_both_ways({"tip_mass": {"mass": TIP_MASS}}, scene())
     ]
     for one in found:
         assert one.low < TIP_MASS < one.high
