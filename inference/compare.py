@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from inference.fit import Fit
 from inference.observation import POSE, Observation, ShapeObservation
 from inference.prepare import Prepared
 from inference.trajectory import Problem
-from tentacle.diagnosis import ErrorMeasure, RunComparison
+from tentacle.diagnosis import ErrorMeasure, RunComparison, SensorComparison
 
 ANGLE_ORDER = 3  # coordinates of the shape whose tangent angle is compared
 COMPARED_PLACES = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
@@ -24,14 +23,14 @@ COMPARED_PLACES = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline i
 @dataclass(frozen=True)
 class ModelRun:
     """One model at one recording's frames: points (T, P, 2) [m], the paper's q (T, 2), tangent angle (T, P), load (T,)
-    [N], strain (T, G) of gauges up to a constant.
+    [N], and what sensors read, up to a constant (T, G).
     """
 
     points: Array
     q: Array
     angle: Array
     load: Array | None
-    strain: Array
+    read: Array
 
 
 def restricted(observation: ShapeObservation, coefficients: Array, order: int) -> Array:
@@ -95,8 +94,7 @@ def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | No
         q_shown, angle = reduced_shape(observation, coefficients, s)
     batch = prediction.batch
     load = np.interp(experiment.observation.t, batch.force_t, batch.load[:, 0])
-    strain = experiment.observation.strain_of(prediction.q)[:, :, 0]
-    return ModelRun(points, q_shown, angle, load, strain)
+    return ModelRun(points, q_shown, angle, load, experiment.observation.read(prediction)[:, :, 0])
 
 
 def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) -> tuple[Array, Array]:
@@ -143,24 +141,22 @@ def run_comparison(
         points="midline" if d is None else "markers",
         thrust_base=first.load,
         thrust_augmented=last.load,
-        **_strain(observation, first, last),
+        sensors=_sensors(observation, first, last),
     )
     return run, first, last
 
 
-def _strain(observation: Observation, first: ModelRun, last: ModelRun) -> dict[str, Any]:
-    """What gauges read, and what two models say: each about its own mean, as a gauge's zero is not known."""
-    if not observation.zero_names:
-        return {}
+def _sensors(observation: Observation, first: ModelRun, last: ModelRun) -> tuple[SensorComparison, ...]:
+    """What sensors read, and what two models say: each about its own mean, as a sensor's zero is not known."""
     there = np.isfinite(observation.readings)
-    measured, base, augmented = (
+    read = [
         values - np.nanmean(np.where(there, values, np.nan), axis=0)
-        for values in (observation.readings, first.strain, last.strain)
+        for values in (observation.readings, first.read, last.read)
+    ]
+    return tuple(
+        SensorComparison(sensor.name, sensor.quantity, *(values[:, k] for values in read))
+        for k, sensor in enumerate(observation.sensors)
     )
-    return {
-        "gauges": observation.zero_names,
-        "strain_measured": measured, "strain_base": base, "strain_augmented": augmented,
-    }  # fmt: skip
 
 
 def _rms(parts: list[Array]) -> float | None:

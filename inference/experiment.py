@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from affine_model.acceleration_beside import gravity_of
 from affine_model.arm import Arm, parameter_index, parameter_rows
 from affine_model.base_signal import Steps, base_table
 from affine_model.camera import sight_of
@@ -14,14 +15,16 @@ from affine_model.curvature import Array
 from affine_model.dynamics import Instant
 from affine_model.effects import catalogue
 from affine_model.simulate import Batch, Start, Timing, simulate
+from inference.appearance import Appearance
 from inference.arm_at import arm_at
 from inference.interpolate import at_times
 from inference.observation import Observation
+from inference.run_motion import motion_at
 from tentacle.waveform import Waveform
 
 SHIFT_PRIOR = 0.003  # arm lengths: how far the clamp may lie from where the camera's declaration puts it
 SHIFT_LIMIT = 0.01  # arm lengths
-ZERO_PRIOR, ZERO_LIMIT = 3.0, 10.0  # of the largest reading: how far a gauge's zero may lie off
+ZERO_PRIOR, ZERO_LIMIT = 3.0, 10.0  # of the largest reading: how far a sensor's zero may lie off
 SHAPE_LIMIT = 6.0  # rad: an arm that is curled up once around
 # Relative spread of an arm's parameters between recordings: two of a silicone beam differ by .6 % in E; losses, in
 # silicone and in water, change with temperature by some per cent.
@@ -87,11 +90,11 @@ class Experiment:
 
     @property
     def picture_gain(self) -> Array:
-        """noise_gain of what the pictures show, without that of gauges."""
-        return self.noise_gain[: self.noise_gain.size - len(self.observation.zero_names)]
+        """noise_gain of what the pictures show, without that of sensors."""
+        return self.noise_gain[: self.noise_gain.size - len(self.observation.sensors)]
 
     def seeing(self, observation: Observation) -> Experiment:
-        """The experiment with another observation of the same pictures; without gauges where that has none."""
+        """The experiment with another observation of the same pictures; without sensors where that has none."""
         return replace(self, observation=observation, noise_gain=self.noise_gain[: observation.channels])
 
     def instant(self, t: Array) -> Instant:
@@ -101,13 +104,13 @@ class Experiment:
 
     def nuisance_names(self, order: int) -> list[str]:
         """Unknowns of this run alone: initial shape and rates in Legendre coordinates (or, released, the instant),
-        memory, shift of the clamp, zeros of gauges.
+        memory, shift of the clamp, zeros of sensors.
         """
         initial = [f"z{j + 1}(0)" for j in range(order)]
         moving = [f"z{j + 1}'(0)" for j in range(order)] if self.release is None else ["release"]
         memory = [f"memory{j + 1}(0)" for j in range(order)] if self.begins_with_memory else []
         shift = ["shift_x", "shift_y"] if self.sees_shift else []
-        zeros = [f"zero of {name}" for name in self.observation.zero_names]
+        zeros = [f"zero of {sensor.label}" for sensor in self.observation.sensors]
         return [*initial, *moving, *memory, *shift, *zeros, *(f"log {name}" for _, name in self.varies)]
 
     def nuisance_scales(self, order: int, length: float) -> Array:
@@ -154,7 +157,7 @@ class Experiment:
         return STATE_REACH * np.concatenate([seen, np.full(order - seen.size, rest)])
 
     def parts(self, order: int, nuisances: Array) -> tuple[Array, Array, Array, Array]:
-        """Initial shape, rates (or, released, the instant), memory, and offsets: the clamp's shift and the gauges'
+        """Initial shape, rates (or, released, the instant), memory, and offsets: the clamp's shift and the sensors'
         zeros. Memory and offsets may be empty.
         """
         moving = order + (order if self.release is None else 1)
@@ -163,7 +166,7 @@ class Experiment:
             nuisances[:order],
             nuisances[order:moving],
             nuisances[moving:memory],
-            nuisances[memory : memory + 2 * self.sees_shift + len(self.observation.zero_names)],
+            nuisances[memory : memory + 2 * self.sees_shift + len(self.observation.sensors)],
         )
 
     def shift(self, order: int, nuisances: Array) -> Array:
@@ -172,12 +175,12 @@ class Experiment:
         return found if self.sees_shift else np.zeros((2, *nuisances.shape[1:]))
 
     def without_zeros(self, nuisances: Array) -> Array:
-        """The nuisances of the same run without gauges."""
+        """The nuisances of the same run without sensors."""
         end = len(nuisances) - len(self.varies)
-        return np.concatenate([nuisances[: end - len(self.observation.zero_names)], nuisances[end:]])
+        return np.concatenate([nuisances[: end - len(self.observation.sensors)], nuisances[end:]])
 
     def zeros(self, order: int, nuisances: Array) -> Array:
-        """Zeros (G, B) of the gauges."""
+        """Zeros (G, B) of the sensors."""
         return self.parts(order, nuisances)[3][2 * self.sees_shift :]
 
     def deviations(self, nuisances: Array) -> Array:
@@ -214,22 +217,10 @@ class Experiment:
 
 
 @dataclass(frozen=True)
-class Appearance:
-    """What instruments see at the observation's instants: q (T, n, B), theta (T, B), shift (2, B) [m] of the clamp in
-    the picture, and zeros (G, B) of gauges.
-    """
-
-    q: Array
-    theta: Array
-    shift: Array
-    zeros: Array
-
-
-@dataclass(frozen=True)
 class Prediction(Appearance):
-    """The same of simulated individuals, with their batch."""
+    """What instruments see of simulated individuals, with their batch."""
 
-    batch: Batch
+    batch: Batch = field(kw_only=True)
 
 
 def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
@@ -255,7 +246,20 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     q = at_times(batch.t, batch.q, batch.q_rate, times)
     theta = at_times(batch.t, batch.theta[:, None], batch.theta_rate[:, None], times)[:, 0]
     shift = experiment.shift(n, nuisances) + arm.specimen.length * np.array(sight.shift)
-    return Prediction(q, theta, shift, experiment.zeros(n, nuisances), batch)
+    motion = None
+    if any(sensor.moves for sensor in experiment.observation.sensors):
+        motion = motion_at(batch, times, _pull(experiment, gravity_of(arm, parameters), sight.seen_times(times)))
+    none = np.zeros(batch.q.shape[2])
+    return Prediction(
+        q, theta, sight.roll + none, sight.excess + none, shift, experiment.zeros(n, nuisances), motion, batch=batch
+    )
+
+
+def _pull(experiment: Experiment, gravity: Array, times: Array) -> Array:
+    """Gravity (2, B) minus the acceleration of the base at times (T, B) or (T, 1) [s] of the pictures: (T, 2, B)."""
+    if experiment.travel is None:
+        return gravity[None]
+    return gravity - np.moveaxis(experiment.travel(times)[4:6], 0, 1)
 
 
 def _with_travel(base: Array, experiment: Experiment, times: Array) -> Array:
@@ -268,11 +272,6 @@ def _with_travel(base: Array, experiment: Experiment, times: Array) -> Array:
     return np.concatenate(both)
 
 
-def whitened_residuals(experiment: Experiment, parameters: Array, prediction: Appearance) -> Array:
+def whitened_residuals(experiment: Experiment, seen: Appearance) -> Array:
     """Measured minus predicted, whitened (T, K, B), over all frames."""
-    sight = sight_of(experiment.acting(parameters))
-    observation, zeros = experiment.observation, prediction.zeros
-    error = observation.predict(prediction.q, prediction.theta, sight.roll, sight.excess, prediction.shift)
-    if zeros.size:
-        error[:, -len(zeros) :] += observation.zero_slopes()[:, :, None] * zeros
-    return error / experiment.noise_gain[:, None]
+    return experiment.observation.predict(seen) / experiment.noise_gain[:, None]

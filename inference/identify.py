@@ -164,8 +164,8 @@ def _told(problem: Problem, known: Identifiability) -> list[str]:
         last = min(POSE + problem.arm.order, pictured)
         curvatures = [f"z{k - POSE + 1}" for k in dead if shapes and POSE <= k < last]
         markers = [f"marker {k // 2 + 1} {'xy'[k % 2]}" for k in dead if not shapes and k < pictured]
-        gauges = [f"gauge {experiment.observation.zero_names[k - pictured]}" for k in dead if k >= pictured]
-        if silent := curvatures + markers + gauges:
+        sensors = [experiment.observation.sensors[k - pictured].label for k in dead if k >= pictured]
+        if silent := curvatures + markers + sensors:
             words.append(f"{experiment.name}: {', '.join(silent)} say nothing about any parameter.")
     offset, sigma = known.clock
     if abs(offset) > CLOCK_DOUBT * sigma:

@@ -14,6 +14,11 @@ moves them by their stiffness alone. One Kalman pass whitens any number of resid
 is marginalised out of them (inference.unknown_constants): the sum of squares of the whitened rows and log_determinant
 are the marginal likelihood, linear in frames.
 
+An accelerometer's rows see e alone. They would see z'' and b'', and b'' is white noise, as a Matern-3/2 process has one
+derivative. So its e stands for all that z, c and b do to it. An unknown share of the acting forces accelerates
+the arm by about that share of its usual acceleration, as fast as it moves: e is a times what is read, and at least
+LAW_KNOWN of it, of the motion's own time.
+
 Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models); Alvarez, Luengo and Lawrence 2009
 (latent forces); Kennedy and O'Hagan 2001 (a model's discrepancy as a Gaussian process).
 """
@@ -38,6 +43,8 @@ PLACE = 3e-4  # m: standard deviation of a marker's declared place
 POSE_FLOOR = 3e-4  # the same at any a: lengths and angles of a set-up are not measured more accurately
 SHAPE_SHARE = 0.3  # of the force's share a: the error of few coordinates follows the motion itself
 SHAPE_TIME = 2.0  # of the latent force's time: that of the measured shape's own slow error
+ACCELERATION_SHARE, ACCELERATION_TIME = 1.0, 1.0  # the same of what an accelerometer reads
+LAW_KNOWN, LAW_FOUND = 0.03, 0.3  # relative variation along the arm of a declared law, and of an effect that is sought
 FASTEST_MODE = 4.0 * np.pi * CELLS  # of the latent force's rate: twice what cells can show
 DOUBLINGS = 12
 
@@ -94,13 +101,16 @@ class Filter:
 
 @dataclass(frozen=True)
 class SeenError:
-    """Slow errors of the observation: how each cell sees them, rows (C, K, E); their rms size (E,) at a = 1; and the
-    part of it that is there at any a, floor (E,). Both in the unit of the rows.
+    """Slow errors of the observation: how each cell sees them, rows (C, K, E); the size (E,) of which they are a share;
+    and their part that is there at any a, floor (E,). Both in the unit of the rows. share (E,): of that size at a = 1;
+    time (E,): over the latent force's.
     """
 
     rows: Array
     size: Array
     floor: Array
+    share: Array
+    time: Array
 
 
 @dataclass(frozen=True)
@@ -133,7 +143,7 @@ class LatentForce:
         """
         lin, at = self.linearised, self._places()
         n, rate, size = lin.mass.shape[0], np.sqrt(3.0) / lin.time, at["e"].stop
-        slow = SHAPE_TIME * lin.time
+        slow = self.error.time * lin.time
         inverse = np.linalg.inv(lin.mass[:, :n])
         drift, start = np.zeros((size, size)), np.zeros(size)
         z, v, f, g, b, turn = (at[name] for name in ("z", "v", "f", "g", "b", "turn"))
@@ -145,14 +155,14 @@ class LatentForce:
             count = value.stop - value.start
             drift[value, slope] = np.eye(count)
             drift[slope, value], drift[slope, slope] = -(rate**2) * np.eye(count), -2.0 * rate * np.eye(count)
-        drift[at["e"], at["e"]] = -np.eye(self.error.size.size) / slow
+        drift[at["e"], at["e"]] = np.diag(-1.0 / slow)
         base = a * lin.base_rms + 1e-7
-        error = np.hypot(self.error.floor, a * SHAPE_SHARE * self.error.size)
+        error = np.hypot(self.error.floor, a * self.error.share * self.error.size)
         strike = np.zeros(size)  # the white noise that drives b'' strikes the arm with it
         strike[turn], strike[v] = 1.0, -mass[:, 0]
         diffusion = 4.0 * rate**3 * base**2 * np.outer(strike, strike)
         diffusion[g, g] += 4.0 * rate**3 * np.eye(n)
-        diffusion[at["e"], at["e"]] += 2.0 / slow * np.diag(error**2)
+        diffusion[at["e"], at["e"]] += np.diag(2.0 / slow * error**2)
         for place, deviation in ((f, 1.0), (g, rate), (b, base), (turn, rate * base), (at["e"], error)):
             start[place] = np.square(deviation)
         return drift, diffusion, np.diag(start)

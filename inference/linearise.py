@@ -14,9 +14,21 @@ from affine_model.curvature import Array
 from affine_model.dynamics import Balance, Instant, balance
 from affine_model.effect import Effect, Law
 from affine_model.statics import DIFFERENCE
+from inference.appearance import Appearance
 from inference.cells import Cells, cells_of
 from inference.experiment import Experiment, Prediction, predict
-from inference.latent_force import CORRELATION_LENGTH, ELL, LatentForce, Linearised, SeenError, with_scaled_mass
+from inference.latent_force import (
+    CORRELATION_LENGTH,
+    ELL,
+    LAW_FOUND,
+    LAW_KNOWN,
+    SHAPE_SHARE,
+    SHAPE_TIME,
+    LatentForce,
+    Linearised,
+    SeenError,
+    with_scaled_mass,
+)
 from inference.motion_time import motion_time
 from inference.observation import TRACKER_ERROR
 from inference.trajectory import Problem
@@ -28,7 +40,6 @@ VARIED = (
     "stiffness", "stiffness_share", "natural_curvature", "bending_moment", "drag_coefficient", "line_inertia",
     "carried_water", "normal_inertia", "rotary_inertia", "weight", "couple",
 )  # fmt: skip
-LAW_KNOWN, LAW_FOUND = 0.03, 0.3  # relative variation along the arm of a declared law, and of an effect that is sought
 
 
 def latent_forces(
@@ -60,40 +71,45 @@ def latent_forces(
 
 
 def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) -> Array:
-    """Derivatives (T, K, n + 2 + P) of the observation by the coordinates, base angle, scale and P markers' places."""
+    """Derivatives (T, K, n + 2 + P) of the observation by the coordinates, base angle, scale and P places.
+
+    In the first of them the motion is not known, so that an accelerometer does not see them (inference.latent_force).
+    """
     n, observation = arm.order, experiment.observation
     sight = sight_of(parameters)
-    roll, scale = np.full(n + 3, sight.roll), np.full(n + 3, sight.excess)
+    roll, excess = np.full(n + 3, sight.roll), np.full(n + 3, sight.excess)
     q, theta = np.repeat(run.q, n + 3, axis=2), np.repeat(run.theta, n + 3, axis=1)
     q[:, :, 1 : n + 1] += ANGLE_STEP * arm.to_monomial[None]
     theta[:, n + 1] += ANGLE_STEP
-    scale[n + 2] += ANGLE_STEP
-    rows = observation.predict(q, theta, roll, scale, np.repeat(run.shift, n + 3, axis=1))
-    rows = rows / experiment.noise_gain[:, None]
+    excess[n + 2] += ANGLE_STEP
+    shown = Appearance(q, theta, roll, excess, np.repeat(run.shift, n + 3, axis=1), np.zeros((1, n + 3)))
+    rows = observation.predict(shown) / experiment.noise_gain[:, None]
     changes = [(rows[:, :, :1] - rows[:, :, 1:]) / ANGLE_STEP]
+    moving = Appearance(run.q, run.theta, roll[:1], excess[:1], run.shift, np.zeros((1, 1)), run.motion)
+    here = rows[:, :, :1] if run.motion is None else observation.predict(moving) / experiment.noise_gain[:, None]
     for moved in observation.moved_places(PLACE_STEP):
-        there = moved.predict(run.q, run.theta, roll[:1], scale[:1], run.shift) / experiment.noise_gain[:, None]
-        changes.append((rows[:, :, :1] - there) / PLACE_STEP)
+        changes.append((here - moved.predict(moving) / experiment.noise_gain[:, None]) / PLACE_STEP)
     return np.concatenate(changes, axis=2)
 
 
 def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> SeenError:
-    """Slow errors of the shape and the base angle, or of every coordinate of every marker; and of every gauge."""
+    """Slow errors of the shape and the base angle, or of every coordinate of every marker; and of every sensor."""
     n, observation = arm.order, experiment.observation
     shape = run.q[:, :, 0] @ arm.from_monomial.T
-    size, of_gauges = observation.slow_errors(experiment.used, shape), observation.slow_gauge_errors(experiment.used)
+    size, of_sensors = observation.slow_errors(experiment.used, shape), observation.sensor_errors(experiment.used)
+    of_shape = np.stack([size, 0.0 * size, np.full(size.size, SHAPE_SHARE), np.full(size.size, SHAPE_TIME)])
     live, gain = np.any(seen != 0.0, axis=2), experiment.noise_gain
     alone = live[:, :, None] * np.diag(1.0 / gain)
     if observation.shapes is None:
-        size = np.concatenate([size, of_gauges])
-        return SeenError(alone, size, 0.0 * size)
+        return SeenError(alone, *np.concatenate([of_shape, of_sensors], axis=1))
     rows = seen[:, :, : n + 1].copy()
-    pictured = observation.channels - of_gauges.size
+    pictured = observation.channels - of_sensors.shape[1]
     rows[:, pictured:] = 0.0  # an error of the pictures
     information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
     noise = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
-    floor = np.concatenate([TRACKER_ERROR * observation.tracked * noise, 0.0 * of_gauges])
-    return SeenError(np.concatenate([rows, alone[:, :, pictured:]], axis=2), np.concatenate([size, of_gauges]), floor)
+    of_shape[1] = TRACKER_ERROR * observation.tracked * noise
+    rows = np.concatenate([rows, alone[:, :, pictured:]], axis=2)
+    return SeenError(rows, *np.concatenate([of_shape, of_sensors], axis=1))
 
 
 def _linearised(

@@ -24,7 +24,8 @@ from affine_model.arm import Arm, active_effects, parameter_rows
 from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
-from inference.experiment import SHIFT_PRIOR, ZERO_PRIOR, Appearance, Experiment, predict, whitened_residuals
+from inference.appearance import Appearance
+from inference.experiment import SHIFT_PRIOR, ZERO_PRIOR, Experiment, predict, whitened_residuals
 from inference.fit import Fit
 from inference.latent_force import LatentForce
 from inference.linearise import latent_forces
@@ -66,7 +67,7 @@ def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]
             continue
         at, nuisances = parameters[:, None], fitted.nuisances[place][:, None]
         run = predict(problem.arm, experiment, at, nuisances, problem.step)
-        given = _cells_of(problem.arm, experiment, force, whitened_residuals(experiment, at, run)[:, :, 0])
+        given = _cells_of(problem.arm, experiment, force, whitened_residuals(experiment, run)[:, :, 0])
         found.append(
             _motion(problem, experiment, (parameters, fitted.nuisances[place]), force, likeliest(force, given))
         )
@@ -85,16 +86,16 @@ def _cells_of(arm: Arm, experiment: Experiment, force: LatentForce, residuals: A
 
 def _by_offsets(experiment: Experiment, shape: tuple[int, ...], length: float) -> Array:
     """Derivatives (T, K, 2 + G) of what is seen by a shift of the clamp, 0 where it is known not to shift, and by the
-    zeros of gauges; each in units of its prior.
+    zeros of sensors; each in units of its prior.
     """
     observation, shapes = experiment.observation, experiment.observation.shapes
-    gauges = len(observation.zero_names)
-    found = np.zeros((*shape, 2 + gauges))
+    sensors = len(observation.sensors)
+    found = np.zeros((*shape, 2 + sensors))
     if shapes is not None and experiment.sees_shift:
         found[:, : shapes.channels, :2] = SHIFT_PRIOR * length * shapes.root[:, :, 1:3]
     by_zeros = ZERO_PRIOR * observation.zero_size * observation.zero_slopes()
-    for k in range(gauges):
-        found[:, shape[1] - gauges + k, 2 + k] = by_zeros[:, k]
+    for k in range(sensors):
+        found[:, shape[1] - sensors + k, 2 + k] = by_zeros[:, k]
     return found / experiment.noise_gain[:, None]
 
 
@@ -221,7 +222,7 @@ def small_motions(problem: Problem, fitted: Fit, place: int, motion: SeenMotion)
 
 def _seen_of(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, smooth: Array) -> Array:
     """Whitened residuals (T, K, 1 + n) of the motion with z and theta = smooth (T, n + 1) at the frames, and of those
-    with one coordinate larger by STATE_DIFFERENCE.
+    with one coordinate larger by STATE_DIFFERENCE. What depends on the arm's acceleration is left out.
     """
     n = arm.order
     q = np.repeat((smooth[:, :n] @ arm.to_monomial.T)[:, :, None], 1 + n, axis=2)
@@ -229,8 +230,11 @@ def _seen_of(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arr
     theta = np.repeat(smooth[:, n : n + 1], 1 + n, axis=1)
     sight = sight_of(parameters)
     shift = arm.specimen.length * np.array(sight.shift, dtype=float) + experiment.shift(n, nuisances)
-    seen = Appearance(q, theta, shift[:, None], experiment.zeros(n, nuisances)[:, None])
-    return whitened_residuals(experiment, parameters[:, None], seen)
+    none = np.zeros(1 + n)
+    zeros = experiment.zeros(n, nuisances)[:, None]
+    return whitened_residuals(
+        experiment, Appearance(q, theta, sight.roll + none, sight.excess + none, shift[:, None], zeros)
+    )
 
 
 def _equations(arm: Arm, parameters: Array, motion: SeenMotion) -> tuple[Array, Array]:

@@ -25,8 +25,8 @@ def motion_nats(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...], 
     for experiment, nuisances, force in zip(known.experiments, fitted.nuisances, forces, strict=True):
         run = predict(known.arm, experiment, parameters[:, None], nuisances[:, None], known.step)
         q, theta = run.q[experiment.used], run.theta[experiment.used]
-        still = replace(run, q=0.0 * run.q + q.mean(axis=0), theta=0.0 * run.theta + theta.mean(axis=0))
-        own = experiment.own(parameters[:, None], nuisances[:, None])
-        moved = whitened_residuals(experiment, own, still) - whitened_residuals(experiment, own, run)
+        at, turned = 0.0 * run.q + q.mean(axis=0), 0.0 * run.theta + theta.mean(axis=0)
+        still = replace(run, q=at, theta=turned, motion=run.motion and run.motion.stopped())
+        moved = whitened_residuals(experiment, still) - whitened_residuals(experiment, run)
         total += 0.5 * float(np.sum(force.filter(share).whiten(moved) ** 2))
     return total

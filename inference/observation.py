@@ -5,8 +5,8 @@
 One interface, Observation, for all kinds. ShapeObservation: each frame's midline is reduced by least squares to shape
 coefficients [base angle offset, shift x, shift y, log scale, z_1 .. z_m]. R is the root of their information matrix. In
 this order the last rows of R belong to the highest curvature coordinates alone, so they show directly whether a further
-coordinate is needed. MarkerObservation: single points, compared as points. Gauges beside either of them:
-inference.gauge_observation.
+coordinate is needed. MarkerObservation: single points, compared as points. Sensors beside either of them:
+inference.sensed_observation.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 
 from affine_model.curvature import Array, legendre_to_monomial, midline
 from affine_model.points_beside import points_beside
+from inference.appearance import Appearance
+from inference.sensor import Sensor
 
 # Noise deviations: a tracker states its noise to 30 % (benchmarks/vision.py), and the rest of its error is slow.
 TRACKER_ERROR = 0.83
@@ -68,8 +70,8 @@ class Observation(ABC):
         return None
 
     @property
-    def zero_names(self) -> tuple[str, ...]:
-        """Of G gauges whose zero is unknown. They are the last of the channels."""
+    def sensors(self) -> tuple[Sensor, ...]:
+        """G sensors on the arm, whose zeros are unknown. They are the last of the channels."""
         return ()
 
     @property
@@ -79,15 +81,15 @@ class Observation(ABC):
 
     @property
     def readings(self) -> Array:
-        """What these gauges read (T, G); NaN where nothing was measured."""
+        """What these sensors read (T, G); NaN where nothing was measured."""
         return np.zeros((self.t.size, 0))
 
-    def strain_of(self, q: Array) -> Array:
-        """What they would read (T, G, B) of q (T, n, B), were their zeros 0."""
-        return np.zeros((self.t.size, 0, q.shape[2]))
+    def read(self, seen: Appearance) -> Array:
+        """What they would read (T, G, B), were their zeros 0; NaN where that is not known."""
+        return np.zeros((self.t.size, 0, seen.q.shape[2]))
 
     def zero_slopes(self) -> Array:
-        """Derivatives (T, G) of the gauges' whitened residuals by their zeros."""
+        """Derivatives (T, G) of the sensors' whitened residuals by their zeros."""
         return np.zeros((self.t.size, 0))
 
     def moved_places(self, step: float) -> tuple[Self, ...]:
@@ -100,19 +102,19 @@ class Observation(ABC):
         what is seen of every number in these frames [noise deviations].
         """
 
-    def slow_gauge_errors(self, frames: NDArray[np.bool_]) -> Array:
-        """Sizes (G,) of which the gauges' slow errors are a share: their motion in these frames [noise deviations]."""
-        return np.zeros(0)
+    def sensor_errors(self, frames: NDArray[np.bool_]) -> Array:
+        """Size, floor, share and time (4, G) of the sensors' own slow errors (inference.latent_force.SeenError). The
+        size is the standard deviation of what is read in these frames [noise deviations].
+        """
+        return np.zeros((4, 0))
 
     @abstractmethod
     def points(self, s: Array) -> tuple[Array, Array]:
         """Places s (P,) and the points (T, P, 2) [m] that were seen there; NaN where nothing was."""
 
     @abstractmethod
-    def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
-        """Whitened residuals (T, K, B) of q (T, n, B), theta (T, B), camera roll (B,), excess scale (B,), shift (2,
-        B).
-        """
+    def predict(self, seen: Appearance) -> Array:
+        """Whitened residuals (T, K, B) of B individuals."""
 
     @abstractmethod
     def first(self, count: int) -> Self:
@@ -191,13 +193,13 @@ class ShapeObservation(Observation):
         )
         return s, np.where(self.seen[:, None, None], shown, np.nan)
 
-    def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
-        n = q.shape[1]
-        z = np.matmul(np.linalg.inv(legendre_to_monomial(n)), q)
-        error = np.repeat(self.coefficients[:, :, None], q.shape[2], axis=2)
-        error[:, 0] -= theta - self.theta[:, None] + roll
-        error[:, 1:3] -= shift
-        error[:, 3] -= np.log1p(scale)
+    def predict(self, seen: Appearance) -> Array:
+        n = seen.q.shape[1]
+        z = np.matmul(np.linalg.inv(legendre_to_monomial(n)), seen.q)
+        error = np.repeat(self.coefficients[:, :, None], seen.q.shape[2], axis=2)
+        error[:, 0] -= seen.theta - self.theta[:, None] + seen.roll
+        error[:, 1:3] -= seen.shift
+        error[:, 3] -= np.log1p(seen.excess)
         kept = min(n, self.order)
         error[:, POSE : POSE + kept] -= z[:, :kept]
         return np.matmul(self.root, error)
@@ -278,11 +280,11 @@ class MarkerObservation(Observation):
         """Places s (M,) and the markers (T, M, 2) [m], whatever places were asked for."""
         return self.s, self.xy
 
-    def predict(self, q: Array, theta: Array, roll: Array, scale: Array, shift: Array) -> Array:
+    def predict(self, seen: Appearance) -> Array:
         """Whitened residuals (T, 2 M, B); 0 where a marker was not seen."""
-        shape = np.moveaxis(q, 1, -1)  # (T, B, n)
-        points = points_beside(shape, theta + roll, self.length, self.s, self.d) * (1.0 + scale)[:, None, None]
-        points = points + shift.T[:, None, :]
+        shape = np.moveaxis(seen.q, 1, -1)  # (T, B, n)
+        points = points_beside(shape, seen.theta + seen.roll, self.length, self.s, self.d)
+        points = points * (1.0 + seen.excess)[:, None, None] + seen.shift.T[:, None, :]
         error = (self.xy[:, None] - points) / self.sigma
         return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))
 

@@ -10,15 +10,16 @@ from numpy.typing import ArrayLike
 
 from affine_model.curvature import Array
 from affine_model.declared_laws import declared_laws, refuse_unknown_laws
+from inference.appearance import Appearance, Motion
 from inference.experiment import Experiment
-from inference.gauge_observation import with_gauges
 from inference.jumps import without_jumps
 from inference.known_base import within_log
-from inference.linearise import LAW_KNOWN
+from inference.latent_force import LAW_KNOWN
 from inference.measured_shapes import Tracker, fit_shapes, from_markers, from_track
 from inference.motion_spread import motion_spread
 from inference.noise_floor import noise_deviation
 from inference.observation import POSE, Observation
+from inference.sensed_observation import with_sensors
 from tentacle.base_motion import BaseMotion, fit_base_motion, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.recording import Recording
@@ -182,8 +183,8 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
             share = f"{jumps} of {len(times)}"
             words.append(f"Left out of {recording.name}: frames shown twice or misread, out of the motion, {share}.")
         shown = motion_spread(observation)
-    observation, of_gauges = with_gauges(observation, recording.strain)
-    words += of_gauges
+    observation, of_sensors = with_sensors(observation, recording)
+    words += of_sensors
     seen = observation.seen
     if seen.sum() < FEWEST_FRAMES:
         count = int(seen.sum())
@@ -251,7 +252,9 @@ def recalibrated(experiment: Experiment, residuals: Array) -> Experiment:
     """
     seen = experiment.observation
     still = np.zeros((seen.t.size, seen.order, 1))
-    measured = seen.predict(still, seen.theta[:, None], np.zeros(1), np.zeros(1), np.zeros((2, 1)))[:, :, 0]
+    resting = Motion(np.zeros((2, *still.shape)), np.zeros((2, still.shape[0], 1)), np.zeros((1, 2, 1)))
+    shown = replace(Appearance.as_declared(still, seen.theta[:, None]), motion=resting)
+    measured = seen.predict(shown)[:, :, 0]
     own, left = (noise_deviation(np.where(rows == 0.0, np.nan, rows)) for rows in (measured, residuals))
     found = np.fmin(own, left * experiment.noise_gain)
     gain = np.where(np.isfinite(found) & (found > 1.1), found, 1.0)

@@ -168,7 +168,7 @@ class Problem:
             nuisances = unknowns[place : place + size]
             place += size
             prediction = predict(self.arm, experiment, parameters, nuisances, self.step)
-            error = whitened_residuals(experiment, parameters, prediction)
+            error = whitened_residuals(experiment, prediction)
             if self.defect:
                 error += self.defect[number][:, :, None]
             error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY

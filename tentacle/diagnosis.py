@@ -15,6 +15,7 @@ from tentacle.proposed_law import MissingForce
 from tentacle.rounding import number
 from tentacle.signals import Array
 
+Quantity = Literal["strain", "acceleration"]  # what a sensor on the arm measures
 Verdict = Literal["nothing_missing", "effect", "group", "unknown"]
 
 
@@ -50,6 +51,19 @@ class ErrorBudget:
 
 
 @dataclass(frozen=True)
+class SensorComparison:
+    """One sensor on the arm: what it read, measured (T,), and what the models say, base and augmented (T,), each about
+    its own mean; NaN where nothing was measured. quantity: "strain" [1] or "acceleration" [m/s^2].
+    """
+
+    name: str
+    quantity: Quantity
+    measured: Array
+    base: Array
+    augmented: Array
+
+
+@dataclass(frozen=True)
 class RunComparison:
     """One recording beside both models, at the measured instants, in the base frame.
 
@@ -57,9 +71,8 @@ class RunComparison:
     q_measured, q_base, q_augmented (T, 2) [rad] the paper's coordinates (NaN where not measured); judged (T,) True on
     the samples on which the errors are stated. theta (T,) [rad]. points: what the P columns are.
     thrust_base, thrust_augmented (T,) [N] along +y as a load cell at the base would read it, and drag_base,
-    drag_augmented (T, P, 2) [N/m], the water's drag per length at the P points; None where they are not known. gauges
-    (G): names of strain gauges, with what they read and what the models say, strain_measured, strain_base and
-    strain_augmented (T, G), each about its own mean.
+    drag_augmented (T, P, 2) [N/m], the water's drag per length at the P points; None where they are not known.
+    sensors: what each sensor on the arm read.
     """
 
     name: str
@@ -78,10 +91,7 @@ class RunComparison:
     thrust_augmented: Array | None = None
     drag_base: Array | None = None
     drag_augmented: Array | None = None
-    gauges: tuple[str, ...] = ()
-    strain_measured: Array | None = None
-    strain_base: Array | None = None
-    strain_augmented: Array | None = None
+    sensors: tuple[SensorComparison, ...] = ()
 
 
 @dataclass(frozen=True)

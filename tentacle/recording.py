@@ -10,6 +10,7 @@ import numpy as np
 from tentacle.declared import Uncertain
 from tentacle.notebook import html_paragraph, html_table
 from tentacle.signals import (
+    AccelerationSignal,
     Array,
     BaseTravel,
     LoadCellSignal,
@@ -89,12 +90,13 @@ class Recording:
     shape: ShapeTrack | None = None
     travel: BaseTravel | None = None
     strain: StrainSignal | None = None
+    acceleration: AccelerationSignal | None = None
     notes: dict[str, str] = field(default_factory=dict)
 
     def _repr_html_(self) -> str:
         """The measured signals, for notebooks: each with its number of samples and its time span."""
         rows = []
-        for signal in ("motor", "travel", "load_cell", "midline", "markers", "strain", "shape"):
+        for signal in ("motor", "travel", "load_cell", "midline", "markers", "strain", "acceleration", "shape"):
             measured = getattr(self, signal)
             if measured is not None:
                 t = measured.t

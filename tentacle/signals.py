@@ -1,4 +1,5 @@
-"""The signals of a recording: motor, load cell, midline, markers, strain, video. Arrays in SI units, times in seconds.
+"""The signals of a recording: motor, load cell, midline, markers, sensors on the arm, video. Arrays in SI units, times
+in seconds.
 
 All positions are in the base frame: origin at the clamp, x along the normal n, y along the straight arm at
 theta = 0. It stands still in the laboratory: when the servo turns the base by theta, the arm turns in this frame.
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +100,35 @@ class StrainSignal:
     t: Array
     names: tuple[str, ...]
     gauges: tuple[StrainGauge, ...]
+    values: Array
+
+
+@dataclass(frozen=True)
+class Accelerometer:
+    """One axis of an accelerometer on the arm, at (s, d), d [m] along the normal; sigma [m/s^2], the standard deviation
+    of one reading (None: not known).
+
+        f = (r'' - g) . axis,      normal (cos phi, sin phi) or tangent (-sin phi, cos phi)
+
+    r: its place in the laboratory; g: gravity; phi: the arm's direction at s. The axes turn with the arm. An arm that
+    hangs at rest reads 0 along the normal, and minus g along the tangent.
+    """
+
+    s: float
+    d: float
+    axis: Literal["normal", "tangent"]
+    sigma: float | None = None
+
+
+@dataclass(frozen=True)
+class AccelerationSignal:
+    """What accelerometers measure: t (T,) [s] on the pictures' clock, names (A), accelerometers (A), values (T, A)
+    [m/s^2]; NaN where nothing was measured. The zero of an axis is not known: its values are right up to a constant.
+    """
+
+    t: Array
+    names: tuple[str, ...]
+    accelerometers: tuple[Accelerometer, ...]
     values: Array
 
 

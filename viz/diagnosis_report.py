@@ -17,9 +17,9 @@ from viz.figures.coordinates import coordinates_figure
 from viz.figures.force_over import force_over_figure
 from viz.figures.missing_force import missing_force_figure
 from viz.figures.residual import residual_figure
+from viz.figures.sensors import sensors_figure
 from viz.figures.shapes import shapes_figure
 from viz.figures.spectrum import spectrum_figure
-from viz.figures.strain import strain_figure
 from viz.figures.thrust import thrust_figure
 from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
@@ -150,9 +150,12 @@ def run_section(scene: ViewedRun, recording: Recording | None) -> ReportSection:
     thrust = thrust_figure(scene, recording.load_cell if recording else None)
     if thrust is not None:
         pictures.append(Picture(thrust, "Thrust, as a load cell at the base reads it."))
-    strain = strain_figure(scene)
+    strain, acceleration = sensors_figure(scene, "strain"), sensors_figure(scene, "acceleration")
     if strain is not None:
         pictures.append(Picture(strain, "Strain at the gauges, about its mean."))
+    if acceleration is not None:
+        words = "What the accelerometers read, gravity included, about its mean."
+        pictures.append(Picture(acceleration, words))
     return ReportSection(f"Recording: {scene.name}", (), (), pictures)
 
 

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tentacle.diagnosis import RunComparison
+from tentacle.diagnosis import Quantity, RunComparison
 from tentacle.recording import Recording
 from tentacle.signals import Array
 from viz.palette import AUGMENTED, BASE, MEASURED, MODEL, Role
@@ -22,7 +22,7 @@ class Party:
     unknown.
 
     q (T, 2) [rad], the paper's coordinates, thrust (T,) [N] as a load cell reads it, and drag (T, P, 2) [N/m], the
-    water's force per length, where they are known. strain (T, G): of the run's gauges, about its mean.
+    water's force per length, where they are known. sensors: what each of the run's sensors reads (T,), about its mean.
     """
 
     key: str
@@ -31,13 +31,13 @@ class Party:
     q: Array | None = None
     thrust: Array | None = None
     drag: Array | None = None
-    strain: Array | None = None
+    sensors: tuple[Array, ...] = ()
 
 
 @dataclass(frozen=True)
 class ViewedRun:
-    """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P; gauges
-    (G), names.
+    """A run: t (T,) [s], s (P,), theta (T,) [rad], judged (T,) where errors are stated; parties of that T and P;
+    sensors: name, quantity of each.
     """
 
     name: str
@@ -47,7 +47,7 @@ class ViewedRun:
     parties: tuple[Party, ...]
     judged: NDArray[np.bool_]
     points: Literal["midline", "markers"] = "midline"
-    gauges: tuple[str, ...] = ()
+    sensors: tuple[tuple[str, Quantity], ...] = ()
 
     @property
     def subject(self) -> Party:
@@ -105,11 +105,14 @@ def model_scene(run: RunComparison) -> ViewedRun:
 def scene_of(run: RunComparison) -> ViewedRun:
     """A diagnosis's run as a scene: measured, base model, augmented model."""
     parties = (
-        Party("measured", MEASURED, run.measured, run.q_measured, strain=run.strain_measured),
-        Party("base", BASE, run.base, run.q_base, run.thrust_base, run.drag_base, run.strain_base),
+        Party("measured", MEASURED, run.measured, run.q_measured, sensors=tuple(one.measured for one in run.sensors)),
+        Party(
+            "base", BASE, run.base, run.q_base, run.thrust_base, run.drag_base, tuple(one.base for one in run.sensors)
+        ),
         Party(
             "augmented", AUGMENTED, run.augmented, run.q_augmented, run.thrust_augmented, run.drag_augmented,
-            run.strain_augmented,
+            tuple(one.augmented for one in run.sensors),
         ),
     )  # fmt: skip
-    return ViewedRun(run.name, run.t, run.s, run.theta, parties, run.judged, run.points, run.gauges)
+    sensors: tuple[tuple[str, Quantity], ...] = tuple((one.name, one.quantity) for one in run.sensors)
+    return ViewedRun(run.name, run.t, run.s, run.theta, parties, run.judged, run.points, sensors)

@@ -26,7 +26,7 @@ from viz.topics.events import Event, judged_events, log_events, recording_events
 from viz.topics.forces import log_forces, log_missing_force
 from viz.topics.paths import run_path
 from viz.topics.residual import log_residual, log_spectra
-from viz.topics.strain import log_strain
+from viz.topics.sensors import log_sensors
 from viz.topics.thrust import log_thrust
 from viz.topics.tip import log_tip
 from viz.topics.verdict import log_verdict
@@ -60,7 +60,7 @@ def log_scene(
     log_coordinates(session, path, scene, recording.shape)
     log_residual(session, path, scene)
     log_spectra(session, path, scene)
-    log_strain(session, path, scene)
+    log_sensors(session, path, scene)
     return LoggedTopics(
         scene.name,
         recording.declaration,
@@ -72,7 +72,7 @@ def log_scene(
         events=log_events(session, path, [*events, *recording_events(recording), *judged_events(scene)]),
         forces=forces,
         tip_mm=log_tip(session, path, scene),
-        gauges=scene.gauges,
+        sensors=scene.sensors,
     )
 
 

@@ -11,10 +11,11 @@ from typing import Any, cast
 import tomli_w
 
 from tentacle.declared import Uncertain
+from tentacle.io.acceleration_file import acceleration_table, parse_acceleration
 from tentacle.io.strain_file import parse_strain, strain_table
 from tentacle.io.toml_table import Table, read_toml
 from tentacle.recording import Camera, Declaration
-from tentacle.signals import StrainGauge
+from tentacle.signals import Accelerometer, StrainGauge
 from tentacle.specimen import (
     AIR,
     HANGING_DOWN,
@@ -37,13 +38,14 @@ LIGHTEST_SOLID = 10.0  # kg/m^3; less is g/cm^3 by mistake
 
 @dataclass(frozen=True)
 class RecordingFile:
-    """The content of recording.toml: the declaration, the place of each marker (s, d [m]), the strain gauges, a name
-    and notes.
+    """The content of recording.toml: the declaration, the place of each marker (s, d [m]), the strain gauges,
+    the accelerometers, a name and notes.
     """
 
     declaration: Declaration
     markers: dict[str, tuple[float, float]] = field(default_factory=dict)
     strain: dict[str, StrainGauge] = field(default_factory=dict)
+    acceleration: dict[str, Accelerometer] = field(default_factory=dict)
     name: str | None = None
     notes: dict[str, str] = field(default_factory=dict)
 
@@ -68,10 +70,13 @@ def parse_recording_file(values: dict[str, Any], *, file: Path | None = None, te
     positions = _parse_markers(markers) if markers else {}
     strain = document.table("strain", optional=True)
     gauges = parse_strain(strain, specimen.length) if strain else {}
+    acceleration = document.table("acceleration", optional=True)
+    accelerometers = parse_acceleration(acceleration) if acceleration else {}
     found = RecordingFile(
         declaration=replace(declaration, uncertain=tuple(document.uncertain)),
         markers=positions,
         strain=gauges,
+        acceleration=accelerometers,
         name=document.string("name", "") or None,
         notes={key: notes.string(key) for key in notes} if notes else {},
     )
@@ -278,6 +283,8 @@ def format_recording_file(recording_file: RecordingFile) -> str:
         tables["markers"] = {name: {"s": s, "d": d} for name, (s, d) in recording_file.markers.items()}
     if recording_file.strain:
         tables["strain"] = strain_table(recording_file.strain)
+    if recording_file.acceleration:
+        tables["acceleration"] = acceleration_table(recording_file.acceleration)
     _state_uncertain(tables, recording_file.declaration.uncertain)
     if recording_file.notes:
         tables["notes"] = dict(recording_file.notes)

@@ -10,6 +10,7 @@
 | midline.csv | t_s, s, x_m, y_m, sigma_m, one point a row; sigma_m may be left out | no midline |
 | markers.csv | t_s, then NAME_x_m, NAME_y_m (and NAME_z_m); [markers] NAME = {s, d} in recording.toml | no markers |
 | strain.csv | t_s, then NAME_strain; [strain] NAME = {s, d} in recording.toml (tentacle.io.strain_file) | no gauges |
+| acceleration.csv | t_s, then NAME_m_s2; [acceleration] NAME = {s, d, axis} (tentacle.io.acceleration_file) | none |
 
 A blank cell in x_m, y_m, sigma_m or a marker's columns means: not seen.
 One of video, midline and markers must be there.
@@ -23,6 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.errors import InputError
+from tentacle.io.acceleration_file import read_acceleration
 from tentacle.io.csv_table import CsvTable, read_csv
 from tentacle.io.declaration_file import RecordingFile, read_recording_file
 from tentacle.io.plain_file import is_there
@@ -64,6 +66,7 @@ def read_folder(folder: Path) -> Recording:
         midline=_read_midline(folder / "midline.csv", reach),
         markers=markers,
         strain=read_strain(folder / "strain.csv", declared.strain, declared.declaration.specimen.length),
+        acceleration=read_acceleration(folder / "acceleration.csv", declared.acceleration),
         video=video,
         notes=declared.notes,
     )

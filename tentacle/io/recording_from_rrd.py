@@ -25,6 +25,7 @@ from tentacle.io.video_file import VIDEO_SUFFIXES, check_frames
 from tentacle.io.video_store import store_frames, store_video
 from tentacle.recording import Recording
 from tentacle.signals import (
+    AccelerationSignal,
     Array,
     BaseTravel,
     LoadCellSignal,
@@ -59,7 +60,7 @@ def read_rrd(file: Path) -> Recording:
     except DAMAGE as error:
         raise InputError(f"damaged: {error}", file=file, expected="an .rrd of `tentacle import`") from None
     if note is not None:
-        kept = {name: None for name in ("motor", "load_cell", "midline", "markers", "strain", "shape")
+        kept = {name: None for name in ("motor", "load_cell", "midline", "markers", "strain", "acceleration", "shape")
                 if (signal := getattr(recording, name)) is not None and not len(signal.t)}  # fmt: skip
         recording = replace(recording, notes={**recording.notes, "cut_off": note}, **kept)
     return check_recording(recording, file)
@@ -82,6 +83,7 @@ def _assembled(entities: dict[str, EntityColumns], file: Path) -> Recording:
         midline=_midline(entities.get("/midline"), compare),
         markers=_markers(entities.get("/markers"), declared, compare),
         strain=_strain(entities.get("/strain"), declared, compare),
+        acceleration=_acceleration(entities.get("/acceleration"), declared, compare),
         shape=_shape(entities.get("/shape"), compare),
         video=_video(entities, file, compare),
         notes=declared.notes,
@@ -182,11 +184,24 @@ def _markers(columns: EntityColumns | None, declared: RecordingFile, compare: _C
 
 
 def _strain(columns: EntityColumns | None, declared: RecordingFile, compare: _Comparison) -> StrainSignal | None:
+    found = _readings(columns, "strain", compare)
+    return found and StrainSignal(found[0], tuple(declared.strain), tuple(declared.strain.values()), found[1])
+
+
+def _acceleration(
+    columns: EntityColumns | None, declared: RecordingFile, compare: _Comparison
+) -> AccelerationSignal | None:
+    found, sensors = _readings(columns, "acceleration", compare), declared.acceleration
+    return found and AccelerationSignal(found[0], tuple(sensors), tuple(sensors.values()), found[1])
+
+
+def _readings(columns: EntityColumns | None, signal: str, compare: _Comparison) -> tuple[Array, Array] | None:
+    """Times (T,) and values (T, G) of sensors on the arm."""
     if columns is None or not columns.has_rows("t_s", "Scalars:scalars"):
         return None
-    t, strain = columns.aligned("t_s", "Scalars:scalars")
-    found = compare.rows("strain", {"t_s": np.ascontiguousarray(t[:, 0]), "strain": strain})
-    return StrainSignal(found["t_s"], tuple(declared.strain), tuple(declared.strain.values()), found["strain"])
+    t, values = columns.aligned("t_s", "Scalars:scalars")
+    found = compare.rows(signal, {"t_s": np.ascontiguousarray(t[:, 0]), signal: values})
+    return found["t_s"], found[signal]
 
 
 def _shape(columns: EntityColumns | None, compare: _Comparison) -> ShapeTrack | None:

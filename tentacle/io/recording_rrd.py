@@ -2,7 +2,7 @@
 
 | entity | what is there (columns by name; rows on the timelines `time` [s] and `row`) |
 |---|---|
-| /declaration | static TextDocument: recording.toml, markers' (s, d), gauges, name, notes included; format |
+| /declaration | static TextDocument: recording.toml, markers' (s, d), sensors, name, notes included; format |
 | /rows | static: signal, count of rows (camera: frames, 1 for a video file), start_s, stop_s: to know a cut |
 | /planned | static text, where it is written as it is measured: the seconds that it is to last |
 | /sums | a checksum of each block of each signal (tentacle.io.checksums) |
@@ -12,6 +12,7 @@
 | /midline | t_s, x_m, y_m, sigma_m (P each); static s (P) |
 | /markers | t_s, x_m, y_m (M each) |
 | /strain | t_s, Scalars (G: one a gauge) |
+| /acceleration | t_s, Scalars (A: one an axis of an accelerometer) |
 | /shape | t_s, coefficients (K), covariance (K K), accepted, reason; static scale, scale_sigma, base_shift (2) |
 | /camera/video | a video file: static AssetVideo with its own bytes, suffix, sha256; VideoFrameReference rows |
 | /camera/film | a video file over LARGE_VIDEO: its bytes in pieces, one a row; static suffix |
@@ -138,7 +139,8 @@ def signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
     """Signal -> column -> (rows, ...), the first column the times."""
     signals: dict[str, dict[str, NDArray[Any]]] = {}
     motor, load_cell, midline = recording.motor, recording.load_cell, recording.midline
-    markers, strain, shape = recording.markers, recording.strain, recording.shape
+    markers, strain, acceleration = recording.markers, recording.strain, recording.acceleration
+    shape = recording.shape
     if motor is not None:
         signals["motor"] = {"t_s": motor.t, "command": motor.command, "angle": motor.angle}
     if recording.travel is not None:
@@ -153,6 +155,8 @@ def signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
         signals["markers"] = {"t_s": markers.t, "x_m": markers.xy[..., 0], "y_m": markers.xy[..., 1]}
     if strain is not None:
         signals["strain"] = {"t_s": strain.t, "strain": strain.values}
+    if acceleration is not None:
+        signals["acceleration"] = {"t_s": acceleration.t, "acceleration": acceleration.values}
     if shape is not None:
         covariance = shape.covariance.reshape(len(shape.t), -1)
         signals["shape"] = {
@@ -188,7 +192,7 @@ def _send(stream: rr.RecordingStream, name: str, columns: dict[str, NDArray[Any]
     for column, values in columns.items():
         if name in ("motor", "load_cell") and column != "t_s":
             stream.send_columns(f"{name}/{column}", index, rr.Scalars.columns(scalars=values[rows]))
-        elif column == "strain":
+        elif column in ("strain", "acceleration"):
             lines = rr.Scalars.columns(scalars=values[rows].ravel())
             stream.send_columns(name, index, lines.partition(np.full(count, values.shape[1])))
         else:

@@ -32,6 +32,9 @@ def summarise(recording: Recording) -> dict[str, str]:
     if recording.strain is not None:
         line = f"strain: {', '.join(recording.strain.names)}, {_sampling(recording.strain.t)}"
         lines["strain"] = line + _missing(recording.strain.values)
+    if recording.acceleration is not None:
+        line = f"acceleration: {', '.join(recording.acceleration.names)}, {_sampling(recording.acceleration.t)}"
+        lines["acceleration"] = line + _missing(recording.acceleration.values)
     if recording.shape is not None:
         shape = recording.shape
         accepted = f"{int(shape.accepted.sum())} of {len(shape.t)} frames accepted"

@@ -58,6 +58,7 @@ angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.
 #   base.csv       t_s,x_m,y_m                   where the base is, if it travels (shaken, on a cart, towed)
 #   load_cell.csv  t_s,thrust_n
 #   strain.csv     t_s,NAME_strain               strain gauges on the arm: [strain] NAME = {{ s = 0.1, d = 0.01 }}
+#   acceleration.csv  t_s,NAME_m_s2             one axis: [acceleration] NAME = {{ s = 1, d = 0, axis = "normal" }}
 """
 
 

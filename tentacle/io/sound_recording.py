@@ -12,9 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.errors import InputError
-from tentacle.io.strain_file import largest_strain
+from tentacle.io.acceleration_file import AN_ACCELERATION, LARGEST_ACCELERATION
+from tentacle.io.strain_file import A_STRAIN, largest_strain
 from tentacle.recording import Declaration, Recording
-from tentacle.signals import Array, BaseTravel, Markers, Midline, ShapeTrack, StrainSignal
+from tentacle.signals import AccelerationSignal, Array, BaseTravel, Markers, Midline, ShapeTrack, StrainSignal
 
 LARGEST_ANGLE = 4 * math.pi  # rad; a servo turns less, so more is degrees by mistake
 LARGEST_DISTANCE = 3.0  # arm lengths; farther from the clamp is millimetres by mistake
@@ -52,6 +53,8 @@ def check_recording(recording: Recording, file: Path) -> Recording:
         _check_markers(recording.markers, reach, file)
     if recording.strain is not None:
         _check_strain(recording.strain, recording.declaration.specimen.length, file)
+    if recording.acceleration is not None:
+        _check_acceleration(recording.acceleration, file)
     if recording.shape is not None:
         _check_shape(recording.shape, file)
     _check_clocks(recording, file)
@@ -146,12 +149,22 @@ def _check_markers(markers: Markers, reach: float, file: Path) -> None:
 
 def _check_strain(strain: StrainSignal, length: float, file: Path) -> None:
     _check_times("strain", strain.t, file)
-    if strain.values.shape != (len(strain.t), len(strain.gauges)):
-        expected = f"{(len(strain.t), len(strain.gauges))}"
-        raise InputError(f"{strain.values.shape} values", file=file, field="strain", expected=expected)
+    _check_size("strain", strain.values, (len(strain.t), len(strain.gauges)), file)
     for k, (name, gauge) in enumerate(zip(strain.names, strain.gauges, strict=True)):
         most = largest_strain(gauge, length)
-        _check_within(f"strain.{name}", strain.values[:, k], most, "a strain, 0.001 for 1000 microstrain", file)
+        _check_within(f"strain.{name}", strain.values[:, k], most, A_STRAIN, file)
+
+
+def _check_acceleration(acceleration: AccelerationSignal, file: Path) -> None:
+    _check_times("acceleration", acceleration.t, file)
+    _check_size("acceleration", acceleration.values, (len(acceleration.t), len(acceleration.accelerometers)), file)
+    for name, values in zip(acceleration.names, acceleration.values.T, strict=True):
+        _check_within(f"acceleration.{name}", values, LARGEST_ACCELERATION, AN_ACCELERATION, file)
+
+
+def _check_size(name: str, values: Array, shape: tuple[int, int], file: Path) -> None:
+    if values.shape != shape:
+        raise InputError(f"{values.shape} values", file=file, field=name, expected=f"{shape}")
 
 
 def _check_shape(shape: ShapeTrack, file: Path) -> None:
@@ -176,7 +189,7 @@ def _check_clocks(recording: Recording, file: Path) -> None:
         return
     start, stop = float(pictures.t[0]), float(pictures.t[-1])
     logs = {"motor": recording.motor, "base": recording.travel, "load_cell": recording.load_cell}
-    for name, signal in (*logs.items(), ("strain", recording.strain)):
+    for name, signal in (*logs.items(), ("strain", recording.strain), ("acceleration", recording.acceleration)):
         if signal is not None and (signal.t[-1] < start or signal.t[0] > stop):
             raise InputError(
                 f"from {signal.t[0]:.9g} to {signal.t[-1]:.9g} s, and the arm is seen from {start:.9g} to {stop:.9g} s",

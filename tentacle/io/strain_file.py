@@ -8,15 +8,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
-from tentacle.errors import InputError
-from tentacle.io.csv_table import read_csv, write_csv
-from tentacle.io.plain_file import is_there
+from tentacle.io.readings_file import read_readings, write_readings
 from tentacle.io.toml_table import Table
 from tentacle.signals import StrainGauge, StrainSignal
 
 SHARPEST = 50.0  # curvature times arm length [rad]; strains that need more are microstrain by mistake
+A_STRAIN = "a strain, 0.001 for 1000 microstrain"
 
 
 def parse_strain(table: Table, length: float) -> dict[str, StrainGauge]:
@@ -57,26 +54,15 @@ def largest_strain(gauge: StrainGauge, length: float) -> float:
 
 def read_strain(file: Path, gauges: dict[str, StrainGauge], length: float) -> StrainSignal | None:
     """The strains out of their CSV; None where there is no such file and no gauge is declared."""
-    if not is_there(file):
-        if gauges:
-            raise InputError("no such file, and [strain] declares gauges", file=file)
-        return None
-    if not gauges:
-        raise InputError(
-            "missing, and there is strain.csv", file=file.parent / "recording.toml", field="strain",
-            expected="name = {s, d}",
-        )  # fmt: skip
-    columns = [f"{name}_strain" for name in gauges]
-    table = read_csv(file, ("t_s", *columns), blank_allowed=True)
-    table.require_values("t_s")
-    table.require_rising("t_s")
-    for column, gauge in zip(columns, gauges.values(), strict=True):
-        table.require_within(column, largest_strain(gauge, length), "a strain, 0.001 for 1000 microstrain")
-    values = np.stack([table[column] for column in columns], axis=-1)
-    return StrainSignal(table["t_s"], tuple(gauges), tuple(gauges.values()), values)
+    columns = {_column(name): largest_strain(gauge, length) for name, gauge in gauges.items()}
+    found = read_readings(file, ("strain", "gauges", "name = {s, d}"), columns, A_STRAIN)
+    return None if found is None else StrainSignal(found[0], tuple(gauges), tuple(gauges.values()), found[1])
 
 
 def write_strain(strain: StrainSignal, file: Path) -> None:
     """The CSV that read_strain gives back."""
-    columns = {f"{name}_strain": strain.values[:, k] for k, name in enumerate(strain.names)}
-    write_csv(file, {"t_s": strain.t, **columns})
+    write_readings(file, strain.t, tuple(_column(name) for name in strain.names), strain.values)
+
+
+def _column(name: str) -> str:
+    return f"{name}_strain"

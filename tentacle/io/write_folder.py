@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from tentacle.errors import InputError
+from tentacle.io.acceleration_file import write_acceleration
 from tentacle.io.csv_table import write_csv
 from tentacle.io.declaration_file import RecordingFile, format_recording_file
 from tentacle.io.strain_file import write_strain
@@ -42,12 +43,15 @@ def write_folder(recording: Recording, folder: Path) -> Path:
 
 def describe(recording: Recording, *, default_name: str = "") -> RecordingFile:
     """What recording.toml says of a recording; its name is left out where it is the default one."""
-    markers, strain = recording.markers, recording.strain
+    markers, strain, acceleration = recording.markers, recording.strain, recording.acceleration
     positions = {} if markers is None else dict(zip(markers.names, zip(markers.s, markers.d, strict=True), strict=True))
     return RecordingFile(
         declaration=recording.declaration,
         markers={name: (float(s), float(d)) for name, (s, d) in positions.items()},
         strain={} if strain is None else dict(zip(strain.names, strain.gauges, strict=True)),
+        acceleration={}
+        if acceleration is None
+        else dict(zip(acceleration.names, acceleration.accelerometers, strict=True)),
         name=None if recording.name == default_name else recording.name,
         notes=recording.notes,
     )
@@ -70,6 +74,8 @@ def _write_files(recording: Recording, folder: Path, name: str) -> None:
         _write_markers(recording.markers, folder / "markers.csv")
     if recording.strain is not None:
         write_strain(recording.strain, folder / "strain.csv")
+    if recording.acceleration is not None:
+        write_acceleration(recording.acceleration, folder / "acceleration.csv")
     if recording.video is not None:
         _copy_video(recording.video.path, folder)
 

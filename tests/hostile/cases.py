@@ -19,6 +19,7 @@ from tests.hostile.odd_inputs import odd_cases
 from tests.hostile.tables import BYTES, CSV, NUMBERS, OPTIONS, OUTS, PLACES, TOML, WORDS, WORK
 
 Damage = Callable[[Path], None]
+LABELS = ("names", "gauges", "accelerometers")  # fields of a signal that hold no numbers
 
 
 def cases(seed: int) -> list[Case]:
@@ -119,12 +120,12 @@ def _difference(one: Path, other: Path) -> str:
     found, true = read_recording(one), read_recording(other)
     if found.declaration != true.declaration:
         return "the declaration was changed and nothing said"
-    for name in ("motor", "load_cell", "midline", "markers", "strain"):
+    for name in ("motor", "load_cell", "midline", "markers", "strain", "acceleration"):
         a, b = getattr(found, name), getattr(true, name)
         if (a is None) != (b is None):
             return f"{name} is gone and nothing said"
         for field in () if a is None else vars(a):
-            if not np.array_equal(getattr(a, field), getattr(b, field), equal_nan=field not in ("names", "gauges")):
+            if not np.array_equal(getattr(a, field), getattr(b, field), equal_nan=field not in LABELS):
                 return f"{name}.{field} was changed and nothing said"
     if (found.video is None) != (true.video is None):
         return "the video is gone and nothing said"

@@ -15,7 +15,17 @@ from tentacle.io.model_file import read_model
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Camera, Declaration, Recording
-from tentacle.signals import LoadCellSignal, Markers, Midline, MotorSignal, StrainGauge, StrainSignal, Video
+from tentacle.signals import (
+    AccelerationSignal,
+    Accelerometer,
+    LoadCellSignal,
+    Markers,
+    Midline,
+    MotorSignal,
+    StrainGauge,
+    StrainSignal,
+    Video,
+)
 from tentacle.specimen import WATER, Cone, Specimen
 
 SPECIMEN = Specimen(Cone(0.0125, 0.003), 0.14, 1070.0)
@@ -188,6 +198,7 @@ def measured_recording() -> Recording:
         Midline(t, s, xy, np.full(xy.shape[:2], 2e-4)),
         Markers(t, ("middle", "tip"), np.array([0.5, 1.0]), np.zeros(2), xy[:, [4, 8]].copy()),
         strain=StrainSignal(fine, ("root",), (StrainGauge(0.2, 0.01),), 0.03 * np.sin(2 * np.pi * fine - 0.5)[:, None]),
+        acceleration=AccelerationSignal(fine, ("tip",), (Accelerometer(1.0, 0.0, "normal"),), 3.0 * swing[:, None]),
     )
 
 

@@ -42,6 +42,7 @@ CSV = (
     ("folder", "midline.csv", ("import", "folder", "--out", "out.rrd"), (), 24),
     ("folder", "markers.csv", ("import", "folder", "--out", "out.rrd"), (), 16),
     ("folder", "strain.csv", ("import", "folder", "--out", "out.rrd"), (), 16),
+    ("folder", "acceleration.csv", ("import", "folder", "--out", "out.rrd"), (), 16),
     ("folder", "midline.csv", ("identify", "folder", "--out", "out", "--order", "2"), (), 6),
     ("folder", "motor.csv", ("diagnose", "folder", "--out", "out"), (), 6),
     ("folder", "motor.csv", ("render", "folder", "--out", "out", "--seed", "1"), (), 4),

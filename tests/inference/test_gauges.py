@@ -8,14 +8,17 @@ import numpy as np
 import pytest
 
 from affine_model.curvature import legendre_to_monomial
-from inference.gauge_observation import at_frames, mean_curvature, with_gauges
+from inference.appearance import Appearance
+from inference.frame_readings import at_frames
 from inference.identify import Identification, identify
 from inference.observation import MarkerObservation
 from inference.prepare import prepare
+from inference.sensed_observation import with_sensors
+from inference.sensor import mean_curvature
 from mujoco_ref.undeclared import Noise, Scenario, make_recording
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
-from tentacle.recording import Recording
+from tentacle.recording import Declaration, Recording
 from tentacle.signals import Array, Markers, Midline, StrainGauge, StrainSignal
 from tentacle.specimen import WATER
 from tests.made_recordings import SPECIMEN, TRUTH, WAVE
@@ -72,13 +75,11 @@ def test_a_gauge_sees_the_mean_slope_of_the_angle(ends: tuple[float, float]) -> 
 def test_a_reading_outside_of_the_bend_is_positive() -> None:
     """Bent towards -x, the side at +x is stretched: d along the normal, which is +x at the clamp."""
     q = legendre_to_monomial(2) @ np.array([0.5, 0.0])
-    bare = MarkerObservation(np.zeros(2), np.zeros(2), 0.1, np.ones(1), np.zeros(1), np.zeros((2, 1, 2)), 1e-4)
+    bare = MarkerObservation(np.array([0.0, 1.0]), np.zeros(2), 0.1, np.ones(1), np.zeros(1), np.zeros((2, 1, 2)), 1e-4)
     for d, sign in ((0.01, 1.0), (-0.01, -1.0)):
         strain = StrainSignal(np.array([0.0, 1.0]), ("g",), (StrainGauge(0.5, d, sigma=1.0),), np.zeros((2, 1)))
-        seen, _ = with_gauges(replace(bare, t=np.array([0.0, 1.0])), strain)
-        rows = seen.predict(
-            np.repeat(q[None, :, None], 2, axis=0), np.zeros((2, 1)), *np.zeros((2, 1)), np.zeros((2, 1))
-        )
+        seen, _ = with_sensors(bare, Recording("bent", Declaration(SPECIMEN), strain=strain))
+        rows = seen.predict(Appearance.as_declared(np.repeat(q[None, :, None], 2, axis=0), np.zeros((2, 1))))
         assert -rows[0, -1, 0] == pytest.approx(sign * 0.01 * q[0] / 0.1, rel=1e-9)  # constant curvature
 
 
@@ -146,7 +147,7 @@ def test_a_gauge_that_reads_nothing_for_a_while_or_zero_has_a_size_and_no_slow_e
     quiet = replace(pair[1], strain=replace(strain, values=values, gauges=gauges))
     early = prepare(quiet, hold_out=False).experiment.observation.first(100)  # 2 s
     np.testing.assert_array_equal(early.zero_size, [NOISE, NOISE])
-    np.testing.assert_array_equal(early.slow_gauge_errors(early.seen), [0.0, 0.0])
+    np.testing.assert_array_equal(early.sensor_errors(early.seen)[0], [0.0, 0.0])
     found = identify([quiet], order=4).model.parameters["elasticity"]["E"]
     assert np.isfinite([found.low, found.value, found.high]).all()
 

@@ -9,6 +9,7 @@ from scipy.stats import binom
 from affine_model.arm import Arm, neutral_parameters, parameter_index
 from affine_model.base_signal import step_middles
 from affine_model.simulate import Timing, simulate
+from inference.appearance import Appearance
 from inference.bootstrap import bootstrap
 from inference.experiment import Experiment
 from inference.fit import fit
@@ -34,7 +35,7 @@ def problem_of(delay, seed=5):
     batch = simulate(ARM, p[:, None], WAVE(step_middles(0.0, STEP, 1600))[:, :, None], Timing(STEP, 10))
     s, d = np.array([0.5, 0.8, 1.0]), np.zeros(3)
     blind = MarkerObservation(batch.t, batch.theta[:, 0], 0.14, s, d, np.zeros((batch.t.size, 3, 2)), 1.0)
-    shape = -blind.predict(batch.q, batch.theta, np.zeros(1), np.zeros(1), np.zeros((2, 1)))[:, :, 0]
+    shape = -blind.predict(Appearance.as_declared(batch.q, batch.theta))[:, :, 0]
     xy = shape.reshape(-1, 3, 2) + SIGMA * np.random.default_rng(seed).standard_normal((batch.t.size, 3, 2))
     xy[:, 1] = np.nan
     seen = replace(blind, t=batch.t - delay, xy=xy, sigma=SIGMA)

@@ -8,12 +8,14 @@ import rerun.blueprint as rrb
 
 from tentacle.recording import Declaration
 from viz.blueprints.views import camera_view, events_view, lines_view, space_view, tip_view
-from viz.topics.paths import gauge_path, run_path
+from viz.topics.paths import run_path, sensor_path
 
 
 @dataclass(frozen=True)
 class LoggedTopics:
-    """The logged topics of a run: its models (key, name), its gauges, and which of the optional topics."""
+    """The logged topics of a run: its models (key, name), its sensors (name, quantity), and which of the optional
+    topics.
+    """
 
     name: str
     declaration: Declaration
@@ -25,7 +27,7 @@ class LoggedTopics:
     events: bool
     forces: str = ""  # what the force arrows' lengths mean
     tip_mm: float = 0.0  # how far the enlarged view of the tip reaches; 0: there is none
-    gauges: tuple[str, ...] = ()
+    sensors: tuple[tuple[str, str], ...] = ()
 
 
 def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
@@ -48,9 +50,9 @@ def run_page(shown: LoggedTopics) -> rrb.Container:
         signals.append(lines_view(f"{path}/error", "distance, rms along the arm [mm]"))
     if shown.thrust:
         signals.append(lines_view(f"{path}/thrust", "thrust [N]"))
-    strain = [lines_view(gauge_path(path, gauge), f"strain, {gauge}") for gauge in shown.gauges]
-    if strain:
-        signals.append(rrb.Tabs(*strain))
+    read = [lines_view(sensor_path(path, quantity, name), f"{quantity}, {name}") for name, quantity in shown.sensors]
+    if read:
+        signals.append(rrb.Tabs(*read))
     last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")] if shown.coordinates else []
     if shown.events:
         last.insert(0, events_view(path))

@@ -14,9 +14,9 @@ def run_path(name: str) -> str:
     return f"runs/{rr.escape_entity_path_part(name)}"
 
 
-def gauge_path(run: str, gauge: str) -> str:
-    """Where the lines of one gauge of a run live."""
-    return f"{run}/strain/{rr.escape_entity_path_part(gauge)}"
+def sensor_path(run: str, quantity: str, sensor: str) -> str:
+    """Where the lines of one sensor of a run live."""
+    return f"{run}/{quantity}/{rr.escape_entity_path_part(sensor)}"
 
 
 def seconds(t: Array) -> rr.TimeColumn:

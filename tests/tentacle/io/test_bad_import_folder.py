@@ -12,6 +12,8 @@ from tentacle.io.import_folder import read_folder
 from tests.tentacle.io.lab_folder import CAMERA, CONE, LOAD_CELL, MARKERS, MIDLINE, MOTOR, lab_folder
 
 GAUGE = "[strain]\nroot = {s = 0.1, d = 0.01}"
+AXIS = "[acceleration]\ntip = {s = 1, d = 0, axis = 'normal'}"
+ACCELERATION = "t_s,tip_m_s2\n0,-9.8\n0.1,2\n"
 STRAIN = "t_s,root_strain\n0,0.001\n0.1,0.002\n"
 
 
@@ -119,6 +121,35 @@ BAD = {
     "microstrain": (
         good(recording__toml=CONE + GAUGE, strain__csv=STRAIN.replace("0.002", "2000")),
         "strain.csv:3: root_strain: 2000 cannot be; expected a strain",
+    ),
+    "unknown axis": (
+        good(recording__toml=CONE + AXIS.replace("normal", "x"), acceleration__csv=ACCELERATION),
+        "acceleration.tip.axis: 'x'",
+    ),
+    "no axis": (
+        good(recording__toml=CONE + "[acceleration]\ntip = {s = 1, d = 0}", acceleration__csv=ACCELERATION),
+        "acceleration.tip.axis: missing",
+    ),
+    "accelerometer beyond the arm": (
+        good(recording__toml=CONE + AXIS.replace("s = 1", "s = 1.2"), acceleration__csv=ACCELERATION),
+        "acceleration.tip.s: 1.2",
+    ),
+    "accelerometer undeclared": (
+        good(acceleration__csv=ACCELERATION),
+        "recording.toml: acceleration: missing, and there is acceleration.csv; expected name = {s, d, axis}",
+    ),
+    "accelerometer without file": (good(recording__toml=CONE + AXIS), "acceleration.csv: no such file"),
+    "accelerometer without column": (
+        good(recording__toml=CONE + AXIS, acceleration__csv=ACCELERATION.replace("tip", "top")),
+        "acceleration.csv:1: tip_m_s2: column missing",
+    ),
+    "counts of a converter": (
+        good(recording__toml=CONE + AXIS, acceleration__csv=ACCELERATION.replace(",2", ",16384")),
+        "acceleration.csv:3: tip_m_s2: 16384 cannot be; expected an acceleration in m/s^2",
+    ),
+    "acceleration of another clock": (
+        good(recording__toml=CONE + AXIS, acceleration__csv="t_s,tip_m_s2\n1000,-9.8\n1000.1,2\n"),
+        "from 1000 to 1000.1 s, and the arm is seen from",
     ),
     "no picture": ({"recording__toml": CONE}, "nothing shows the arm"),
     "empty csv": (good(motor__csv=""), "motor.csv: empty file"),

@@ -15,6 +15,8 @@ from tentacle.io.import_folder import read_folder
 from tentacle.io.write_folder import write_folder
 from tentacle.recording import Camera, Declaration, Recording
 from tentacle.signals import (
+    AccelerationSignal,
+    Accelerometer,
     LoadCellSignal,
     Markers,
     Midline,
@@ -27,6 +29,7 @@ from tentacle.signals import (
 from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
 from tests.tentacle.io.lab_folder import CAMERA, CONE, MARKERS, lab_folder
 
+AXES = (Accelerometer(1.0, -1 / 300, "tangent"), Accelerometer(2 / 3, 0.0, "normal", 0.02))
 GAUGES = (StrainGauge(1 / 3, 0.01, 0.007, 2e-5), StrainGauge(0.9, -1.0))
 
 
@@ -41,6 +44,8 @@ def random_recording(video: Path | None = None) -> Recording:
     marker_xy[9, 1] = np.nan
     strain = rng.normal(0, 0.01, (50, 2))
     strain[3, 0] = np.nan
+    acceleration = rng.normal(0, 10.0, (50, 2))
+    acceleration[7, 1] = np.nan
     return Recording(
         name="a random run",
         declaration=Declaration(
@@ -56,6 +61,7 @@ def random_recording(video: Path | None = None) -> Recording:
         midline=Midline(t, np.linspace(0, 1, 7), xy, sigma),
         markers=Markers(t, ("tip", "Tip-2"), np.array([1.0, 1 / 3]), np.array([0.0, -0.015]), marker_xy),
         strain=StrainSignal(t, ("root", "g-2"), GAUGES, strain),
+        acceleration=AccelerationSignal(t, ("tip", "a-2"), AXES, acceleration),
         video=None if video is None else Video(video),
         notes={"by": "hand", "light": 'a "bad" one, 3/4'},
     )
@@ -65,7 +71,7 @@ def assert_equal_recordings(left: Recording, right: Recording) -> None:
     assert left.name == right.name
     assert left.declaration == right.declaration
     assert left.notes == right.notes
-    for name in ("motor", "load_cell", "midline", "markers", "strain", "shape"):
+    for name in ("motor", "load_cell", "midline", "markers", "strain", "acceleration", "shape"):
         a, b = getattr(left, name), getattr(right, name)
         assert (a is None) == (b is None), name
         if a is None:

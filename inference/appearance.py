@@ -1,0 +1,56 @@
+"""What instruments see of an arm at a recording's instants, before any noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from affine_model.acceleration_beside import Turning
+from affine_model.curvature import Array
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How the arm moves at these instants: q' and q'' (2, T, n, B) in the paper's coordinates, theta' and theta''
+    (2, T, B); pull (T, 2, B) [m/s^2], gravity minus the base's acceleration.
+    """
+
+    q: Array
+    theta: Array
+    pull: Array
+
+    def stopped(self) -> Self:
+        """The same instants of an arm at rest."""
+        return replace(self, q=0.0 * self.q, theta=0.0 * self.theta)
+
+
+@dataclass(frozen=True)
+class Appearance:
+    """The arm at an observation's T instants: q (T, n, B), theta (T, B); roll [rad] and excess of scale (B,) of the
+    camera, and shift (2, B) [m] of the clamp in its picture; zeros (G, B) of the sensors on the arm, (1, B) where all
+    are 0; motion: None where it is not known, and then an accelerometer says nothing.
+    """
+
+    q: Array
+    theta: Array
+    roll: Array
+    excess: Array
+    shift: Array
+    zeros: Array
+    motion: Motion | None = None
+
+    @staticmethod
+    def as_declared(q: Array, theta: Array) -> Appearance:
+        """Seen by a camera that stands where it was declared, and by sensors whose zeros are 0."""
+        none = np.zeros(q.shape[2])
+        return Appearance(q, theta, none, none, np.zeros((2, none.size)), none[None])
+
+    def turning(self) -> Turning | None:
+        """The arm's directions and their derivatives; None where they are not known."""
+        if self.motion is None:
+            return None
+        return Turning(
+            np.concatenate([self.q[None], self.motion.q]), np.concatenate([self.theta[None], self.motion.theta])
+        )
