@@ -16,7 +16,8 @@ from affine_model.curvature import (
     monomial_angle,
     quadrature,
 )
-from inference.observation import POSE, MarkerObservation, ShapeObservation
+from inference.marker_observation import MarkerObservation
+from inference.observation import POSE, ShapeObservation
 from tentacle.signals import Markers, Midline, ShapeTrack
 
 SHAPE_NODES = 16

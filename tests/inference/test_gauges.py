@@ -11,7 +11,7 @@ from affine_model.curvature import legendre_to_monomial
 from inference.appearance import Appearance
 from inference.frame_readings import at_frames
 from inference.identify import Identification, identify
-from inference.observation import MarkerObservation
+from inference.marker_observation import MarkerObservation
 from inference.prepare import prepare
 from inference.sensed_observation import with_sensors
 from inference.sensor import mean_curvature

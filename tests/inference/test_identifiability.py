@@ -14,7 +14,7 @@ from inference.bootstrap import bootstrap
 from inference.experiment import Experiment
 from inference.fit import fit
 from inference.identifiability import identifiability
-from inference.observation import MarkerObservation
+from inference.marker_observation import MarkerObservation
 from inference.trajectory import Problem
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp

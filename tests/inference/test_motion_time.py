@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from inference.experiment import Experiment
+from inference.marker_observation import MarkerObservation
 from inference.motion_time import motion_time
-from inference.observation import POSE, MarkerObservation, ShapeObservation
+from inference.observation import POSE, ShapeObservation
 from tentacle.waveform import Sine
 
 OMEGA = 2.0 * np.pi * 1.3

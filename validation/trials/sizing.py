@@ -13,9 +13,10 @@ from affine_model.curvature import Array, legendre_to_monomial, midline
 from affine_model.points_beside import points_beside
 from inference.experiment import Experiment, predict
 from inference.fit import unfitted
+from inference.marker_observation import MarkerObservation
 from inference.measured_shapes import Tracker, fit_shapes, from_track
 from inference.multistart import fit_multistart
-from inference.observation import POSE, MarkerObservation, Observation, ShapeObservation
+from inference.observation import POSE, Observation, ShapeObservation
 from inference.trajectory import Problem
 from inference.whitened_fit import tangent_basis
 from mujoco_ref.simulate import DEFAULT_LINKS
