@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import sympy
 
 from affine_model.arm import parameter_rows
-from affine_model.effect import NODE_QUANTITIES, STATE_QUANTITIES, Effect
+from affine_model.effect import STATE_QUANTITIES, Effect
 from affine_model.effects import catalogue
 from affine_model.kernel.at_tip import tip_forces
 from affine_model.kernel.bending import bending_moments, memory_slots, remembered
@@ -23,6 +23,7 @@ from affine_model.kernel.guarded import NODE, guarded
 from affine_model.kernel.template import ARRAYS, SUMMARY, TABLE, TEMPLATE, TRAJECTORY
 from affine_model.kernel.trace import lines, slope_along, traced
 from affine_model.kernel.unroll import unrolled_source
+from affine_model.kernel.water import water_motion
 
 BLOCK = 16  # individuals a block: two AVX-512 or four AVX2 registers of doubles
 FEW = 8  # where no more are left: half of a block's time; four lanes would take 9 of its 10 parts
@@ -166,33 +167,6 @@ def _gravity(indent: str) -> str:
     return "\n".join(indent + line for line in body)
 
 
-def _water(everywhere: bool) -> str:
-    """Velocity of the water and its acceleration (the symbolic derivative in time): of the laws that are the same
-    everywhere, once a step, or of the others, at every section.
-    """
-    text: list[str] = []
-    t = sympy.Symbol("t", real=True)
-    for number, effect in enumerate(catalogue().values()):
-        if effect.water_velocity is None or _same_everywhere(traced(effect, "water_velocity")) != everywhere:
-            continue
-        x_part, y_part = traced(effect, "water_velocity")
-        velocity, acceleration = ("stream", "rush") if everywhere else ("water", "surge")
-        assignments = [
-            (f"{velocity}_x[b]", "+=", x_part),
-            (f"{velocity}_y[b]", "+=", y_part),
-            (f"{acceleration}_x[b]", "+=", sympy.diff(x_part, t)),
-            (f"{acceleration}_y[b]", "+=", sympy.diff(y_part, t)),
-        ]
-        text += guarded(effect, number, lines(assignments, ""))
-    return textwrap.indent(textwrap.dedent("\n".join(text)), " " * (8 if everywhere else 16))
-
-
-def _same_everywhere(expressions: tuple[sympy.Expr, ...]) -> bool:
-    """Whether the expressions have one value along the whole arm, however it moves."""
-    changing = {*STATE_QUANTITIES, *NODE_QUANTITIES}
-    return not changing & {str(symbol) for value in expressions for symbol in value.free_symbols}
-
-
 def _forces() -> str:
     """Fluid forces and how fast they fall with the relative velocity (their implicit part)."""
     text: list[str] = []
@@ -263,8 +237,8 @@ def filled_template(order: int, parts: Parts, free: bool = False) -> str:
         "@TIP_CONSTANT@": "\n".join([_sums(TIP_TARGETS, True, " " * 4), _bodies(), _gravity(" " * 4), _copies()]),
         "@TIP_CHANGING@": _sums(TIP_TARGETS, False, " " * 12) + ("\n" + _gravity(" " * 12)) * bool(tip_changing),
         "@GRIPS@": _grips(),
-        "@STREAM@": _water(everywhere=True),
-        "@WATER@": _water(everywhere=False),
+        "@STREAM@": water_motion(everywhere=True),
+        "@WATER@": water_motion(everywhere=False),
         "@FORCES@": _forces(),
         "@MOMENTS@": bending_moments(),
         "@REMEMBERS@": " or ".join(remembering_flags) or "False",
