@@ -93,6 +93,15 @@ class Recording:
     acceleration: AccelerationSignal | None = None
     notes: dict[str, str] = field(default_factory=dict)
 
+    @property
+    def logs(self) -> dict[str, MotorSignal | BaseTravel | LoadCellSignal | StrainSignal | AccelerationSignal]:
+        """What was measured beside the pictures, by the name of its file in an import folder."""
+        every = {
+            "motor": self.motor, "base": self.travel, "load_cell": self.load_cell, "strain": self.strain,
+            "acceleration": self.acceleration,
+        }  # fmt: skip
+        return {name: signal for name, signal in every.items() if signal is not None}
+
     def _repr_html_(self) -> str:
         """The measured signals, for notebooks: each with its number of samples and its time span."""
         rows = []

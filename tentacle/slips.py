@@ -88,9 +88,8 @@ def _log_clocks(recording: Recording) -> list[Slip]:
     span, found = _seen_for(recording), list[Slip]()
     if span is None:
         return []
-    logs = {"motor": recording.motor, "base": recording.travel, "load_cell": recording.load_cell}
-    for name, log in (*logs.items(), ("strain", recording.strain), ("acceleration", recording.acceleration)):
-        if log is None or not MILLISECONDS[0] * span < np.ptp(log.t) < MILLISECONDS[1] * span:
+    for name, log in recording.logs.items():
+        if not MILLISECONDS[0] * span < np.ptp(log.t) < MILLISECONDS[1] * span:
             continue
         seen = f"lasts {np.ptp(log.t):.4g} s, and the arm is seen for {span:.4g} s"
         found.append(Slip(f"{name}.csv", "t_s", seen, "seconds (are these milliseconds?)", True))

@@ -188,9 +188,8 @@ def _check_clocks(recording: Recording, file: Path) -> None:
     if pictures is None:
         return
     start, stop = float(pictures.t[0]), float(pictures.t[-1])
-    logs = {"motor": recording.motor, "base": recording.travel, "load_cell": recording.load_cell}
-    for name, signal in (*logs.items(), ("strain", recording.strain), ("acceleration", recording.acceleration)):
-        if signal is not None and (signal.t[-1] < start or signal.t[0] > stop):
+    for name, signal in recording.logs.items():
+        if signal.t[-1] < start or signal.t[0] > stop:
             raise InputError(
                 f"from {signal.t[0]:.9g} to {signal.t[-1]:.9g} s, and the arm is seen from {start:.9g} to {stop:.9g} s",
                 file=file / f"{name}.csv" if file.is_dir() else file,
