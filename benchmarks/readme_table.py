@@ -197,7 +197,7 @@ ROWS = (
     (
         "gpu",
         "gpu_seed_gap",
-        "searches of nine seeds and methods: largest difference of thrust from the CPU's",
+        "nine searches: largest difference of the gait's thrust from the CPU's",
         "",
         "1e-06",
     ),

@@ -1,5 +1,6 @@
-"""The generated Warp kernels against the compiled kernel, on the CPU and on a CUDA device if there is one: the same laws,
-so the same numbers. Uniform values are multiplied in another order: 1e-9 leaves room for that over all steps.
+"""The generated Warp kernels against the compiled kernel, on the CPU and on a CUDA device if there is one.
+
+The laws are the same. Uniform values are multiplied in another order: 1e-9 leaves room for that over all steps.
 """
 
 from dataclasses import replace
