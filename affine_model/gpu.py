@@ -89,7 +89,9 @@ def _variant(arm: Arm, drive: Drive, parameters: Array) -> Variant:
 def _launch(prepared: Prepared, names: list[str], values: dict[str, Any], count: int) -> None:
     wp = warp()
     device = next(value for value in values.values() if isinstance(value, Tensor)).device
-    inputs = [wp.from_torch(v, dtype=wp.float64) if isinstance(v, Tensor) else v for v in (values[n] for n in names)]
+    inputs = [
+        wp.from_torch(v.detach(), dtype=wp.float64) if isinstance(v, Tensor) else v for v in (values[n] for n in names)
+    ]
     inputs.append(wp.types.vector(length=len(prepared.table), dtype=wp.float64)(*prepared.table))
     stream = wp.stream_from_torch(torch.cuda.current_stream(device)) if device.type == "cuda" else None
     place = wp.device_from_torch(device)
