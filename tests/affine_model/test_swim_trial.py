@@ -133,7 +133,7 @@ def test_the_exact_gradient_of_a_gait_too_strong_for_the_servo():
     value, gradient = exact_gradient(weak, THRUST, BOX, unit)
     offset, ahead = 1e-5, np.zeros(9)
     ahead[0] = offset
-    pair = gait_scores(THRUST, weak, run(weak, BOX.alpha(np.stack([unit + ahead, unit - ahead], axis=1))))
+    pair = exact_scores(THRUST, weak, run(weak, BOX.alpha(np.stack([unit + ahead, unit - ahead], axis=1))))
     assert value < -1e3
     assert gradient[0] == pytest.approx((pair[0] - pair[1]) / (2.0 * offset), rel=1e-6)
 
