@@ -30,16 +30,17 @@ def added(centre: Hypothesis, of: Begun) -> RoughFit:
     return _refitted((*centre.effects, *of.chosen.names), begun, centre)
 
 
-def removed(centre: Hypothesis, effect: str) -> RoughFit:
-    """One of the effects less, fitted roughly."""
+def removed(centre: Hypothesis, *effects: str) -> RoughFit:
+    """Some of the effects less, fitted roughly from where the others stand."""
     parameters = centre.fitted.parameters.copy()
-    for parameter in catalogue()[effect].parameters:
-        parameters[parameter_index(effect, parameter.name)] = parameter.neutral
-    free = tuple(name for name in centre.problem.free if name[0] != effect)
-    experiments = tuple(replace(e, lacks=e.lacks - {effect}) for e in centre.problem.experiments)
+    for effect in effects:
+        for parameter in catalogue()[effect].parameters:
+            parameters[parameter_index(effect, parameter.name)] = parameter.neutral
+    free = tuple(name for name in centre.problem.free if name[0] not in effects)
+    experiments = tuple(replace(e, lacks=e.lacks - set(effects)) for e in centre.problem.experiments)
     problem = replace(centre.problem, experiments=experiments, free=free, parameters=parameters)
     begun = [(problem, centre.fitted.nuisances)]
-    return _refitted(tuple(e for e in centre.effects if e != effect), begun, centre)
+    return _refitted(tuple(e for e in centre.effects if e not in effects), begun, centre)
 
 
 def _refitted(effects: tuple[str, ...], begun: list[tuple[Problem, tuple[Array, ...]]], centre: Hypothesis) -> RoughFit:

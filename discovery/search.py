@@ -16,6 +16,7 @@ from discovery.answer import MOST_EFFECTS
 from discovery.begin import at_origin, begun_about, may_be_named
 from discovery.decide import log_masses, missing_of
 from discovery.exchange import NEGLIGIBLE_NATS, exchange_starts
+from discovery.nested import Pair, nested_pairs, nested_refit, stands_in_another_valley
 from discovery.rank import ranking
 from discovery.refits import added, removed
 from discovery.side_by_side import side_by_side
@@ -52,7 +53,7 @@ def search_posterior(
     """
     tried: Tried = {frozenset(): base}
     first: tuple[Candidate, ...] = ()
-    centre, decays = base, has_decay(base.problem)
+    centre, decays, begun_within = base, has_decay(base.problem), set[Pair]()
     for number in range(ROUNDS):
         temperature = missing_of(list(tried.values())).temperature
         promised = ranking(centre, MOST_EFFECTS - len(centre.effects), temperature)
@@ -73,6 +74,10 @@ def search_posterior(
         progress((number + 1.0) / ROUNDS)
         if _leading(tried).effects == centre.effects:
             tried = _with_rests(_with(tried, _exchanged(centre, tried, temperature)))
+            # A decay's rough fits stand beside forces of their own, so that what they leave does not compare.
+            pairs = [pair for pair in nested_pairs(tried, FAR) if pair not in begun_within and not decays]
+            begun_within |= set(pairs)
+            tried = _with_rests(_with(tried, _nested(tried, pairs, base.forces, temperature)))
             if _leading(tried).effects == centre.effects:
                 break
         centre = with_derivatives(_leading(tried))
@@ -122,6 +127,17 @@ def _exchanged(centre: Hypothesis, tried: Tried, temperature: float) -> list[Hyp
             found += [without_derivatives(without)] if rest is None else []
             found += side_by_side([partial(_fitted, one, declared, temperature) for one in roughs])
     return found
+
+
+def _nested(tried: Tried, pairs: list[Pair], declared: tuple[LatentForce, ...], temperature: float) -> list[Hypothesis]:
+    """The smaller sets of the pairs, fitted from where the larger ones stand, where that is another valley."""
+    roughs = side_by_side([nested_refit(tried, pair) for pair in pairs])
+    better = [
+        rough
+        for (effects, _), rough in zip(pairs, roughs, strict=True)
+        if stands_in_another_valley(tried[effects], rough, FAR)
+    ]
+    return side_by_side([partial(_fitted, one, declared, temperature) for one in better])
 
 
 def _fitted(rough: RoughFit, declared: tuple[LatentForce, ...], temperature: float) -> Hypothesis:

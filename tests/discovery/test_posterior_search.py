@@ -9,9 +9,10 @@ from affine_model.arm import parameter_index
 from discovery.begin import Begun
 from discovery.decide import decide_by_mass, missing_of
 from discovery.detection import detection_limits
+from discovery.nested import nested_pairs, nested_refit, stands_in_another_valley
 from discovery.rank import RankedSet, ranked_sets, ranking
 from discovery.refits import added
-from discovery.search import is_fitted_anew, search_posterior
+from discovery.search import FAR, is_fitted_anew, search_posterior
 from discovery.starts import base_follows, is_far, refit_starts
 from inference.estimates import interval
 from inference.posterior import declared_model, fit_hypothesis
@@ -125,3 +126,19 @@ def test_a_set_that_explains_less_than_its_subset_is_fitted_anew(found):
     assert is_fitted_anew(pair, single, {})
     assert is_fitted_anew(pair, single, {frozenset(pair): worse})
     assert not is_fitted_anew(pair, single, {frozenset(pair): better})
+
+
+def test_a_subset_in_another_valley_begins_again_where_a_larger_set_stands(found):
+    single = next(h for h in found.hypotheses if h.effects == ("current",))
+    lost = single.fitted.parameters.copy()
+    lost[parameter_index("current", "U_x")] *= -20.0
+    astray = replace(single, fitted=replace(single.fitted, parameters=lost), log_evidence=single.log_evidence - 500.0)
+    pair = replace(single, effects=("current", "wall"), log_evidence=single.log_evidence + 3.0)
+    tried = {frozenset(h.effects): h for h in (astray, pair)}
+    pairs = nested_pairs(tried, FAR)
+    assert pairs == [(frozenset({"current"}), frozenset({"current", "wall"}))]
+    rough = nested_refit(tried, pairs[0])()
+    assert rough.effects == ("current",)
+    assert stands_in_another_valley(astray, rough, FAR)
+    assert not stands_in_another_valley(single, rough, FAR)
+    assert not nested_pairs(tried | {frozenset(single.effects): single}, FAR)
