@@ -52,7 +52,7 @@ def _arm_tensors(arm: Arm, drive: Drive, device: torch.device) -> dict[str, Any]
 def _variant(arm: Arm, drive: Drive, parameters: Tensor) -> Variant:
     acting = {effect.name for effect in active_effects(parameters.detach().cpu().numpy())}
     active = tuple(name in acting for name in catalogue())
-    return Variant(arm.nodes, arm.order, active, drive.servo is not None, drive.rail is not None)
+    return Variant(arm.node_count, arm.order, active, drive.servo is not None, drive.rail is not None, arm.clamp)
 
 
 def _launch(kernel: Any, names: list[str], values: dict[str, Any], count: int, device: torch.device) -> None:
@@ -109,7 +109,7 @@ def swim_on_device(
         "limits": limits[0], "bandwidth": limits[1], "h": pace.step, "steps": steps, "age": 0,
         "iterations": pace.iterations, "average_from": pace.average_from, "t0": genes.new_zeros(1).expand(count),
         "start": still.expand(n + 2, count), "start_rate": still.expand(n + 2, count),
-        "start_past": still.expand(2 * n + 5, count), "start_store": store.expand(slots, arm.nodes, count),
+        "start_past": still.expand(2 * n + 5, count), "start_store": store.expand(slots, arm.node_count, count),
     }  # fmt: skip
     module = _module(_variant(arm, drive, given), True)
     _launch(module.swim, SWIM, values, count, device)
