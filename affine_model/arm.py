@@ -136,9 +136,9 @@ class Arm:
         angles = angle_basis(self.order, s)
         return angles + self.clamp * curvature_basis(self.order, [0.0]) if self.clamp > 0.0 else angles
 
-    def root_turn(self, q: Array) -> Array | float:
-        """How far the clamp lets the root turn (..., B) [rad], of the paper's q (..., n, B): l / L q1. Rates likewise."""
-        return self.clamp * q[..., 0, :] if self.clamp > 0.0 else 0.0
+    def root_turn(self, q1: Array) -> Array:
+        """How far a clamp that gives lets the root turn [rad], of the paper's q1 = c(0) [rad]; rates likewise."""
+        return self.clamp * q1
 
     @cached_property
     def to_monomial(self) -> Array:
