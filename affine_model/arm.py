@@ -81,10 +81,10 @@ def parameter_vector(model: Model) -> Array:
 class Arm:
     """Geometry, surroundings, numbers of coordinates and quadrature nodes: the same for all individuals of a batch.
 
-    phi(s) = theta + l/L c(0) + int_0^s c dv,       int k c^2 ds + l/L k(0) c(0)^2 = twice the elastic energy times L
+    phi(s) = theta + l/L c(0) + int_0^s c dv,       2 U = int k c^2 ds + l/L k(0) c(0)^2
 
-    l: specimen.clamp_length. A clamp that gives is one more node at s = 0. It bends with the weight l / L and with all
-    the laws of the arm's root; for masses and forces its weight is 0.
+    l: specimen.clamp_length; U: elastic energy. A clamp that gives is one more node at s = 0. It bends with the weight
+    l / L and with all the laws of the arm's root; for masses and forces its weight is 0.
     """
 
     specimen: Specimen

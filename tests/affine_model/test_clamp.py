@@ -65,7 +65,8 @@ def test_the_compiled_kernel_is_the_readable_assembly(parameters):
         arm, p[:, None], base[:, None, None], Timing(step, iterations=8), start=Start(q[:, None], q_rate[:, None])
     )
     change = (run.q_rate[1, :, 0] - run.q_rate[0, :, 0]) / step
-    z = arm.from_monomial @ np.stack([q + 0.5 * step * q_rate + 0.25 * step**2 * change, q_rate + 0.5 * step * change]).T
+    middle = np.stack([q + 0.5 * step * q_rate + 0.25 * step**2 * change, q_rate + 0.5 * step * change])
+    z = arm.from_monomial @ middle.T
     u, rate = np.append(z[:, 0], [base[0], 0.0]), np.append(z[:, 1], [base[1], 0.0])
     made = balance(arm, active_effects(p), p, u, rate)
     held = made.force[:3] - made.mass_matrix[:3, 3] * base[2]
@@ -82,9 +83,7 @@ def test_a_clamp_without_loss_keeps_the_energy(parameters):
 
     def energies(step):
         count = round(3.0 / step)
-        run = simulate(
-            arm, p[:, None], np.zeros((3, count, 1)), Timing(step, iterations=4), start=Start(start)
-        )
+        run = simulate(arm, p[:, None], np.zeros((3, count, 1)), Timing(step, iterations=4), start=Start(start))
         z, rate = (arm.from_monomial @ values[:, :, 0].T for values in (run.q, run.q_rate))
         still = np.zeros((2, z.shape[1]))
         mass = balance(arm, active_effects(p), p, np.append(z, still, 0).T, np.append(rate, still, 0).T).mass_matrix

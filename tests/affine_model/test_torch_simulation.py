@@ -28,9 +28,7 @@ def base_motion(steps=STEPS):
     return Sine(0.5, 1.3, 0.4)((np.arange(steps) + 0.5) * H)[:, :, None]
 
 
-@pytest.mark.parametrize(
-    ("arm", "drive"), [(ARM, PRESCRIBED), (ARM, Drive(SERVO, RAIL)), (GIVING, Drive(SERVO, RAIL))]
-)
+@pytest.mark.parametrize(("arm", "drive"), [(ARM, PRESCRIBED), (ARM, Drive(SERVO, RAIL)), (GIVING, Drive(SERVO, RAIL))])
 def test_forward_is_the_kernels_own(parameters, arm, drive):
     p = np.repeat(parameters(**BASE, added_mass__C_a=1.0, viscoelasticity__g=0.2)[:, None], 2, axis=1)
     p[parameter_index("elasticity", "E"), 1] *= 1.3

@@ -47,7 +47,8 @@ def test_both_models_swing_alike(share):
     """From rest in water: the distance of the two motions is that of a rigid clamp, whatever the clamp gives."""
     plain = model_with({"added_mass": {"C_a": 0.8}}, Fluid(998.0))
     model = replace(plain, specimen=replace(ARM, clamp_length=share * ARM.length))
-    arm, parameters, wave, s = arm_of(model), parameter_vector(model)[:, None], Sine(0.5, 1.2), np.linspace(0.0, 1.0, 21)
+    arm, parameters = arm_of(model), parameter_vector(model)[:, None]
+    wave, s = Sine(0.5, 1.2), np.linspace(0.0, 1.0, 21)
     base = base_table(wave, Steps(0.0, STEP, round(SECONDS / STEP)), parameters)
     run = simulate(arm, parameters, base, Timing(STEP, round(1.0 / STEP / FPS)))
     q = run.q[:, :, 0]

@@ -31,7 +31,8 @@ def seen() -> Recording:
     run = simulate(model, WAVE, 12.0, 30.0, setup=Setup(links=30, s=s, initial=Initial(np.zeros(2))))
     xy = run.midline.xy + NOISE * np.random.default_rng(1).standard_normal(run.midline.xy.shape)
     midline = Midline(run.t, s, xy, np.full(xy.shape[:2], NOISE))
-    return Recording("clamped", Declaration(SPECIMEN, WATER), MotorSignal(run.t, run.command, run.theta), midline=midline)
+    motor = MotorSignal(run.t, run.command, run.theta)
+    return Recording("clamped", Declaration(SPECIMEN, WATER), motor, midline=midline)
 
 
 def answer(recording: Recording, *numbers: Uncertain) -> Diagnosis:

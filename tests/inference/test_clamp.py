@@ -75,7 +75,8 @@ def test_an_accelerometer_feels_the_turning_of_the_root() -> None:
     s, d = 0.9, 0.004
     axes = (Accelerometer(s, d, "normal"), Accelerometer(s, d, "tangent"))
     felt = [AccelerometerAxis("", 1.0, axis).read(shown, arm.specimen.length)[:, 0] for axis in axes]
-    xy = points_beside(batch.q[:, :, 0], batch.theta[:, 0] + arm.root_turn(batch.q[:, 0, 0]), arm.specimen.length, [s], [d])
+    theta = batch.theta[:, 0] + arm.root_turn(batch.q[:, 0, 0])
+    xy = points_beside(batch.q[:, :, 0], theta, arm.specimen.length, [s], [d])
     second = ((xy[2:] - 2.0 * xy[1:-1] + xy[:-2]) / step**2)[199:-199, 0]
     phi = shown.turning().angles(np.array([s]))[0, :, 0, 0]
     cos, sin = np.cos(phi), np.sin(phi)
