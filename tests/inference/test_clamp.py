@@ -13,6 +13,7 @@ from affine_model.points_beside import points_beside
 from affine_model.simulate import Timing, simulate
 from inference.appearance import Appearance
 from inference.base_fit import Setting, fit_base
+from inference.declared_words import declared_words
 from inference.fit import Fit
 from inference.interpolate import at_times
 from inference.prepare import prepare
@@ -58,6 +59,17 @@ def test_declared_rigid_the_arm_is_too_soft_and_leaves_a_misfit() -> None:
     # At the first frequency l/L of .05 softens the arm by a tenth (root spring: test_clamp of affine_model).
     assert fitted.values[fitted.free.index(("elasticity", "E"))] < 0.93 * TRUTH["elasticity", "E"]
     assert 2.0 * fitted.misfit / fitted.count > 1.2
+
+
+def test_of_a_rigid_clamp_the_data_say_how_little_it_gives() -> None:
+    """The fit ends at its declared value, which is the least that is possible: no sign of a wrong declaration."""
+    made = record_declared(Declaration(SPECIMEN, WATER), {}, Run(seconds=6.0))
+    stated = replace(made, declaration=replace(made.declaration, uncertain=(UNKNOWN,)))
+    setting = Setting(stated.declaration, (prepare(stated, hold_out=False).experiment,), 2)
+    (sentence,) = declared_words(*fit_base(setting, 2))
+    said = sentence.split("the data say at most ")[1]
+    assert said.endswith(" (95 %).")
+    assert float(said.split()[0]) < 0.05 * GIVES  # .08 mm of deviation: GIVES is found to a ninetieth
 
 
 def test_an_accelerometer_feels_the_turning_of_the_root() -> None:
