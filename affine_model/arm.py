@@ -102,7 +102,7 @@ class Arm:
     @property
     def clamp(self) -> float:
         """l / L, how much the clamp gives: the arm's root turns by l / L c(0)."""
-        return self.specimen.clamp_length / self.specimen.length
+        return self.specimen.clamp_share
 
     @property
     def node_count(self) -> int:

@@ -73,7 +73,7 @@ class Chain:
 
     def tangent_angles(self, q: Array) -> Array:
         """Tangent angle [rad] of the arm at even s from 0 to 1, of positions q (..., n + 3)."""
-        return np.cumsum(q[..., 2:], axis=-1)[..., int(self.specimen.clamp_length > 0.0) :]
+        return np.cumsum(q[..., 2:], axis=-1)[..., int(self.specimen.clamp_share > 0.0) :]
 
     def nodes(self, points: int = 2) -> tuple[Array, Array]:
         """Gauss points of every link: distance from its start (n + 1, points) [m], weight [m]."""
@@ -228,10 +228,10 @@ def build_chain(
 def hinge_positions(specimen: Specimen, links: int) -> Array:
     """s of the hinges: the middles of equal segments, after that of a clamp that gives."""
     middles = (np.arange(links) + 0.5) / links
-    return np.append(0.0, middles) if specimen.clamp_length > 0.0 else middles
+    return np.append(0.0, middles) if specimen.clamp_share > 0.0 else middles
 
 
 def hinge_sharpness(specimen: Specimen, links: int) -> Array:
     """Curvature c a radian of each hinge's angle: links, and at a clamp that gives L over its length."""
     even: Array = np.full(links, float(links))
-    return np.append(specimen.length / specimen.clamp_length, even) if specimen.clamp_length > 0.0 else even
+    return np.append(1.0 / specimen.clamp_share, even) if specimen.clamp_share > 0.0 else even

@@ -13,6 +13,7 @@ from tentacle.errors import InputError
 
 STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 STEEL = 7850.0  # kg/m^3
+RIGID = 1e-9  # of the arm's length: a clamp that gives less turns by nothing that can be seen
 
 StiffnessLaw = Literal["section", "affine"]
 AddedMass = Literal["none", "section", "fit"]
@@ -167,6 +168,12 @@ class Specimen:
         half, rounding = self.section.half_thickness(s), self.tip_rounding or 0.0
         inward = np.clip(rounding - self.length * (1.0 - s), 0.0, rounding)
         return np.asarray(half - rounding + np.sqrt(rounding**2 - inward**2))
+
+    @property
+    def clamp_share(self) -> float:
+        """l / L, how much the clamp gives over the arm's length; 0 below RIGID."""
+        share = self.clamp_length / self.length
+        return share if share > RIGID else 0.0
 
     @property
     def mass(self) -> float:

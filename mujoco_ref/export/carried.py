@@ -68,7 +68,7 @@ class Carried:
 
 def refuse_clamp(model: Model) -> None:
     """InputError where the arm's clamp gives: no export has a hinge for it."""
-    if model.specimen.clamp_length > 0.0:
+    if model.specimen.clamp_share > 0.0:
         given = f"{model.specimen.clamp_length!r} is not exported"
         raise InputError(given, field="clamp_length_m", expected="0: an exported arm's clamp is rigid")
 
