@@ -23,6 +23,7 @@ from tentacle.specimen import STEEL, Fluid, Gravity, Specimen
 # MuJoCo refuses inertias below 1e-15 kg m^2; the last half link of a pointed cone can be smaller than that.
 SMALLEST_INERTIA = 4e-15
 SMALLEST_MASS = 1e-12
+RIGID = 1e-9  # of the arm's length: a clamp that gives less is a spring too stiff for differences of moments
 
 
 @dataclass(frozen=True)
@@ -73,12 +74,17 @@ class Chain:
 
     def tangent_angles(self, q: Array) -> Array:
         """Tangent angle [rad] of the arm at even s from 0 to 1, of positions q (..., n + 3)."""
-        return np.cumsum(q[..., 2:], axis=-1)[..., int(self.specimen.clamp_share > 0.0) :]
+        return np.cumsum(q[..., 2:], axis=-1)[..., int(clamp_gives(self.specimen)) :]
 
     def nodes(self, points: int = 2) -> tuple[Array, Array]:
         """Gauss points of every link: distance from its start (n + 1, points) [m], weight [m]."""
         x, w = np.polynomial.legendre.leggauss(points)
         return 0.5 * self.length[:, None] * (x + 1.0), 0.5 * self.length[:, None] * w
+
+
+def clamp_gives(specimen: Specimen) -> bool:
+    """Whether the chain has a hinge for the clamp."""
+    return specimen.clamp_share > RIGID
 
 
 def link_bounds(specimen: Specimen, links: int) -> tuple[Array, Array]:
@@ -228,10 +234,10 @@ def build_chain(
 def hinge_positions(specimen: Specimen, links: int) -> Array:
     """s of the hinges: the middles of equal segments, after that of a clamp that gives."""
     middles = (np.arange(links) + 0.5) / links
-    return np.append(0.0, middles) if specimen.clamp_share > 0.0 else middles
+    return np.append(0.0, middles) if clamp_gives(specimen) else middles
 
 
 def hinge_sharpness(specimen: Specimen, links: int) -> Array:
     """Curvature c a radian of each hinge's angle: links, and at a clamp that gives L over its length."""
     even: Array = np.full(links, float(links))
-    return np.append(1.0 / specimen.clamp_share, even) if specimen.clamp_share > 0.0 else even
+    return np.append(1.0 / specimen.clamp_share, even) if clamp_gives(specimen) else even

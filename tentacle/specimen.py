@@ -13,7 +13,6 @@ from tentacle.errors import InputError
 
 STANDARD_GRAVITY = 9.80665  # m/s^2, ISO 80000-3
 STEEL = 7850.0  # kg/m^3
-RIGID = 1e-9  # of the arm's length: a clamp that gives less turns by nothing that can be seen
 
 StiffnessLaw = Literal["section", "affine"]
 AddedMass = Literal["none", "section", "fit"]
@@ -171,9 +170,8 @@ class Specimen:
 
     @property
     def clamp_share(self) -> float:
-        """l / L, how much the clamp gives over the arm's length; 0 below RIGID."""
-        share = self.clamp_length / self.length
-        return share if share > RIGID else 0.0
+        """l / L, how much the clamp gives, over the arm's length."""
+        return self.clamp_length / self.length
 
     @property
     def mass(self) -> float:

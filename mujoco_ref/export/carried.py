@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
+from mujoco_ref.chain import clamp_gives
 from tentacle.errors import InputError
 from tentacle.model import Model
 
@@ -68,7 +69,7 @@ class Carried:
 
 def refuse_clamp(model: Model) -> None:
     """InputError where the arm's clamp gives: no export has a hinge for it."""
-    if model.specimen.clamp_share > 0.0:
+    if clamp_gives(model.specimen):
         given = f"{model.specimen.clamp_length!r} is not exported"
         raise InputError(given, field="clamp_length_m", expected="0: an exported arm's clamp is rigid")
 
