@@ -7,20 +7,34 @@ A kernel is made for the set of effects that act and for the drive, and kept in 
 from __future__ import annotations
 
 import importlib.util
-from functools import cache, lru_cache
-from types import ModuleType
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from itertools import zip_longest
 from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor
 
 from affine_model.advance import Drive, Pace, arm_arrays
 from affine_model.arm import Arm, active_effects
+from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from affine_model.kernel.load import module_of
-from affine_model.kernel.warp_source import ADVANCE, SWIM, Variant, warp_source
+from affine_model.kernel.warp_source import (
+    ADVANCE,
+    ADVANCE_UNIFORMS,
+    SWIM,
+    SWIM_UNIFORMS,
+    Variant,
+    warp_text,
+)
+from affine_model.swim.evaluate import Bounds
 from tentacle.errors import InputError
 from tentacle.law.in_use import follows_laws
+
+THREADS = 64  # of a block: small batches reach all multiprocessors
 
 
 @cache
@@ -35,32 +49,55 @@ def warp() -> Any:
     return wp
 
 
+@dataclass(frozen=True)
+class Prepared:
+    """A kernel of Warp, the table of uniform values that it reads, and its text."""
+
+    kernel: Any
+    table: list[float]
+    text: str
+
+
 @follows_laws
-def _module(variant: Variant, swim: bool) -> ModuleType:
+def _module(variant: Variant, swim: bool, outcomes: tuple[bool, ...]) -> tuple[Any, Callable[..., Any], str]:
+    """The kernel for these outcomes of tests, the function that gives its uniform values, and its text."""
     warp()
-    name = f"warp_{'swim' if swim else 'advance'}_{variant.nodes}_{variant.order}"
-    return module_of(name, warp_source(variant, swim))
+    text, name = warp_text(variant, swim, outcomes), "swim" if swim else "advance"
+    kernel = getattr(module_of(f"warp_{name}_{variant.nodes}_{variant.order}", text.kernel), name)
+    return kernel, module_of(f"uniforms_{name}", text.uniforms).uniforms, text.kernel
 
 
-@lru_cache(maxsize=16)
-def _arm_tensors(arm: Arm, drive: Drive, device: torch.device) -> dict[str, Any]:
-    """The arm's and the drive's arrays on the device, moved there once; plain numbers as they are."""
-    given = arm_arrays(arm, drive)
-    return {k: v if isinstance(v, float) else torch.as_tensor(v, device=device).contiguous() for k, v in given.items()}
+def _prepared(variant: Variant, swim: bool, given: dict[str, Any]) -> Prepared:
+    """The kernel that fits the outcomes of its tests on the values given."""
+    outcomes: tuple[bool, ...] = ()
+    while True:
+        kernel, uniforms, text = _module(variant, swim, outcomes)
+        numbers = (given[name] for name in (SWIM_UNIFORMS if swim else ADVANCE_UNIFORMS))
+        with np.errstate(all="ignore"):  # of a payload that is not there the density may be zero
+            values, found = uniforms(*(np.asarray(number)[()] for number in numbers))
+        if not any(one != other for one, other in zip_longest(found, outcomes, fillvalue=False)):
+            return Prepared(kernel, values, text)
+        outcomes = tuple(map(bool, found))
 
 
-def _variant(arm: Arm, drive: Drive, parameters: Tensor) -> Variant:
-    acting = {effect.name for effect in active_effects(parameters.detach().cpu().numpy())}
+def _variant(arm: Arm, drive: Drive, parameters: Array) -> Variant:
+    acting = {effect.name for effect in active_effects(parameters)}
     active = tuple(name in acting for name in catalogue())
     return Variant(arm.node_count, arm.order, active, drive.servo is not None, drive.rail is not None, arm.clamp)
 
 
-def _launch(kernel: Any, names: list[str], values: dict[str, Any], count: int, device: torch.device) -> None:
+def _launch(prepared: Prepared, names: list[str], values: dict[str, Any], count: int) -> None:
     wp = warp()
-    inputs = [wp.from_torch(v, dtype=wp.float64) if isinstance(v, Tensor) else v for v in (values[n] for n in names)]
+    device = next(value for value in values.values() if isinstance(value, Tensor)).device
+    inputs = [
+        wp.from_torch(v.detach(), dtype=wp.float64) if isinstance(v, Tensor) else v for v in (values[n] for n in names)
+    ]
+    inputs.append(wp.types.vector(length=len(prepared.table), dtype=wp.float64)(*prepared.table))
     stream = wp.stream_from_torch(torch.cuda.current_stream(device)) if device.type == "cuda" else None
     place = wp.device_from_torch(device)
-    wp.launch(kernel, dim=count, inputs=inputs, device=None if stream else place, stream=stream)
+    wp.launch(
+        prepared.kernel, dim=count, inputs=inputs, device=None if stream else place, stream=stream, block_dim=THREADS
+    )
 
 
 def advance_on_device(
@@ -81,12 +118,12 @@ def advance_on_device(
     )  # fmt: skip
     outputs = dict(zip(("out_u", "out_rate", "out_force", "out_past", "out_store", "summary"), found, strict=True))
     values = {
-        **_arm_tensors(arm, drive, parameters.device), **outputs, "parameters": parameters, "base": base, "t0": times,
-        "start": u, "start_rate": u_rate, "start_past": past, "start_store": store, "h": pace.step, "steps": steps,
-        "age": pace.age, "iterations": pace.iterations, "stride": pace.stride, "average_from": pace.average_from,
+        **outputs, "parameters": parameters, "base": base, "t0": times, "start": u, "start_rate": u_rate,
+        "start_past": past, "start_store": store, "steps": steps, "age": pace.age, "iterations": pace.iterations,
+        "stride": pace.stride, "average_from": pace.average_from,
     }  # fmt: skip
-    module = _module(_variant(arm, drive, parameters), False)
-    _launch(module.advance, ADVANCE, values, count, parameters.device)
+    variant = _variant(arm, drive, parameters.detach().cpu().numpy())
+    _launch(_prepared(variant, False, {**arm_arrays(arm, drive), "h": pace.step}), ADVANCE, values, count)
     return found
 
 
@@ -98,19 +135,20 @@ def swim_on_device(
     limits: largest angle, speed and acceleration (3,), and the bandwidth [Hz]. timing: the pace and the steps.
     """
     pace, steps = timing
-    count, n, device = genes.shape[0], arm.order, genes.device
-    given = parameters.to(device)[:, None]
-    outcome = genes.new_zeros(6, count)
-    still = genes.new_zeros(1, 1)
-    store = genes.new_zeros(1, 1, 1)
-    slots = len([effect for effect in catalogue().values() if effect.remembers])
+    bounds = Bounds(limits[0].cpu().numpy(), limits[1])
+    outcome = genes.new_zeros(6, genes.shape[0])
     values = {
-        **_arm_tensors(arm, drive, device), "parameters": given.expand(-1, count), "gait": genes, "outcome": outcome,
-        "limits": limits[0], "bandwidth": limits[1], "h": pace.step, "steps": steps, "age": 0,
-        "iterations": pace.iterations, "average_from": pace.average_from, "t0": genes.new_zeros(1).expand(count),
-        "start": still.expand(n + 2, count), "start_rate": still.expand(n + 2, count),
-        "start_past": still.expand(2 * n + 5, count), "start_store": store.expand(slots, arm.node_count, count),
+        "gait": genes, "outcome": outcome, "steps": steps, "iterations": pace.iterations,
+        "average_from": pace.average_from,
     }  # fmt: skip
-    module = _module(_variant(arm, drive, given), True)
-    _launch(module.swim, SWIM, values, count, device)
+    _launch(prepared_swim(arm, drive, parameters.cpu().numpy(), bounds, pace.step), SWIM, values, genes.shape[0])
     return outcome
+
+
+def prepared_swim(arm: Arm, drive: Drive, parameters: Array, bounds: Bounds, step: float) -> Prepared:
+    """The fused kernel for these parameters (R,)."""
+    uniform = {
+        **arm_arrays(arm, drive), "h": step, "parameters": parameters, "limits": bounds.kinematic,
+        "bandwidth": bounds.bandwidth,
+    }  # fmt: skip
+    return _prepared(_variant(arm, drive, parameters[:, None]), True, uniform)

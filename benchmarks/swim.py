@@ -7,9 +7,8 @@ Figures: speedup_14, speedup_21, speedup_25: optimised gait over the best sine o
 (the paper's comparison; it prints 5.5, 2.2, 3.2), speeds by MuJoCo on the rail; speedup_*_servo: the same with all that
 the servo can do; promise_gap: largest |affine / MuJoCo - 1| of those speeds; optimise_s: one arm from model to checked
 gait, on this machine (optimise_cpu_s: its processor time); cmaes_over_ga, ga_individual_over_ga, random_over_ga: best
-thrust at equal evaluations, medians over seeds; gaits_per_s: evaluations a second in batches of 4096; gpu_gaits_per_s,
-gpu_share_of_peak: 1e6 gaits of 10 s on a CUDA device, and their arithmetic over that of a matrix product in FP64 (both
-absent without a device); robust_gain: worst-quarter thrust of the robust gait over that of the plain one;
+thrust at equal evaluations, medians over seeds; gaits_per_s: evaluations a second in batches of 4096 (on a CUDA device:
+benchmarks/gpu.py); robust_gain: worst-quarter thrust of the robust gait over that of the plain one;
 free_speed: speed of the best gait with a free hull [m/s], free_gain: over the best sine, free_gap: |affine / MuJoCo -
 1| of it; promise_covered_good, promise_covered_poor: share of 95 % intervals of the posterior in which the thrust of
 the plant lies (recordings as usual, and short and noisy), promise_ratio_good, promise_ratio_poor: largest |delivered /
@@ -19,13 +18,10 @@ promised - 1|.
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
 import statistics
 import sys
 import time
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +44,6 @@ from affine_model.swim import (
 )
 from affine_model.swim.objectives import gait_scores
 from affine_model.swim.table2 import REMARKS, TABLE2_HEADER, cells, ratios, table2
-from benchmarks.affine import operations_per_step
 from validation.plants import Filming
 from validation.reference_swim import reference_free, reference_speed
 from validation.swim_promise import promises_kept
@@ -112,43 +107,6 @@ def measure_throughput(figures: dict[str, float], gaits: int) -> None:
     print(f"{gaits} gaits of {seconds:g} s: {figures['gaits_per_s']:.0f} gaits/s")
 
 
-def measure_gpu(figures: dict[str, float], largest: int) -> None:
-    """Batches on a CUDA device, to `largest` or as many as it holds; says so where there is none."""
-    if importlib.util.find_spec("torch") is None:
-        print("GPU: not measured, PyTorch is not installed")
-        return
-    import torch
-
-    if not torch.cuda.is_available():
-        print("GPU: not measured, there is no CUDA device")
-        return
-    trial = replace(trial_of(assumed_model(paper_cone(0.21), SILICONE)), settle=4.0, window=6.0, device="cuda")
-    box, draws = search_box(trial.limits), np.random.default_rng(0)
-    matrix = torch.ones(4096, 4096, dtype=torch.float64, device="cuda")
-    peak = 2.0 * 4096**3 / gpu_seconds(lambda: matrix @ matrix)
-    for gaits in (count for count in (4096, 65536, largest) if count <= largest):
-        alpha = box.alpha(draws.random((9, gaits)))
-        seconds = gpu_seconds(lambda a=alpha: run(trial, a))
-        figures["gpu_gaits_per_s"] = gaits / seconds
-        done = operations_per_step(trial.arm.nodes, trial.arm.order) * trial.steps * gaits / seconds
-        figures["gpu_share_of_peak"] = done / peak
-        print(
-            f"GPU: {gaits} gaits of 10 s: {gaits / seconds:.0f} gaits/s, {done / peak:.1%} of its FP64 matrix product"
-        )
-
-
-def gpu_seconds(work: Callable[[], object]) -> float:
-    """Seconds of the second call of two, the device waited for."""
-    import torch
-
-    work()
-    torch.cuda.synchronize()
-    begin = time.perf_counter()
-    work()
-    torch.cuda.synchronize()
-    return time.perf_counter() - begin
-
-
 def measure_robust(figures: dict[str, float], evaluations: int, samples: int) -> None:
     model = assumed_model(paper_cone(0.21), SILICONE)
     trial, thrust = trial_of(model), OBJECTIVES["thrust"]
@@ -196,7 +154,6 @@ def main() -> None:
     measure_table2(figures, EVALUATIONS)
     measure_methods(figures, EVALUATIONS, 3 if arguments.short else 7)
     measure_throughput(figures, 512 if arguments.short else 4096)
-    measure_gpu(figures, 65536 if arguments.short else 1_000_000)
     measure_robust(figures, 480 if arguments.short else 2000, 8 if arguments.short else 16)
     measure_free(figures, 480 if arguments.short else EVALUATIONS)
     measure_promise(figures, 480 if arguments.short else 2000, 2 if arguments.short else 8)

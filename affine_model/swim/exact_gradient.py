@@ -15,7 +15,7 @@ from affine_model.advance import Pace
 from affine_model.curvature import Array
 from affine_model.swim.device import CPU
 from affine_model.swim.limits import Box
-from affine_model.swim.objectives import Objective, gait_scores
+from affine_model.swim.objectives import Objective, exact_scores
 from affine_model.swim.torch_evaluate import population, swum
 from affine_model.swim.trial import GaitOutcome, GaitTrial, outcome_of
 
@@ -48,7 +48,7 @@ def exact_gradient(trial: GaitTrial, objective: Objective, box: Box, unit: Array
     own = trial.arm, trial.drive, genes, torch.from_numpy(trial.parameters)
     rows = swum(*own, trial.limits.bounds, (pace, trial.steps))
     outcome = outcome_of(alpha, rows.detach().cpu().numpy())
-    score = float(gait_scores(objective, trial, outcome)[0])
+    score = float(exact_scores(objective, trial, outcome)[0])
     if outcome.diverged.any():
         return score, np.zeros_like(unit)
     weights = torch.from_numpy(_weights(objective, trial, outcome, rows.detach().cpu().numpy())).to(rows)

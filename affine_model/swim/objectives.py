@@ -16,6 +16,9 @@ from affine_model.swim.trial import GaitOutcome, GaitTrial
 # against drag falls with the cube of the speed.
 IDLE_POWER = 0.1
 _WORSE_THAN_ANY = -1e6
+# Scores are compared to nine digits. A gait and its mirror image, or two gaits that the servo's limits make one, differ
+# by rounding alone: without this a device's last bits would choose between them.
+_BITS = 30
 
 
 @dataclass(frozen=True)
@@ -65,9 +68,20 @@ def worst_quarter_mean(values: Array) -> Array:
     return worst.mean(axis=1)
 
 
-def gait_scores(objective: Objective, trial: GaitTrial, outcome: GaitOutcome) -> Array:
+def to_nine_digits(values: Array) -> Array:
+    """The values rounded to 2^-30 of their power of two."""
+    mantissa, exponent = np.frexp(values)
+    return np.ldexp(np.round(np.ldexp(mantissa, _BITS)), exponent - _BITS)
+
+
+def exact_scores(objective: Objective, trial: GaitTrial, outcome: GaitOutcome) -> Array:
     """(B,) to maximise. A gait that needs more torque than the servo has ranks below every feasible one."""
     value = worst_quarter_mean(objective.quantity(outcome))
     excess = np.max(outcome.torque, axis=1) / trial.limits.torque - 1.0
     value = np.where(excess > 0.0, -1e3 * (1.0 + excess), value)
     return np.where(outcome.diverged.any(axis=1) | ~np.isfinite(value), _WORSE_THAN_ANY, value)
+
+
+def gait_scores(objective: Objective, trial: GaitTrial, outcome: GaitOutcome) -> Array:
+    """exact_scores (B,) to nine digits, by which gaits are compared."""
+    return to_nine_digits(exact_scores(objective, trial, outcome))

@@ -1,4 +1,7 @@
-"""The generated Warp kernels, run on the CPU, against the compiled kernel: the same text, so the same numbers."""
+"""The generated Warp kernels against the compiled kernel, on the CPU and on a CUDA device if there is one.
+
+The laws are the same. Uniform values are multiplied in another order: 1e-9 leaves room for that over all steps.
+"""
 
 from dataclasses import replace
 
@@ -24,13 +27,17 @@ GIVING = replace(ARM, specimen=replace(ARM.specimen, clamp_length=0.01))
 H, STEPS, COUNT = 1 / 500, 40, 3
 
 
+DEVICES = ["cpu", *(["cuda"] if torch.cuda.is_available() else [])]
+
+
 @pytest.fixture(autouse=True)
 def quick_compile(monkeypatch):
     monkeypatch.setattr(wp.config, "optimization_level", 0)
 
 
+@pytest.mark.parametrize("device", DEVICES)
 @pytest.mark.parametrize("arm", [ARM, GIVING], ids=["rigid clamp", "clamp that gives"])
-def test_every_effect_steps_as_in_the_compiled_kernel(parameters, arm):
+def test_every_effect_steps_as_in_the_compiled_kernel(parameters, arm, device):
     """All effects at once, a servo and a rail: one kernel holds every law."""
     everything = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1)
     for effect in catalogue().values():
@@ -43,24 +50,26 @@ def test_every_effect_steps_as_in_the_compiled_kernel(parameters, arm):
     state = at_rest(arm, COUNT)
     state.u[0] = 0.1
     truth = advance(arm, drive, p, base, (np.zeros(COUNT), state), pace)
-    moving = [torch.from_numpy(x) for x in (np.zeros(COUNT), state.u, state.u_rate, state.past, state.store)]
-    found = gpu.advance_on_device(arm, drive, torch.from_numpy(p), torch.from_numpy(base), tuple(moving), pace)
+    start = np.zeros(COUNT), state.u, state.u_rate, state.past, state.store
+    own, table, *moving = (torch.from_numpy(x).to(device) for x in (p, base, *start))
+    found = gpu.advance_on_device(arm, drive, own, table, tuple(moving), pace)
     names = ("u", "u_rate", "force", "past", "store", "summary")
     assert np.all(truth.summary[4] < 0.0)
     for name, tensor in zip(names, found, strict=True):
         expected = getattr(truth, name)
-        np.testing.assert_allclose(tensor.numpy(), expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
+        np.testing.assert_allclose(tensor.cpu().numpy(), expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
 
 
-def test_gaits_made_in_the_kernel_swim_as_those_of_a_table():
+@pytest.mark.parametrize("device", DEVICES)
+def test_gaits_made_in_the_kernel_swim_as_those_of_a_table(device):
     trial = replace(trial_of(assumed_model(paper_cone(0.21), "dragon-skin-10")), settle=0.2, window=0.4)
     drive, limits = Drive(rail=Rail(0.25, 0.35)), trial.limits.bounds
     genes = search_box(trial.limits).alpha(np.random.default_rng(0).random((9, 20))).T.copy()
     timing = Pace(trial.step, 2, trial.settled), trial.steps
     expected = evaluate(trial.arm, drive, genes, trial.parameters, limits, timing)[:, :, 0]
-    given = torch.from_numpy(trial.parameters[:, 0].copy()), torch.from_numpy(genes)
+    given = torch.from_numpy(trial.parameters[:, 0].copy()), torch.from_numpy(genes).to(device)
     servo = torch.from_numpy(limits.kinematic), limits.bandwidth
-    found = gpu.swim_on_device(trial.arm, drive, *given, servo, timing).numpy()
+    found = gpu.swim_on_device(trial.arm, drive, *given, servo, timing).cpu().numpy()
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected), axis=1).min())
     assert expected[5].min() < 0.9  # some were scaled to the servo's limits
 
