@@ -9,19 +9,22 @@ f: the specific force. An accelerometer measures it along its own axes, which tu
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
-from affine_model.arm import Arm, parameter_index
+from affine_model.arm import Arm
 from affine_model.curvature import Array, integration_to, quadrature
+from affine_model.dynamics import parameters_of
+from affine_model.effects import catalogue
 
 NODES = 16  # as in `affine_model.curvature.midline`
 
 
 @dataclass(frozen=True)
 class Turning:
-    """The arm's directions over time: coordinates q, q', q'' (3, T, n, B) [rad] in the paper's, base angle theta and
-    its derivatives (3, T, B) [rad].
+    """The arm's directions over time: coordinates q, q', q'' (3, T, n, B) [rad] in the paper's, direction theta of the
+    root and its derivatives (3, T, B) [rad].
     """
 
     q: Array
@@ -49,6 +52,11 @@ def specific_force(turning: Turning, pull: Array, length: float, place: tuple[fl
 
 
 def gravity_of(arm: Arm, parameters: Array) -> Array:
-    """Gravity (2, B) [m/s^2] in the standing frame under the parameters (R, B); it may be tilted."""
-    angle = arm.gravity.angle + parameters[parameter_index("gravity_tilt", "tilt")]
+    """Gravity (2, B) [m/s^2] in the standing frame under the parameters (R, B), tilted by every law of the catalogue
+    that tilts it, as in affine_model.dynamics.
+    """
+    x, angle = SimpleNamespace(**arm.arm_quantities), np.full(parameters.shape[1:], arm.gravity.angle)
+    for effect in catalogue().values():
+        if effect.gravity_tilt is not None:
+            angle = angle + effect.gravity_tilt(x, parameters_of(effect, parameters))[..., 0]
     return np.asarray(arm.gravity.magnitude * np.stack([np.sin(angle), np.cos(angle)]))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from affine_model.arm import Arm, active_effects
-from affine_model.curvature import Array, angle_basis
+from affine_model.curvature import Array
 from affine_model.dynamics import remembering
 from affine_model.effects import catalogue
 from affine_model.free_body import Hull
@@ -135,7 +135,7 @@ def at_rest(arm: Arm, count: int, drive: Drive = PRESCRIBED) -> State:
     """B straight arms without motion or memory."""
     size, slots = drive.coordinates(arm.order), remembering(tuple(catalogue().values()))
     still = np.zeros((size, count))
-    return State(still, still.copy(), np.zeros((2 * size + 1, count)), np.zeros((len(slots), arm.nodes, count)))
+    return State(still, still.copy(), np.zeros((2 * size + 1, count)), np.zeros((len(slots), arm.node_count, count)))
 
 
 def shapes(arm: Arm, drive: Drive, count: int, steps: int, pace: Pace) -> Course:
@@ -148,7 +148,7 @@ def shapes(arm: Arm, drive: Drive, count: int, steps: int, pace: Pace) -> Course
         np.zeros((kept + 1, size, count)),
         np.zeros((max(kept, 1), 4, count)),
         np.zeros((whole, 2 * size + 1, count)),
-        np.zeros((whole, slots, arm.nodes, count)),
+        np.zeros((whole, slots, arm.node_count, count)),
         np.zeros((2 * size + 5, count)),
     )
 
@@ -166,9 +166,9 @@ def advance(arm: Arm, drive: Drive, parameters: Array, base: Array, start: tuple
     known = arm_arrays(arm, drive)
     constants = np.array([known[k] for k in CONSTANTS])
     section = (known[k] for k in ("s", "area", "second_moment", "width", "perimeter"))
-    rules = (known[k] for k in ("W", "Lw", "w", "A", "A_end", "C", "WA", "wA"))
+    rules = (known[k] for k in ("W", "Lw", "w", "bending", "A", "A_end", "C", "WA", "wA"))
     advance_blocks(
-        arm.nodes, n, count, parameters, active, constants, *section, *rules, base, known["servo"], known["rail"],
+        arm.node_count, n, count, parameters, active, constants, *section, *rules, base, known["servo"], known["rail"],
         drive.servo is not None or free, drive.rail is not None or free, pace.step, steps, pace.age,
         times, state.u, state.u_rate, state.past, state.store, pace.iterations, pace.stride, pace.average_from,
         course.u, course.u_rate, course.force, course.past, course.store, course.summary,
@@ -187,16 +187,17 @@ def arm_arrays(arm: Arm, drive: Drive) -> dict[str, Any]:
     return {
         **arm.node_quantities, **{k: float(v) for k, v in arm.arm_quantities.items()},
         "gravity_angle": float(arm.gravity.angle), "W": rule.integration, "Lw": length * rule.weights,
-        "w": rule.weights, "A": angle, "A_end": end, "C": curvature, "WA": at_nodes, "wA": at_tip,
-        "servo": servo, "rail": rail,
+        "w": rule.weights, "bending": arm.bending_weights, "A": angle, "A_end": end, "C": curvature,
+        "WA": at_nodes, "wA": at_tip, "servo": servo, "rail": rail,
     }  # fmt: skip
 
 
 def _columns(arm: Arm) -> tuple[Array, Array, Array]:
     """d phi / du and dc / du at the nodes (N, n + 2), d phi / du at s = 1 (n + 2,)."""
     n = arm.order
-    angle, curvature, end = np.zeros((arm.nodes, n + 2)), np.zeros((arm.nodes, n + 2)), np.zeros(n + 2)
-    end[:n], end[n] = angle_basis(n, [1.0])[0], 1.0
+    nodes = arm.node_count
+    angle, curvature, end = np.zeros((nodes, n + 2)), np.zeros((nodes, n + 2)), np.zeros(n + 2)
+    end[:n], end[n] = arm.angles_at([1.0])[0], 1.0
     angle[:, :n], angle[:, n], curvature[:, :n] = arm.angle_basis, 1.0, arm.curvature_basis
     return angle, curvature, end
 

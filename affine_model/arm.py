@@ -6,8 +6,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from affine_model.curvature import Array, Quadrature, angle_basis, curvature_basis, legendre_to_monomial, quadrature
+from affine_model.curvature import (
+    Array,
+    Quadrature,
+    angle_basis,
+    curvature_basis,
+    legendre_to_monomial,
+    quadrature,
+    with_node_at_base,
+)
 from affine_model.effect import Effect, Parameter
 from affine_model.effects import catalogue
 from tentacle.errors import InputError
@@ -70,7 +79,13 @@ def parameter_vector(model: Model) -> Array:
 
 @dataclass(frozen=True)
 class Arm:
-    """Geometry, surroundings, numbers of coordinates and quadrature nodes: the same for all individuals of a batch."""
+    """Geometry, surroundings, numbers of coordinates and quadrature nodes: the same for all individuals of a batch.
+
+    phi(s) = theta + l/L c(0) + int_0^s c dv,       2 U = int k c^2 ds + l/L k(0) c(0)^2
+
+    l: specimen.clamp_length; U: elastic energy. A clamp that gives is one more node at s = 0. It bends with the weight
+    l / L and with all the laws of the arm's root; for masses and forces its weight is 0.
+    """
 
     specimen: Specimen
     fluid: Fluid = Fluid()
@@ -84,10 +99,27 @@ class Arm:
         if self.nodes < self.order + 2:
             raise InputError(f"{self.nodes} is too few", field="nodes", expected=f"at least {self.order + 2}")
 
+    @property
+    def clamp(self) -> float:
+        """l / L, how much the clamp gives: the arm's root turns by l / L c(0)."""
+        return self.specimen.clamp_share
+
+    @property
+    def node_count(self) -> int:
+        """N: the nodes of the rule, and a further one at s = 0 for a clamp that gives."""
+        return self.nodes + (self.clamp > 0.0)
+
     @cached_property
     def rule(self) -> Quadrature:
-        """The quadrature rule along the arm."""
-        return quadrature(self.nodes)
+        """The quadrature rule along the arm. The node of a clamp that gives is the first and has no weight."""
+        rule = quadrature(self.nodes)
+        return with_node_at_base(rule) if self.clamp > 0.0 else rule
+
+    @cached_property
+    def bending_weights(self) -> Array:
+        """Weights (N,) over all that bends: the arm, and the clamp as a further length l / L of its root."""
+        weights = self.rule.weights
+        return np.append(self.clamp, weights[1:]) if self.clamp > 0.0 else weights
 
     @cached_property
     def curvature_basis(self) -> Array:
@@ -97,7 +129,16 @@ class Arm:
     @cached_property
     def angle_basis(self) -> Array:
         """d alpha/dz at the nodes (N, n)."""
-        return angle_basis(self.order, self.rule.s)
+        return self.angles_at(self.rule.s)
+
+    def angles_at(self, s: ArrayLike) -> Array:
+        """d alpha/dz at s (P,): shape (P, n). alpha is the angle along the arm with the turn of its clamp."""
+        angles = angle_basis(self.order, s)
+        return angles + self.clamp * curvature_basis(self.order, [0.0]) if self.clamp > 0.0 else angles
+
+    def root_turn(self, q1: Array) -> Array:
+        """How far a clamp that gives lets the root turn [rad], of the paper's q1 = c(0) [rad]; rates likewise."""
+        return self.clamp * q1
 
     @cached_property
     def to_monomial(self) -> Array:

@@ -64,6 +64,11 @@ def quadrature(count: int) -> Quadrature:
     return Quadrature(s, 0.5 * weights, integrals @ np.linalg.inv(values))
 
 
+def with_node_at_base(rule: Quadrature) -> Quadrature:
+    """The rule with a node at s = 0 before all others: it adds nothing to any integral."""
+    return Quadrature(np.append(0.0, rule.s), np.append(0.0, rule.weights), np.pad(rule.integration, ((1, 0), (1, 0))))
+
+
 def integration_to(count: int, points: ArrayLike) -> Array:
     """Matrix (P, N) that integrates values at the rule's `count` nodes from 0 to each of the points (P,)."""
     return _integration_to(count, tuple(np.asarray(points, dtype=float).tolist()))

@@ -15,7 +15,6 @@ from types import SimpleNamespace
 from typing import Any
 
 from affine_model.arm import Arm, parameter_rows
-from affine_model.curvature import angle_basis
 from affine_model.effect import Effect
 from affine_model.laws import relaxed
 
@@ -65,10 +64,12 @@ def _torch_constants(arm: Arm, dtype: Any, device: Any) -> tuple[tuple[Any, ...]
 
 
 def _numpy_constants(arm: Arm) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """L W, L w, angle and curvature bases at the nodes, the angle basis at s = 1, and the sections' quantities."""
+    """L W, L w, angle and curvature bases at the nodes, the angle basis at s = 1, L times the weights of all that
+    bends; and the sections' quantities.
+    """
     L, rule = arm.specimen.length, arm.rule
-    end = angle_basis(arm.order, [1.0])[0]
-    return (L * rule.integration, L * rule.weights, arm.angle_basis, arm.curvature_basis, end), arm.node_quantities
+    bases = arm.angle_basis, arm.curvature_basis, arm.angles_at([1.0])[0]
+    return (L * rule.integration, L * rule.weights, *bases, L * arm.bending_weights), arm.node_quantities
 
 
 def parameters_of(effect: Effect, parameters: Any) -> SimpleNamespace:
@@ -100,7 +101,7 @@ def balance(
     xp = sys.modules[type(u).__module__.split(".")[0]]
     n, L = arm.order, arm.specimen.length
     known = _numpy_constants(arm) if xp.__name__ == "numpy" else _torch_constants(arm, u.dtype, u.device)
-    (W, w, A, C, end), node = known
+    (W, w, A, C, end, bending), node = known
 
     z, theta, z_rate, theta_rate = u[..., :n], u[..., n : n + 1], u_rate[..., :n], u_rate[..., n : n + 1]
     phi, phi_rate = theta + z @ A.T, theta_rate + z_rate @ A.T
@@ -194,7 +195,7 @@ def balance(
             slot = slots.get(effect.name)
             x.memory = 0.0 * phi if instant.memory is None or slot is None else instant.memory[..., slot, :]
             moment = moment + effect.bending_moment(x, p)
-    force = force - xp.einsum("...ij,...i->...j", curvature_columns, w / L * moment)
+    force = force - xp.einsum("...ij,...i->...j", curvature_columns, bending / L * moment)
 
     fluid_force = xp.einsum("i,...ix->...x", w, fluid)
     fluid_mass = xp.einsum("...ix,...ij->...xj", (w * normal_inertia)[..., None] * normal, projected)

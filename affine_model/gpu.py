@@ -83,7 +83,7 @@ def _prepared(variant: Variant, swim: bool, given: dict[str, Any]) -> Prepared:
 def _variant(arm: Arm, drive: Drive, parameters: Array) -> Variant:
     acting = {effect.name for effect in active_effects(parameters)}
     active = tuple(name in acting for name in catalogue())
-    return Variant(arm.nodes, arm.order, active, drive.servo is not None, drive.rail is not None)
+    return Variant(arm.node_count, arm.order, active, drive.servo is not None, drive.rail is not None, arm.clamp)
 
 
 def _launch(prepared: Prepared, names: list[str], values: dict[str, Any], count: int) -> None:

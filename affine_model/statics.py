@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from affine_model.arm import Arm, active_effects
-from affine_model.curvature import Array, angle_basis, quadrature
+from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
 
 DIFFERENCE = 1e-5  # rad; central differences of smooth forces: 1e-10 relative
@@ -29,10 +29,9 @@ def tip_load(arm: Arm, z: Array, theta: float, load: TipLoad) -> Array:
 
     z (..., n) are Legendre coordinates. By virtual work: dr_tip/dz . force + d alpha_tip/dz moment.
     """
-    rule = quadrature(arm.nodes)
     phi = theta + z @ arm.angle_basis.T
-    arm_of_force = -(np.cos(phi) * load.force[0] + np.sin(phi) * load.force[1]) * arm.specimen.length * rule.weights
-    return arm_of_force @ arm.angle_basis + load.moment * angle_basis(arm.order, [1.0])[0]
+    arm_of_force = -(np.cos(phi) * load.force[0] + np.sin(phi) * load.force[1]) * arm.specimen.length * arm.rule.weights
+    return arm_of_force @ arm.angle_basis + load.moment * arm.angles_at([1.0])[0]
 
 
 def static_force(arm: Arm, parameters: Array, z: Array, theta: float = 0.0, t: float = 0.0) -> Array:

@@ -72,7 +72,7 @@ def _columns(arm: Arm, drive: Drive, parameters: Tensor, of_parameters: bool, of
     acting = {effect.name for effect in active_effects(parameters.cpu().numpy())}
     for slot, effect in enumerate(remembering(tuple(catalogue().values()))):
         if effect.name in acting:
-            state += range(first + slot * arm.nodes, first + (slot + 1) * arm.nodes)
+            state += range(first + slot * arm.node_count, first + (slot + 1) * arm.node_count)
     rows = [row.index for row in parameter_rows() if row.effect in acting or not row.parameter.scan]
     return _Columns(state, rows if of_parameters else [], [0, 1, 2] if of_base else [])
 
@@ -90,7 +90,7 @@ def _split(arm: Arm, state: Tensor) -> tuple[Tensor, ...]:
     """u, u_rate, past, store (S, N, ...) of rows (X, ...)."""
     size = arm.order + 2
     u, u_rate, past, store = state.split([size, size, 2 * size + 1, state.shape[0] - 4 * size - 1])
-    return u, u_rate, past, store.unflatten(0, (-1, arm.nodes))
+    return u, u_rate, past, store.unflatten(0, (-1, arm.node_count))
 
 
 def _single_steps(run: AdjointRun, arm: Arm, given: _Inputs, pace: Pace) -> Tensor:

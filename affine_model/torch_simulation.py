@@ -68,7 +68,7 @@ def torch_simulate(
     u = torch.cat([none if start.q is None else to_legendre @ start.q, angle, still])
     u_rate = torch.cat([none if start.q_rate is None else to_legendre @ start.q_rate, angle_rate, still])
     slots = remembering(tuple(catalogue().values()))
-    past, store = parameters.new_zeros(2 * n + 5, count), parameters.new_zeros(len(slots), arm.nodes, count)
+    past, store = parameters.new_zeros(2 * n + 5, count), parameters.new_zeros(len(slots), arm.node_count, count)
     if start.memory is not None:
         at_nodes = torch.as_tensor(arm.curvature_basis @ arm.from_monomial).to(parameters) @ start.memory
         relaxing = torch.tensor([effect.relaxation_time is not None for effect in slots], device=parameters.device)

@@ -13,8 +13,8 @@ from affine_model.curvature import Array
 
 @dataclass(frozen=True)
 class Motion:
-    """How the arm moves at these instants: q' and q'' (2, T, n, B) in the paper's coordinates, theta' and theta''
-    (2, T, B); pull (T, 2, B) [m/s^2], gravity minus the base's acceleration.
+    """How the arm moves at these instants: q' and q'' (2, T, n, B) in the paper's coordinates, the root's turning
+    theta' and theta'' (2, T, B); pull (T, 2, B) [m/s^2], gravity minus the base's acceleration.
     """
 
     q: Array
@@ -28,9 +28,10 @@ class Motion:
 
 @dataclass(frozen=True)
 class Appearance:
-    """The arm at an observation's T instants: q (T, n, B), theta (T, B); roll [rad] and excess of scale (B,) of the
-    camera, and shift (2, B) [m] of the clamp in its picture; zeros (G, B) of the sensors on the arm, (1, B) where all
-    are 0; motion: None where it is not known, and then an accelerometer says nothing.
+    """The arm at an observation's T instants: q (T, n, B); theta (T, B), the direction of its root, which is the base's
+    angle and the turn of a clamp that gives; roll [rad] and excess of scale (B,) of the camera, and shift (2, B) [m] of
+    the clamp in its picture; zeros (G, B) of the sensors on the arm, (1, B) where all are 0; motion: None where it is
+    not known, and then an accelerometer says nothing.
     """
 
     q: Array

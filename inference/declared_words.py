@@ -16,6 +16,7 @@ from tentacle.model import Estimate
 # Standard deviations of the declaration: one honest declaration in 400 is farther from its number
 FAR_FROM_DECLARED = 3.0
 SILENT = 0.9  # of the declared spread: if the fit leaves more than this share, the data say nothing about the number
+LIKELY = 1.96  # of a normal number that is cut at its most likely value, 95 % lies within so many standard deviations
 
 
 def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0) -> list[str]:
@@ -42,10 +43,14 @@ def _sentence(number: Uncertain, value: float, sd: float) -> str:
     stated = f"{number.low:.4g} to {number.high:.4g}" if number.sd is None else f"{number.value:.4g} +- {number.sd:.2g}"
     low, high = number.bounds
     margin = 1e-3 * (high - low)
-    if not low + margin < value < high - margin:
+    at_limit = not low + margin < value < high - margin
+    if at_limit and (number.sd is None or abs(value - number.value) > margin):
         return f"{number.name} is declared as {stated}; the fit ends at its limit, {value:.4g}: check the declaration."
     if sd > SILENT * number.spread:
         return f"{number.name} is declared as {stated}; these data say nothing about it."
+    if at_limit:  # it was declared there, as a clamp that does not give
+        reach = f"at most {value + LIKELY * sd:.2g}" if value < high - margin else f"at least {value - LIKELY * sd:.2g}"
+        return f"{number.name} is declared as {stated}; the data say {reach} (95 %)."
     found = f"{number.name} is declared as {stated}; the data say {value:.5g} +- {sd:.2g}"
     if number.sd is not None and abs(value - number.value) > FAR_FROM_DECLARED * number.sd:
         return f"{found}, {abs(value - number.value) / number.sd:.1f} declared deviations away: check the declaration."

@@ -80,6 +80,7 @@ def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) 
     roll, excess = np.full(n + 3, sight.roll), np.full(n + 3, sight.excess)
     q, theta = np.repeat(run.q, n + 3, axis=2), np.repeat(run.theta, n + 3, axis=1)
     q[:, :, 1 : n + 1] += ANGLE_STEP * arm.to_monomial[None]
+    theta[:, 1 : n + 1] += ANGLE_STEP * arm.root_turn(arm.to_monomial[0])
     theta[:, n + 1] += ANGLE_STEP
     excess[n + 2] += ANGLE_STEP
     shown = Appearance(q, theta, roll, excess, np.repeat(run.shift, n + 3, axis=1), np.zeros((1, n + 3)))
@@ -230,14 +231,14 @@ def _force_root(arm: Arm, parameters: Array, acceleration: Array, u: Array) -> A
     """
     n, rule, length = arm.order, arm.rule, arm.specimen.length
     node = arm.node_quantities
-    across = -length * rule.integration @ np.concatenate([arm.angle_basis, np.ones((arm.nodes, 1))], axis=1)
+    across = -length * rule.integration @ np.concatenate([arm.angle_basis, np.ones((arm.node_count, 1))], axis=1)
     inertia = arm.specimen.density * node["area"] * np.sqrt(np.mean((across @ acceleration[: n + 1]) ** 2, axis=1))
     E, k0, k1 = (parameters[parameter_index("elasticity", name)] for name in ("E", "k0", "k1"))
     stiffness = E * node["second_moment"] / length + k0 + k1 * node["s"]
     moment = stiffness * np.sqrt(np.mean((arm.curvature_basis @ u[:n]) ** 2, axis=1))
     alike = np.exp(-0.5 * ((node["s"][:, None] - node["s"]) / CORRELATION_LENGTH) ** 2)
     pushed = (length * rule.weights * inertia)[:, None] * across[:, :n]
-    bent = (rule.weights * moment)[:, None] * arm.curvature_basis
+    bent = (arm.bending_weights * moment)[:, None] * arm.curvature_basis
     covariance = pushed.T @ alike @ pushed + bent.T @ alike @ bent
     values, vectors = np.linalg.eigh(0.5 * (covariance + covariance.T))
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -85,7 +85,7 @@ def memory_along(arm: Arm, parameters: Array, motion: MeasuredMotion) -> Array:
     """Memory (T, S, N) of the acting effects along the motion, zero at the start (dynamics.advanced_memory)."""
     effects = active_effects(parameters)
     c_rate = motion.u_rate[:, : arm.order] @ arm.curvature_basis.T
-    memory = np.zeros((motion.t.size, len(remembering(effects)), arm.nodes))
+    memory = np.zeros((motion.t.size, len(remembering(effects)), arm.node_count))
     for k, duration in enumerate(np.diff(motion.t)):
         middle = 0.5 * (c_rate[k] + c_rate[k + 1])
         memory[k + 1] = advanced_memory(arm, effects, parameters, memory[k], middle, duration)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from affine_model.arm import Arm
 from affine_model.curvature import Array
 from affine_model.simulate import Batch
 from inference.appearance import Motion
@@ -35,8 +36,8 @@ def accelerations(values: Array, rates: Array, interval: float) -> Array:
     return found
 
 
-def motion_at(batch: Batch, times: Array, pull: Array) -> Motion:
-    """The motion of a batch at times (T, B) or (T, 1) [s]; pull (T, 2, B) as in Motion.
+def motion_at(arm: Arm, batch: Batch, times: Array, pull: Array) -> Motion:
+    """The motion of an arm's batch at times (T, B) or (T, 1) [s]; pull (T, 2, B) as in Motion.
 
     Before the batch begins the arm is held, or moves on along its tangent: it is not accelerated.
     """
@@ -48,4 +49,5 @@ def motion_at(batch: Batch, times: Array, pull: Array) -> Motion:
         found = at_times(batch.t, rates, second, times), at_times(batch.t, second, third, times)
         return np.stack([np.where(before, rates[:1], found[0]), np.where(before, 0.0, found[1])])
 
-    return Motion(both(batch.q, batch.q_rate), both(batch.theta[:, None], batch.theta_rate[:, None])[:, :, 0], pull)
+    q, theta = both(batch.q, batch.q_rate), both(batch.theta[:, None], batch.theta_rate[:, None])[:, :, 0]
+    return Motion(q, theta + arm.root_turn(q[:, :, 0]), pull)

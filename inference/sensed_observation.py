@@ -142,44 +142,86 @@ class SensedObservation(Observation):
         return replace(self, t=pictures.t, theta=pictures.theta, length=pictures.length, pictures=pictures, **changes)  # type: ignore[arg-type]
 
 
+@dataclass(frozen=True)
+class _Log:
+    """What one sensor wrote: the sensor without its noise, the noise that its declaration states (None: none), times
+    (N,) [s] and readings (N,).
+    """
+
+    sensor: Sensor
+    stated: float | None
+    t: Array
+    readings: Array
+
+    @property
+    def field(self) -> str:
+        """Its name in messages."""
+        return f"{self.sensor.quantity}.{self.sensor.name}"
+
+
 def with_sensors(pictures: Observation, recording: Recording) -> tuple[Observation, list[str]]:
     """The pictures with what the recording's sensors measured beside them, and words on their noise; as they are where
     there is none.
 
     InputError where a sensor has no reading while the arm is seen, or too few to find the noise that it does not state.
     """
-    strain, acceleration = recording.strain, recording.acceleration
-    read: list[tuple[Sensor, float | None, Array, Array]] = []
-    if strain is not None:
-        for name, gauge, values in zip(strain.names, strain.gauges, strain.values.T, strict=True):
-            read.append((Gauge(name, np.nan, gauge), gauge.sigma, strain.t, values))
-    if acceleration is not None:
-        axes = acceleration.accelerometers
-        for name, axis, values in zip(acceleration.names, axes, acceleration.values.T, strict=True):
-            read.append((AccelerometerAxis(name, np.nan, axis), axis.sigma, acceleration.t, values))
-    if not read:
+    logs = _logs(recording)
+    if not logs:
         return pictures, []
-    words, sensors, columns = [], [], []
-    for sensor, sigma, t, values in read:
-        field = f"{sensor.quantity}.{sensor.name}"
-        interval = float(np.median(np.diff(t[np.isfinite(values)]))) if np.isfinite(values).sum() > 1 else 0.0
-        if interval > sensor.taking.rarest:
-            expected = f"one every {sensor.taking.rarest:.2g} s at least"
-            raise InputError(f"has a reading every {interval:.3g} s", field=field, expected=expected)
-        column, share = at_frames(pictures.t, t, values, sensor.taking)
-        column = np.where(sensor.moves & _at_a_jump(recording, pictures.t), np.nan, column)
-        if not (np.isfinite(column) & pictures.seen).any():
-            raise InputError("has no reading while the arm is seen", field=field, expected="the same clock")
-        if sigma is None:
-            sigma = max(float(noise_deviation(values)), sensor.least)
-            if not np.isfinite(sigma):
-                raise InputError("has too few readings to find its noise", field=field, expected="sigma")
-            found = f"{sensor.noise_words.format(sigma)} was found between its readings"
-            words.append(f"{sensor.kind.capitalize()} {sensor.name} states no noise; {found}.")
-        sensors.append(replace(sensor, sigma=sigma * share))
+    at_jump = _at_a_jump(recording, pictures.t)
+    words: list[str] = []
+    sensors: list[Sensor] = []
+    columns: list[Array] = []
+    for log in logs:
+        column, share = _column(log, pictures, at_jump)
+        sigma, found = _noise(log)
+        words += found
+        sensors.append(replace(log.sensor, sigma=sigma * share))
         columns.append(column)
     values = np.stack(columns, axis=1)
     return SensedObservation(pictures.t, pictures.theta, pictures.length, pictures, tuple(sensors), values), words
+
+
+def _logs(recording: Recording) -> list[_Log]:
+    """The recording's strain gauges, then the axes of its accelerometers."""
+    strain, acceleration = recording.strain, recording.acceleration
+    logs: list[_Log] = []
+    if strain is not None:
+        for name, gauge, values in zip(strain.names, strain.gauges, strain.values.T, strict=True):
+            logs.append(_Log(Gauge(name, np.nan, gauge), gauge.sigma, strain.t, values))
+    if acceleration is not None:
+        axes = acceleration.accelerometers
+        for name, axis, values in zip(acceleration.names, axes, acceleration.values.T, strict=True):
+            logs.append(_Log(AccelerometerAxis(name, np.nan, axis), axis.sigma, acceleration.t, values))
+    return logs
+
+
+def _column(log: _Log, pictures: Observation, at_jump: NDArray[np.bool_]) -> tuple[Array, float]:
+    """The sensor's value at every frame (T,), NaN where it does not count, and the share of a reading's noise in it.
+
+    InputError where its readings are too rare, or none counts while the arm is seen.
+    """
+    taking, there = log.sensor.taking, np.isfinite(log.readings)
+    interval = float(np.median(np.diff(log.t[there]))) if there.sum() > 1 else 0.0
+    if interval > taking.rarest:
+        expected = f"one every {taking.rarest:.2g} s at least"
+        raise InputError(f"has a reading every {interval:.3g} s", field=log.field, expected=expected)
+    column, share = at_frames(pictures.t, log.t, log.readings, taking)
+    column = np.where(log.sensor.moves & at_jump, np.nan, column)
+    if not (np.isfinite(column) & pictures.seen).any():
+        raise InputError("has no reading while the arm is seen", field=log.field, expected="the same clock")
+    return column, share
+
+
+def _noise(log: _Log) -> tuple[float, list[str]]:
+    """Standard deviation of a reading: as stated, or as found between the readings, and then words on that."""
+    if log.stated is not None:
+        return log.stated, []
+    sensor, sigma = log.sensor, max(float(noise_deviation(log.readings)), log.sensor.least)
+    if not np.isfinite(sigma):
+        raise InputError("has too few readings to find its noise", field=log.field, expected="sigma")
+    found = f"{sensor.noise_words.format(sigma)} was found between its readings"
+    return sigma, [f"{sensor.kind.capitalize()} {sensor.name} states no noise; {found}."]
 
 
 def _at_a_jump(recording: Recording, t: Array) -> NDArray[np.bool_]:

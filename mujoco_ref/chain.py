@@ -3,7 +3,8 @@
 Link 0 is the half segment that is rigid with the clamp, link n the half segment at the tip; link k is centred on
 s = k/n, so its direction is the tangent angle there, and the scheme is of second order in 1/n. The clamp is a mount
 body that slides along x and y and turns about z: coordinates (x, y, theta, hinge 1 .. hinge n), planar, z out of the
-plane.
+plane. A clamp that gives is a hinge of its own at s = 0, before all others: link 0 is then a hub without length, and
+there is one hinge and one link more. The hinge stands for a further length of the root, specimen.clamp_length.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from tentacle.specimen import STEEL, Fluid, Gravity, Specimen
 # MuJoCo refuses inertias below 1e-15 kg m^2; the last half link of a pointed cone can be smaller than that.
 SMALLEST_INERTIA = 4e-15
 SMALLEST_MASS = 1e-12
+RIGID = 1e-9  # of the arm's length: a clamp that gives less is a spring too stiff for differences of moments
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class Chain:
 
     model: MuJoCo's, complete in itself (stiffness, damping, weight, buoyancy as gravcomp). Per link (n + 1,): start and
     length [m] along the arm, mass [kg]. bodies (2, 4): the payload and the undeclared body, see Hung.row.
-    hinge_s (n,), stiffness (n,) [N m/rad of hinge angle], damping (n,) [N m s/rad].
+    hinge_s (n,), stiffness (n,) [N m/rad of hinge angle], damping (n,) [N m s/rad]. sharpness (n,): curvature c a
+    radian of the hinge's angle, L over the length that it stands for. links: the hinges n, a clamp that gives included.
     """
 
     model: Any
@@ -67,6 +70,11 @@ class Chain:
     hinge_s: Array
     stiffness: Array
     damping: Array
+    sharpness: Array
+
+    def tangent_angles(self, q: Array) -> Array:
+        """Tangent angle [rad] of the arm at even s from 0 to 1, of positions q (..., n + 3)."""
+        return np.cumsum(q[..., 2:], axis=-1)[..., int(clamp_gives(self.specimen)) :]
 
     def nodes(self, points: int = 2) -> tuple[Array, Array]:
         """Gauss points of every link: distance from its start (n + 1, points) [m], weight [m]."""
@@ -74,9 +82,16 @@ class Chain:
         return 0.5 * self.length[:, None] * (x + 1.0), 0.5 * self.length[:, None] * w
 
 
-def link_bounds(links: int) -> tuple[Array, Array]:
-    """Where links begin and end along s: (n + 1,) each."""
-    cuts = np.concatenate([[0.0], (np.arange(links) + 0.5) / links, [1.0]])
+def clamp_gives(specimen: Specimen) -> bool:
+    """Whether the chain has a hinge for the clamp."""
+    return specimen.clamp_share > RIGID
+
+
+def link_bounds(specimen: Specimen, links: int) -> tuple[Array, Array]:
+    """Where links begin and end along s: (n + 1,) each; n is the number of links asked for, and one more behind a clamp
+    that gives.
+    """
+    cuts = np.concatenate([[0.0], hinge_positions(specimen, links), [1.0]])
     return cuts[:-1], cuts[1:]
 
 
@@ -103,7 +118,7 @@ def _inertia_of_links(specimen: Specimen, starts: Array, ends: Array) -> tuple[A
     along, weight = 0.5 * length[:, None] * (x + 1.0), 0.5 * length[:, None] * w
     line = specimen.density * specimen.section.area(s) * weight
     mass = line.sum(axis=1)
-    centre = (line * along).sum(axis=1) / mass
+    centre = (line * along).sum(axis=1) / np.where(mass > 0.0, mass, 1.0)  # a hub has none
     rotary = (specimen.density * specimen.section.second_moment(s) * weight).sum(axis=1)
     across = (line * (along - centre[:, None]) ** 2).sum(axis=1) + rotary
     return mass, centre, across, 2.0 * rotary
@@ -111,10 +126,11 @@ def _inertia_of_links(specimen: Specimen, starts: Array, ends: Array) -> tuple[A
 
 @dataclass(frozen=True)
 class Flexure:
-    """Stiffness and damping (n,) of the hinges."""
+    """Stiffness and damping (n,) of the hinges, and the number of links that was asked for."""
 
     stiffness: Array
     damping: Array
+    links: int
 
 
 def build_spec(
@@ -126,13 +142,12 @@ def build_spec(
     mount: Mount,
 ) -> Any:
     """The chain as an MjSpec; stiffness and damping (n,) per hinge angle. Geoms are for pictures: they have no mass."""
-    links = flexure.stiffness.size
     spec = mujoco.MjSpec()
     spec.modelname = "tentacle"
     spec.option.gravity = [gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle), 0.0]
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     spec.option.timestep = 1e-3
-    starts, ends = link_bounds(links)
+    starts, ends = link_bounds(specimen, flexure.links)
     lengths = specimen.length * (ends - starts)
     mass, centre, across, along = _inertia_of_links(specimen, starts, ends)
     body = spec.worldbody.add_body(name="mount")
@@ -141,7 +156,7 @@ def build_spec(
     body.mass, body.inertia, body.explicitinertial = mount.mass, [mount.hub_inertia] * 3, True
     body.ipos = [0.0, 0.0, 0.0]
     body.gravcomp = 1.0  # the rail or stand carries the mount
-    for k in range(links + 1):
+    for k in range(lengths.size):
         offset = 0.0 if k == 0 else lengths[k - 1]
         body = body.add_body(name=f"link_{k}", pos=[0.0, offset, 0.0])
         hinge = body.add_joint(name="theta" if k == 0 else f"hinge_{k}", axis=[0, 0, 1])
@@ -155,6 +170,8 @@ def build_spec(
         body.mass, body.ipos = max(mass[k], SMALLEST_MASS), [0.0, centre[k], 0.0]
         body.inertia, body.explicitinertial = [turning + hub, spin + hub, turning + hub], True
         body.gravcomp = fluid.density / specimen.density
+        if lengths[k] == 0.0:  # a hub has no picture
+            continue
         middle = 0.5 * (starts[k] + ends[k])
         size = [float(specimen.section.half_thickness(middle)), 0.5 * lengths[k], 0.0]
         geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, pos=[0.0, 0.5 * lengths[k], 0.0])
@@ -183,16 +200,16 @@ def build_chain(
     A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. hung: a body at the tip besides
     the specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
     """
-    links = flexure.stiffness.size
-    if links < 2:
-        raise InputError(f"{links} is too few", field="links", expected="an integer >= 2")
-    starts, ends = link_bounds(links)
-    refuse_bad_stiffness(hinge_positions(links), flexure.stiffness)
+    if flexure.links < 2:
+        raise InputError(f"{flexure.links} is too few", field="links", expected="an integer >= 2")
+    (starts, ends), s = link_bounds(specimen, flexure.links), hinge_positions(specimen, flexure.links)
+    refuse_bad_stiffness(s, flexure.stiffness)
+    sharpness = hinge_sharpness(specimen, flexure.links)
     payload = Hung(specimen.tip_mass, specimen.tip_mass_reach, specimen.tip_mass_drop, specimen.tip_mass_density)
     bodies = payload, hung or Hung()
     spec = build_spec(
         specimen,
-        Flexure(links * flexure.stiffness, links * flexure.damping),
+        Flexure(sharpness * flexure.stiffness, sharpness * flexure.damping, flexure.links),
         fluid,
         gravity,
         bodies,
@@ -202,17 +219,25 @@ def build_chain(
     return Chain(
         model=spec.compile(),
         specimen=specimen,
-        links=links,
+        links=s.size,
         start=specimen.length * starts,
         length=specimen.length * (ends - starts),
         mass=mass,
         bodies=np.array([body.row for body in bodies]),
-        hinge_s=hinge_positions(links),
-        stiffness=links * flexure.stiffness,
-        damping=links * flexure.damping,
+        hinge_s=s,
+        stiffness=sharpness * flexure.stiffness,
+        damping=sharpness * flexure.damping,
+        sharpness=sharpness,
     )
 
 
-def hinge_positions(links: int) -> Array:
-    """s of the hinges (n,): the middles of n equal segments."""
-    return (np.arange(links) + 0.5) / links
+def hinge_positions(specimen: Specimen, links: int) -> Array:
+    """s of the hinges: the middles of equal segments, after that of a clamp that gives."""
+    middles = (np.arange(links) + 0.5) / links
+    return np.append(0.0, middles) if clamp_gives(specimen) else middles
+
+
+def hinge_sharpness(specimen: Specimen, links: int) -> Array:
+    """Curvature c a radian of each hinge's angle: links, and at a clamp that gives L over its length."""
+    even: Array = np.full(links, float(links))
+    return np.append(1.0 / specimen.clamp_share, even) if clamp_gives(specimen) else even

@@ -37,18 +37,18 @@ def hinge_records(chain: Chain, parameters: Parameters) -> Record:
     made = np.zeros(chain.links, HINGE)
     made["stiffness"], made["damping"] = chain.stiffness, chain.damping
     uneven = 1.0 + value(parameters, "intrinsic_curvature", "slope") * (chain.hinge_s - 0.5)
-    made["rest"] = value(parameters, "intrinsic_curvature", "c0") * uneven / chain.links
-    made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.links**2
+    made["rest"] = value(parameters, "intrinsic_curvature", "c0") * uneven / chain.sharpness
+    made["cubic"] = value(parameters, "cubic_stiffness", "beta") * chain.sharpness**2
     c_f = value(parameters, "dry_friction", "c_f")
     sliding = value(parameters, "dry_friction", "sliding")
-    made["yield_moment"] = chain.stiffness / chain.links * c_f * (1.0 - sliding)
-    made["sliding_moment"] = chain.stiffness / chain.links * c_f * sliding
-    made["sliding_rate"] = value(parameters, "dry_friction", "rate", 0.5) / chain.links
+    made["yield_moment"] = chain.stiffness / chain.sharpness * c_f * (1.0 - sliding)
+    made["sliding_moment"] = chain.stiffness / chain.sharpness * c_f * sliding
+    made["sliding_rate"] = value(parameters, "dry_friction", "rate", 0.5) / chain.sharpness
     slip = value(parameters, "dry_friction", "slip", PRESLIDING * c_f)  # curvature at which it gives way
-    made["yield_angle"] = max(slip, 1e-9) / chain.links
+    made["yield_angle"] = max(slip, 1e-9) / chain.sharpness
     made["maxwell"] = value(parameters, "viscoelasticity", "g") * chain.stiffness
     made["relaxation"] = value(parameters, "viscoelasticity", "tau", 0.3)
-    made["bent_loss"] = value(parameters, "amplitude_damping", "b") * chain.links**2
+    made["bent_loss"] = value(parameters, "amplitude_damping", "b") * chain.sharpness**2
     return made
 
 

@@ -158,7 +158,7 @@ def make_stepper(
     )
     angle = model.gravity.angle + value(parameters, "gravity_tilt", "tilt")
     gravity = Gravity(angle, model.gravity.magnitude)
-    s = hinge_positions(links)
+    s = hinge_positions(specimen, links)
     k0, k1 = value(parameters, "elasticity", "k0"), value(parameters, "elasticity", "k1")
     stiffness = flexural(specimen, s, value(parameters, "elasticity", "E"), k0, k1) * soft_spot(parameters, s)
     d0, d1 = value(parameters, "damping", "d0"), value(parameters, "damping", "d1")
@@ -167,7 +167,7 @@ def make_stepper(
     drop = specimen.length * value(parameters, "tip_mass", "drop")
     hung = Hung(value(parameters, "tip_mass", "mass"), reach, drop, density=specimen.tip_mass_density)
     base, mount = base_record(parameters, servo, rail, specimen.mass + specimen.tip_mass + hung.mass)
-    chain = build_chain(specimen, Flexure(stiffness, damping), model.fluid, gravity, hung, mount)
+    chain = build_chain(specimen, Flexure(stiffness, damping, links), model.fluid, gravity, hung, mount)
     pull = (gravity.magnitude * np.sin(gravity.angle), gravity.magnitude * np.cos(gravity.angle))
     water = water_record(parameters, model.fluid.density, specimen.length, pull)
     tip = tip_record(parameters, specimen.length)
@@ -181,11 +181,11 @@ def state_of_shape(stepper: Stepper, q: Array, theta: float = 0.0, q_rate: Array
     """In the shape c(s) = q1 + q2 s + ... (eq. 1), q (K,) [rad], changing at q_rate (K,) [rad/s] (default: at rest)."""
     state = ChainState.at_rest(stepper.chain.links, theta)
     curvature = np.polynomial.polynomial.polyval(stepper.chain.hinge_s, np.asarray(q, dtype=float))
-    state.q[3:] = curvature / stepper.chain.links
+    state.q[3:] = curvature / stepper.chain.sharpness
     state.hinge_memory[:, 1] = state.q[3:]
     if q_rate is not None:
         change = np.polynomial.polynomial.polyval(stepper.chain.hinge_s, np.asarray(q_rate, dtype=float))
-        state.v[3:] = change / stepper.chain.links
+        state.v[3:] = change / stepper.chain.sharpness
     return state
 
 
@@ -232,7 +232,7 @@ def simulate(
         raise InputError(
             "the simulation went out of bounds", field="model", expected="a motion that the arm can follow"
         )
-    angles = np.cumsum(q[:, 2:], axis=1)
+    angles = stepper.chain.tangent_angles(q)
     points = chain_midline_points(angles, q[:, :2], stepper.chain.specimen.length, sampled)
     command = motor_signal(waveform, clock.half_steps, {}, setup.lead_in)[0]
     return Simulation(

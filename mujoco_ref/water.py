@@ -30,10 +30,12 @@ def link_table(chain: Chain) -> Array:
     s = (chain.start[:, None] + along) / chain.specimen.length
     area = chain.specimen.section.area(s) * weight
     circle = 0.25 * np.pi * chain.specimen.section.width(s) ** 2 * weight
-    centre = (circle * along).sum(1) / circle.sum(1)
+    whole = circle.sum(1)
+    centre = (circle * along).sum(1) / np.where(whole > 0.0, whole, 1.0)  # a hub carries nothing
     turning = (circle * (along - centre[:, None]) ** 2).sum(1)
-    volume_centre = (area * along).sum(1) / area.sum(1)
-    return np.stack([chain.length, area.sum(1), volume_centre, circle.sum(1), centre, turning, chain.mass], axis=1)
+    volume = area.sum(1)
+    volume_centre = (area * along).sum(1) / np.where(volume > 0.0, volume, 1.0)
+    return np.stack([chain.length, volume, volume_centre, whole, centre, turning, chain.mass], axis=1)
 
 
 def node_table(chain: Chain) -> Array:

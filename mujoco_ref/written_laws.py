@@ -2,7 +2,7 @@
 the hinges; projected on the joints by virtual work.
 
 A force f at p turns joint k by (p - x_k) x f. A moment m(c), conjugate to the curvature c = n angle, acts on a hinge
-as it is: its angle changes by delta c / n, and a hinge stands for 1 / n of the arm.
+as it is: its angle changes by delta c / n, and a hinge stands for 1 / n of the arm (chain.sharpness, at a clamp too).
 """
 
 from __future__ import annotations
@@ -148,12 +148,12 @@ class WrittenLaws:
         return moment, 0.25 * step**2 * (self._moments(moved, step) - moment) / SLOPE_STEP
 
     def _moments(self, at: Bending, step: float) -> Array:
-        n = self.chain.links
+        n = self.chain.sharpness
         seen = {
             "s": self.chain.hinge_s, "c": n * (at.angle - at.rest), "c_rate": n * at.rate, "t": at.t,
             "stiffness": at.softening * self.chain.stiffness / n, "length": self.chain.specimen.length,
         }  # fmt: skip
-        total = np.zeros(n)
+        total = np.zeros(self.chain.links)
         for one, kept in zip(self.acting, self.remembered(at.memory, at.rate, 0.5 * step), strict=True):
             if one.law.acts == "moment":
                 total += one.law.values({**seen, "memory": kept}, one.values, NUMPY)["moment"]
@@ -165,5 +165,5 @@ class WrittenLaws:
         for k, one in enumerate(self.acting):
             if one.law.relaxation is not None:
                 tau = float(one.law.relaxation_time(one.values, NUMPY))
-                after[k] = relaxed(memory[k], self.chain.links * rate, duration, tau)
+                after[k] = relaxed(memory[k], self.chain.sharpness * rate, duration, tau)
         return after

@@ -81,8 +81,8 @@ class ArmPlant:
 
     def midline(self, s: Array) -> Array:
         """Points (N, 2) [m] of the arm in the base frame at s (N,), 0 at the base and 1 at the tip."""
-        angles = np.cumsum(self._state.q[2:])
-        return chain_midline_points(angles[None], self._state.q[None, :2], self._length, s)[0]
+        angles = self._stepper.chain.tangent_angles(self._state.q[None])
+        return chain_midline_points(angles, self._state.q[None, :2], self._length, s)[0]
 
     def answer(self) -> bytes:
         """angle [rad], force on the load cell along +y less its reading at rest [N], current [mA], midline points

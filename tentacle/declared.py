@@ -29,6 +29,7 @@ SPECIMEN_FIELDS = {
     "tip_radius_m": "tip_radius",
     "width_m": "section_width",
     "height_m": "height",
+    "clamp_length_m": "clamp_length",
 }
 NORMAL_REACH = 6.0  # standard deviations within which a normal number is searched (2e-9 of its probability lies beyond)
 

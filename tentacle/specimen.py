@@ -122,7 +122,9 @@ class Specimen:
     along the normal; tip_mass_density [kg/m^3] gives its volume. tip_rounding [m]: radius with which the end of the
     silicone is rounded in a side view, 0 for a flat cut, None if unknown; the length ends at the outermost point. It
     shapes the outline in a picture only: mass and stiffness neglect the silicone that a rounding takes off.
-    laws: effects of the catalogue that are known to act in this arm, with unknown strength.
+    laws: effects of the catalogue that are known to act in this arm, with unknown strength. clamp_length [m]: how much
+    the clamp gives. It turns as much as a further length l of the arm's root would bend, massless and dry: its
+    stiffness is k(0) L / l, that of an elastic section E I(0) / l. 0 is a rigid clamp.
     """
 
     section: Section
@@ -135,6 +137,7 @@ class Specimen:
     tip_mass_density: float = STEEL
     tip_rounding: float | None = None
     laws: tuple[str, ...] = ()
+    clamp_length: float = 0.0
 
     def __post_init__(self) -> None:
         _require_positive(
@@ -145,6 +148,9 @@ class Specimen:
                 raise InputError(f"{place!r} is not usable", field=name, expected="metres, within an arm's length")
         if not (np.isfinite(self.tip_mass) and self.tip_mass >= 0):
             raise InputError(f"{self.tip_mass!r} is not usable", field="tip_mass_kg", expected="a number >= 0")
+        if not 0.0 <= self.clamp_length <= self.length:
+            expected = "metres, from 0 (rigid) to an arm's length"
+            raise InputError(f"{self.clamp_length!r} is not usable", field="clamp_length_m", expected=expected)
         rounding, widest = self.tip_rounding, float(self.section.half_thickness(1.0))
         if rounding is not None and not 0.0 <= rounding <= widest * (1.0 + 1e-9):
             expected = f"metres, from 0 (a flat cut) to the tip's radius of {widest:g}"
@@ -161,6 +167,11 @@ class Specimen:
         half, rounding = self.section.half_thickness(s), self.tip_rounding or 0.0
         inward = np.clip(rounding - self.length * (1.0 - s), 0.0, rounding)
         return np.asarray(half - rounding + np.sqrt(rounding**2 - inward**2))
+
+    @property
+    def clamp_share(self) -> float:
+        """l / L, how much the clamp gives, over the arm's length."""
+        return self.clamp_length / self.length
 
     @property
     def mass(self) -> float:

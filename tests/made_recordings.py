@@ -56,7 +56,8 @@ def record_declared(declaration: Declaration, hidden: Mapping[tuple[str, str], f
     base = base_table(run.wave, Steps(0.0, STEP, steps), parameters[:, None])
     batch = simulate(arm, parameters[:, None], base, Timing(STEP, round(1.0 / STEP / FPS)))
     theta = run.wave(batch.t)[0]  # as commanded
-    points = midline(batch.q[:, :, 0], batch.theta[:, 0], arm.specimen.length, S)
+    q = batch.q[:, :, 0]
+    points = midline(q, batch.theta[:, 0] + arm.root_turn(q[:, 0]), arm.specimen.length, S)
     points = points + run.noise * np.random.default_rng(run.seed).standard_normal(points.shape)
     seen = Midline(batch.t, S, points, np.full(points.shape[:2], run.noise))
     return Recording("made", declaration, motor=MotorSignal(batch.t, theta, theta), midline=seen)

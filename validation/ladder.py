@@ -117,8 +117,9 @@ def affine_tip(model: Model, order: int) -> np.ndarray:
     from affine_model.curvature import midline
     from affine_model.statics import equilibrium
 
-    q = equilibrium(arm_of(replace(model, order=order)), parameter_vector(model), 0.0)
-    return midline(q, 0.0, model.specimen.length, np.array([1.0]))[0]
+    arm = arm_of(replace(model, order=order))
+    q = equilibrium(arm, parameter_vector(model), 0.0)
+    return midline(q, arm.root_turn(q[0]), model.specimen.length, np.array([1.0]))[0]
 
 
 def reference_tip(model: Model, links: int) -> np.ndarray:
@@ -127,8 +128,8 @@ def reference_tip(model: Model, links: int) -> np.ndarray:
     from mujoco_ref.simulate import make_stepper
     from mujoco_ref.statics import chain_equilibrium
 
-    state = chain_equilibrium(make_stepper(model, links=links), 0.0)
-    angles = np.cumsum(state.q[2:])[None]
+    stepper = make_stepper(model, links=links)
+    angles = stepper.chain.tangent_angles(chain_equilibrium(stepper, 0.0).q[None])
     return chain_midline_points(angles, np.zeros((1, 2)), model.specimen.length, np.array([1.0]))[0, 0]
 
 

@@ -83,9 +83,10 @@ def affine_twin(
     # A reading at a frame is the mean of those over the intervals beside it.
     at_frames = np.concatenate([load[:1], 0.5 * (load[1:] + load[:-1])])
     coordinates = run.q[:frames, :, 0]
-    xy = midline(coordinates, run.theta[:frames, 0], model.specimen.length, S)
-    alpha = coordinates @ np.stack([S**j / j for j in range(1, order + 1)])
-    return Twin(run.t[:frames], run.theta[:frames, 0], xy, reduced(alpha), at_frames - net_weight(model))
+    theta, turn = run.theta[:frames, 0], arm.root_turn(coordinates[:, 0])
+    xy = midline(coordinates, theta + turn, model.specimen.length, S)
+    alpha = turn[:, None] + coordinates @ np.stack([S**j / j for j in range(1, order + 1)])
+    return Twin(run.t[:frames], theta, xy, reduced(alpha), at_frames - net_weight(model))
 
 
 def net_weight(model: Model) -> float:

@@ -18,7 +18,7 @@ class Argument:
 
 
 _AXES = {
-    1: "constants s area second_moment width perimeter Lw w A_end servo rail t0",
+    1: "constants s area second_moment width perimeter Lw w bending A_end servo rail t0",
     2: "parameters W A C wA start start_rate start_past summary",
     3: "WA base start_store out_u out_rate out_force out_past",
     4: "out_store",

@@ -43,7 +43,8 @@ SWIM_UNIFORMS = [*_ARM, "parameters", "limits", "bandwidth"]
 @dataclass(frozen=True)
 class Variant:
     """What a kernel is made for: numbers of nodes and curvatures; of every effect of the catalogue, whether it acts; a
-    servo turns the base (else it turns as prescribed); it slides on a rail (else it is clamped).
+    servo turns the base (else it turns as prescribed); it slides on a rail (else it is clamped); how much the clamp
+    gives (affine_model.arm.Arm.clamp).
     """
 
     nodes: int
@@ -51,6 +52,7 @@ class Variant:
     active: tuple[bool, ...]
     free_theta: bool
     free_rail: bool
+    clamp: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -124,14 +126,15 @@ def inverse_root(x: wp.float64) -> wp.float64:
 
 
 def _rule(variant: Variant) -> dict[str, float]:
-    """The elements of quadrature and bases as numbers in the text: they are the same for every arm, so they need not be
-    loaded.
+    """The elements of quadrature and bases as numbers in the text: they are the same for every arm with this clamp, so
+    they need not be loaded.
     """
-    arm = Arm(Specimen(Cone(1.0, 1.0), 1.0, 1.0), order=variant.order, nodes=variant.nodes)
+    specimen = Specimen(Cone(1.0, 1.0), 1.0, 1.0, clamp_length=variant.clamp)
+    arm = Arm(specimen, order=variant.order, nodes=variant.nodes - (variant.clamp > 0.0))
     known = arm_arrays(arm, Drive())
     return {
         f"{name}[{', '.join(map(str, place))}]": float(value)
-        for name in ("W", "w", "A", "A_end", "C", "WA", "wA")
+        for name in ("W", "w", "bending", "A", "A_end", "C", "WA", "wA")
         for place, value in np.ndenumerate(known[name])
     }
 

@@ -41,7 +41,8 @@ def swim_film(
     course = advance(arm, trial.drive, trial.parameters[:, :1], base, start, Pace(step, substeps))
     n, s, t = arm.order, np.linspace(0.0, 1.0, points), step * substeps * np.arange(len(course.u), dtype=np.float64)
     theta, y = course.u[:, n, 0], course.u[:, n + 1, 0]
-    xy = midline(course.u[:, :n, 0] @ arm.to_monomial.T, theta, arm.specimen.length, s)
+    q = course.u[:, :n, 0] @ arm.to_monomial.T
+    xy = midline(q, theta + arm.root_turn(q[:, 0]), arm.specimen.length, s)
     xy[:, :, 1] += y[:, None]
     if trial.free:
         xy[:, :, 0] += course.u[:, n + 2]

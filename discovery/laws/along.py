@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 
 from affine_model.arm import Arm
-from affine_model.curvature import angle_basis
 from inference.missing_force import SeenMotion
 from tentacle.proposed_law import ForceMap
 
@@ -26,7 +25,7 @@ def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
     keep = np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(int)
     u = motion.u[keep]
     phi = u[:, n : n + 1] + u[:, :n] @ arm.angle_basis.T
-    end = u[:, n] + u[:, :n] @ angle_basis(n, [1.0])[0]
+    end = u[:, n] + u[:, :n] @ arm.angles_at([1.0])[0]
     normal = np.stack([np.cos(phi), np.sin(phi)], -1)
     levers = np.einsum("ik,tkx,kj->tixj", L * rule.integration, -normal, arm.angle_basis)
     tip_levers = np.einsum("k,tkx,kj->txj", L * rule.weights, -normal, arm.angle_basis)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from affine_model.arm import Arm
-from affine_model.curvature import Array, angle_basis
+from affine_model.curvature import Array
 from affine_model.laws import relaxed
 from inference.missing_force import MOTION_STEP, SeenMotion, SmallMotions
 from tentacle.law.written_law import NUMPY, WrittenLaw
@@ -44,7 +44,7 @@ class LawInputs:
         at_tip = np.einsum("k,tkx,kj->txj", L * rule.weights, -normal, columns)
         place = np.einsum("ik,tkx->tix", L * rule.integration, tangent)
         tip = np.einsum("k,tkx->tx", L * rule.weights, tangent)
-        return phi, levers, at_tip, place, tip, u[:, n] + u[:, :n] @ angle_basis(n, [1.0])[0]
+        return phi, levers, at_tip, place, tip, u[:, n] + u[:, :n] @ arm.angles_at([1.0])[0]
 
     @cached_property
     def along(self) -> dict[str, Array]:
@@ -65,7 +65,7 @@ class LawInputs:
         """Quantities (T,) of a force at the tip."""
         n, (_, _, levers, _, tip, phi) = self.arm.order, self._geometry
         rate = self.motion.rate
-        turning = rate[:, n] + rate[:, :n] @ angle_basis(n, [1.0])[0]
+        turning = rate[:, n] + rate[:, :n] @ self.arm.angles_at([1.0])[0]
         velocity = np.einsum("txj,tj->tx", levers, rate[:, :n])
         velocity += rate[:, n, None] * np.stack([-tip[:, 1], tip[:, 0]], -1)
         path, going = self._travelled
@@ -125,7 +125,7 @@ class LawInputs:
         found = law.values(x, values, NUMPY)
         if law.acts == "moment":
             moment = np.broadcast_to(found["moment"], self._geometry[0].shape)
-            return np.asarray(-(moment * arm.rule.weights) @ arm.curvature_basis)
+            return np.asarray(-(moment * arm.bending_weights) @ arm.curvature_basis)
         total = np.zeros((self.motion.t.size, arm.order))
         for name, size in found.items():
             line, tip = self._levers[name]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.signal import hilbert
 
 from affine_model.arm import Arm
-from affine_model.curvature import Array, angle_basis, curvature_basis
+from affine_model.curvature import Array, curvature_basis
 from discovery.laws.along import FORCE_MAP_TIMES
 from inference.missing_force import SeenMotion
 from tentacle.proposed_law import ForceOver
@@ -85,16 +85,16 @@ def acting_place(arm: Arm, motion: SeenMotion, keep: NDArray[np.intp]) -> tuple[
 def _levers(arm: Arm, u: Array, s: float) -> Array:
     """(dr/dz_j . n)(s), the generalised forces (T, n) [m] of a unit normal force."""
     n, rule = arm.order, arm.rule
-    basis = angle_basis(n, s * rule.s)
+    basis = arm.angles_at(s * rule.s)
     phi = u[:, n : n + 1] + u[:, :n] @ basis.T
-    end = u[:, n] + u[:, :n] @ angle_basis(n, [s])[0]
+    end = u[:, n] + u[:, :n] @ arm.angles_at([s])[0]
     return arm.specimen.length * s * (np.cos(phi - end[:, None]) * -rule.weights) @ basis
 
 
 def place_along(arm: Arm, motion: SeenMotion, s: float, keep: NDArray[np.intp]) -> Place:
     """The motion of the place s at the chosen instants, in the frame in which the clamp starts."""
     n, L, rule = arm.order, arm.specimen.length, arm.rule
-    basis = np.concatenate([angle_basis(n, s * rule.s), np.ones((rule.s.size, 1))], axis=1)
+    basis = np.concatenate([arm.angles_at(s * rule.s), np.ones((rule.s.size, 1))], axis=1)
     u, rate, acceleration = (rows[keep] for rows in (motion.u, motion.rate, motion.acceleration))
     phi, phi_rate, phi_acceleration = (rows[:, : n + 1] @ basis.T for rows in (u, rate, acceleration))
     normal, tangent = np.stack([np.cos(phi), np.sin(phi)], -1), np.stack([-np.sin(phi), np.cos(phi)], -1)
@@ -103,7 +103,7 @@ def place_along(arm: Arm, motion: SeenMotion, s: float, keep: NDArray[np.intp]) 
     def reached(values: Array, travel: Array) -> Array:
         return L * s * np.einsum("i,tix->tx", rule.weights, values) + travel[:, n + 1 :] * rail
 
-    end = u[:, : n + 1] @ np.append(angle_basis(n, [s])[0], 1.0)
+    end = u[:, : n + 1] @ np.append(arm.angles_at([s])[0], 1.0)
     turning = -normal * phi_acceleration[:, :, None] - tangent * phi_rate[:, :, None] ** 2
     return Place(
         reached(tangent, u), reached(-normal * phi_rate[:, :, None], rate), reached(turning, acceleration), end,

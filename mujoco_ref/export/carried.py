@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
+from mujoco_ref.chain import clamp_gives
+from tentacle.errors import InputError
 from tentacle.model import Model
 
 # Effect -> MuJoCo's own means for it.
@@ -65,8 +67,16 @@ class Carried:
         return lines + [f"Neither carries {name}: {why}." for name, why in self.left.items()]
 
 
+def refuse_clamp(model: Model) -> None:
+    """InputError where the arm's clamp gives: no export has a hinge for it."""
+    if clamp_gives(model.specimen):
+        given = f"{model.specimen.clamp_length!r} is not exported"
+        raise InputError(given, field="clamp_length_m", expected="0: an exported arm's clamp is rigid")
+
+
 def carried_by(model: Model) -> Carried:
-    """Sort the model's effects, including those that every model has."""
+    """Sort the model's effects, including those that every model has. InputError where its clamp gives."""
+    refuse_clamp(model)
     names = list(dict.fromkeys(("inertia", "weight", *model.parameters)))
     left = {
         name: NOT_IN_THE_ARM.get(name, "no law of it is known to the exporter") for name in names

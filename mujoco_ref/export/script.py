@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from mujoco_ref.export.arm_numbers import arm_numbers
-from mujoco_ref.export.carried import NOT_IN_THE_ARM
+from mujoco_ref.export.carried import NOT_IN_THE_ARM, refuse_clamp
 from tentacle.errors import InputError
 from tentacle.model import Model
 
@@ -76,7 +76,8 @@ class Script:
 
 
 def export_script(model: Model, to: str) -> Script:
-    """The arm of a model for PROGRAMS[to]. InputError where the reference refuses the model."""
+    """The arm of a model for PROGRAMS[to]. InputError where the reference refuses the model, or its clamp gives."""
+    refuse_clamp(model)
     if to not in PROGRAMS:
         raise InputError(f"{to!r} is not known", field="--to", expected=", ".join(PROGRAMS))
     program = PROGRAMS[to]

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from mujoco_ref.export.carried import NOT_IN_THE_ARM
+from mujoco_ref.export.carried import NOT_IN_THE_ARM, refuse_clamp
 from mujoco_ref.export.mjcf import own_link
 from mujoco_ref.simulate import make_stepper
 from mujoco_ref.step import Stepper
@@ -44,8 +44,10 @@ class Urdf:
 def export_urdf(model: Model, links: int = 20) -> Urdf:
     """The arm of a model as a URDF with `links` hinges.
 
-    InputError where the reference refuses the model, or where it has a body at its tip, which is not written.
+    InputError where the reference refuses the model, or where it has a body at its tip or a clamp that gives, which are
+    not written.
     """
+    refuse_clamp(model)
     if model.specimen.tip_mass > 0.0 or "tip_mass" in model.parameters:
         raise InputError("has a body at its tip", field="tip_mass", expected="an arm without one, or --to mjcf")
     left = [name for name in model.parameters if name in NOT_IN_THE_ARM]

@@ -109,6 +109,7 @@ def parse_specimen(table: Table) -> Specimen:
         tip_mass_density=table.measured("tip_mass_density_kg_m3", STEEL, least=LIGHTEST_SOLID),
         tip_rounding=table.number("tip_rounding_m", least=0) if "tip_rounding_m" in table else None,
         laws=table.names("laws"),
+        clamp_length=table.measured("clamp_length_m", 0.0, least=0, most=length),
     )
     table.finish()
     thickness = 2.0 * float(section.half_thickness(0.0))
@@ -247,6 +248,7 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         ("tip_mass_reach_m", specimen.tip_mass_reach, 0.0),
         ("tip_mass_drop_m", specimen.tip_mass_drop, 0.0),
         ("tip_mass_density_kg_m3", specimen.tip_mass_density, STEEL),
+        ("clamp_length_m", specimen.clamp_length, 0.0),
     )
     laws = {"laws": list(specimen.laws)} if specimen.laws else {}
     return {

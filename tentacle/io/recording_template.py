@@ -44,6 +44,7 @@ base_radius_m = {answers.base_radius!r}        # half the thickness at the clamp
 tip_radius_m = {answers.tip_radius!r}         # half the thickness at the tip
 density_kg_m3 = {answers.density!r}       # of the material: weigh a piece in air and in water
 # tip_mass_kg = 0.005          # a payload that you know of
+# clamp_length_m = 0.003       # how much a soft clamp gives: it turns as this length of the arm's root would bend
 
 [fluid]
 density_kg_m3 = {answers.fluid_density!r}        # 998: water at 20 C; 0: air

@@ -23,6 +23,7 @@ wp = pytest.importorskip("warp", reason="needs NVIDIA Warp")
 gpu = pytest.importorskip("affine_model.gpu")
 
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=2, nodes=6)
+GIVING = replace(ARM, specimen=replace(ARM.specimen, clamp_length=0.01))
 H, STEPS, COUNT = 1 / 500, 40, 3
 
 
@@ -35,7 +36,8 @@ def quick_compile(monkeypatch):
 
 
 @pytest.mark.parametrize("device", DEVICES)
-def test_every_effect_steps_as_in_the_compiled_kernel(parameters, device):
+@pytest.mark.parametrize("arm", [ARM, GIVING], ids=["rigid clamp", "clamp that gives"])
+def test_every_effect_steps_as_in_the_compiled_kernel(parameters, arm, device):
     """All effects at once, a servo and a rail: one kernel holds every law."""
     everything = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1)
     for effect in catalogue().values():
@@ -45,12 +47,12 @@ def test_every_effect_steps_as_in_the_compiled_kernel(parameters, device):
     p[parameter_index("elasticity", "E")] *= np.linspace(0.8, 1.2, COUNT)
     base = Sine(0.3, 1.0, 0.4)((np.arange(STEPS) + 0.5) * H)[:, :, None]
     drive, pace = Drive(Servo(0.8, 0.02, 1.0, 0.5), Rail(0.25, 0.35, 0.01)), Pace(H, 2, 10, 1, 0, True)
-    state = at_rest(ARM, COUNT)
+    state = at_rest(arm, COUNT)
     state.u[0] = 0.1
-    truth = advance(ARM, drive, p, base, (np.zeros(COUNT), state), pace)
+    truth = advance(arm, drive, p, base, (np.zeros(COUNT), state), pace)
     start = np.zeros(COUNT), state.u, state.u_rate, state.past, state.store
     own, table, *moving = (torch.from_numpy(x).to(device) for x in (p, base, *start))
-    found = gpu.advance_on_device(ARM, drive, own, table, tuple(moving), pace)
+    found = gpu.advance_on_device(arm, drive, own, table, tuple(moving), pace)
     names = ("u", "u_rate", "force", "past", "store", "summary")
     assert np.all(truth.summary[4] < 0.0)
     for name, tensor in zip(names, found, strict=True):

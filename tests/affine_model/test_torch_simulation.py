@@ -1,5 +1,7 @@
 """The torch operator against the compiled kernel, and its gradients against differences of the whole simulation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -15,6 +17,7 @@ from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
 from tentacle.waveform import Sine
 
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=2, nodes=8)
+GIVING = replace(ARM, specimen=replace(ARM.specimen, clamp_length=0.01))  # behind a clamp that gives
 H, STEPS = 1 / 200, 60
 BASE = {"elasticity__E": 2e5, "damping__eta": 2e3, "drag__C_perp": 1.1}
 Q0 = np.array([[0.4, -0.2], [-0.3, 0.1]])
@@ -25,33 +28,34 @@ def base_motion(steps=STEPS):
     return Sine(0.5, 1.3, 0.4)((np.arange(steps) + 0.5) * H)[:, :, None]
 
 
-@pytest.mark.parametrize("drive", [PRESCRIBED, Drive(SERVO, RAIL)])
-def test_forward_is_the_kernels_own(parameters, drive):
+@pytest.mark.parametrize(("arm", "drive"), [(ARM, PRESCRIBED), (ARM, Drive(SERVO, RAIL)), (GIVING, Drive(SERVO, RAIL))])
+def test_forward_is_the_kernels_own(parameters, arm, drive):
     p = np.repeat(parameters(**BASE, added_mass__C_a=1.0, viscoelasticity__g=0.2)[:, None], 2, axis=1)
     p[parameter_index("elasticity", "E"), 1] *= 1.3
-    truth = simulate(ARM, p, base_motion(), Timing(H, 5, 0.1), start=Start(Q0, memory=0.5 * Q0), drive=drive)
+    truth = simulate(arm, p, base_motion(), Timing(H, 5, 0.1), start=Start(Q0, memory=0.5 * Q0), drive=drive)
     given = map(torch.from_numpy, (p, base_motion()))
     start = Start(torch.from_numpy(Q0), memory=torch.from_numpy(0.5 * Q0))
-    found = torch_simulate(ARM, *given, Timing(H, 5, 0.1), start=start, drive=drive)
+    found = torch_simulate(arm, *given, Timing(H, 5, 0.1), start=start, drive=drive)
     for name in ("t", "q", "q_rate", "theta", "rail", "fluid_force", "load", "torque", "mean_thrust", "mean_power"):
         np.testing.assert_allclose(getattr(found, name).numpy(), getattr(truth, name), rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.parametrize(
-    ("extra", "drive"),
+    ("arm", "extra", "drive"),
     [
-        ({"added_mass__C_a": 0.8, "viscoelasticity__g": 0.3, "current__U_x": 0.05}, PRESCRIBED),
-        ({"added_mass__C_a": 1.0, "sloshing__U_cos": 0.05, "stiffness_drift__rate": 0.05}, Drive(servo=SERVO)),
-        ({"tip_mass__mass": 1e-3, "skin_drag__C_t": 0.05}, Drive(rail=RAIL)),
+        (ARM, {"added_mass__C_a": 0.8, "viscoelasticity__g": 0.3, "current__U_x": 0.05}, PRESCRIBED),
+        (ARM, {"added_mass__C_a": 1.0, "sloshing__U_cos": 0.05, "stiffness_drift__rate": 0.05}, Drive(servo=SERVO)),
+        (ARM, {"tip_mass__mass": 1e-3, "skin_drag__C_t": 0.05}, Drive(rail=RAIL)),
+        (GIVING, {"viscoelasticity__g": 0.3}, PRESCRIBED),
     ],
 )
-def test_gradients_at_the_default_of_one_iteration(parameters, extra, drive):
+def test_gradients_at_the_default_of_one_iteration(parameters, arm, extra, drive):
     """Along random directions, against fourth-order central differences of the operator's own forward."""
     p = parameters(**BASE, **extra)[:, None]
     inputs = [torch.from_numpy(x.copy()).requires_grad_(True) for x in (p, base_motion(), Q0[:, :1])]
 
     def outcome(row, base, q):
-        batch = torch_simulate(ARM, row, base, Timing(H, 2, 0.1), start=Start(q), drive=drive)
+        batch = torch_simulate(arm, row, base, Timing(H, 2, 0.1), start=Start(q), drive=drive)
         forces = batch.fluid_force[7].sum() + 10.0 * batch.torque[20].sum() + batch.mean_power.sum()
         return 100.0 * batch.mean_thrust.sum() + batch.q[-1].sum() + 3.0 * batch.rail_rate[-1].sum() + forces
 

@@ -81,8 +81,8 @@ def bent(model: Model, motion: Motion, links: int) -> tuple[np.ndarray, np.ndarr
     """(M, F) of the chain in that state, projected on the reduced model's coordinates by virtual work."""
     stepper = make_stepper(model, links=links)
     s = stepper.chain.hinge_s
-    columns = curvature_basis(ORDER, s) / links
-    state = ChainState.at_rest(links, motion.theta)
+    columns = curvature_basis(ORDER, s) / stepper.chain.sharpness[:, None]
+    state = ChainState.at_rest(stepper.chain.links, motion.theta)
     state.q[3:], state.v[2], state.v[3:] = columns @ motion.z, motion.theta_rate, columns @ motion.z_rate
     state.t = motion.t
     held = columns @ motion.memory
@@ -90,9 +90,9 @@ def bent(model: Model, motion: Motion, links: int) -> tuple[np.ndarray, np.ndarr
     state.hinge_memory[:, 0] = np.clip(held, -limit, limit)
     state.hinge_memory[:, 1] = state.q[3:] - held
     if stepper.written is not None:
-        state.law_memory = np.repeat(links * held[None], len(stepper.written.acting), axis=0)
+        state.law_memory = np.repeat((stepper.chain.sharpness * held)[None], len(stepper.written.acting), axis=0)
     matrix, force = stepper.balance(state)
-    onto = np.zeros((links + 3, ORDER + 2))
+    onto = np.zeros((stepper.chain.links + 3, ORDER + 2))
     onto[3:, :ORDER], onto[2, ORDER], onto[1, ORDER + 1] = columns, 1.0, 1.0
     return onto.T @ matrix @ onto, onto.T @ force, stepper
 

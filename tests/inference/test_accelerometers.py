@@ -106,7 +106,7 @@ def simulated(step: float) -> tuple[Arm, Array, Batch]:
 def read_by(run: tuple[Arm, Array, Batch], times: Array) -> Array:
     """What both axes at the tip read (T, 2) of a run."""
     arm, parameters, batch = run
-    moving = motion_at(batch, times[:, None], gravity_of(arm, parameters)[None])
+    moving = motion_at(arm, batch, times[:, None], gravity_of(arm, parameters)[None])
     q, theta = (
         at_times(batch.t, x, rate, times[:, None])
         for x, rate in ((batch.q, batch.q_rate), (batch.theta[:, None], batch.theta_rate[:, None]))

@@ -145,13 +145,13 @@ MOTION = """\
                     yy = Lw[i] * (every_way + across * ny * ny + slip * nx * nx)
                     for j in unrolled(n):
                         residual[j, b] += (jac_x[j, i, b] * net_x + jac_y[j, i, b] * net_y
-                                           + A[i, j] * spin - C[i, j] * (w[i] * moment[i, b]))
+                                           + A[i, j] * spin - C[i, j] * (bending[i] * moment[i, b]))
                         push_x = xx * jac_x[j, i, b] + xy * jac_y[j, i, b]
                         push_y = xy * jac_x[j, i, b] + yy * jac_y[j, i, b]
                         for l in unrolled(j + 1):
                             matrix[j, l, b] += (push_x * jac_x[l, i, b] + push_y * jac_y[l, i, b]
                                                 + (A[i, j] * A[i, l]) * (Lw[i] * rotary[i, b])
-                                                + (C[i, j] * C[i, l]) * (w[i] * bend[i, b]))
+                                                + (C[i, j] * C[i, l]) * (bending[i] * bend[i, b]))
                     residual[n, b] += jac_x[n, i, b] * net_x + jac_y[n, i, b] * net_y + spin
                     residual[n + 1, b] += net_y
                     for _ in unrolled(FREE):

@@ -42,9 +42,10 @@ import numpy as np
 
 _ADVANCE = """
 
-def advance(block, parameters, active, constants, s, area, second_moment, width, perimeter, W, Lw, w, A, A_end,
-            C, WA, wA, base, servo, rail, free_theta, free_rail, h, steps, age, t0, start, start_rate, start_past,
-            start_store, iterations, stride, average_from, out_u, out_rate, out_force, out_past, out_store, summary):
+def advance(block, parameters, active, constants, s, area, second_moment, width, perimeter, W, Lw, w, bending, A,
+            A_end, C, WA, wA, base, servo, rail, free_theta, free_rail, h, steps, age, t0, start, start_rate,
+            start_past, start_store, iterations, stride, average_from, out_u, out_rate, out_force, out_past, out_store,
+            summary):
     length, density, fluid_density, payload, gravity = constants[:5]
     payload_reach, payload_drop, payload_density, gravity_angle = constants[5:]
     count = parameters.shape[1]

@@ -54,6 +54,18 @@ BAD = {
         "recording.toml:7: specimen.width_m: does not belong",
     ),
     "payload": (good(recording__toml=CONE + "tip_mass_kg = -1"), "specimen.tip_mass_kg: -1 is out of range"),
+    "clamp that pushes": (
+        good(recording__toml=CONE + "clamp_length_m = -0.01"),
+        "recording.toml:7: specimen.clamp_length_m: -0.01 is out of range; expected a number >= 0 and <= 0.14",
+    ),
+    "clamp longer than the arm": (
+        good(recording__toml=CONE + "clamp_length_m = 0.2"),
+        "recording.toml:7: specimen.clamp_length_m: 0.2 is out of range",
+    ),
+    "clamp of nan": (
+        good(recording__toml=CONE + "clamp_length_m = { value = nan, sd = 0.01 }"),
+        "recording.toml:7: specimen.clamp_length_m.value: nan is out of range",
+    ),
     "unknown table": (good(recording__toml=CONE + "[fluids]\nx=1"), "fluids: unknown key (did you mean fluid?)"),
     "fluid": (good(recording__toml=CONE + "[fluid]\ndensity_kg_m3 = -1"), "recording.toml:8: fluid.density_kg_m3: -1"),
     "degrees": (

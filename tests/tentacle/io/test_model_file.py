@@ -29,7 +29,8 @@ MODEL = Model(
 
 
 def test_a_model_file_gives_the_model_back_exactly(tmp_path: Path) -> None:
-    for model in (MODEL, Model(Specimen(Rectangle(0.03, 0.02), 0.1, 1070.0, 0.052))):
+    beam = Specimen(Rectangle(0.03, 0.02), 0.1, 1070.0, 0.052, clamp_length=1 / 300)
+    for model in (MODEL, Model(beam)):
         write_model(model, tmp_path / "model.toml")
         assert read_model(tmp_path / "model.toml") == model
     assert [file.name for file in tmp_path.iterdir()] == ["model.toml"]
