@@ -30,6 +30,7 @@ from scipy.stats import binomtest
 # benchmarks/vision.py must not stand for the room of that name.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from affine_model.cores import processor_seconds
 from benchmarks._commit import commit_of
 from discovery.diagnose import diagnose
 from tentacle.diagnosis import Diagnosis
@@ -55,9 +56,9 @@ def trial(asked: tuple[int, str]) -> dict[str, Any]:
 
 def _row(seed: int, kind: str) -> dict[str, Any]:
     recording, truth = law_recording(seed, kind)
-    begin = time.process_time(), time.perf_counter()
+    begin = processor_seconds(), time.perf_counter()
     found = diagnose([recording])
-    cpu, wall = time.process_time() - begin[0], time.perf_counter() - begin[1]
+    cpu, wall = processor_seconds() - begin[0], time.perf_counter() - begin[1]
     near = met(truth, found.missing.laws)
     return {
         "seed": seed, "kind": kind, "commit": commit_of(Path(__file__).parent), "numbers": truth["numbers"],

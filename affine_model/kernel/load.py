@@ -18,6 +18,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from affine_model.cores import usable_cores
 from affine_model.kernel.arguments import packed
 from affine_model.kernel.generate import BLOCK, FEW, kernel_source
 from affine_model.kernel.machine_code import Loaded, arguments_of, compiler, object_code
@@ -83,7 +84,7 @@ def module_of(name: str, source: str) -> ModuleType:
 
 
 def advance_blocks(nodes: int, order: int, count: int, *arguments: Any, free: bool = False) -> None:
-    """Run the kernel over `count` individuals, block by block, on every core this process may use.
+    """Run the kernel over `count` individuals, block by block, on every core that affine_model.cores tells.
 
     It uses Python threads, and the kernel releases the interpreter lock. A block writes to its own individuals' columns
     alone.
@@ -96,7 +97,7 @@ def advance_blocks(nodes: int, order: int, count: int, *arguments: Any, free: bo
     def run(block: tuple[int, int]) -> None:
         kernels[block[0]].code.run(block[1], address)
 
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    cores = usable_cores()
     if len(blocks) == 1 or cores == 1:
         for block in blocks:
             run(block)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import time
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from affine_model.cores import processor_seconds
 from discovery.diagnose import diagnose
 from discovery.given import Deciding
 from mujoco_ref.influence import KNOWN, UNCATALOGUED
@@ -76,13 +76,13 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
         return {"refused": error.line()}
     except FloatingPointError as error:
         return {"refused": str(error)}
-    begin = time.process_time()
+    begin = processor_seconds()
     try:
         baseline = [read_recording(Path(path)) for path in (design.baseline if isinstance(design, Design) else ())]
         answer = answer_table(diagnose([recording], baseline, seed=design.seed, deciding=Deciding(laws=False)))
     except InputError as error:
         return {"refused": error.line(), "truth": truth}
-    seconds = time.process_time() - begin
+    seconds = processor_seconds() - begin
     # Single markers are no shapes, and the paper's regression wants those.
     methods = {} if recording.markers is not None else baselines(recording)
     others = {**methods, "score_test": answer["score_test"][:1]}
