@@ -106,14 +106,11 @@ class LawFit:
     gain: float = 0.0
 
     @property
-    def stands_at_bound(self) -> bool:
-        """Whether a number of the law stands at a bound of the grammar: the law explains nothing there."""
-        return any(effect == self.law.name for effect, _ in self.fitted.at_bound)
-
-    @property
-    def ran_away(self) -> bool:
-        """Whether the run left all bounds, so that its misfit says nothing."""
-        return bool(np.abs(self.fitted.used_residuals).max() >= RAN_AWAY)
+    def counts(self) -> bool:
+        """Whether its evidence is known and worth its price, no number stands at a bound, and its run stayed within."""
+        stands_at_bound = any(effect == self.law.name for effect, _ in self.fitted.at_bound)
+        ran_away = np.abs(self.fitted.used_residuals).max() >= RAN_AWAY
+        return GAIN < self.gain < np.inf and not stands_at_bound and not ran_away
 
 
 @dataclass(frozen=True)
@@ -157,14 +154,13 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
         nothing = laplace_evidence(plain, bare, variance)
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
-        judged = [one for one in judged if one.gain > GAIN and not one.stands_at_bound and not one.ran_away]
-        judged = sorted(judged, key=lambda one: -one.gain)[:MOST]
+        judged = sorted((one for one in judged if one.counts), key=lambda one: -one.gain)[:MOST]
         judged = [
             replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing)
             for one in _fitted_closely(judged, variance)
         ]
         accepted: list[LawHypothesis] = []
-        for one in sorted(judged, key=lambda one: -one.gain):
+        for one in sorted((one for one in judged if one.counts), key=lambda one: -one.gain):
             error = midline_error(prepared, one.problem, one.fitted, _held_out(prepared))
             if error is None or before is None or error < before:
                 accepted.append(_hypothesis(one, error, _unexplained_share(bare, one.fitted), variance))
