@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import label
 
 from affine_model.camera import sight_of
 from affine_model.curvature import Array, angle_basis, legendre_to_monomial, midline
@@ -105,13 +106,19 @@ def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) 
 
 
 def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
-    """Frames on which errors are stated: those that were not fitted (or, without any, all that were)."""
+    """Frames on which errors are stated: the stretches that were not fitted (or, without any, all frames that were).
+
+    A stretch without any seen frame is none: there are the frames that were left out of the fit as misread.
+    """
+    if not held_out:
+        return experiment.used
     times = experiment.observation.t
     first = times[experiment.used].min() if experiment.used.any() else times[0]
-    end = (
-        experiment.t0 + experiment.duration if experiment.release is None else experiment.release + experiment.duration
-    )
-    return (times >= first) & (times <= end) & ~experiment.used if held_out else experiment.used
+    begin = experiment.t0 if experiment.release is None else experiment.release
+    kept = (times >= first) & (times <= begin + experiment.duration) & ~experiment.used
+    stretches, count = label(kept)
+    shown = np.bincount(stretches, weights=experiment.observation.seen, minlength=count + 1) > 0
+    return kept & shown[stretches]
 
 
 def run_comparison(
