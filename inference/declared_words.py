@@ -12,6 +12,7 @@ from inference.fit import Fit
 from inference.trajectory import Problem
 from tentacle.declared import Uncertain
 from tentacle.model import Estimate
+from tentacle.rounding import rounded
 
 # Standard deviations of the declaration: one honest declaration in 400 is farther from its number
 FAR_FROM_DECLARED = 3.0
@@ -34,19 +35,21 @@ def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0) -> lis
 
 
 def _law_sentence(name: str, fitted: Mapping[str, Estimate]) -> str:
-    values = (f"{key} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}" for key, e in fitted.items())
+    values = (f"{key} = {e.with_unit} ({e.interval_words})" for key, e in fitted.items())
     return f"The declared law {name} acts in all recordings: {', '.join(values)}."
 
 
 def _sentence(number: Uncertain, value: float, sd: float) -> str:
-    stated = f"{number.low:.4g} to {number.high:.4g}" if number.sd is None else f"{number.value:.4g} +- {number.sd:.2g}"
+    stated = f"{number.low:.4g} to {number.high:.4g}"
+    if number.sd is not None:
+        stated = f"{number.value:.4g} +- {rounded(number.sd, number.sd)}"
     low, high = number.bounds
     margin = 1e-3 * (high - low)
     if not low + margin < value < high - margin:
         return f"{number.name} is declared as {stated}; the fit ends at its limit, {value:.4g}: check the declaration."
     if sd > SILENT * number.spread:
         return f"{number.name} is declared as {stated}; these data say nothing about it."
-    found = f"{number.name} is declared as {stated}; the data say {value:.5g} +- {sd:.2g}"
+    found = f"{number.name} is declared as {stated}; the data say {rounded(value, sd)} +- {rounded(sd, sd)}"
     if number.sd is not None and abs(value - number.value) > FAR_FROM_DECLARED * number.sd:
         return f"{found}, {abs(value - number.value) / number.sd:.1f} declared deviations away: check the declaration."
     return f"{found}."
