@@ -154,12 +154,13 @@ def run_comparison(
 
 
 def _sensors(observation: Observation, first: ModelRun, last: ModelRun) -> tuple[SensorComparison, ...]:
-    """What sensors read, and what two models say: each about its own mean, as a sensor's zero is not known."""
+    """What sensors read, and what two models say: each about its own mean, as a sensor's zero is not known.
+
+    All three are NaN where no reading counts: a model's acceleration jumps at the ends of the log.
+    """
     there = np.isfinite(observation.readings)
-    read = [
-        values - np.nanmean(np.where(there, values, np.nan), axis=0)
-        for values in (observation.readings, first.read, last.read)
-    ]
+    counted = [np.where(there, values, np.nan) for values in (observation.readings, first.read, last.read)]
+    read = [values - np.nanmean(values, axis=0) for values in counted]
     return tuple(
         SensorComparison(sensor.name, sensor.quantity, *(values[:, k] for values in read))
         for k, sensor in enumerate(observation.sensors)
