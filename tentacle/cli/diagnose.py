@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from tentacle.cli._effects import add_effects
+from tentacle.cli._inputs import require_once
 from tentacle.cli._output import remark, say, say_text
 
 HELP = "find the effect that the model lacks from the residual of recordings; report the error before and after"
@@ -53,6 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         calibration = read_calibration(arguments.calibration)
     groups = [arguments.recordings, arguments.baseline, arguments.held_out]
+    require_once(dict(zip(("RECORDING", "--baseline", "--held-out"), groups, strict=True)))
     if words := told_before(arguments.out):
         remark(words, "")
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
