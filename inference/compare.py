@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import label
 
 from affine_model.camera import sight_of
 from affine_model.curvature import Array, angle_basis, legendre_to_monomial, midline
@@ -116,9 +115,9 @@ def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
     first = times[experiment.used].min() if experiment.used.any() else times[0]
     begin = experiment.t0 if experiment.release is None else experiment.release
     kept = (times >= first) & (times <= begin + experiment.duration) & ~experiment.used
-    stretches, count = label(kept)
-    shown = np.bincount(stretches, weights=experiment.observation.seen, minlength=count + 1) > 0
-    return kept & shown[stretches]
+    stretch = np.cumsum(np.diff(kept.astype(int), prepend=0) == 1)  # counted from 1
+    shown = np.bincount(stretch, weights=kept & experiment.observation.seen) > 0
+    return kept & shown[stretch]
 
 
 def run_comparison(

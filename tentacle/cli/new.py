@@ -43,13 +43,15 @@ def run(arguments: argparse.Namespace) -> int:
     if (arguments.folder / "recording.toml").exists():  # the files are checked before the questions
         write_recording_file(arguments.folder, "")
     if arguments.video is not None:
-        from vision.film_begun import begun, require_film
+        from vision.film_begun import require_film
 
         require_film(arguments.video)
     motor = None if arguments.motor is None else _motor_log(arguments)
     answers, words = Answers(camera=None, **answers_of(arguments)), ""
     require_usable(answers)
     if arguments.video is not None:
+        from vision.film_begun import begun
+
         answers, words = begun(answers, arguments.video, arguments.folder)
     if motor is not None:
         write_motor_log(motor, arguments.folder / "motor.csv")
