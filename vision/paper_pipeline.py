@@ -97,7 +97,7 @@ def paper_steps(video: Path, declaration: Declaration, motor: MotorSignal | None
         if frame.t >= at - 0.5 / declaration.camera.fps:
             break
     if frame is not None and frame.t < at - 0.5 / declaration.camera.fps:
-        raise InputError(f"{at:g} s is after the last frame", file=video, field="at", expected=f"up to {frame.t:.3g} s")
+        raise InputError(f"{at:g} s is after the last frame", field="at", expected=f"up to {frame.t:.3g} s")
     if frame is None:
         raise InputError("has no frames", file=video, expected="a video")
     seen, axis = silhouette(frame.image), paper_axis(frame.image, declaration.camera)
