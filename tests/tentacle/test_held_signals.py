@@ -26,6 +26,7 @@ def none(task):
     return {}
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     threading.Thread(target=threading.Event().wait, daemon=True).start()  # it masks nothing: the kernel asks it
     start = util.spawnv_passfds
 
@@ -47,7 +48,9 @@ def beside() -> Iterator[None]:
     done = threading.Event()
     other = threading.Thread(target=done.wait)
     other.start()
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
     yield
+    signal.signal(signal.SIGINT, before)
     done.set()
     other.join()
 
