@@ -78,7 +78,8 @@ def assemble_posterior(
     lost = 0.0 if reduction is None else min(reduction.millimetres, after.midline_mm or np.inf)
     floor = floor_errors(runs, prepared, lost)
     effects, verdict = decision.effects, decision.verdict
-    withdrawn = verdict in ("effect", "group") and (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
+    worse = (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
+    withdrawn = worse and verdict in ("effect", "group")
     sure = 1.0 - decision.confidence if withdrawn else decision.confidence
     if withdrawn:
         effects, verdict = (), "unknown"
@@ -105,6 +106,8 @@ def assemble_posterior(
     words += [] if around.advice is None else [around.advice]
     if withdrawn:
         words.append("With it the model predicts the judged frames worse than without it: it is not named.")
+    elif worse and verdict == "unknown":
+        words.append("On the judged frames the best model found errs more than the declared model.")
     if proposal is not None:
         words.append(proposal_words(proposal))
     if calibration is not None:

@@ -29,7 +29,8 @@ Curve = tuple[tuple[float, ...], tuple[float, ...], int]
 
 def tempered(mass: float, temperature: float = CONFIDENCE_TEMPERATURE) -> float:
     """The confidence of a verdict of that posterior mass: its log odds over the temperature."""
-    return float(np.clip(expit(logit(mass) / temperature), *HIT_RATE_BOUNDS))
+    within = np.clip(mass, 0.0, 1.0)  # a sum of masses may exceed 1 by rounding
+    return float(np.clip(expit(logit(within) / temperature), *HIT_RATE_BOUNDS))
 
 
 @dataclass(frozen=True)

@@ -105,13 +105,19 @@ def reduced_shape(observation: ShapeObservation, coefficients: Array, s: Array) 
 
 
 def judged_frames(experiment: Experiment, held_out: bool) -> np.ndarray:
-    """Frames on which errors are stated: those that were not fitted (or, without any, all that were)."""
+    """Frames on which errors are stated: the stretches that were not fitted (or, without any, all frames that were).
+
+    A stretch without any seen frame is none: there are the frames that were left out of the fit as misread.
+    """
+    if not held_out:
+        return experiment.used
     times = experiment.observation.t
     first = times[experiment.used].min() if experiment.used.any() else times[0]
-    end = (
-        experiment.t0 + experiment.duration if experiment.release is None else experiment.release + experiment.duration
-    )
-    return (times >= first) & (times <= end) & ~experiment.used if held_out else experiment.used
+    begin = experiment.t0 if experiment.release is None else experiment.release
+    kept = (times >= first) & (times <= begin + experiment.duration) & ~experiment.used
+    stretch = np.cumsum(np.diff(kept.astype(int), prepend=0) == 1)  # counted from 1
+    shown = np.bincount(stretch, weights=kept & experiment.observation.seen) > 0
+    return kept & shown[stretch]
 
 
 def run_comparison(
@@ -147,12 +153,13 @@ def run_comparison(
 
 
 def _sensors(observation: Observation, first: ModelRun, last: ModelRun) -> tuple[SensorComparison, ...]:
-    """What sensors read, and what two models say: each about its own mean, as a sensor's zero is not known."""
+    """What sensors read, and what two models say: each about its own mean, as a sensor's zero is not known.
+
+    All three are NaN where no reading counts: a model's acceleration jumps at the ends of the log.
+    """
     there = np.isfinite(observation.readings)
-    read = [
-        values - np.nanmean(np.where(there, values, np.nan), axis=0)
-        for values in (observation.readings, first.read, last.read)
-    ]
+    counted = [np.where(there, values, np.nan) for values in (observation.readings, first.read, last.read)]
+    read = [values - np.nanmean(values, axis=0) for values in counted]
     return tuple(
         SensorComparison(sensor.name, sensor.quantity, *(values[:, k] for values in read))
         for k, sensor in enumerate(observation.sensors)

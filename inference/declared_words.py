@@ -12,6 +12,7 @@ from inference.fit import Fit
 from inference.trajectory import Problem
 from tentacle.declared import Uncertain
 from tentacle.model import Estimate
+from tentacle.rounding import rounded
 
 # Standard deviations of the declaration: one honest declaration in 400 is farther from its number
 FAR_FROM_DECLARED = 3.0
@@ -35,12 +36,14 @@ def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0) -> lis
 
 
 def _law_sentence(name: str, fitted: Mapping[str, Estimate]) -> str:
-    values = (f"{key} = {e.value:.3g} [{e.low:.3g}, {e.high:.3g}] {e.unit}" for key, e in fitted.items())
+    values = (f"{key} = {e.with_unit} ({e.interval_words})" for key, e in fitted.items())
     return f"The declared law {name} acts in all recordings: {', '.join(values)}."
 
 
 def _sentence(number: Uncertain, value: float, sd: float) -> str:
-    stated = f"{number.low:.4g} to {number.high:.4g}" if number.sd is None else f"{number.value:.4g} +- {number.sd:.2g}"
+    stated = f"{number.low:.4g} to {number.high:.4g}"
+    if number.sd is not None:
+        stated = f"{number.value:.4g} +- {rounded(number.sd, number.sd)}"
     low, high = number.bounds
     margin = 1e-3 * (high - low)
     at_limit = not low + margin < value < high - margin
@@ -49,9 +52,11 @@ def _sentence(number: Uncertain, value: float, sd: float) -> str:
     if sd > SILENT * number.spread:
         return f"{number.name} is declared as {stated}; these data say nothing about it."
     if at_limit:  # it was declared there, as a clamp that does not give
-        reach = f"at most {value + LIKELY * sd:.2g}" if value < high - margin else f"at least {value - LIKELY * sd:.2g}"
+        reach = f"at most {rounded(value + LIKELY * sd, sd)}"
+        if value > low + margin:
+            reach = f"at least {rounded(value - LIKELY * sd, sd)}"
         return f"{number.name} is declared as {stated}; the data say {reach} (95 %)."
-    found = f"{number.name} is declared as {stated}; the data say {value:.5g} +- {sd:.2g}"
+    found = f"{number.name} is declared as {stated}; the data say {rounded(value, sd)} +- {rounded(sd, sd)}"
     if number.sd is not None and abs(value - number.value) > FAR_FROM_DECLARED * number.sd:
         return f"{found}, {abs(value - number.value) / number.sd:.1f} declared deviations away: check the declaration."
     return f"{found}."

@@ -25,6 +25,7 @@ Sources: Hartikainen and Sarkka 2010 (Gaussian processes as state-space models);
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -211,16 +212,20 @@ def with_scaled_mass(mass: Array, stiffness: Array, time: float) -> Array:
 
 def discretised(drift: Array, diffusion: Array, interval: float) -> tuple[Array, Array, Array]:
     """Transition, added covariance and the integral of the transition (N, N) over an interval [s], by doubling from a
-    short one (exact for any F).
+    short one (exact for any F). The short one is so short that no exponential overflows.
     """
-    size, short = drift.shape[0], interval / 2.0**DOUBLINGS
+    size, doublings = drift.shape[0], DOUBLINGS
+    if np.linalg.norm(drift) * interval > 2.0**DOUBLINGS:
+        fastest = float(np.abs(np.linalg.eigvals(drift)).max())
+        doublings = max(DOUBLINGS, math.ceil(math.log2(fastest * interval)))
+    short = interval / 2.0**doublings
     block = np.zeros((2 * size, 2 * size))
     block[:size, :size], block[:size, size:], block[size:, size:] = drift, diffusion, -drift.T
     whole: Array = np.asarray(expm(block * short), dtype=np.float64)
     transition: Array = np.array(whole[:size, :size])
     added: Array = whole[:size, size:] @ transition.T
     held: Array = short * (np.eye(size) + 0.5 * short * drift)
-    for _ in range(DOUBLINGS):
+    for _ in range(doublings):
         added = transition @ added @ transition.T + added
         held = held + transition @ held
         transition = transition @ transition

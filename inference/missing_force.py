@@ -163,6 +163,7 @@ class SmallMotions:
         """The same of the initial state and the clamp's shift alone."""
         return _basis(self.by_state)
 
+    @np.errstate(over="ignore", invalid="ignore")  # about a model that falls over they run away
     def answer(self, force: Array, start: Array | None = None) -> Array:
         """What is seen (F K, B) of small motions under generalised forces (T, n, B)."""
         steps, n, columns = force.shape

@@ -59,10 +59,15 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
 
 
 def laplace_evidence(problem: Problem, fitted: Fit, variance: float) -> float:
-    """Log evidence [nats] of a model without unknown forces, by Laplace's method; variance: of its whitened noise."""
+    """Log evidence [nats] of a model without unknown forces, by Laplace's method; variance: of its whitened noise.
+
+    -inf where the method has no answer: the data and the priors leave a direction of the unknowns open.
+    """
     scale = problem.scales()
     columns = fitted.jacobian * scale
     information = columns.T @ columns / variance + np.diag(prior_precision(problem, fitted) * scale**2)
-    half = 0.5 * float(np.linalg.slogdet(information)[1])
+    sign, log_determinant = np.linalg.slogdet(information)
+    if sign <= 0.0 or not np.isfinite(log_determinant):
+        return -np.inf
     constant = 0.5 * scale.size * np.log(2.0 * np.pi) + log_prior(problem, fitted) + np.log(scale).sum()
-    return float(constant - fitted.misfit / variance - half)
+    return float(constant - fitted.misfit / variance - 0.5 * log_determinant)

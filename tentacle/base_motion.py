@@ -88,7 +88,7 @@ class Travel:
 
 def fit_travel(travel: BaseTravel) -> Travel:
     """The motion fitted to a base's measured path; InputError with fewer samples than a quintic needs (6)."""
-    x, y = (fit_samples(travel.t, travel.xy[:, axis]) for axis in range(2))
+    x, y = (fit_samples(travel.t, travel.xy[:, axis], "base") for axis in range(2))
     return Travel(x, y, float(travel.t[0]), float(travel.t[-1]))
 
 
@@ -110,10 +110,12 @@ def fit_base_motion(motor: MotorSignal) -> BaseMotion:
     return fit_samples(motor.t, motor.angle)
 
 
-def fit_samples(t: Array, angle: Array) -> BaseMotion:
-    """The motion fitted to samples at rising times t (N,) [s], angle (N,) [rad]; InputError with fewer than 6."""
+def fit_samples(t: Array, angle: Array, field: str = "motor") -> BaseMotion:
+    """The motion fitted to samples at rising times t (N,) [s], angle (N,) [rad]; InputError, naming the field, with
+    fewer than 6.
+    """
     if len(t) <= SPLINE_DEGREE:
-        raise InputError(f"{len(t)} samples", field="motor", expected=f"at least {SPLINE_DEGREE + 1}")
+        raise InputError(f"{len(t)} samples", field=field, expected=f"at least {SPLINE_DEGREE + 1}")
     start, stop = float(t[0]), float(t[-1])
     tried = _interval_counts(len(t))
     splines = [_least_squares(t, angle, _knots(t, count)) for count in tried]

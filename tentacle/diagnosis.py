@@ -170,9 +170,14 @@ class Diagnosis:
         return left or self.effects
 
     @property
+    def cannot_tell(self) -> bool:
+        """Whether the data show too little for any answer: the verdict is "unknown", and `words` say why."""
+        return self.verdict == "unknown" and not self.runs
+
+    @property
     def headline(self) -> str:
         """The verdict in one sentence, with the error before and after."""
-        if self.verdict == "unknown" and not self.runs:
+        if self.cannot_tell:
             return " ".join(self.words)
         error = ""
         if self.before.midline_mm is not None and self.after.midline_mm is not None:

@@ -33,6 +33,11 @@ class Estimate:
         return rounded(self.value, self.high - self.low)
 
     @property
+    def with_unit(self) -> str:
+        """The value with its unit; a number without one has none."""
+        return self.value_words if self.unit == "1" else f"{self.value_words} {self.unit}"
+
+    @property
     def interval_words(self) -> str:
         """The 95 % interval, or "given" where the value was not fitted."""
         if self.low == self.high:

@@ -38,6 +38,7 @@ from rich.progress import (
 )
 
 from tentacle.errors import InputError
+from tentacle.held_signals import signals_held
 from tentacle.io.written_file import written_file
 
 Task = Mapping[str, Any]
@@ -104,7 +105,7 @@ class Runner:
             # spawn, not fork: a forked child inherits the locks of numba's and Rerun's threads and can hang
             pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_begin_worker)
             try:
-                with _interrupts_held():
+                with signals_held():
                     futures = [pool.submit(_work_and_store, work, task, file) for file, task in tasks.items()]
                 for future in as_completed(futures):
                     yield future.result()
@@ -178,21 +179,6 @@ def _threads_of_children(count: int) -> Iterator[None]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
-
-
-@contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C waits for the end of this block and does not reach a process started in it, which would end with its own
-    traceback while it is starting.
-    """
-    if sys.platform == "win32":  # it has no mask of signals; a child's traceback on Ctrl-C harms nothing
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin_worker() -> None:

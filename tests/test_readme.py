@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -25,6 +27,12 @@ def test_the_example_finds_the_current(tmp_path: Path) -> None:
     value = re.search(r"value=([0-9.e-]+)", done.stdout)
     assert value is not None
     assert abs(float(value.group(1)) - 0.03) < 0.001  # the interval is 0.0002; the reduction may cost as much again
+    stated = re.search(r"The error is ([0-9.]+) mm before and ([0-9.]+) mm after", README)
+    printed = re.search(r"Error ([0-9.]+) mm before, ([0-9.]+) mm after", done.stdout)
+    assert stated is not None
+    assert printed is not None
+    for told, found in zip(stated.groups(), printed.groups(), strict=True):
+        assert float(told) == pytest.approx(float(found), rel=0.1)  # rounding of a fit, and of what is printed
 
 
 def test_the_verbs_that_it_shows_exist() -> None:

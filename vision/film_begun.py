@@ -13,13 +13,18 @@ from tentacle.io.written_file import written_file
 from vision.propose import propose_arm
 
 
-def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
-    """The answers with a camera, if one can be proposed, and a sentence about it; copies the film into the folder."""
+def require_film(film: Path) -> None:
+    """InputError where the file is no film that can be read."""
     if film.suffix.lower() not in VIDEO_SUFFIXES:
         raise InputError("not a film that is known", file=film, field="--video", expected=" ".join(VIDEO_SUFFIXES))
     if not film.is_file():
         raise InputError("no such file", file=film, field="--video", expected="a film")
     check_video(film)
+
+
+def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
+    """The answers with a camera, if one can be proposed, and a sentence about it; copies the film into the folder."""
+    require_film(film)
     folder.mkdir(parents=True, exist_ok=True)
     _keep(film, folder)
     try:

@@ -87,13 +87,17 @@ def rotated(points: Array, angle: float) -> Array:
 
 
 def paper_steps(video: Path, declaration: Declaration, motor: MotorSignal | None, at: float) -> PaperSteps:
-    """The steps of Fig. 3 on the frame nearest to `at` [s]. InputError where that frame shows no contour."""
+    """The steps of Fig. 3 on the frame nearest to `at` [s]. InputError where that frame shows no contour, or where the
+    film has ended before.
+    """
     if declaration.camera is None:
         raise InputError("the declaration has no camera", field="camera", expected="[camera] in recording.toml")
     frame = None
     for frame in read_frames(Path(video), declaration.camera.fps):
         if frame.t >= at - 0.5 / declaration.camera.fps:
             break
+    if frame is not None and frame.t < at - 0.5 / declaration.camera.fps:
+        raise InputError(f"{at:g} s is after the last frame", field="at", expected=f"up to {frame.t:.3g} s")
     if frame is None:
         raise InputError("has no frames", file=video, expected="a video")
     seen, axis = silhouette(frame.image), paper_axis(frame.image, declaration.camera)

@@ -24,7 +24,7 @@ from viz.figures.thrust import thrust_figure
 from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
 from viz.scene import ViewedRun, paired, scene_of
-from viz.verdict_sections import finding_section, limits_sections, next_section, title_of
+from viz.verdict_sections import finding_section, limits_sections, next_section, title_of, untold_section
 from viz.words import effect_name, error_rows, listed, probability_words
 
 DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report stays under 3 MB)
@@ -197,6 +197,35 @@ def missing_sections(missing: MissingForce) -> list[ReportSection]:
     return [ReportSection("The missing force", words, (), pictures)]
 
 
+def answer_sections(diagnosis: Diagnosis, recordings: Sequence[Recording], command: str) -> list[ReportSection]:
+    """Every section of an answer that tells something."""
+    pairs = [(scene_of(run), recording) for run, recording in paired(diagnosis.runs, recordings)]
+    scenes = [scene for scene, _ in pairs]
+    known = {scene.name: recording for scene, recording in pairs}
+    filmed = [scene for scene, recording in pairs if recording is not None and recording.video is not None]
+    return [
+        finding_section(diagnosis, worst_runs(filmed or scenes, 1), known),
+        *missing_sections(diagnosis.missing),
+        next_section(diagnosis, command),
+        error_section(diagnosis),
+        parameter_section(diagnosis),
+        *limits_sections(diagnosis.verdict_json()),
+        candidate_section(diagnosis),
+        runs_section(scenes),
+        *(run_section(scene, known.get(scene.name)) for scene in worst_runs(scenes, DRAWN_RUNS)),
+    ]
+
+
+def merits_of(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """Confidence and errors, as they stand below the headline."""
+    before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
+    return [
+        ("confidence", f"{diagnosis.confidence:.0%}"),
+        ("error before", NO_VALUE if before is None else f"{before:.2f} mm"),
+        ("error after", NO_VALUE if after is None else f"{after:.2f} mm"),
+    ]
+
+
 def diagnosis_report(
     diagnosis: Diagnosis,
     recordings: Sequence[Recording],
@@ -209,34 +238,14 @@ def diagnosis_report(
     command is the line that made it, versions maps a package to its version, inputs a file to its SHA-256. recordings
     are found by the runs' names and give the load cell; they may be empty. The same arguments give the same text.
     """
-    pairs = [(scene_of(run), recording) for run, recording in paired(diagnosis.runs, recordings)]
-    scenes = [scene for scene, _ in pairs]
-    known = {scene.name: recording for scene, recording in pairs}
-    filmed = [scene for scene, recording in pairs if recording is not None and recording.video is not None]
-    sections = [
-        finding_section(diagnosis, worst_runs(filmed or scenes, 1), known),
-        *missing_sections(diagnosis.missing),
-        next_section(diagnosis, command),
-        error_section(diagnosis),
-        parameter_section(diagnosis),
-        *limits_sections(diagnosis.verdict_json()),
-        candidate_section(diagnosis),
-        runs_section(scenes),
-        *(run_section(scene, known.get(scene.name)) for scene in worst_runs(scenes, DRAWN_RUNS)),
-    ]
-    before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
-    merits = [
-        ("confidence", f"{diagnosis.confidence:.0%}"),
-        ("error before", NO_VALUE if before is None else f"{before:.2f} mm"),
-        ("error after", NO_VALUE if after is None else f"{after:.2f} mm"),
-    ]
+    told = not diagnosis.cannot_tell
     return render_report(
         Report(
             verb="diagnose",
             title=title_of(diagnosis),
             headline=diagnosis.headline,
-            sections=sections,
+            sections=answer_sections(diagnosis, recordings, command) if told else [untold_section(tuple(inputs))],
             origin=Origin(command, diagnosis.seed, versions, inputs),
-            figures_of_merit=merits,
+            figures_of_merit=merits_of(diagnosis) if told else [],
         )
     )

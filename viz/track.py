@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ from viz.palette import MEASURED
 from viz.scene import Party, ViewedRun
 from viz.session import log_scene, session_file, session_id, set_layout
 from viz.topics.events import Event
+from viz.topics.paths import run_path
+from viz.topics.sensors import log_readings
 
 
 def servo_angle(recording: Recording, t: Array) -> Array:
@@ -65,5 +68,6 @@ def write_recording_view(recording: Recording, path: Path | str, events: Sequenc
     path = Path(path)
     with session_file(path, session_id("view", recording.name)) as session:
         shown = log_scene(session, recording_scene(recording), recording, events)
+        shown = replace(shown, sensors=log_readings(session, run_path(shown.name), recording))
         set_layout(session, blueprint_page(rrb.Tabs(run_page(shown))))
     return path

@@ -11,7 +11,7 @@ from tentacle.rounding import NO_VALUE, number, rounded
 from viz.figures.finding import finding_figure
 from viz.report import Picture, ReportSection, ReportTable
 from viz.scene import ViewedRun
-from viz.words import VERDICT_TITLES, effect_name, listed, probability_words
+from viz.words import effect_name, listed, probability_words, verdict_title
 
 ANSWER_FILES = (
     ("session.rrd", "the recording and both models over it, in time"),
@@ -38,7 +38,7 @@ def title_of(diagnosis: Diagnosis) -> str:
         doubt = [effect_name(effect) for effect in diagnosis.in_doubt]
         sure = [name for name in names if name not in doubt]
         return f"Missing: {listed(sure)}, beside {listed(doubt, 'or')}" if sure else f"Missing: {listed(doubt, 'or')}"
-    return VERDICT_TITLES[diagnosis.verdict]
+    return verdict_title(diagnosis)
 
 
 def finding_section(
@@ -116,10 +116,12 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
             for law in laws
         ]
         header = ("law", "acts on", "place", "evidence [nat]", "judged error [mm]", "file")
-        words = (
-            "No effect of the catalogue explains the residual. These laws were fitted to it; they are proposals to be "
-            "tested."
+        why = (
+            "No effect of the catalogue explains the residual. These laws were fitted to it."
+            if answer.get("verdict") == "unknown"
+            else "These laws follow the held-out frames at least as well as the named effects."
         )
+        words = f"{why} They are proposals to be tested."
         found.append(ReportSection("Laws proposed", [words], [ReportTable("Proposals", header, rows, numeric=(3, 4))]))
     limits = answer.get("detection_limits") or {}
     if limits:
@@ -148,6 +150,12 @@ def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
         files = (*ANSWER_FILES, ("next_experiment.toml", "the proposed next base motion"))
     words = [*diagnosis.words, *check_words(diagnosis.effects)]
     return ReportSection("What to do next", words, tables, commands=commands, files=files)
+
+
+def untold_section(inputs: Sequence[str]) -> ReportSection:
+    """What is left to do after an answer that tells nothing: the recording's own view."""
+    commands = [("Look at the recording:", f"tentacle view {name}") for name in inputs[:1]]
+    return ReportSection("What to do next", (), commands=commands, files=(("verdict.json", "this answer as data"),))
 
 
 def check_words(effects: Sequence[str]) -> list[str]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tentacle.diagnosis import ErrorMeasure, Verdict
-from tentacle.model import Estimate
+from tentacle.diagnosis import Diagnosis, ErrorMeasure, Verdict
 from tentacle.rounding import NO_VALUE, number
 
 VERDICT_TITLES: dict[Verdict, str] = {
@@ -14,6 +13,8 @@ VERDICT_TITLES: dict[Verdict, str] = {
     "group": "One of a group is missing",
     "unknown": "Something unknown is missing",
 }
+
+CANNOT_TELL = "These data cannot tell"
 
 MEASURES = (
     ("midline_mm", "midline", "mm"),
@@ -24,9 +25,9 @@ MEASURES = (
 )
 
 
-def value_with_unit(estimate: Estimate) -> str:
-    """The value with its unit; a number without one has none."""
-    return estimate.value_words if estimate.unit == "1" else f"{estimate.value_words} {estimate.unit}"
+def verdict_title(diagnosis: Diagnosis) -> str:
+    """The verdict as a title; data that show too little have one of their own."""
+    return CANNOT_TELL if diagnosis.cannot_tell else VERDICT_TITLES[diagnosis.verdict]
 
 
 def probability_words(probability: float) -> str:

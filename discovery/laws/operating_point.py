@@ -51,15 +51,18 @@ def sought_at(point: tuple[Problem, Fit]) -> tuple[tuple[SeenMotion, ...], Sough
     return tuple(motion for _, motion in shown), Sought(inputs)
 
 
-def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> Searched:
-    """The search, repeated from the stiff start until the best law leaves the parameters where they are.
+def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> Searched | None:
+    """The search, repeated from the stiff start until the best law leaves the parameters where they are; None where
+    the small motions run away at the start.
 
     A softer point shows a law larger and a stiffer one cleaner. So a move is taken back only if the best law then has
-    less evidence and also leaves a larger share.
+    less evidence and also leaves a larger share, or if the small motions run away there.
     """
     point, last = stiff_point(base, motions), None
     for _ in range(ROUNDS):
         seen, sought = sought_at(point)
+        if sought.ran_away:
+            return last
         found = search_laws(sought)
         if last is not None and _worse(found[0], last.laws[0]):
             return last
@@ -68,7 +71,6 @@ def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -
         if np.abs(change).max(initial=0.0) < CLOSE:
             return last
         point = _moved(point, change)
-    assert last is not None
     return last
 
 

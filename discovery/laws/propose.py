@@ -41,9 +41,9 @@ LEAST_FORCE = 0.25  # noise deviations rms of the missing force's answer, below 
 GAIN = 20.0  # nats beyond its price that a law must bring
 LAW_KINDS = {
     "the speed": ("drag_", "skin_", "one_way", "tip_drag"), "the speed near a place": ("patch_",),
-    "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"), 
-    "the place of every section": ("jet", "line_spring"),
-    "time": ("vortex", "beat_x", "tip_beat"), "nothing (a steady force)": ("tip_push",),
+    "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"),
+    "the place of every section": ("jet", "line_spring"), "time": ("vortex", "beat_x", "tip_beat"),
+    "nothing (a steady force)": ("tip_push",),
     "the curvature": ("bending", "one_sided"), "the curvature before": ("late",),
 }  # fmt: skip
 
@@ -59,10 +59,11 @@ def propose_laws(
     names = [e.name for e in base[0].experiments if not e.complete]
     arms = arms_of(*base)
     maps = tuple(force_map(*one) for one in zip(names, arms, motions, strict=True))
-    if sought.size < LEAST_FORCE:
+    if not sought.ran_away and sought.size < LEAST_FORCE:
         return MissingForce(maps, (), (), ("The missing force does not stand out of the noise: no law is proposed.",))
     progress("searching laws for it")
-    searched = settled_search(base, motions)
+    if (searched := settled_search(base, motions)) is None:
+        return MissingForce(maps, (), (), ("Small motions about the model run away: no law is proposed.",))
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
     kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
@@ -71,8 +72,8 @@ def propose_laws(
     worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
         over = over_coordinates(names[0], arms[0], searched.motions[0])
-        words = ("No law of the grammar explains the missing force: the best leaves "
-                 f"{100.0 * min(one.unexplained for one in found):.0f} % of its effect.", over_words(over))  # fmt: skip
+        best = f"the best leaves {100.0 * min(one.unexplained for one in found):.0f} % of its effect."
+        words = (f"No law of the grammar explains the missing force: {best}", over_words(over))
         return MissingForce(maps, (), kinds, words, over=over)
     progress("fitting the best laws")
     fits = _fitted(base, searched, prepared, worth)
@@ -80,10 +81,9 @@ def propose_laws(
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
     words = (*_words(fits.laws, kinds), over_words(over))
-    if fits.next_motion is not None:
-        words = (*words, proposal_words(fits.next_motion))
-    next_motion = fits.next_motion and waveform_table(fits.next_motion.waveform)
-    return MissingForce(maps, fits.laws, kinds, words, next_motion, over)
+    words = words if fits.next_motion is None else (*words, proposal_words(fits.next_motion))
+    asked = fits.next_motion and waveform_table(fits.next_motion.waveform)
+    return MissingForce(maps, fits.laws, kinds, words, asked, over)
 
 
 def as_found(found: FittedLaw) -> WrittenLaw:
@@ -106,14 +106,11 @@ class LawFit:
     gain: float = 0.0
 
     @property
-    def stands_at_bound(self) -> bool:
-        """Whether a number of the law stands at a bound of the grammar: the law explains nothing there."""
-        return any(effect == self.law.name for effect, _ in self.fitted.at_bound)
-
-    @property
-    def ran_away(self) -> bool:
-        """Whether the run left all bounds, so that its misfit says nothing."""
-        return bool(np.abs(self.fitted.used_residuals).max() >= RAN_AWAY)
+    def counts(self) -> bool:
+        """Whether its evidence is known and worth its price, no number stands at a bound, and its run stayed within."""
+        stands_at_bound = any(effect == self.law.name for effect, _ in self.fitted.at_bound)
+        ran_away = np.abs(self.fitted.used_residuals).max() >= RAN_AWAY
+        return GAIN < self.gain < np.inf and not stands_at_bound and not ran_away
 
 
 @dataclass(frozen=True)
@@ -157,14 +154,13 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
         nothing = laplace_evidence(plain, bare, variance)
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
-        judged = [one for one in judged if one.gain > GAIN and not one.stands_at_bound and not one.ran_away]
-        judged = sorted(judged, key=lambda one: -one.gain)[:MOST]
+        judged = sorted((one for one in judged if one.counts), key=lambda one: -one.gain)[:MOST]
         judged = [
             replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing)
             for one in _fitted_closely(judged, variance)
         ]
         accepted: list[LawHypothesis] = []
-        for one in sorted(judged, key=lambda one: -one.gain):
+        for one in sorted((one for one in judged if one.counts), key=lambda one: -one.gain):
             error = midline_error(prepared, one.problem, one.fitted, _held_out(prepared))
             if error is None or before is None or error < before:
                 accepted.append(_hypothesis(one, error, _unexplained_share(bare, one.fitted), variance))

@@ -44,7 +44,7 @@ def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
         return answer
     best = rivals[0]
     word = (
-        f"One law does as well as the named effects on held-out frames ({best.held_out_midline_mm:.2f} mm; they "
-        f"{after:.2f} mm): {best.words}. Compare it with them: --effects laws/{best.law.name}.toml."
+        f"A law follows the held-out frames at least as well as the named effects ({best.held_out_midline_mm:.2f} mm; "
+        f"they {after:.2f} mm): {best.words}. Compare it with them: --effects laws/{best.law.name}.toml."
     )
     return replace(answer, missing=replace(missing, laws=rivals), words=(*answer.words, word))

@@ -22,6 +22,7 @@ from discovery.laws.grammar import Form, Scale, forms
 from discovery.laws.inputs import LawInputs
 from discovery.laws.refine import Asked, Start, refined_shapes
 from inference.missing_force import MOTION_STEP
+from inference.trajectory import RAN_AWAY
 
 COLUMNS_AT_ONCE = 300  # columns at once
 REFINED = 12  # forms whose shapes are refined
@@ -65,6 +66,11 @@ class Sought:
     def target(self) -> Array:
         """The missing force's answer in all frames, whitened."""
         return np.concatenate([one.small.freed(one.small.target[:, None])[:, 0] for one in self.seen])
+
+    @property
+    def ran_away(self) -> bool:
+        """Whether the small motions leave all bounds: about a model that falls over, they grow without end."""
+        return not all(bool((np.abs(one.small.target) < RAN_AWAY).all()) for one in self.seen)
 
     @property
     def frames(self) -> int:

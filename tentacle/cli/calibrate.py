@@ -46,7 +46,9 @@ def run(arguments: argparse.Namespace) -> int:
     found = calibrate_lens(read_frames(arguments.source, fps=1.0), board)
     text = format_lens(found.lens, rms_px=found.rms_px, tilt_rad=found.tilt)
     write_text(arguments.out, text)
-    say(f"{found.views} views, corners within {found.rms_px:.3f} px rms, {found.lens.metres_per_px} m/px")
+    assert found.lens.metres_per_px is not None  # the board's squares give it
+    views = "1 view" if found.views == 1 else f"{found.views} views"
+    say(f"{views}, corners within {found.rms_px:.3f} px rms, {found.lens.metres_per_px:.6g} m/px")
     say(f"lens bends by {100 * found.lens.k1:.3f} % at the picture's corner")
     if found.tilt > math.radians(5.0):
         say(f"the board is tilted by {math.degrees(found.tilt):.1f} degrees: stand it parallel to the picture")

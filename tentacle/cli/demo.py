@@ -55,13 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _say(title: str, diagnosis: Diagnosis, folder: Path) -> None:
-    from viz.words import value_with_unit
+    from tentacle.cli.pages.diagnosis import answer_lines
 
-    say("", f"{title}:", f"  {diagnosis.headline}")
-    for effect, values in diagnosis.parameters.items():
-        say(*(f"  {effect}.{name} = {value_with_unit(e)} (95 %: {e.interval_words})" for name, e in values.items()))
-    for sentence in diagnosis.words:
-        say(f"  {sentence}")
+    say("", f"{title}:", *(f"  {line}" for line in answer_lines(diagnosis)))
     say(f"  report: {folder / 'report.html'}   replay: tentacle view {folder / 'session.rrd'}")
 
 

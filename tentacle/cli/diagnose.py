@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from tentacle.cli._effects import add_effects
+from tentacle.cli._inputs import require_once
 from tentacle.cli._output import remark, say, say_text
 
 HELP = "find the effect that the model lacks from the residual of recordings; report the error before and after"
@@ -43,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     from tentacle.cli._kernels import kernels_ahead
     from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
-    from tentacle.cli.pages.diagnosis import write_answer
+    from tentacle.cli.pages.diagnosis import answer_lines, write_answer
     from tentacle.io.result_folder import told_before, written
     from vision.tracked_recording import read_tracked
 
@@ -53,6 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         calibration = read_calibration(arguments.calibration)
     groups = [arguments.recordings, arguments.baseline, arguments.held_out]
+    require_once(dict(zip(("RECORDING", "--baseline", "--held-out"), groups, strict=True)))
     if words := told_before(arguments.out):
         remark(words, "")
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
@@ -73,14 +75,12 @@ def run(arguments: argparse.Namespace) -> int:
         stage("writing the report")
         command = " ".join(["tentacle", *sys.argv[1:]])
         with written(arguments.out) as folder:
-            inputs = [*arguments.recordings, *arguments.held_out]
+            inputs = [path for group in groups for path in group]
             inputs += [*arguments.effects, *([] if arguments.calibration is None else [arguments.calibration])]
             write_answer(diagnosis, [*recordings, *held_out], folder, command, inputs)
     if arguments.json:
         say_text(json.dumps(diagnosis.verdict_json(), indent=1))
     else:
-        say(diagnosis.headline)
-        for sentence in diagnosis.words:
-            say(f"  {sentence}")
+        say(*answer_lines(diagnosis))
         say(f"report: {arguments.out / 'report.html'}   replay: tentacle view {arguments.out / 'session.rrd'}")
     return 0

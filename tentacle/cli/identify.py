@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._inputs import require_once
 from tentacle.cli._output import remark, say, say_text
 
 HELP = (
@@ -52,6 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
     if words := told_before(arguments.out):
         remark(words, "")
+    require_once({"RECORDING": arguments.recordings, "--check": arguments.check})
     plan = [*reading_plan([*arguments.recordings, *arguments.check]), *IDENTIFYING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]

@@ -30,6 +30,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out.suffix != ".rrd":
         raise InputError("not an .rrd name", file=arguments.out, field="--out", expected="FILE.rrd")
     recording = read_recording(arguments.recording)
+    if recording.declaration.specimen.laws:
+        from affine_model.declared_laws import refuse_unknown_laws
+
+        refuse_unknown_laws(recording.declaration.specimen, f"{arguments.recording}/recording.toml")
     write_rrd(recording, arguments.out)
     summary = summarise(recording)
     if arguments.json:

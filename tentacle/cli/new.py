@@ -40,11 +40,15 @@ def run(arguments: argparse.Namespace) -> int:
     from tentacle.io.recording_template import Answers, recording_text, require_usable, write_recording_file
     from tentacle.io.servo_log import write_motor_log
 
-    if (arguments.folder / "recording.toml").exists():  # checked before the questions
+    if (arguments.folder / "recording.toml").exists():  # the files are checked before the questions
         write_recording_file(arguments.folder, "")
+    if arguments.video is not None:
+        from vision.film_begun import require_film
+
+        require_film(arguments.video)
+    motor = None if arguments.motor is None else _motor_log(arguments)
     answers, words = Answers(camera=None, **answers_of(arguments)), ""
     require_usable(answers)
-    motor = None if arguments.motor is None else _motor_log(arguments)  # read before anything is written
     if arguments.video is not None:
         from vision.film_begun import begun
 

@@ -70,4 +70,4 @@ def gap_words(t: Array) -> str:
 
 def _missing(values: Array) -> str:
     missing = float(np.isnan(values).mean())
-    return f", {100 * missing:.2g} % not seen" if missing else ""
+    return f", {100 * missing:.3g} % not seen" if missing else ""

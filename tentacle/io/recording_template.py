@@ -39,28 +39,33 @@ def recording_text(answers: Answers) -> str:
 
 [specimen]
 section = "cone"               # a round arm; "rectangle" takes width_m and height_m in place of the radii
-length_m = {answers.length!r}              # from the clamp to the tip
-base_radius_m = {answers.base_radius!r}        # half the thickness at the clamp
-tip_radius_m = {answers.tip_radius!r}         # half the thickness at the tip
-density_kg_m3 = {answers.density!r}       # of the material: weigh a piece in air and in water
+{_line("length_m", answers.length, "from the clamp to the tip")}
+{_line("base_radius_m", answers.base_radius, "half the thickness at the clamp")}
+{_line("tip_radius_m", answers.tip_radius, "half the thickness at the tip")}
+{_line("density_kg_m3", answers.density, "of the material: weigh a piece in air and in water")}
 # tip_mass_kg = 0.005          # a payload that you know of
 # clamp_length_m = 0.003       # how much a soft clamp gives: it turns as this length of the arm's root would bend
 
 [fluid]
-density_kg_m3 = {answers.fluid_density!r}        # 998: water at 20 C; 0: air
+{_line("density_kg_m3", answers.fluid_density, "998: water at 20 C; 0: air")}
 
 [gravity]
 angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.5708: held horizontally
 
 {camera_text(answers.camera)}
 # Beside this file: the film as video.mp4 (.mkv .avi .mov .webm .gif), and where you have them
-#   motor.csv      t_s,command_rad,angle_rad     the servo, in the film's time; without it the base is clamped
-#                  (`tentacle new FOLDER --motor LOG` makes it of a log in degrees, ms, with semicolons)
-#   base.csv       t_s,x_m,y_m                   where the base is, if it travels (shaken, on a cart, towed)
-#   load_cell.csv  t_s,thrust_n
-#   strain.csv     t_s,NAME_strain               strain gauges on the arm: [strain] NAME = {{ s = 0.1, d = 0.01 }}
-#   acceleration.csv  t_s,NAME_m_s2             one axis: [acceleration] NAME = {{ s = 1, d = 0, axis = "normal" }}
+#   motor.csv         t_s,command_rad,angle_rad  the servo, in the film's time; without it the base is clamped
+#                     (`tentacle new FOLDER --motor LOG` makes it of a log in degrees, ms, with semicolons)
+#   base.csv          t_s,x_m,y_m                where the base is, if it travels (shaken, on a cart, towed)
+#   load_cell.csv     t_s,thrust_n
+#   strain.csv        t_s,NAME_strain            a strain gauge: [strain] NAME = {{ s = 0.1, d = 0.01 }}
+#   acceleration.csv  t_s,NAME_m_s2              one axis: [acceleration] NAME = {{ s = 1, d = 0, axis = "normal" }}
 """
+
+
+def _line(key: str, value: float | str, words: str) -> str:
+    """A key with its value, and a comment in the column of the other comments."""
+    return f"{f'{key} = {value}':<30} # {words}"
 
 
 def camera_text(camera: Camera | None) -> str:
@@ -74,13 +79,14 @@ def camera_text(camera: Camera | None) -> str:
 # arm_px = [0.0, 1.0]          # the direction of the straight arm in the picture: [0, 1] is down
 {MIRRORED}
 """
-    u, v = camera.base_px
+    (u, v), (along, down) = camera.base_px, camera.arm_px
+    ruler = "the arm's length over its pixels; a ruler in the arm's plane is better"
     return f"""\
 [camera]                       # proposed from the film's first picture: look at it with `tentacle view`
 fps = {camera.fps:.6g}
-m_per_px = {camera.metres_per_px:.5g}          # the arm's length over its pixels; a ruler in the arm's plane is better
-base_px = [{u:.1f}, {v:.1f}]       # where the arm leaves its clamp: pixels to the right and down
-arm_px = [{camera.arm_px[0]:g}, {camera.arm_px[1]:g}]  # the direction of the straight arm; [0, 1] is down
+{_line("m_per_px", f"{camera.metres_per_px:.5g}", ruler)}
+{_line("base_px", f"[{u:.1f}, {v:.1f}]", "where the arm leaves its clamp: pixels to the right and down")}
+{_line("arm_px", f"[{along:g}, {down:g}]", "the direction of the straight arm; [0, 1] is down")}
 {MIRRORED.removeprefix("# ") if camera.mirrored else MIRRORED}
 """
 

@@ -18,7 +18,7 @@ from mujoco_ref.undeclared.make import Scenario
 from tentacle.io.effect_file import effect_text, effects_of, read_effects
 from tentacle.law.in_use import using
 from tentacle.model import Estimate, Model
-from tentacle.specimen import WATER, Cone, Specimen
+from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Chirp
 
 MAGNET = Path(__file__).parents[2] / "examples" / "effects" / "magnet.toml"
@@ -118,6 +118,15 @@ def test_where_the_force_is_noise_no_law_is_proposed():
     missing = propose_laws(base, [prepared])
     assert missing.laws == ()
     assert "no law is proposed" in missing.words[0]
+
+
+def test_about_a_model_that_falls_over_no_law_is_sought(magnet):
+    """An arm that stands up in a hundredfold gravity, and has no stiffness: its small motions grow e-fold in 10 ms."""
+    problem, fitted = at_values(magnet, {("elasticity", "E"): 0.0, ("damping", "eta"): 0.0})
+    heavy = Gravity(np.pi, 1000.0)
+    assert not sought_at(magnet)[1].ran_away
+    fallen = replace(problem, arm=replace(problem.arm, gravity=heavy))
+    assert sought_at((fallen, fitted))[1].ran_away
 
 
 def test_every_form_of_the_grammar_is_a_sound_law():

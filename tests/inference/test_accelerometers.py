@@ -145,6 +145,9 @@ def test_the_stiffness_is_right_and_more_certain_with_an_accelerometer(
 
 def test_what_it_reads_is_compared_with_what_the_fit_says(identified: tuple[Identification, Identification]) -> None:
     across, along = identified[1].runs[0].sensors
+    t = identified[1].runs[0].t
+    for shown in (across.measured, across.base, across.augmented):  # none where the model's acceleration jumps
+        assert np.array_equal(np.isfinite(shown), (t > 0.1) & (t < t[-1] - 0.1))
     assert (across.name, along.quantity) == ("across", "acceleration")
     for one, least in ((across, 1.0), (along, 0.3)):
         assert np.nanstd(one.measured) > least

@@ -108,6 +108,16 @@ def test_an_interval_in_two_halves_is_the_same():
     np.testing.assert_allclose(half[0] @ half[2] + half[2], whole[2], atol=1e-9)
 
 
+def test_a_motion_that_dies_at_once_is_discretised_as_its_limit():
+    """A creeping arm: damping takes away a rate in a hundred-millionth of a second, and its shape drifts as pushed."""
+    rate = 1.4e8  # 1/s
+    transition, added, held = discretised(np.array([[0.0, 1.0], [0.0, -rate]]), np.diag([0.0, 2.0 * rate]), 0.06)
+    np.testing.assert_allclose(transition, [[1.0, 1.0 / rate], [0.0, 0.0]], atol=1e-12)
+    # An Ornstein-Uhlenbeck rate of unit variance: the shape's variance grows by 2 t / rate.
+    np.testing.assert_allclose(added, [[2.0 * 0.06 / rate, 1.0 / rate], [1.0 / rate, 1.0]], rtol=1e-6)
+    np.testing.assert_allclose(held[0], [0.06, 0.06 / rate], rtol=1e-5)
+
+
 def test_a_complete_model_wants_little_unknown_force(plain, forces):
     problem = replace(plain.problem, filters=tuple(force.filter(0.003) for force in forces))
     evidence = [evidence_beside(problem, plain.fitted, filters_at(forces, k)).log for k in range(len(FORCE_SHARES))]

@@ -37,6 +37,17 @@ def test_a_third_from_the_middle_on_is_held_out_and_its_end_is_fitted(recorded):
     assert prepare(recording, hold_out=False).experiment.used.all()
 
 
+def test_errors_are_stated_on_the_held_out_stretch_and_not_on_a_frame_that_was_left_out_elsewhere(recorded):
+    recording = recorded(seconds=12.0)
+    xy = recording.midline.xy.copy()
+    xy[[100, 420]] = np.nan  # at 1.7 s, where the fit is, and at 7 s, in the stretch
+    damaged = replace(recording, midline=replace(recording.midline, xy=xy))
+    experiment = prepare(damaged, hold_out=True).experiment
+    assert not experiment.used[[100, 420]].any()
+    whole = judged_frames(prepare(recording, hold_out=True).experiment, True)
+    np.testing.assert_array_equal(judged_frames(experiment, True), whole)
+
+
 def test_a_midline_that_turns_with_the_base_is_turned_back(recorded):
     recording = recorded(seconds=4.0)
     theta = recording.motor.angle

@@ -42,6 +42,7 @@ def test_a_tempered_mass_keeps_order_and_an_even_chance() -> None:
     assert np.all(np.diff(stated) > 0.0)
     assert tempered(0.5) == pytest.approx(0.5)
     assert tempered(1.0) == 0.98
+    assert tempered(np.nextafter(1.0, 2.0)) == 0.98  # a sum of masses, rounded upwards
 
 
 def test_the_temperature_of_made_outcomes_is_found() -> None:

@@ -12,11 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from discovery.answer import cannot_tell
+from tentacle.cli.pages.diagnosis import answer_lines
 from tentacle.diagnosis import ErrorMeasure
 from tentacle.model import Estimate
 from tests.page import parsed, problems
 from viz.diagnosis_report import diagnosis_report, twin_words
 from viz.report import write_report
+from viz.topics.verdict import verdict_markdown
 from viz.verdict_sections import DECLARED_AS, limits_sections, sure_words, title_of
 
 
@@ -102,6 +105,25 @@ def test_every_verdict_has_a_page_even_where_little_was_measured(case, verdict):
     assert bare.headline in text_of(page)
 
 
+def test_data_that_show_too_little_have_a_page_that_says_so_once(case):
+    untold = cannot_tell(case.recordings[0], "The arm hardly moves.", 0)
+    page = diagnosis_report(untold, case.recordings, "tentacle diagnose run", {}, {"run": "0" * 64})
+    assert problems(page) == []
+    assert text_of(page).count("The arm hardly moves.") == 1
+    assert "These data cannot tell</h1>" in page
+    assert "<figure" not in page  # no empty budget
+    assert '<pre class="command"><code>tentacle view run</code></pre>' in page
+    assert verdict_markdown(untold).count("cannot tell") == 2  # title and headline
+    assert answer_lines(untold) == ["These data cannot tell. The arm hardly moves."]
+
+
+def test_the_terminal_has_the_confidence_and_each_parameter_with_its_interval(case):
+    lines = answer_lines(case.diagnosis)
+    assert lines[0] == case.diagnosis.headline
+    assert f"Confidence {case.diagnosis.confidence:.0%}." in lines[1]
+    assert "  current.speed = 0.052 m/s (95 %: 0.047 to 0.058)" in lines
+
+
 def test_it_leads_with_the_film_at_the_worst_moment_and_both_models(page):
     before_headline = page[: page.index('class="headline"')]
     assert "data:image/png;base64," in before_headline
@@ -131,6 +153,8 @@ def test_what_the_likelihood_says_is_shown_where_it_is_there(case):
     almost_all = {"share": 0.9991, "low": 0.9985, "high": 0.9996}  # an interval never has two equal ends
     words = sure_words({"explained": almost_all})
     assert words == ["What was found explains 99.91 % of the force that was missing (99.85 to 99.96 %)."]
+    _, laws, _ = limits_sections(told | {"verdict": "effect"})
+    assert "as well as the named effects" in laws.paragraphs[0]
     titles = [section.title for section in limits_sections(told)]
     assert titles == ["Likely answers", "Laws proposed", "What would have been detected"]
     assert limits_sections(case.diagnosis.verdict_json()) == []

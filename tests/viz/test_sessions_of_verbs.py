@@ -19,6 +19,7 @@ from rerun.chunk import RrdReader
 from tentacle.errors import InputError
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.recording import Recording
+from tentacle.signals import AccelerationSignal, Accelerometer, StrainGauge, StrainSignal
 from viz.blueprints.rig import LivePaths, rig_blueprint
 from viz.compare import ComparedMotion, model_markdown, motions_scene, write_comparison
 from viz.page import serve_web
@@ -53,6 +54,21 @@ def test_a_recording_is_shown_with_whatever_it_has(case, tmp_path):
     assert "/runs/chirp\\ 1/camera/measured" in found
     found = entities(write_recording_view(film, tmp_path / "film.rrd"))
     assert {"/runs/chirp\\ 1/camera", "/runs/chirp\\ 1/theta", "/runs/chirp\\ 1/thrust/measured"} <= found
+
+
+def test_every_sensor_of_a_recording_is_shown_with_each_of_its_readings(case, tmp_path):
+    t = np.arange(0.0, 6.0, 0.01)
+    felt = AccelerationSignal(t, ("tip",), (Accelerometer(1.0, 0.0, "normal"),), np.sin(t)[:, None])
+    stretched = StrainSignal(t, ("root",), (StrainGauge(0.2, 0.01),), 0.01 * np.cos(t)[:, None])
+    whole = replace(case.recordings[0], strain=stretched, acceleration=felt)
+    shown = write_recording_view(whole, tmp_path / "sensors.rrd")
+    assert {"/runs/chirp\\ 1/strain/root/measured", "/runs/chirp\\ 1/acceleration/tip/measured"} <= entities(shown)
+    rows = [
+        chunk.to_record_batch().num_rows
+        for chunk in RrdReader(str(shown)).stream()
+        if str(chunk.entity_path).endswith("/tip/measured") and not chunk.is_static
+    ]
+    assert sum(rows) == t.size
 
 
 def test_a_session_is_told_from_a_recording(case, tmp_path):

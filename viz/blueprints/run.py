@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import rerun.blueprint as rrb
 
+from tentacle.diagnosis import Quantity
 from tentacle.recording import Declaration
 from viz.blueprints.views import camera_view, events_view, lines_view, space_view, tip_view
 from viz.topics.paths import run_path, sensor_path
+
+UNITS: dict[Quantity, str] = {"strain": "strain", "acceleration": "m/s^2"}
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,7 @@ class LoggedTopics:
     events: bool
     forces: str = ""  # what the force arrows' lengths mean
     tip_mm: float = 0.0  # how far the enlarged view of the tip reaches; 0: there is none
-    sensors: tuple[tuple[str, str], ...] = ()
+    sensors: tuple[tuple[str, Quantity], ...] = ()
 
 
 def residual_view(path: str, key: str, title: str) -> rrb.Spatial2DView:
@@ -50,7 +53,9 @@ def run_page(shown: LoggedTopics) -> rrb.Container:
         signals.append(lines_view(f"{path}/error", "distance, rms along the arm [mm]"))
     if shown.thrust:
         signals.append(lines_view(f"{path}/thrust", "thrust [N]"))
-    read = [lines_view(sensor_path(path, quantity, name), f"{quantity}, {name}") for name, quantity in shown.sensors]
+    read = [
+        lines_view(sensor_path(path, quantity, name), f"{name} [{UNITS[quantity]}]") for name, quantity in shown.sensors
+    ]
     if read:
         signals.append(rrb.Tabs(*read))
     last: list[rrb.View] = [lines_view(f"{path}/theta", "servo angle [rad]")] if shown.coordinates else []

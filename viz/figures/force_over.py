@@ -27,6 +27,7 @@ def force_over_figure(found: Sequence[ForceOver]) -> Figure:
             axis.plot(one.value, force, color=AUGMENTED.hex, marker=".", markersize=3.0)
             axis.axhline(0.0, color=NEUTRAL.hex, linewidth=0.6)
             axis.set_title(f"predicts {100.0 * one.predicted:.0f} %")
+            axis.locator_params(axis="x", nbins=4)
             axis.set_xlabel(f"{one.coordinate.split(',')[0]} [{one.unit}]")
             if axis in axes[:, 0]:
                 axis.set_ylabel("force [mN]")

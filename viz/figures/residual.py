@@ -39,6 +39,7 @@ def residual_figure(scene: ViewedRun) -> Figure:
                     shading="nearest", rasterized=True,
                 )  # fmt: skip
                 axes.set_ylabel("marker, from clamp to tip")
+                axes.set_yticks(np.arange(len(order)), [str(k + 1) for k in range(len(order))])
             axes.set_title(party.role.name)
             axes.set_xlabel("t [s]")
             axes.label_outer()

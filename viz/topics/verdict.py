@@ -6,7 +6,7 @@ import rerun as rr
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.rounding import number
-from viz.words import VERDICT_TITLES, effect_name, error_rows
+from viz.words import effect_name, error_rows, verdict_title
 
 
 def text_table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
@@ -18,10 +18,12 @@ def text_table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 def verdict_markdown(diagnosis: Diagnosis) -> str:
     """Headline, errors, parameters of what was added, ranking, and what remains."""
+    if diagnosis.cannot_tell:
+        return f"# {verdict_title(diagnosis)}\n\n{diagnosis.headline}\n"
     judged = "held-out data" if diagnosis.held_out else "the data that were fitted"
     errors = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
     parts = [
-        f"# {VERDICT_TITLES[diagnosis.verdict]}",
+        f"# {verdict_title(diagnosis)}",
         diagnosis.headline,
         f"Confidence {diagnosis.confidence:.0%}. Errors are rms on {judged}.",
         text_table(("error", "unit", "before", "after", "floor"), [tuple(row) for row in errors]),

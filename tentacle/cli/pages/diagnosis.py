@@ -1,4 +1,4 @@
-"""What `tentacle diagnose` writes: the verdict, the augmented model, the report, the session, the next experiment."""
+"""What `tentacle diagnose` says and writes: verdict, augmented model, report, session, the next experiment."""
 
 from __future__ import annotations
 
@@ -6,6 +6,16 @@ from pathlib import Path
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.recording import Recording
+
+
+def answer_lines(diagnosis: Diagnosis) -> list[str]:
+    """The answer for a terminal: headline, confidence, each parameter that was found with its interval, remarks."""
+    if diagnosis.cannot_tell:
+        return [diagnosis.headline]
+    lines = [diagnosis.headline, f"  Confidence {diagnosis.confidence:.0%}."]
+    for effect, values in diagnosis.parameters.items():
+        lines += [f"  {effect}.{name} = {e.with_unit} (95 %: {e.interval_words})" for name, e in values.items()]
+    return lines + [f"  {sentence}" for sentence in diagnosis.words]
 
 
 def write_answer(

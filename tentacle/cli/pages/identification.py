@@ -18,7 +18,6 @@ from viz.compare import model_markdown, write_comparison
 from viz.identify_report import Told, model_report
 from viz.report import Origin, write_report
 from viz.scene import model_scene
-from viz.words import value_with_unit
 
 
 def write_identification(found: Identification, judges: Sequence[Recording], origin: Origin, folder: Path) -> None:
@@ -73,5 +72,5 @@ def identification_lines(found: Identification) -> list[str]:
             beside = "" if drawn is None else f"; bootstrap {number(drawn[0])} to {number(drawn[1])}"
             beside += "" if paper is None else f"; the paper's regression {number(paper)}"
             known = "given" if e.low == e.high else f"95 %: {e.interval_words}"
-            lines.append(f"{effect}.{name} = {value_with_unit(e)} ({known}{beside})")
+            lines.append(f"{effect}.{name} = {e.with_unit} ({known}{beside})")
     return [*lines, *found.words]

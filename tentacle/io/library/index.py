@@ -19,6 +19,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from tentacle.errors import InputError
+from tentacle.held_signals import signals_held
 from tentacle.io.declaration_file import parse_recording_file, specimen_table
 from tentacle.io.plain_file import read_plain, require_plain
 from tentacle.io.rrd_chunks import just_written
@@ -92,7 +93,9 @@ def _rows(files: Sequence[Path]) -> Iterator[dict[str, Any]]:
             while batches:
                 batch = batches.pop(0)
                 try:
-                    rows = pool.submit(_rows_here, batch).result()
+                    with signals_held():  # its child starts here
+                        asked = pool.submit(_rows_here, batch)
+                    rows = asked.result()
                 except BrokenProcessPool:
                     yield from map(_row, batch)
                     break

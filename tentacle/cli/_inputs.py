@@ -1,0 +1,24 @@
+"""The recordings that a command reads: none of them twice."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from tentacle.errors import InputError
+
+
+def require_once(groups: Mapping[str, Sequence[Path]]) -> None:
+    """InputError where a recording is given twice, in one group (name of the argument -> its paths) or in two.
+
+    A recording that is its own baseline or its own check would answer for itself.
+    """
+    given: dict[str, str] = {}
+    for name, paths in groups.items():
+        for path in paths:
+            place = os.path.realpath(path)
+            if place in given:
+                words = "is given twice" if given[place] == name else f"is given as {given[place]} too"
+                raise InputError(words, file=path, field=name, expected="each recording once")
+            given[place] = name
