@@ -34,6 +34,7 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
     """The results, in the order of the tasks, of those whose runs did not leave all bounds."""
     waiting = list(tasks)
     workers = min(usable_cores(), len(waiting))
+    results: list[T | None]
     if workers < 2:
         results = [_done(task) for task in waiting]
     elif _may_fork():
