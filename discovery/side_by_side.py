@@ -34,14 +34,13 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
     """The results, in the order of the tasks, of those whose runs did not leave all bounds."""
     waiting = list(tasks)
     workers = min(usable_cores(), len(waiting))
-    results: list[T | None]
     if workers < 2:
         results = [_done(task) for task in waiting]
     elif _may_fork():
         results = _forked(waiting, workers)
     else:
         with ThreadPoolExecutor(workers) as pool:
-            results = list(pool.map(_done, waiting))
+            results = list(pool.map(lambda task: _done(task), waiting))
     return [result for result in results if result is not None]
 
 
