@@ -19,6 +19,7 @@ from vision.midline_file import write_midline
 from vision.proofread import file_beside, read_verdicts
 from vision.shape_file import write_shape
 from vision.track import Following, motor_angle, track_fully
+from vision.tracked_recording import errors_about
 
 VERSION = "1"
 FILMS = (*VIDEO_SUFFIXES, ".m4v", ".mpg", ".ts", ".wmv")
@@ -96,7 +97,8 @@ def track_one(task: Mapping[str, Any]) -> dict[str, Any]:
         video = recording.video.path
         verdicts = read_verdicts(video)
         following = Following(task["order"], lens, verdicts=verdicts)
-        shape = track_fully(video, recording.declaration, recording.motor, following=following).shape
+        with errors_about(source, recording):
+            shape = track_fully(video, recording.declaration, recording.motor, following=following).shape
         write_shape(shape, out / f"{name}.csv")
         angle = motor_angle(recording.motor, shape.t)
         write_midline(shape, angle, recording.declaration.specimen, out / f"{name}.midline.csv")

@@ -14,7 +14,6 @@ from itertools import permutations
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import median_abs_deviation
 
 from tentacle.signals import Array
 from vision.body_axis import LEAST_SLENDERNESS, axis_between
@@ -34,6 +33,8 @@ TURN = 0.7  # rad by which the course may turn on either side of the gap
 BEFORE, AT = 0.6, 0.85  # of a part: stretch that gives its course and its width towards a gap; the cut may be oblique
 STRIP = 0.3  # of its area, by which an axis' length times mean width may be off: two bodies that cross are no strip
 ALIKE = 2.0  # times: largest ratio of the widths on both sides
+MOST_CANDIDATES = 3  # sets of bodies of one polarity
+NEAR_BASE = 0.2  # of its length: how far a body's axis may be from a known base; a holder may hide its begin
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,21 @@ class Body:
     merit: float
 
 
-def arms(pictures: Sequence[Grey], polarity: float) -> list[Body | None]:
-    """In each picture the slender body that is the arm, or None. polarity +1: darker than the ground, -1: lighter."""
+def candidates(pictures: Sequence[Grey], polarity: float, base: Array | None = None) -> list[list[Body | None]]:
+    """Sets of bodies that may be the arm, the likeliest first: in each picture a slender body that is held at one
+    place, or None. polarity +1: darker than the ground, -1: lighter. base (2,) [px]: a known place, then one set.
+    """
     contrasts = _contrasts(pictures, polarity)
     masks = [_mask(contrast) for contrast in contrasts]
     always = np.mean(masks, axis=0) > ALWAYS if len(masks) > 3 else np.zeros(masks[0].shape, dtype=bool)
     seen = [_bodies(mask, contrast, always) for mask, contrast in zip(masks, contrasts, strict=True)]
-    place = _held(seen)
-    return [_best_at(bodies, place) for bodies in seen]
+    if base is not None:
+        return [[_best_through(bodies, base) for bodies in seen]]
+    found: list[list[Body | None]] = []
+    while len(found) < MOST_CANDIDATES and (place := _held(seen)) is not None:
+        found.append([_best_at(bodies, place) for bodies in seen])
+        seen = [_beside(bodies, taken) for bodies, taken in zip(seen, found[-1], strict=True)]
+    return found
 
 
 def _contrasts(pictures: Sequence[Grey], polarity: float) -> list[NDArray[np.float32]]:
@@ -69,35 +77,39 @@ def _contrasts(pictures: Sequence[Grey], polarity: float) -> list[NDArray[np.flo
     if len(apart) < LEAST_PICTURES:
         return apart
     still = np.asarray(np.quantile(apart, SELDOM, axis=0), dtype=np.float32)
-    bare = _nearby(still) < max(_level(picture) for picture in apart)
+    bare = _nearby(still) < max(_level(picture, _noise(picture)) for picture in apart)
     return [np.asarray(picture - np.where(bare, still, 0.0), dtype=np.float32) for picture in apart]
 
 
 def _noise(contrast: NDArray[np.float32]) -> float:
-    return STANDING_OUT * (1.4826 * float(median_abs_deviation(contrast.ravel())) + 0.3)
+    """The least contrast that stands out, from the median absolute deviation of a part of the pixels."""
+    every = max(max(contrast.shape) // FINE_BELOW, 1)
+    some = contrast[::every, ::every]
+    scatter = np.median(np.abs(some - np.median(some)))
+    return STANDING_OUT * (1.4826 * float(scatter) + 0.3)
 
 
-def _level(contrast: NDArray[np.float32]) -> float:
+def _level(contrast: NDArray[np.float32], noise: float) -> float:
     """Half way to the contrast of what stands out; strong contrast counts more, because a codec leaves much faint."""
-    out = np.sort(contrast[contrast > _noise(contrast)])
+    out = np.sort(contrast[contrast > noise])
     if not out.size:
         return float(np.inf)
     usual = out[int(np.searchsorted(np.cumsum(out), CONTRAST * float(out.sum())))]
-    return max(_noise(contrast), HALF_WAY * float(usual))
+    return max(noise, HALF_WAY * float(usual))
 
 
 def _mask(contrast: NDArray[np.float32]) -> NDArray[np.bool_]:
     """Mask of the foreground, enlarged where the picture is small: parts half way to the contrast nearby, so that a
     tip that lets light through is in it (Bernsen 1986), of bodies that somewhere stand out as much as the arm.
     """
-    grow = enlarged(contrast.shape)
-    threshold = np.maximum(_noise(contrast), HALF_WAY * _nearby(contrast))
+    grow, noise = enlarged(contrast.shape), _noise(contrast)
+    threshold = np.maximum(noise, HALF_WAY * _nearby(contrast))
     fine = contrast
     if grow > 1:
         fine = cv2.resize(contrast, None, fx=grow, fy=grow, interpolation=cv2.INTER_CUBIC)
         threshold = cv2.resize(threshold, None, fx=grow, fy=grow, interpolation=cv2.INTER_LINEAR)
     _, part = cv2.connectedComponents((fine > threshold).astype(np.uint8))
-    strong = np.unique(part[(fine > _level(contrast)) & (part > 0)])
+    strong = np.unique(part[(fine > _level(contrast, noise)) & (part > 0)])
     return np.isin(part, strong[strong > 0])
 
 
@@ -205,6 +217,22 @@ def _held(seen: Sequence[Sequence[Body]]) -> Array | None:
         return None
     worth = [sum(body.merit for bodies in seen if (body := _best_at(bodies, place)) is not None) for place in places]
     return places[int(np.argmax(worth))]
+
+
+def _beside(bodies: Sequence[Body], taken: Body | None) -> list[Body]:
+    """The bodies beside one that is taken, without a common pixel; none if the picture does not show it."""
+    return [body for body in bodies if taken is not None and not np.any(body.mask & taken.mask)]
+
+
+def _best_through(bodies: Sequence[Body], base: Array) -> Body | None:
+    """The best body whose axis passes near a known base."""
+    near = [body for body in bodies if _off_axis(body, base) < NEAR_BASE * body.axis.length]
+    return max(near, key=lambda body: body.merit, default=None)
+
+
+def _off_axis(body: Body, place: Array) -> float:
+    """Distance [px] of a body's axis from a place."""
+    return float(np.linalg.norm(body.axis.points - place, axis=1).min())
 
 
 def _best_at(bodies: Sequence[Body], place: Array | None) -> Body | None:

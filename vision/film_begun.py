@@ -34,7 +34,7 @@ def begun(answers: Answers, film: Path, folder: Path) -> tuple[Answers, str]:
     camera = proposal.camera(answers.length, frame_rate(film))
     u, v = camera.base_px
     words = f"the film proposes: base at ({u:.0f}, {v:.0f}) px, {1e3 * camera.metres_per_px:.3g} mm a pixel"
-    return replace(answers, camera=camera), "; ".join([words, *proposal.words])
+    return replace(answers, camera=camera), "; ".join([words, *proposal.words, *proposal.doubts])
 
 
 def _keep(film: Path, folder: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import closing, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,7 +36,7 @@ class Frame:
     image: Grey
 
 
-def read_frames(path: Path, fps: float | None = None, patience: float = 0.0) -> Iterator[Frame]:
+def read_frames(path: Path, fps: float | None = None, patience: float = 0.0) -> Generator[Frame, None, None]:
     """Yield the frames of a video, or of a folder of numbered pictures (then frame k is at k / fps).
 
     A camera device (/dev/video0) is a video without an end, its times from its first frame. patience [s]: for a file

@@ -11,6 +11,8 @@ import numpy as np
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
+STRAIGHTENED = 20  # steps of the inverse; a lens of 5 % at the corner needs nine for 1e-6 px
+
 
 @dataclass(frozen=True)
 class Lens:
@@ -36,6 +38,14 @@ class Lens:
         offset = np.asarray(px, dtype=float) - self.centre
         x = np.sum(offset**2, axis=-1, keepdims=True) / self.reference**2
         return np.asarray(self.centre) + offset * (1.0 + x * (self.k1 + x * self.k2))
+
+    def straighten(self, px: Array) -> Array:
+        """Map points (..., 2) of the real picture to the ideal picture [px]: the inverse of bend, by fixed points."""
+        seen = np.asarray(px, dtype=float)
+        ideal = seen
+        for _ in range(STRAIGHTENED):
+            ideal = ideal + seen - self.bend(ideal)
+        return ideal
 
 
 @njit(cache=True, inline="always")

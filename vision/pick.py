@@ -9,20 +9,15 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
-import av
-
 from tentacle.errors import InputError
 from tentacle.io.declaration_file import RecordingFile, format_recording_file
 from tentacle.io.video_file import VIDEO_SUFFIXES
 from tentacle.io.written_file import write_text
 from tentacle.recording import Declaration
-from tentacle.specimen import Cone, Specimen
-from vision.declared import WATER_DENSITY, DeclaredNumbers
+from vision.arm_proposal import ArmProposal, picture
+from vision.declared import USUAL_FPS, DeclaredNumbers, found_in
 from vision.encode import write_picture
 from vision.frames import read_frames
-from vision.propose import ArmProposal, picture, propose_arm
-
-LEAST_RADIUS = 1e-4  # m: thinner silicone tips do not exist; a thinner one in a picture is an error
 
 
 @dataclass(frozen=True)
@@ -36,24 +31,15 @@ class Picked:
 
 def pick(video: Path, numbers: DeclaredNumbers) -> Picked:
     """Find the arm in a video, draw it into VIDEO.pick.png, and propose the declaration. numbers.length [m] gives the
-    scale, because a film alone shows only lengths in px.
+    scale.
 
     Radii that are not given follow from the widths. Raises InputError where nothing is found, or the length is missing.
     """
-    if numbers.length is None:
-        raise InputError("a film tells no metres", field="--length", expected="the arm's length from base to tip [m]")
-    found = propose_arm(video, numbers.fps)
-    if numbers.base_px is not None:
-        found = replace(found, base_px=numbers.base_px)
-    fps = numbers.fps or _fps(video)
-    camera = found.camera(numbers.length, fps, numbers.exposure)
-    if numbers.metres_per_px is not None:
-        camera = replace(camera, metres_per_px=numbers.metres_per_px)
-    radii = [0.5 * width * camera.metres_per_px for width in found.width_px]
-    section = Cone(numbers.base_radius or radii[0], numbers.tip_radius or max(radii[1], LEAST_RADIUS))
-    declaration = Declaration(Specimen(section, numbers.length, density=WATER_DENSITY), camera=camera)
+    if video.is_dir() and numbers.fps is None:
+        numbers = replace(numbers, fps=USUAL_FPS)
+    found, declaration = found_in(video, numbers)
     shown = video.with_name(video.name + ".pick.png")
-    frame = next(islice(read_frames(video, fps), found.frame, None))
+    frame = next(islice(read_frames(video, numbers.fps), found.frame, None))
     write_picture(shown, picture(frame.image, found))
     return Picked(found, shown, declaration)
 
@@ -84,12 +70,3 @@ def _suffix(video: Path) -> str:
     """
     suffix = video.suffix.lower()
     return suffix if suffix in VIDEO_SUFFIXES else ".mkv"
-
-
-def _fps(video: Path) -> float:
-    """The mean frame rate that a file states; 30 of a folder of pictures."""
-    if video.is_dir():
-        return 30.0
-    with av.open(str(video)) as container:
-        rate = container.streams.video[0].average_rate if container.streams.video else None
-        return float(rate) if rate else 30.0

@@ -13,6 +13,7 @@ from tentacle.progress import Stage
 from tentacle.recording import Recording
 from tentacle.signals import Video
 
+SHOWN = "--pick, which shows what is found in the film"
 LIGHT = 0.5  # share of the tracking time for learning the light, before the first frame's result
 
 
@@ -26,20 +27,23 @@ def read_tracked(path: Path, stage: Stage) -> Recording:
     from vision.track import track
 
     told = told_frames(stage, path, recording.video)
-    with errors_about(path, recording.video):
+    with errors_about(path, recording):
         shape = track(recording.video.path, recording.declaration, recording.motor, progress=told)
     return replace(recording, shape=shape)
 
 
 @contextmanager
-def errors_about(path: Path, video: Video) -> Iterator[None]:
-    """An InputError about the video names the file or folder that was given: the film of an .rrd lies in a cache."""
+def errors_about(path: Path, recording: Recording) -> Iterator[None]:
+    """An InputError about the recording's video names the file or folder that was given: the film of an .rrd lies in a
+    cache. Of a plain film it names --pick too.
+    """
     try:
         yield
     except InputError as error:
-        if error.file != video.path:
+        if recording.video is None or error.file != recording.video.path:
             raise
-        raise InputError(error.problem, file=path, row=error.row, field=error.field, expected=error.expected) from error
+        expected = ", or ".join(filter(None, [error.expected, SHOWN if path == error.file else ""]))
+        raise InputError(error.problem, file=path, row=error.row, field=error.field, expected=expected) from error
 
 
 def told_frames(stage: Stage, path: Path, video: Video) -> Callable[[object], None]:

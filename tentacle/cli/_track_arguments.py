@@ -62,8 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     plain.add_argument(
         "--length", type=float, metavar="M", help="length of the arm, clamp to the tip of the silicone [m]"
     )
-    plain.add_argument("--base-radius", type=float, metavar="M", help="radius at the base [m]")
-    plain.add_argument("--tip-radius", type=float, metavar="M", help="radius at the tip [m]")
+    plain.add_argument("--base-radius", type=float, metavar="M", help="radius at the base [m] (default: found)")
+    plain.add_argument("--tip-radius", type=float, metavar="M", help="radius at the tip [m] (default: found)")
     plain.add_argument(
         "--base-px", type=float, nargs=2, metavar=("U", "V"), help="the base in the picture (default: found)"
     )

@@ -59,7 +59,7 @@ def picked_recording(video: Path, arguments: argparse.Namespace) -> Path:
             f" {found.width_px[1]:.1f} px wide, {'dark' if found.polarity > 0 else 'light'};"
             f" {camera.metres_per_px:.4g} m per px"
         )
-        for words in found.words:
+        for words in (*found.words, *found.doubts):
             say(words)
         say(f"look at {picked.picture}")
         if arguments.yes or not sys.stdin.isatty():

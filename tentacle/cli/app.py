@@ -58,4 +58,4 @@ def proposed(film: Path) -> Proposed:
     from viz.app.desk import Proposed
 
     found = propose_arm(film)
-    return Proposed(found.base_px, found.straight_tip_px(), found.width_px[0], found.words)
+    return Proposed(found.base_px, found.straight_tip_px(), found.width_px[0], (*found.words, *found.doubts))

@@ -50,7 +50,7 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
     from tentacle.cli._track_sources import stated_numbers
     from tentacle.cli.pages.tracking import in_words, overlay_picture, tracking_json, tracking_summary, write_tracked
     from tentacle.errors import InputError
-    from vision.declared import recording_of
+    from vision.declared import FOUND, is_recording, recording_of
     from vision.lens_file import read_lens
     from vision.midline_file import write_midline
     from vision.paper_pipeline import paper_track
@@ -64,8 +64,10 @@ def _one(source: Path, arguments: argparse.Namespace) -> int:
     recording = recording_of(source, stated_numbers(arguments), lens)
     if recording.video is None:
         raise InputError("the recording has no video", file=source, expected="video.mp4 or frames/")
+    if FOUND in recording.notes and not is_recording(source):
+        remark(f"{recording.notes[FOUND]}; --pick shows it in a picture")
     video, tracked = recording.video.path, None
-    with errors_about(source, recording.video):
+    with errors_about(source, recording):
         if arguments.paper:
             shape = paper_track(video, recording.declaration, recording.motor)
         else:

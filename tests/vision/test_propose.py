@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from tentacle.errors import InputError
+from vision.arm_proposal import ArmProposal, picture
 from vision.encode import write_video
 from vision.looks import CLEAN, LIGHT_ARM, TANK
-from vision.propose import ArmProposal, picture, propose_among, propose_arm
+from vision.propose import propose_among, propose_arm
 from vision.render import RenderSettings, render
 from vision.scene import swaying
 

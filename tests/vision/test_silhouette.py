@@ -10,7 +10,6 @@ from tentacle.errors import InputError
 from vision.body import polynomial_rms, track_body
 from vision.calibrate import CharucoBoard, calibrate_lens
 from vision.frames import Frame, read_frames
-from vision.guess import guess_camera
 from vision.lens_file import format_lens, read_lens
 from vision.looks import CLEAN
 from vision.paper_pipeline import paper_axis
@@ -34,14 +33,6 @@ def test_paper_axis_lies_on_the_true_midline():
     distance = np.linalg.norm(axis[5:-5, None] - truth[None], axis=2).min(axis=1) / scene.camera.metres_per_px
     # the truth's points are 6 px apart, so that a point between them is up to 3 px from the next one
     assert np.median(distance) < 2.5
-
-
-def test_camera_is_guessed_from_a_plain_picture():
-    scene, image = clean_frame(seed=4)
-    camera = guess_camera(image, scene.specimen, 60.0)
-    off = np.hypot(camera.base_px[0] - scene.camera.base_px[0], camera.base_px[1] - scene.camera.base_px[1])
-    assert off < 25.0  # px: half the base's width; tracking takes it from there
-    assert camera.metres_per_px == pytest.approx(scene.camera.metres_per_px, rel=0.08)
 
 
 def test_a_curve_of_affine_curvature_is_fitted_exactly():
