@@ -123,6 +123,13 @@ ROWS = (
         "",
         "",
     ),
+    (
+        "vision",
+        "other_renderer_plain",
+        "films that `track --length --base-radius` tracks without other numbers",
+        "",
+        "",
+    ),
     ("vision", "fps_720p", "tracking at 720p", "frames/s", ""),
     ("vision", "fps_4k", "tracking at 4K", "frames/s", ""),
     ("library_joint", "joint_found", "libraries of 200 in which an effect of R = 0.3 in 20 of them is found", "", ""),

@@ -22,6 +22,7 @@ import numpy as np  # noqa: E402
 from _outside_judge import Judged, judge_film  # noqa: E402
 from _outside_motion import FILMS  # noqa: E402
 from _outside_pick import judge_pick  # noqa: E402
+from _outside_plain import judge_plain  # noqa: E402
 
 from tentacle.recording import Declaration  # noqa: E402
 from tentacle.signals import Array, MotorSignal  # noqa: E402
@@ -133,6 +134,10 @@ def outside_films(short: bool, seed: int = 1) -> dict[str, float]:
         print(
             f"{p.film:11s} {state}: base {p.base_px:.1f} px off, length {p.longer:+.3f}, {p.turned:.2f} rad; {p.words}"
         )
+    plain = [judge_plain(film, seed) for film in films]
+    for p in plain:
+        state = "tracked" if p.tracked else "NOT tracked"
+        print(f"{p.film:11s} plain: {state}, {p.seen} of {p.in_view}, base {p.base_px:.1f} px off; {p.words}")
     accepted = max(sum(j.accepted for j in judged), 1)
     over = [j.rms_px / j.limit_px for j in judged if j.visible]
     return {
@@ -142,6 +147,7 @@ def outside_films(short: bool, seed: int = 1) -> dict[str, float]:
         "other_renderer_over_limit_median": float(np.nanmedian(over)),
         "other_renderer_films": float(len(films)),
         "other_renderer_picked": float(np.mean([p.right for p in picked])),
+        "other_renderer_plain": float(np.mean([p.tracked for p in plain])),
     }
 
 

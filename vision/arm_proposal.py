@@ -47,13 +47,14 @@ class ArmProposal:
 
     def level_arm_px(self) -> tuple[float, float]:
         """The straight arm's direction if the camera stands level: the picture's axis where the mean arm is near it."""
+        axis = self.nearest_axis_px()
+        near = np.hypot(self.arm_px[0] - axis[0], self.arm_px[1] - axis[1]) < max(LEVEL, RANGE * self.swing)
+        return axis if near else self.arm_px
+
+    def nearest_axis_px(self) -> tuple[float, float]:
+        """The picture's axis that is nearest to the mean arm."""
         u, v = self.arm_px
-        if abs(u) > abs(v):
-            axis = (np.copysign(1.0, u), 0.0)
-        else:
-            axis = (0.0, np.copysign(1.0, v))
-        near = np.hypot(u - axis[0], v - axis[1]) < max(LEVEL, RANGE * self.swing)
-        return (float(axis[0]), float(axis[1])) if near else self.arm_px
+        return (float(np.copysign(1.0, u)), 0.0) if abs(u) > abs(v) else (0.0, float(np.copysign(1.0, v)))
 
     def straight_tip_px(self) -> tuple[float, float]:
         """Where the tip is when the arm hangs straight."""

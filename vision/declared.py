@@ -57,6 +57,9 @@ def recording_of(source: Path, numbers: DeclaredNumbers, lens: Lens | None) -> R
         if found.doubts:
             expected = "--base-px of the arm, other numbers, or --pick, which shows what is found"
             raise InputError("; ".join(found.doubts), file=source, expected=expected)
+        assert declaration.camera is not None
+        # nobody has looked at it: a film may begin with a bent arm, so that its mean direction tells no more than this
+        declaration = replace(declaration, camera=replace(declaration.camera, arm_px=found.nearest_axis_px()))
         return Recording(source.stem, declaration, video=Video(source), notes={FOUND: _words(found, declaration)})
     camera = Camera(numbers.fps or USUAL_FPS, scale, at, (0.0, 1.0), numbers.exposure)
     declaration = Declaration(Specimen(section, _length(numbers), density=WATER_DENSITY), camera=camera)
