@@ -24,7 +24,8 @@ from vision.known_arm import NOTHING_KNOWN, KnownArm
 LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
 LIVE = 2.0  # s of a film that is still being written, in which the arm is looked for
 LARGEST = 1600  # px: larger pictures are shrunk, so that a proposal takes a few seconds at most
-RIVAL = 0.4  # of the arm's merit: another body of that merit may be the arm
+NARROWEST = 8  # px: an arm and its ground need more
+RIVAL = 0.4  # of the arm's merit: another body of that merit may be it; a passing hand had .26, a second arm .76
 RIVALS = "another slender body is in view that may be the arm"
 
 
@@ -61,6 +62,8 @@ def propose_among(pictures: Sequence[Grey], known: KnownArm = NOTHING_KNOWN) -> 
     if not pictures:
         raise InputError("there are no pictures", expected="a film")
     times = -(-max(pictures[0].shape) // LARGEST)
+    if min(pictures[0].shape) // times < NARROWEST:
+        raise InputError("the picture is too narrow for an arm", expected="an arm in view")
     shown = [_shrunk(picture, times) for picture in pictures if picture.shape == pictures[0].shape]
     whole, known = known, known.shrunk(times)
     found = [(arm, merit) for polarity in (1.0, -1.0) for arm, merit in _proposals(shown, polarity, known)]

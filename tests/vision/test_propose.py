@@ -187,3 +187,9 @@ def test_an_empty_picture_is_one_line():
     empty = (200 + np.random.default_rng(0).normal(0, 2, (120, 160))).astype(np.uint8)
     with pytest.raises(InputError, match="nothing slender"):
         propose_arm(empty)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 300), (3000, 2), (1, 5000), (16, 16), (12, 4000)])
+def test_a_picture_too_narrow_for_an_arm_is_one_line(shape):
+    with pytest.raises(InputError, match="too narrow|nothing slender"):
+        propose_arm(np.random.default_rng(0).integers(0, 255, shape).astype(np.uint8))
