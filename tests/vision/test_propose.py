@@ -191,5 +191,5 @@ def test_an_empty_picture_is_one_line():
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 300), (3000, 2), (1, 5000), (16, 16), (12, 4000)])
 def test_a_picture_too_narrow_for_an_arm_is_one_line(shape):
-    with pytest.raises(InputError, match="too narrow|nothing slender"):
+    with pytest.raises(InputError, match=r"too narrow|nothing slender"):
         propose_arm(np.random.default_rng(0).integers(0, 255, shape).astype(np.uint8))
