@@ -73,12 +73,14 @@ def test_a_run_that_left_all_bounds_is_left_out_and_an_error_is_told():
 
 
 @forked
-def test_a_forked_process_computes_on_one_core(alone):
+@pytest.mark.usefixtures("alone")
+def test_a_forked_process_computes_on_one_core():
     assert side_by_side([usable_cores, usable_cores]) == [1, 1]
 
 
 @forked
-def test_a_process_that_the_system_ends_costs_no_result(alone):
+@pytest.mark.usefixtures("alone")
+def test_a_process_that_the_system_ends_costs_no_result():
     here = os.getpid()
 
     def ended():
@@ -90,7 +92,8 @@ def test_a_process_that_the_system_ends_costs_no_result(alone):
 
 
 @forked
-def test_an_interrupt_leaves_no_process(alone):
+@pytest.mark.usefixtures("alone")
+def test_an_interrupt_leaves_no_process():
     def interrupt(*_):
         raise KeyboardInterrupt
 
