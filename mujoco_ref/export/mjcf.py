@@ -59,8 +59,8 @@ class Mjcf:
 
 
 def export_mjcf(model: Model, links: int = 20) -> Mjcf:
-    """The arm of a model as MJCF with `links` hinges, and one more for a clamp that gives. InputError where the reference
-    refuses the model.
+    """The arm of a model as MJCF with `links` hinges, and one more for a clamp that gives. InputError where the
+    reference refuses the model.
     """
     carried = carried_by(model)
     stepper = make_stepper(carried.kept, links=links)
