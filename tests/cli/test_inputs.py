@@ -76,4 +76,6 @@ def test_a_base_s_short_log_is_named_as_the_base_s(tmp_path, capsys) -> None:
     folder = lab_folder(
         tmp_path / "lab", recording__toml=CONE + MARKED, markers__csv=MARKERS, base__csv="t_s,x_m,y_m\n0,0,0\n1,0,0\n"
     )
-    assert "base: 2 samples; expected at least 6" in refused(capsys, "import", folder, "--out", tmp_path / "out.rrd")
+    assert "base.csv: t_s: 2 samples; expected at least 6" in refused(
+        capsys, "import", folder, "--out", tmp_path / "out.rrd"
+    )
