@@ -24,9 +24,10 @@ from tentacle.specimen import STANDARD_GRAVITY, Specimen
 
 FARTHEST = (5.0, 0.25)  # half thicknesses, arm's lengths: no sensor on an arm lies beyond the larger one
 DIFFERENCE_TIME = 0.06  # s between the pictures of a second difference: 1 mm of noise is .7 m/s^2
-HALF, QUARTER = 0.5, 0.25  # of gravity
+HALF, QUARTER = 0.5, 0.25  # of gravity, or of what an axis should read
 IN_G = 0.04  # of what it should read: how near a reading in g lies to its share
 ALIKE = 0.9  # correlation of readings and pictures from which their ratio tells something
+ROUGHLY = 0.5  # the same of a ratio that no noise explains
 AS_LARGE = (0.5, 2.0)  # the ratio of a sound accelerometer: pictures and straight lines err by less
 AS_IN_G = (5.0, 20.0)
 AS_STRAINED = (0.25, 4.0)  # a stiff gauge on soft silicone, and chords, change a strain by less
@@ -37,12 +38,19 @@ HANGS = 0.3  # rad: of gravity's angle, and of the servo on average
 @dataclass(frozen=True)
 class Compared:
     """What an axis should read by the pictures, and what it reads, on average [m/s^2]; ratio: what it should read over
-    what it reads, of the variations (None: not known).
+    what it reads, of the variations (None: not known). at_ends: the smaller of what it reads in the first and in the
+    last tenth of the run, without sign.
     """
 
     wanted: float
     read: float
     ratio: float | None
+    at_ends: float
+
+    @property
+    def tared(self) -> bool:
+        """Whether it may have been set to zero at rest, so that its mean is that of a change."""
+        return self.at_ends < HALF * abs(self.read)
 
     def within(self, bounds: tuple[float, float]) -> bool:
         """Whether the ratio is known and lies there."""
@@ -121,8 +129,12 @@ def _strain_slip(arm: SeenArm, strain: StrainSignal, k: int, length: float) -> S
     there = np.isfinite(values)
     t = strain.t[there]
     within = (arm.t >= t[0]) & (arm.t <= t[-1])
-    ratio = _ratio(gauge.d / length * arm.bend(gauge.s)[within], np.interp(arm.t[within], t, values[there]))
+    wanted, read = gauge.d / length * arm.bend(gauge.s)[within], np.interp(arm.t[within], t, values[there])
+    ratio = _ratio(wanted, read, ROUGHLY)
     if ratio is None or AS_STRAINED[0] < ratio < AS_STRAINED[1]:
+        return None
+    impossible = not 1.0 / IMPOSSIBLE < abs(ratio) < IMPOSSIBLE
+    if not impossible and _ratio(wanted, read) is None:
         return None
     seen = f"d times the curvature that the pictures show varies {ratio:.3g} times as much"
     field = f"{strain.names[k]}_strain"
@@ -130,7 +142,7 @@ def _strain_slip(arm: SeenArm, strain: StrainSignal, k: int, length: float) -> S
         remedy = "stretched is positive (its sign, or that of d, or that of the pictures' x?)"
         return Slip("strain.csv", field, seen, remedy, False)
     remedy = "a strain, 0.001 for 1000 microstrain, and its d in metres (another unit?)"
-    return Slip("strain.csv", field, seen, remedy, not 1.0 / IMPOSSIBLE < abs(ratio) < IMPOSSIBLE)
+    return Slip("strain.csv", field, seen, remedy, impossible)
 
 
 def _acceleration_slips(
@@ -163,7 +175,8 @@ def _exchanged(normal: Compared, tangent: Compared, gravity: float) -> bool:
     apart = abs(abs(normal.wanted) - abs(tangent.wanted)) > HALF * gravity
     wrong = all(abs(one.read - one.wanted) > HALF * gravity for one in (normal, tangent))
     misses = (abs(normal.read) - abs(tangent.wanted), abs(tangent.read) - abs(normal.wanted))
-    return apart and wrong and max(map(abs, misses)) < QUARTER * gravity
+    tared = max(normal, tangent, key=lambda one: abs(one.read)).tared
+    return apart and wrong and not tared and max(map(abs, misses)) < QUARTER * gravity
 
 
 def _axis_slip(axis: tuple[str, str], seen: Compared, gravity: float, in_g: bool) -> Slip | None:
@@ -175,8 +188,8 @@ def _axis_slip(axis: tuple[str, str], seen: Compared, gravity: float, in_g: bool
     sign = "the specific force, acceleration minus gravity (its sign, or gravity.angle_rad?)"
     unit = "m/s^2 (are these g? then multiply by 9.80665)"
     if abs(seen.wanted) > HALF * gravity > 0.0:
-        if abs(seen.read + seen.wanted) < HALF * abs(seen.wanted):
-            return Slip(file, field, words, sign, not seen.within(AS_LARGE))
+        if abs(seen.read + seen.wanted) < QUARTER * abs(seen.wanted):
+            return Slip(file, field, words, sign, not seen.within(AS_LARGE) and not seen.tared)
         if abs(seen.read - seen.wanted / STANDARD_GRAVITY) < IN_G * abs(seen.wanted) and not seen.within(AS_LARGE):
             return Slip(file, field, words, unit, in_g)
     if abs(seen.read - seen.wanted) > HALF * gravity > 0.0:
@@ -195,7 +208,8 @@ def _hanging(recording: Recording, one: Accelerometer, values: Array) -> Compare
     leans = abs(declaration.gravity.angle) > HANGS or (motor is not None and abs(float(motor.angle.mean())) > HANGS)
     if leans or declaration.fluid.density >= declaration.specimen.density or len(values) < FEWEST_FRAMES:
         return None
-    return Compared(0.0 if one.axis == "normal" else -declaration.gravity.magnitude, float(values.mean()), None)
+    wanted = 0.0 if one.axis == "normal" else -declaration.gravity.magnitude
+    return Compared(wanted, float(values.mean()), None, _at_ends(values))
 
 
 def _beside_pictures(
@@ -229,7 +243,12 @@ def _beside_pictures(
     twice = CubicSpline(times, values).antiderivative(2)
     mean = ((twice(t + h) - 2.0 * twice(t) + twice(t - h)) / h**2)[keep]
     wanted = np.sum(moved * axis, axis=1)[keep]
-    return Compared(float(wanted.mean()), float(mean.mean()), _ratio(wanted, mean))
+    return Compared(float(wanted.mean()), float(mean.mean()), _ratio(wanted, mean), _at_ends(mean))
+
+
+def _at_ends(values: Array) -> float:
+    tenth = max(1, len(values) // 10)
+    return min(abs(float(values[:tenth].mean())), abs(float(values[-tenth:].mean())))
 
 
 def _even(before: Array, t: Array, after: Array) -> NDArray[np.bool_]:
@@ -248,10 +267,13 @@ def _covered(times: Array, t: Array, h: Array) -> NDArray[np.bool_]:
     return inside & (jumps[np.clip(last, 0, len(times))] == jumps[np.clip(first, 0, len(times))])
 
 
-def _ratio(wanted: Array, read: Array) -> float | None:
-    """How many times as much `wanted` varies as `read`, where both vary alike or opposite; None where not."""
+def _ratio(wanted: Array, read: Array, alike: float = ALIKE) -> float | None:
+    """How many times as much `wanted` varies as `read`, where both vary alike or opposite; None where not.
+
+    The pictures' noise is in `wanted` alone, so that it does not bias the ratio.
+    """
     if len(wanted) < FEWEST_FRAMES or not (np.ptp(wanted) > 0.0 and np.ptp(read) > 0.0):
         return None
-    if abs(float(np.corrcoef(wanted, read)[0, 1])) < ALIKE:
+    if abs(float(np.corrcoef(wanted, read)[0, 1])) < alike:
         return None
     return float(np.polyfit(read - read.mean(), wanted, 1)[0])
