@@ -39,10 +39,11 @@ class SeenArm:
         return _between(self.middles, self.angles, s)
 
     def bend(self, s: float) -> Array:
-        """d phi / ds (T,) [rad] at s."""
-        slopes = np.diff(self.angles, axis=1) / np.diff(self.middles)
-        at = 0.5 * (self.middles[1:] + self.middles[:-1])
-        return slopes[:, 0] if len(at) == 1 else _between(at, slopes, float(np.clip(s, at[0], at[-1])))
+        """d phi / ds (T,) [rad] at s, of a parabola through the directions (a line through two)."""
+        powers = np.vander(self.middles, min(3, len(self.middles)), increasing=True)
+        coefficients = np.linalg.lstsq(powers, self.angles.T)[0]
+        slopes = np.arange(1, len(coefficients)) * s ** np.arange(len(coefficients) - 1.0)
+        return np.asarray(slopes @ coefficients[1:])
 
 
 def seen_arm(recording: Recording) -> SeenArm | None:

@@ -27,7 +27,7 @@ DIFFERENCE_TIME = 0.06  # s between the pictures of a second difference: 1 mm of
 HALF, QUARTER = 0.5, 0.25  # of gravity, or of what an axis should read
 IN_G = 0.04  # of what it should read: how near a reading in g lies to its share
 ALIKE = 0.9  # correlation of readings and pictures from which their ratio tells something
-ROUGHLY = 0.5  # the same of a ratio that no noise explains
+ROUGHLY = 0.5  # the same of a strain, whose bounds are wide
 AS_LARGE = (0.5, 2.0)  # the ratio of a sound accelerometer: pictures and straight lines err by less
 AS_IN_G = (5.0, 20.0)
 AS_STRAINED = (0.25, 4.0)  # a stiff gauge on soft silicone, and chords, change a strain by less
@@ -133,16 +133,13 @@ def _strain_slip(arm: SeenArm, strain: StrainSignal, k: int, length: float) -> S
     ratio = _ratio(wanted, read, ROUGHLY)
     if ratio is None or AS_STRAINED[0] < ratio < AS_STRAINED[1]:
         return None
-    impossible = not 1.0 / IMPOSSIBLE < abs(ratio) < IMPOSSIBLE
-    if not impossible and _ratio(wanted, read) is None:
-        return None
     seen = f"d times the curvature that the pictures show varies {ratio:.3g} times as much"
     field = f"{strain.names[k]}_strain"
     if -AS_STRAINED[1] < ratio < -AS_STRAINED[0]:
         remedy = "stretched is positive (its sign, or that of d, or that of the pictures' x?)"
         return Slip("strain.csv", field, seen, remedy, False)
     remedy = "a strain, 0.001 for 1000 microstrain, and its d in metres (another unit?)"
-    return Slip("strain.csv", field, seen, remedy, impossible)
+    return Slip("strain.csv", field, seen, remedy, not 1.0 / IMPOSSIBLE < abs(ratio) < IMPOSSIBLE)
 
 
 def _acceleration_slips(
