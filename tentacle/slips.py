@@ -88,7 +88,8 @@ def _travel_slips(recording: Recording, log: BaseTravel, travel: Travel) -> list
     ):
         if missing < LAST_TRAVEL:
             continue
-        moved = float(np.hypot(*(travel(end)[:2] - travel(inner)[:2])))
+        path = travel(np.linspace(inner, end, 20))[:2]
+        moved = float(np.linalg.norm(path - path[:, -1:], axis=0).max())
         moves = moved > STANDS * length + 4.0 * noise
         if not moves and missing < LONGEST_STAND * (stop - start):
             continue

@@ -78,7 +78,7 @@ def decided(video: Path, reject: Sequence[str], accept: Sequence[str]) -> dict[i
     )
     both = sorted(set(rejected) & set(accepted))
     if both:
-        found = f"frame {both[0]} is accepted and rejected" + (f", as {len(both) - 1} others are" if both[1:] else "")
+        found = f"frame {both[0]} is accepted and rejected" + (f", and {len(both) - 1} more" if both[1:] else "")
         raise InputError(found, field="--reject and --accept", expected="each frame in one of them")
     verdicts = read_verdicts(video) | dict.fromkeys(rejected, False) | dict.fromkeys(accepted, True)
     if reject or accept:
