@@ -77,13 +77,12 @@ def sensor_slips(recording: Recording, travel: Travel | None) -> list[Slip | Non
             if arm is not None and silent[k] is None:
                 found.append(_strain_slip(arm, strain, k, specimen.length))
     if acceleration is not None:
-        silent = _silent(recording, acceleration, "acceleration")
-        found += silent
+        plain = _silent(recording, acceleration, "acceleration")
+        plain += [_rate_slip(acceleration, k) for k in range(len(acceleration.names)) if plain[k] is None]
         for name, one in zip(acceleration.names, acceleration.accelerometers, strict=True):
-            found.append(_far(specimen, f"acceleration.{name}.d", one.d, certain=True))
-        found += [_rate_slip(acceleration, k) for k in range(len(acceleration.names)) if silent[k] is None]
-        if all(slip is None for slip in found):
-            found += _acceleration_slips(recording, acceleration, arm, travel)
+            plain.append(_far(specimen, f"acceleration.{name}.d", one.d, certain=True))
+        readable = all(slip is None for slip in plain)
+        found += plain + (_acceleration_slips(recording, acceleration, arm, travel) if readable else [])
     return found
 
 

@@ -69,7 +69,13 @@ def _short_logs(recording: Recording) -> list[Slip]:
     """Logs of the base with too few samples for a motion."""
     logs = {"motor.csv": recording.motor, "base.csv": recording.travel}
     return [
-        Slip(file, "t_s", f"{len(log.t)} samples", f"at least {FEWEST_SAMPLES}, while the arm is seen", True)
+        Slip(
+            file,
+            "t_s",
+            "1 sample" if len(log.t) == 1 else f"{len(log.t)} samples",
+            f"at least {FEWEST_SAMPLES}, while the arm is seen",
+            True,
+        )
         for file, log in logs.items()
         if log is not None and len(log.t) < FEWEST_SAMPLES
     ]

@@ -94,7 +94,7 @@ def test_a_servo_s_log_of_one_row_is_refused_where_the_folder_is_read(verb, tmp_
     log = "t_s,command_rad,angle_rad\n0,0,0\n"
     folder = lab_folder(tmp_path / "lab", recording__toml=CONE, midline__csv=MIDLINE, motor__csv=log)
     said = refused(capsys, verb, folder, "--out", tmp_path / "out.rrd")
-    assert "motor.csv: t_s: 1 samples; expected at least 6" in said
+    assert "motor.csv: t_s: 1 sample; expected at least 6" in said
 
 
 def test_readings_in_g_are_refused_by_import_before_anything_is_written(tmp_path, capsys) -> None:

@@ -165,6 +165,11 @@ def test_blank_slow_and_far_ones_are_refused(hanging: Recording) -> None:
     assert find_slips(placed(hanging, 0.03)) == []  # on a bracket
 
 
+def test_a_gauge_s_sign_hides_no_accelerometer_s(hanging: Recording) -> None:
+    both = stretched(felt(hanging, lambda values: -values), -1.0)
+    assert {slip.file for slip in find_slips(both)} == {"strain.csv", "acceleration.csv"}
+
+
 def test_readings_of_another_hour_are_refused(hanging: Recording) -> None:
     read = hanging.acceleration
     assert read is not None
