@@ -1,10 +1,10 @@
 """How many recordings split the explanations that one chirp leaves, with designed motions and with random ones.
 
 The plant is the MuJoCo chain, which shares no equation with the model that is corrected. A chirp of an arm that hides
-one effect is diagnosed. Where the verdict is a group, or one explanation holds less than 95 %, further runs are made
-until it is split: motions as `tentacle rig campaign --until-split` designs them, and multisines drawn at random within
-the same limits. --faults N instead: faults injected into campaigns of short runs; a sound run made twice, overwritten
-or lost is a failure.
+one effect is diagnosed. Where the verdict is a group, or one explanation holds less than 95 %, further runs of the same
+arm, with the same numbers, are made until it is split: motions as `tentacle rig campaign --until-split` designs them,
+and multisines drawn at random within the same limits. --faults N instead: faults injected into campaigns of short runs;
+a sound run made twice, overwritten or lost is a failure.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import argparse
 import random
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +40,7 @@ from tentacle.io.waveform_file import waveform_from_table
 from tentacle.recording import Recording
 from tentacle.waveform import Chirp, Multisine, Waveform
 
+Hidden = Mapping[str, Any]  # an effect, and its strength in words or its numbers
 LIMITS = SafetyLimits(min_angle=-0.8, max_angle=0.8, max_speed=6.0, max_current=0.9)
 HIDDEN = ("linear_drag", "added_mass", "skin_drag", "viscoelasticity", "cubic_stiffness", "soft_spot",
           "intrinsic_curvature", "gravity_tilt", "tip_mass", "current", "dry_friction", "servo_lag")  # fmt: skip
@@ -46,9 +48,11 @@ CHIRP = Chirp(0.25, 0.3, 1.5, DURATION)
 FPS, NOISE, MOST = 30.0, Noise(midline=4e-4), 3  # further recordings at most
 
 
-def recorded(hidden: str, strength: str, waveform: Waveform, seed: int) -> Recording:
-    scenario = Scenario(arm(), waveform, DURATION, FPS)
-    return make_recording({hidden: strength}, scenario, seed, NOISE, name=f"{hidden}-{seed}")[0]
+def recorded(hidden: Hidden, waveform: Waveform, seed: int) -> tuple[Recording, Hidden]:
+    """A recording, and the effect with the numbers that it has there."""
+    scenario, (name,) = Scenario(arm(), waveform, DURATION, FPS), hidden
+    recording, truth = make_recording(hidden, scenario, seed, NOISE, name=f"{name}-{seed}")
+    return recording, truth["effects"]
 
 
 def judged(recordings: list[Recording]) -> Decision:
@@ -63,10 +67,10 @@ def random_motion(count: int, seed: int) -> Waveform:
 
 
 def runs_to_split(
-    hidden: str, strength: str, first: Recording, seed: int, motion: Callable[[Decision, int], Waveform | None]
+    hidden: Hidden, first: Recording, seed: int, motion: Callable[[Decision, int], Waveform | None]
 ) -> tuple[int | None, Decision]:
-    """Further recordings until an explanation with the hidden effect holds 95 % (None: not within MOST, or another one
-    does), and the last decision.
+    """Further recordings of the same arm until an explanation with the hidden effect holds 95 % (None: not within MOST,
+    or another one does), and the last decision.
     """
     recordings = [first]
     decision = judged(recordings)
@@ -74,9 +78,9 @@ def runs_to_split(
         wave = motion(decision, len(recordings))
         if wave is None:
             return None, decision
-        recordings.append(recorded(hidden, strength, wave, 100 * seed + len(recordings)))
+        recordings.append(recorded(hidden, wave, 100 * seed + len(recordings))[0])
         decision = judged(recordings)
-    right = decision.ending == "split" and hidden in decision.explanation
+    right = decision.ending == "split" and set(hidden) <= set(decision.explanation)
     return (len(recordings) - 1 if right else None), decision
 
 
@@ -92,15 +96,15 @@ def groups(count: int, strength: str, seed: int, names: Sequence[str] = HIDDEN) 
             continue
         if len(rows) == count:
             break
-        first = recorded(hidden, strength, CHIRP, 100 * (seed + k))
+        first, sized = recorded({hidden: strength}, CHIRP, 100 * (seed + k))
         decision = judged([first])
         print(f"{hidden}: {decision.words}", flush=True)
         if decision.ending == "split" or decision.verdict == "unknown":
             continue
-        ours, last = runs_to_split(hidden, strength, first, seed + k, designed)
+        ours, last = runs_to_split(sized, first, seed + k, designed)
         print(f"  designed: {ours}; {last.words}", flush=True)
         own = seed + k
-        drawn, last = runs_to_split(hidden, strength, first, own, lambda _, n, own=own: random_motion(n, own))
+        drawn, last = runs_to_split(sized, first, own, lambda _, n, own=own: random_motion(n, own))
         print(f"  random: {drawn}; {last.words}", flush=True)
         rows.append((ours, drawn))
     taken = [[MOST + 1 if n is None else n for n in column] for column in zip(*rows, strict=True)]

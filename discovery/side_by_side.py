@@ -8,6 +8,7 @@ alive, because a forked process would wait for ever for a lock that this thread 
 from __future__ import annotations
 
 import ctypes
+import gc
 import multiprocessing
 import os
 import signal
@@ -90,6 +91,7 @@ def _begin(parent: int) -> None:
     ctypes.CDLL(None).prctl(_PARENT_DEATH, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
+    gc.freeze()  # what the parent made is the parent's to end: a stream of Rerun would wait for its threads
     sys.stderr = os.fdopen(os.dup(2), "w")  # a thread of the parent may have held the lock of the old one
     use_one_core()
 

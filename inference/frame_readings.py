@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from affine_model.curvature import Array
+from tentacle.signals import RAREST_READING
 
 SPARE_READINGS = 3  # more readings than the polynomial's degree, at least
 
@@ -33,7 +34,7 @@ class Taking:
 SLOW = Taking(2, np.inf, PchipInterpolator, np.inf)
 # An acceleration has higher harmonics than a shape. In the 1.6 m/s^2 (rms) of a tip in water a quartic errs over .03 s
 # by .001 m/s^2 (rms), over .05 s by .0035; a cubic spline through readings at 100 Hz by .003, at 50 Hz by .011.
-FAST = Taking(4, 0.03, CubicSpline, 0.021)
+FAST = Taking(4, 0.03, CubicSpline, RAREST_READING)
 
 
 def at_frames(t: Array, read_at: Array, values: Array, taking: Taking = SLOW) -> tuple[Array, float]:

@@ -23,6 +23,7 @@ from tentacle.signals import Array, BaseTravel, MotorSignal
 from tentacle.waveform import Waveform
 
 SPLINE_DEGREE = 5
+FEWEST_SAMPLES = SPLINE_DEGREE + 1
 REST_MARGIN = 1.0  # s beyond the first and last sample in which the base comes to rest, for a time offset
 STOPPING = 0.05  # s, the time constant of that
 FEWEST_INTERVALS = 2
@@ -114,8 +115,8 @@ def fit_samples(t: Array, angle: Array, field: str = "motor") -> BaseMotion:
     """The motion fitted to samples at rising times t (N,) [s], angle (N,) [rad]; InputError, naming the field, with
     fewer than 6.
     """
-    if len(t) <= SPLINE_DEGREE:
-        raise InputError(f"{len(t)} samples", field=field, expected=f"at least {SPLINE_DEGREE + 1}")
+    if len(t) < FEWEST_SAMPLES:
+        raise InputError(f"{len(t)} samples", field=field, expected=f"at least {FEWEST_SAMPLES}")
     start, stop = float(t[0]), float(t[-1])
     tried = _interval_counts(len(t))
     splines = [_least_squares(t, angle, _knots(t, count)) for count in tried]

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from tentacle.notebook import html_paragraph, html_table
 
 Array = NDArray[np.float64]
+RAREST_READING = 0.021  # s between readings of an accelerometer (inference.frame_readings: what it errs by then)
 
 
 @dataclass(frozen=True)

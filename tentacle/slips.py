@@ -10,16 +10,16 @@ unusual set-up could explain it, it is advice, with the numbers behind it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.stats import median_abs_deviation
 
-from tentacle.base_motion import fit_travel, seen_from_base
+from tentacle.base_motion import FEWEST_SAMPLES, Travel, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.io.video_file import count_frames, frame_rate
 from tentacle.recording import Recording
-from tentacle.signals import Array
+from tentacle.sensor_slips import sensor_slips
+from tentacle.signals import Array, BaseTravel
+from tentacle.slip import Slip
 
 NEAR_ROOT = 0.15  # of the arm: within, the midline's direction is the base's to some degrees
 SLOWEST = 1.0  # s between pictures: too long for the motion of a soft arm
@@ -31,22 +31,10 @@ STEADY = 0.1  # relative median deviation of a midline's length over the frames,
 FEWEST_PX = 20.0  # an arm shorter in the picture has no shape
 MOST_PX = 20_000.0  # no camera's picture is as wide
 MILLISECONDS = (300.0, 3000.0)  # a log that lasts as many times the pictures' span counts in other units
+LAST_TRAVEL = 0.1  # s, of a base's log, in which it is seen whether the base stands
+STANDS = 0.005  # of the arm's length: how far a base that stands may move in it
+LONGEST_STAND = 0.1  # of the time for which the arm is seen: longer, a base that stands beyond its log is told
 NEAR_MARKER = 0.4  # of the arm: the chord to a marker within it turns with the servo, whatever the arm's waves
-
-
-@dataclass(frozen=True)
-class Slip:
-    """One suspicion: the file and field that it concerns, what is seen with its numbers, and the remedy."""
-
-    file: str
-    field: str
-    seen: str
-    remedy: str
-    certain: bool
-
-    def line(self) -> str:
-        """As it is printed."""
-        return f"{self.file}: {self.field}: {self.seen}; {self.remedy}"
 
 
 def refuse_slips(recording: Recording) -> None:
@@ -58,9 +46,14 @@ def refuse_slips(recording: Recording) -> None:
 
 def find_slips(recording: Recording) -> list[Slip]:
     """All slips of a recording; none if too little was measured."""
+    short = _short_logs(recording)
+    if short:
+        return short
+    found, travel = [_slow_clock(recording), *_log_clocks(recording), _picture_slip(recording)], None
     if recording.travel is not None:
-        recording = seen_from_base(recording, fit_travel(recording.travel))
-    found = [_slow_clock(recording), *_log_clocks(recording), _picture_slip(recording)]
+        travel = fit_travel(recording.travel)
+        found += _travel_slips(recording, recording.travel, travel)
+        recording = seen_from_base(recording, travel)
     root, chord = root_direction(recording), marker_direction(recording)
     if root is not None:
         found += [_root_slip("midline.csv", *root), _servo_slip(recording, *root)]
@@ -68,8 +61,50 @@ def find_slips(recording: Recording) -> list[Slip]:
         found.append(_root_slip("markers.csv", *chord[:2]))
         if chord[2] <= NEAR_MARKER:
             found.append(_servo_slip(recording, *chord[:2]))
-    found += [_length_slip(recording), *_marker_slips(recording)]
+    found += [_length_slip(recording), *_marker_slips(recording), *sensor_slips(recording, travel)]
     return [slip for slip in found if slip is not None]
+
+
+def _short_logs(recording: Recording) -> list[Slip]:
+    """Logs of the base with too few samples for a motion."""
+    logs = {"motor.csv": recording.motor, "base.csv": recording.travel}
+    return [
+        Slip(
+            file,
+            "t_s",
+            "1 sample" if len(log.t) == 1 else f"{len(log.t)} samples",
+            f"at least {FEWEST_SAMPLES}, while the arm is seen",
+            True,
+        )
+        for file, log in logs.items()
+        if log is not None and len(log.t) < FEWEST_SAMPLES
+    ]
+
+
+def _travel_slips(recording: Recording, log: BaseTravel, travel: Travel) -> list[Slip]:
+    """A path of the base that begins or ends while the arm is seen and the base moves."""
+    pictures, found = recording.midline or recording.markers, list[Slip]()
+    if pictures is None:
+        return []
+    start, stop = float(pictures.t[0]), float(pictures.t[-1])
+    length, noise = recording.declaration.specimen.length, float(np.std(log.xy - travel(log.t)[:2].T))
+    for end, inner, missing, verb in (
+        (travel.last, max(travel.first, travel.last - LAST_TRAVEL), stop - travel.last, "ends"),
+        (travel.first, min(travel.last, travel.first + LAST_TRAVEL), travel.first - start, "begins"),
+    ):
+        if missing < LAST_TRAVEL:
+            continue
+        path = travel(np.linspace(inner, end, 20))[:2]
+        moved = float(np.linalg.norm(path - path[:, -1:], axis=0).max())
+        moves = moved > STANDS * length + 4.0 * noise
+        if not moves and missing < LONGEST_STAND * (stop - start):
+            continue
+        seen = f"{verb} at {end:.4g} s, and the arm is seen from {start:.4g} to {stop:.4g} s"
+        if moves:
+            seen += f"; the base moves there, {1e3 * moved:.3g} mm in {LAST_TRAVEL:g} s"
+        remedy = "the base's path while the arm is seen (it is taken to stand before and after)"
+        found.append(Slip("base.csv", "t_s", seen, remedy, moves))
+    return found
 
 
 def _slow_clock(recording: Recording) -> Slip | None:

@@ -71,11 +71,16 @@ def write_verdicts(video: Path, verdicts: Mapping[int, bool]) -> Path:
 
 
 def decided(video: Path, reject: Sequence[str], accept: Sequence[str]) -> dict[int, bool]:
-    """The decisions on a video with new ones added; the file is updated."""
-    verdicts = read_verdicts(video)
-    for words, field, value in ((reject, "--reject", False), (accept, "--accept", True)):
-        for part in words:
-            verdicts |= dict.fromkeys(parse_frames(part, field), value)
+    """The decisions on a video with new ones added; the file is updated. InputError where two new ones differ."""
+    rejected, accepted = (
+        [frame for part in words for frame in parse_frames(part, field)]
+        for words, field in ((reject, "--reject"), (accept, "--accept"))
+    )
+    both = sorted(set(rejected) & set(accepted))
+    if both:
+        found = f"frame {both[0]} is accepted and rejected" + (f", and {len(both) - 1} more" if both[1:] else "")
+        raise InputError(found, field="--reject and --accept", expected="each frame in one of them")
+    verdicts = read_verdicts(video) | dict.fromkeys(rejected, False) | dict.fromkeys(accepted, True)
     if reject or accept:
         write_verdicts(video, verdicts)
     return verdicts

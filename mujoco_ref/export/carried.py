@@ -68,15 +68,14 @@ class Carried:
 
 
 def refuse_clamp(model: Model) -> None:
-    """InputError where the arm's clamp gives: no export has a hinge for it."""
+    """InputError where the arm's clamp gives, of an export that has no hinge for it."""
     if clamp_gives(model.specimen):
         given = f"{model.specimen.clamp_length!r} is not exported"
-        raise InputError(given, field="clamp_length_m", expected="0: an exported arm's clamp is rigid")
+        raise InputError(given, field="clamp_length_m", expected="0, a rigid clamp, or --to mjcf")
 
 
 def carried_by(model: Model) -> Carried:
-    """Sort the model's effects, including those that every model has. InputError where its clamp gives."""
-    refuse_clamp(model)
+    """Sort the model's effects, including those that every model has."""
     names = list(dict.fromkeys(("inertia", "weight", *model.parameters)))
     left = {
         name: NOT_IN_THE_ARM.get(name, "no law of it is known to the exporter") for name in names

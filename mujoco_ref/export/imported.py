@@ -159,10 +159,12 @@ def _arm_of(source: Any, chain: _HingeChain, fluid_density: float | None) -> Imp
     tip_mass = float(sum(source.body_subtreemass[b] for b in hung))
     if "body_moved" in own:  # 3/2 of the water that the bodies displace; they carry half of what they displace
         tip_mass -= float(np.sum(own["body_moved"])) / 3.0
-    s = chain.place / chain.length
-    spacing = np.gradient(chain.place)
-    stiffness = source.jnt_stiffness[chain.joints] * spacing
-    damping = source.dof_damping[source.jnt_dofadr[chain.joints]] * spacing
+    gives = int("length" in own and own["length"][0] == 0.0)  # its first spring is that of a clamp that gives
+    joints, place = chain.joints[gives:], chain.place[gives:]
+    s = place / chain.length
+    spacing = np.gradient(place)
+    stiffness = source.jnt_stiffness[joints] * spacing
+    damping = source.dof_damping[source.jnt_dofadr[joints]] * spacing
     second = section.second_moment(s)
     hinges = np.array([s, second])
     law, elastic, told = _law("elasticity", stiffness, hinges, chain.length)
@@ -187,7 +189,12 @@ def _arm_of(source: Any, chain: _HingeChain, fluid_density: float | None) -> Imp
     ignored = int(source.nbody - 1 - len(chain.bodies) - len(hung))
     if ignored > 0:
         words.append(f"{ignored} other bodies are not part of the chain and were left out")
-    specimen = Specimen(section, chain.length, density, tip_mass, law)
+    clamp = 0.0
+    if gives:  # a spring of E I(0) / l, or k0 L / l
+        root = elastic["E"].value * section.second_moment(0.0) if "E" in elastic else elastic["k0"].value * chain.length
+        clamp = float(root / source.jnt_stiffness[chain.joints[0]])
+        words.append(f"a clamp that gives as {1e3 * clamp:.3g} mm of the arm")
+    specimen = Specimen(section, chain.length, density, tip_mass, law, clamp_length=clamp)
     words.append(f"radius at {len(middles)} links, density {density:.0f} kg/m3 from {1e3 * float(np.sum(mass)):.2f} g")
     return ImportedArm(Model(specimen, fluid, _gravity(source, chain), 2, effects), tuple(words))
 

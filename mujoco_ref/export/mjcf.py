@@ -3,7 +3,8 @@
 MuJoCo's own means represent these: joint stiffness (a cubic law too), damping, curvature at rest, weight, buoyancy
 (gravcomp), a payload, a steady current (wind) and drag (ellipsoid fluid model). Added mass is put into the links' mass,
 the same along every direction, with gravcomp rescaled so that the weight stays. The exact forces are in arm_forces.py,
-which removes these substitutes (mujoco_ref.export.arm_forces).
+which removes these substitutes (mujoco_ref.export.arm_forces). A clamp that gives is hinge_1, behind link_0, a hub
+without length.
 
 Drag: MuJoCo's is rho |u| (C_blunt A_proj + C_slender (A_max - A_proj)) u for an ellipsoid, so links as round as the arm
 bring end area and do not converge with their number. The fluid geoms are plates instead, thin along the normal: half
@@ -58,7 +59,9 @@ class Mjcf:
 
 
 def export_mjcf(model: Model, links: int = 20) -> Mjcf:
-    """The arm of a model as MJCF with `links` hinges. InputError where the reference refuses the model."""
+    """The arm of a model as MJCF with `links` hinges, and one more for a clamp that gives. InputError where the
+    reference refuses the model.
+    """
     carried = carried_by(model)
     stepper = make_stepper(carried.kept, links=links)
     spec = _spec(stepper)
@@ -151,6 +154,8 @@ class _Plates:
 
     def add(self, body: Any, k: int) -> None:
         section, length = self.chain.specimen.section, float(self.chain.length[k])
+        if length == 0.0:  # the hub behind a clamp that gives
+            return
         s = (self.chain.start[k] + 0.5 * length) / self.chain.specimen.length
         half = 0.5 * float(section.width(s))
         eye = body.add_geom(name=f"skin_{k}", type=mujoco.mjtGeom.mjGEOM_CYLINDER, pos=[0.0, 0.5 * length, 0.0])

@@ -20,6 +20,7 @@ def effects_in_use(arguments: argparse.Namespace) -> AbstractContextManager[Any]
     """The context in which the laws of the command's effect files are in use."""
     if not getattr(arguments, "effects", None):
         return nullcontext()
+    from affine_model.effects import catalogue
     from tentacle.io.effect_file import effects_of
 
-    return effects_of(arguments.effects)
+    return effects_of(arguments.effects, catalogue())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,8 +21,11 @@ MOST_PARAMETERS, MOST_DEFINITIONS = 12, 20
 EXPECTED = "an effect file: name, title, source, [law], [parameters.NAME]"
 
 
-def read_effects(files: Sequence[Path]) -> tuple[WrittenLaw, ...]:
-    """The laws of effect files; nothing in them is executed. InputError names file, row and field of an error."""
+def read_effects(files: Sequence[Path], catalogue: Collection[str] = ()) -> tuple[WrittenLaw, ...]:
+    """The laws of effect files; nothing in them is executed. InputError names file, row and field of an error.
+
+    catalogue: names that no file may take.
+    """
     laws: list[WrittenLaw] = []
     for file in files:
         text, values = read_toml(file, EXPECTED)
@@ -30,14 +33,19 @@ def read_effects(files: Sequence[Path]) -> tuple[WrittenLaw, ...]:
         law = _law(table)
         if law.name in {other.name for other in laws}:
             raise table.error(f"{law.name!r} is the name of two effects", "name", "one name a file")
+        if law.name in catalogue:
+            raise table.error(f"the catalogue has an effect {law.name!r}", "name", "another name")
         laws.append(law)
     return tuple(laws)
 
 
 @contextmanager
-def effects_of(files: Sequence[Path]) -> Iterator[tuple[WrittenLaw, ...]]:
-    """The laws of these files are in use within the context, in this process and those that it starts meanwhile."""
-    laws = read_effects(files)
+def effects_of(files: Sequence[Path], catalogue: Collection[str] = ()) -> Iterator[tuple[WrittenLaw, ...]]:
+    """The laws of these files are in use within the context, in this process and those that it starts meanwhile.
+
+    catalogue: names that none of them may take.
+    """
+    laws = read_effects(files, catalogue)
     before = os.environ.get(ENVIRONMENT)
     taken = sorted({law.name for law in laws} & {law.name for law in laws_in_use()})
     if taken:

@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tentacle.base_motion import FEWEST_SAMPLES
 from tentacle.errors import InputError
 from tentacle.io.acceleration_file import read_acceleration
 from tentacle.io.csv_table import CsvTable, read_csv
@@ -103,6 +104,8 @@ def read_travel(file: Path) -> BaseTravel | None:
         return None
     table = read_csv(file, ("t_s", "x_m", "y_m"))
     table.require_rising("t_s")
+    if len(table["t_s"]) < FEWEST_SAMPLES:
+        raise InputError(f"{len(table['t_s'])} samples", file=file, field="t_s", expected=f"at least {FEWEST_SAMPLES}")
     for name in ("x_m", "y_m"):
         table.require_within(name, LONGEST_TRAVEL, f"metres, within {LONGEST_TRAVEL:g} m of where the base begins")
     return BaseTravel(table["t_s"], np.stack([table["x_m"], table["y_m"]], axis=-1))

@@ -19,6 +19,15 @@ from discovery.side_by_side import side_by_side
 forked = pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux")
 
 
+@pytest.fixture
+def alone(monkeypatch):
+    """Two cores, and no thread beside this one: the tests' own runner has one that waits for orders."""
+    others: list[threading.Thread] = []
+    monkeypatch.setattr("discovery.side_by_side.usable_cores", lambda: 2)
+    monkeypatch.setattr(threading, "enumerate", lambda: [threading.current_thread(), *others])
+    return others
+
+
 @dataclass(frozen=True)
 class Held:
     """An array, and one made from it."""
@@ -64,14 +73,14 @@ def test_a_run_that_left_all_bounds_is_left_out_and_an_error_is_told():
 
 
 @forked
-def test_a_forked_process_computes_on_one_core(monkeypatch):
-    monkeypatch.setattr("discovery.side_by_side.usable_cores", lambda: 2)
+@pytest.mark.usefixtures("alone")
+def test_a_forked_process_computes_on_one_core():
     assert side_by_side([usable_cores, usable_cores]) == [1, 1]
 
 
 @forked
-def test_a_process_that_the_system_ends_costs_no_result(monkeypatch):
-    monkeypatch.setattr("discovery.side_by_side.usable_cores", lambda: 2)
+@pytest.mark.usefixtures("alone")
+def test_a_process_that_the_system_ends_costs_no_result():
     here = os.getpid()
 
     def ended():
@@ -83,27 +92,26 @@ def test_a_process_that_the_system_ends_costs_no_result(monkeypatch):
 
 
 @forked
-def test_an_interrupt_leaves_no_process(monkeypatch):
-    monkeypatch.setattr("discovery.side_by_side.usable_cores", lambda: 2)
-    monkeypatch.setattr("discovery.side_by_side.threading.enumerate", list)
-    threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+@pytest.mark.usefixtures("alone")
+def test_an_interrupt_leaves_no_process():
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 1.0)
     begin = time.monotonic()
-    with pytest.raises(KeyboardInterrupt):
-        side_by_side([partial(time.sleep, 60.0)] * 3)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            side_by_side([partial(time.sleep, 60.0)] * 3)
+    finally:
+        signal.signal(signal.SIGALRM, before)
     assert time.monotonic() - begin < 30.0
     assert not multiprocessing.active_children()
 
 
 @forked
-def test_nothing_is_forked_beside_another_thread(monkeypatch):
+def test_nothing_is_forked_beside_another_thread(alone):
     """It may hold a lock that a task needs."""
-    monkeypatch.setattr("discovery.side_by_side.usable_cores", lambda: 2)
-    done = threading.Event()
-    waiting = threading.Thread(target=done.wait)
-    waiting.start()
-    try:
-        assert side_by_side([os.getpid, os.getpid]) == [os.getpid()] * 2
-    finally:
-        done.set()
-        waiting.join()
     assert os.getpid() not in side_by_side([os.getpid, os.getpid])
+    alone.append(threading.Thread())
+    assert side_by_side([os.getpid, os.getpid]) == [os.getpid()] * 2

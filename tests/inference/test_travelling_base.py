@@ -16,8 +16,8 @@ from tentacle.io.sound_recording import check_recording
 from tentacle.io.write_folder import write_folder
 from tentacle.model import Estimate, Model
 from tentacle.recording import Camera, Recording
-from tentacle.signals import Video
-from tentacle.slips import find_slips
+from tentacle.signals import Markers, Video
+from tentacle.slips import find_slips, refuse_slips
 from tentacle.specimen import AIR
 from tentacle.waveform import Sine
 from tests.made_recordings import SPECIMEN
@@ -59,6 +59,39 @@ def test_the_arm_is_identified_from_the_ground_and_from_the_base(recording):
         found = identify([one], order=4)  # at 4 Hz two curvatures are 2 % off
         assert found.model.parameters["elasticity"]["E"].value == pytest.approx(E, rel=0.003)
         assert found.errors.midline_mm < 0.16  # noise of .1 mm in x and y
+
+
+def with_path_within(recording, first, last):
+    """The recording with its base's path between two times alone."""
+    travel = recording.travel
+    kept = (travel.t >= first) & (travel.t <= last)
+    return replace(recording, travel=replace(travel, t=travel.t[kept], xy=travel.xy[kept]))
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "said"), [(0.0, 2.5, "ends at 2.5 s, and the arm is seen from 0 to 4"), (0.9, 9.0, "begins at")]
+)
+def test_a_path_that_ends_while_the_base_moves_is_refused(recording, first, last, said):
+    with pytest.raises(InputError, match=said) as refused:
+        refuse_slips(with_path_within(recording, first, last))
+    assert refused.value.line().count("base.csv: t_s") == 1
+    assert "mm in 0.1 s" in refused.value.line()
+
+
+def test_a_base_may_stand_beyond_its_path(recording):
+    travel = recording.travel
+    at_rest = travel.xy * np.clip((2.0 - travel.t) / 0.5, 0.0, 1.0)[:, None] ** 3  # it stops at 2 s, smoothly
+    stops = replace(recording, travel=replace(travel, xy=at_rest), midline=None, markers=_tip_on(recording, at_rest))
+    (long,) = find_slips(with_path_within(stops, 0.0, 2.3))
+    assert not long.certain
+    assert "taken to stand" in long.remedy
+    assert find_slips(with_path_within(stops, 0.0, 3.8)) == []
+
+
+def _tip_on(recording, path):
+    """The tip as a marker, where the base moves on another path."""
+    xy = recording.midline.xy[:, -1:] - (recording.travel.xy - path)[:, None]
+    return Markers(recording.midline.t, ("tip",), np.ones(1), np.zeros(1), xy)
 
 
 def test_it_is_written_and_read_whole(recording, tmp_path):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from mujoco_ref.export.mjcf import export_mjcf
 from mujoco_ref.export.script import export_script
 from mujoco_ref.export.urdf import export_urdf
 from mujoco_ref.midline import chain_midline_points
@@ -76,9 +75,9 @@ def test_a_shape_turns_its_clamp_by_the_curvature_at_the_root():
 
 @pytest.mark.parametrize(
     "export",
-    [export_mjcf, export_urdf, lambda model: export_script(model, "pyelastica")],
-    ids=["mjcf", "urdf", "script"],
+    [export_urdf, lambda model: export_script(model, "pyelastica")],
+    ids=["urdf", "script"],
 )
-def test_an_export_refuses_a_clamp_that_gives(export):
+def test_an_export_without_a_hinge_for_it_refuses_a_clamp_that_gives(export):
     with pytest.raises(InputError, match="clamp_length_m"):
         export(behind(swimming_model(), 0.05))

@@ -1,6 +1,7 @@
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -44,6 +45,11 @@ EVERYTHING = {
 }
 
 
+def behind_clamp(model):
+    """The same arm behind a clamp that gives as 14 mm of it."""
+    return replace(model, specimen=replace(model.specimen, clamp_length=0.1 * model.specimen.length))
+
+
 def run(xml, *, exact, seconds=1.5):
     """Times and midlines of an exported arm under WAVE, from rest."""
     model = mujoco.MjModel.from_xml_string(xml)
@@ -55,7 +61,8 @@ def run(xml, *, exact, seconds=1.5):
         positions = drive(model, mujoco.MjData(model), WAVE, t)
     finally:
         mujoco.set_mjcb_passive(None)
-    angles = np.cumsum(positions[:, : LINKS + 1], axis=1)
+    hinges = sum(model.joint(j).name.startswith("hinge_") for j in range(model.njnt))
+    angles = np.cumsum(positions[:, : hinges + 1], axis=1)[:, hinges - LINKS :]  # behind the clamp's own, if it gives
     return t, chain_midline_points(angles, np.zeros((len(t), 2)), 0.14, S)
 
 
@@ -69,16 +76,18 @@ def away_mm(model, xy, t):
     return 1e3 * apart, 1e3 * swing
 
 
-def test_with_its_forces_every_effect_moves_as_in_the_reference():
-    model = swimming_model(**EVERYTHING)
+@pytest.mark.parametrize("clamped", [lambda model: model, behind_clamp], ids=["rigid", "giving"])
+def test_with_its_forces_every_effect_moves_as_in_the_reference(clamped):
+    model = clamped(swimming_model(**EVERYTHING))
     made = export_mjcf(model, LINKS)
     apart, swing = away_mm(model, *reversed(run(made.xml, exact=True)))
     assert apart < 1e-3 * swing
     assert not made.carried.left
 
 
-def test_mujoco_alone_stands_in_for_drag_and_added_mass():
-    model = swimming_model(added_mass={"C_a": 1.0})
+@pytest.mark.parametrize("clamped", [lambda model: model, behind_clamp], ids=["rigid", "giving"])
+def test_mujoco_alone_stands_in_for_drag_and_added_mass(clamped):
+    model = clamped(swimming_model(added_mass={"C_a": 1.0}))
     apart, swing = away_mm(model, *reversed(run(export_mjcf(model, LINKS).xml, exact=False)))
     assert apart < 0.03 * swing
 
@@ -108,8 +117,9 @@ def test_the_written_files_run_without_this_project(tmp_path):
     assert drag > 0.0
 
 
-def test_an_exported_arm_comes_back(tmp_path):
-    model = swimming_model(added_mass={"C_a": 1.0})
+@pytest.mark.parametrize("clamped", [lambda model: model, behind_clamp], ids=["rigid", "giving"])
+def test_an_exported_arm_comes_back(tmp_path, clamped):
+    model = clamped(swimming_model(added_mass={"C_a": 1.0}))
     write_mjcf(model, tmp_path / "arm")
     found = import_arm(tmp_path / "arm" / "arm.xml").model
     assert found.value("elasticity", "E") == pytest.approx(2e5, rel=0.02)
@@ -117,6 +127,7 @@ def test_an_exported_arm_comes_back(tmp_path):
     assert found.value("added_mass", "C_a") == 1.0
     assert found.specimen.section.base_radius == pytest.approx(0.0125, rel=0.01)
     assert found.specimen.length == pytest.approx(0.14, rel=1e-6)
+    assert found.specimen.clamp_length == pytest.approx(model.specimen.clamp_length, rel=0.05)  # of E I0 as it is read
     assert found.specimen.mass == pytest.approx(model.specimen.mass, rel=0.01)
     assert found.gravity.angle == pytest.approx(0.0, abs=1e-9)
 

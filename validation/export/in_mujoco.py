@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from mujoco_ref.chain import clamp_gives, hinge_positions, hinge_sharpness
 from mujoco_ref.engine import mujoco
 from mujoco_ref.export.arm_forces import Forces, drive
 from mujoco_ref.midline import chain_midline_points
@@ -51,11 +52,13 @@ def points_in_mujoco(xml: str, model: Model, started: Started, exact: bool) -> A
     engine = mujoco.MjModel.from_xml_string(xml)
     forces = Forces(engine) if exact else None
     data = mujoco.MjData(engine)
-    links = sum(engine.joint(j).name.startswith("hinge_") for j in range(engine.njnt))
-    s = (np.arange(links) + 0.5) / links
+    hinges = sum(engine.joint(j).name.startswith("hinge_") for j in range(engine.njnt))
+    gives = int(clamp_gives(model.specimen))
+    s, sharpness = (values(model.specimen, hinges - gives) for values in (hinge_positions, hinge_sharpness))
     powers = np.stack([s**j for j in range(len(started.q))])
     data.qpos[0], data.qvel[0] = started.base(started.start)[:2]
-    data.qpos[1 : links + 1], data.qvel[1 : links + 1] = started.q @ powers / links, started.q_rate @ powers / links
+    data.qpos[1 : hinges + 1] = started.q @ powers / sharpness
+    data.qvel[1 : hinges + 1] = started.q_rate @ powers / sharpness
     data.time = started.start
     try:
         if forces is not None:
@@ -63,9 +66,9 @@ def points_in_mujoco(xml: str, model: Model, started: Started, exact: bool) -> A
         positions = drive(engine, data, started.base, started.t)
     finally:
         mujoco.set_mjcb_passive(None)
-    angles = np.cumsum(positions[:, : links + 1], axis=1)
+    angles = np.cumsum(positions[:, : hinges + 1], axis=1)[:, gives:]
     shown = started.seen
     xy = chain_midline_points(angles, np.zeros((len(angles), 2)), model.specimen.length, shown.s)
-    phi = CubicSpline(np.arange(links + 1) / links, angles, axis=1)(shown.s)
+    phi = CubicSpline(np.linspace(0.0, 1.0, angles.shape[1]), angles, axis=1)(shown.s)
     beside = shown.d[:, None] * np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     return as_camera_has_it(model, xy + beside, started.shift)

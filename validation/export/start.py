@@ -98,10 +98,10 @@ def start_of(model: Model, recording: Recording) -> Started:
 def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
     """The shape of the first frame, fitted to its points alone: a start for the fit of the run."""
     first = shown.xy[0]
-    usable = np.isfinite(first).all(axis=1)
+    usable, arm = np.isfinite(first).all(axis=1), arm_of(model)
 
     def miss(q: Array) -> Array:
-        at = points_beside(q, theta, model.specimen.length, shown.s[usable], shown.d[usable])
+        at = points_beside(q, theta + arm.root_turn(q[0]), model.specimen.length, shown.s[usable], shown.d[usable])
         return np.concatenate([((at - first[usable]) / model.specimen.length).ravel(), 1e-3 * q])
 
     return np.asarray(least_squares(miss, np.zeros(model.order)).x, dtype=float)
@@ -175,6 +175,7 @@ class _Ours:
         index, share = place.astype(int), (place - place.astype(int))[:, None, None]
         bend = (1.0 - share) * run.q[index] + share * run.q[index + 1]
         theta = (1.0 - share[..., 0]) * run.theta[index] + share[..., 0] * run.theta[index + 1]
+        theta = theta + self.arm.root_turn(bend[:, 0])
         length = self.model.specimen.length
         shown = [
             as_camera_has_it(

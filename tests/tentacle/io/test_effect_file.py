@@ -59,6 +59,8 @@ def test_a_law_is_in_use_within_its_context_only(tmp_path):
     assert set(catalogue()) == before
     taken = tmp_path / "wall.toml"
     taken.write_text(MAGNET.replace('name = "magnet"', 'name = "wall"'))
+    with pytest.raises(InputError, match=r"wall\.toml:\d+: name: the catalogue has an effect 'wall'"):
+        read_effects([taken], catalogue())
     with effects_of([taken]), pytest.raises(InputError, match="of that name"):
         catalogue()
     assert set(catalogue()) == before
