@@ -66,7 +66,9 @@ def find_slips(recording: Recording) -> list[Slip]:
 
 
 def _short_logs(recording: Recording) -> list[Slip]:
-    """Logs of the base with too few samples for a motion."""
+    """Logs of the base with too few samples for a motion, where the arm is seen: a run may end before it is."""
+    if recording.midline is None and recording.markers is None and recording.video is None:
+        return []
     logs = {"motor.csv": recording.motor, "base.csv": recording.travel}
     return [
         Slip(
