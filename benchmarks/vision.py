@@ -91,6 +91,14 @@ def frames_per_second(size: tuple[int, int], frames: int, length: int) -> float:
     return rate
 
 
+def rates(short: bool) -> dict[str, float]:
+    """Tracking rates [frames/s] of two sizes."""
+    return {
+        "fps_720p": frames_per_second((1280, 720), 30 if short else 120, 90 if short else 600),
+        "fps_4k": frames_per_second((3840, 2160), 10 if short else 30, 45 if short else 150),
+    }
+
+
 def memory_growth(frames: int) -> float:
     """Growth of the resident memory [MB] while a long stream is followed, from its first tenth to its end."""
     scene = swaying(seed=1, frames=40, size=(160, 120))
@@ -161,17 +169,20 @@ def main() -> None:
     parser.add_argument("--json", type=Path, required=True)
     parser.add_argument("--short", action="store_true", help="few frames, few looks: does it run, not how good is it")
     parser.add_argument("--films", action="store_true", help="the worm and the outside program's films alone")
+    parser.add_argument("--speed", action="store_true", help="the tracking rates alone")
     parser.add_argument("--seed", type=int, default=1, help="of the outside program's films (default 1)")
     arguments = parser.parse_args()
     short = arguments.short
     figures: dict[str, float] = {}
+    if arguments.speed:
+        arguments.json.write_text(json.dumps({"figures": rates(short)}, indent=1), encoding="utf-8")
+        return
     figures |= worm(short)
     figures |= outside_films(short, arguments.seed)
     if arguments.films:
         arguments.json.write_text(json.dumps({"figures": figures}, indent=1), encoding="utf-8")
         return
-    figures["fps_720p"] = frames_per_second((1280, 720), 30 if short else 120, 90 if short else 600)
-    figures["fps_4k"] = frames_per_second((3840, 2160), 10 if short else 30, 45 if short else 150)
+    figures |= rates(short)
     figures["memory_growth_mb"] = memory_growth(1500 if short else 20_000)
     looks = ["clean", "tank"] if short else list(LOOKS)
     results = []
