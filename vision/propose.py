@@ -25,7 +25,7 @@ LOOKED_AT, EVERY = 15, 6  # pictures of a film, and how many apart
 LIVE = 2.0  # s of a film that is still being written, in which the arm is looked for
 LARGEST = 1600  # px: larger pictures are shrunk, so that a proposal takes a few seconds at most
 NARROWEST = 8  # px: an arm and its ground need more
-RIVAL = 0.4  # of the arm's merit: another body of that merit may be it; a passing hand had .26, a second arm .76
+RIVAL = 0.4  # of the arm's merit: a body with more may be the arm; a passing hand had .26, a second arm .76
 RIVALS = "another slender body is in view that may be the arm"
 
 

@@ -12,7 +12,7 @@ import struct
 from collections.abc import Iterable
 from typing import cast
 
-from affine_model.kernel.scalars import COUNTERS
+from affine_model.kernel.scalars import is_integer
 from affine_model.kernel.uniform import Coefficient, Linear, Uniforms, negative, opposite
 
 MARK = "uniform:"  # before the name of a uniform value, where a kernel reads it
@@ -41,17 +41,6 @@ def assign(name: str, value: ast.expr) -> ast.stmt:
 def _short(value: float) -> bool:
     """Whether an instruction can hold the double itself: its lower half is zero."""
     return struct.pack("<d", value)[:4] == bytes(4)
-
-
-def is_integer(node: ast.expr) -> bool:
-    """Whether it is an integer: made of whole numbers and of counters."""
-    if isinstance(node, ast.BinOp):
-        return is_integer(node.left) and is_integer(node.right)
-    if isinstance(node, ast.Call):
-        return ast.unparse(node.func) in ("wp.min", "wp.max") and all(is_integer(argument) for argument in node.args)
-    if isinstance(node, ast.Constant):
-        return isinstance(node.value, int)
-    return isinstance(node, ast.Name) and node.id in COUNTERS
 
 
 def function_of(node: ast.expr) -> str:

@@ -13,8 +13,8 @@ import inspect
 from collections.abc import Iterable
 from typing import ClassVar, cast
 
-from affine_model.kernel.linear_form import MARK, LinearForms, assign, binary, function_of, is_integer, read
-from affine_model.kernel.scalars import COUNTERS
+from affine_model.kernel.linear_form import MARK, LinearForms, assign, binary, function_of, read
+from affine_model.kernel.scalars import COUNTERS, is_integer
 from affine_model.kernel.uniform import Coefficient, Linear
 from affine_model.sincos import sincos
 

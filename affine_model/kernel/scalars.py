@@ -41,10 +41,12 @@ def _double(value: float) -> ast.expr:
     return ast.Call(_warp("float64"), [ast.Constant(value)], [])
 
 
-def _whole(node: ast.expr) -> bool:
+def is_integer(node: ast.expr) -> bool:
     """Whether it is an integer: made of whole numbers and of counters."""
     if isinstance(node, ast.BinOp):
-        return _whole(node.left) and _whole(node.right)
+        return is_integer(node.left) and is_integer(node.right)
+    if isinstance(node, ast.Call):
+        return ast.unparse(node.func) in ("wp.min", "wp.max") and all(is_integer(argument) for argument in node.args)
     if isinstance(node, ast.Constant):
         return isinstance(node.value, int)
     return isinstance(node, ast.Name) and node.id in COUNTERS
@@ -79,7 +81,7 @@ class _Expressions(ast.NodeTransformer):
             return ast.BoolOp(ast.And() if isinstance(node.op, ast.BitAnd) else ast.Or(), [node.left, node.right])
         if isinstance(node.op, ast.Pow):
             return ast.Call(_warp("pow"), [_as_double(node.left), _as_double(node.right)], [])
-        if not (_whole(node.left) and _whole(node.right)):
+        if not (is_integer(node.left) and is_integer(node.right)):
             node.left, node.right = _as_double(node.left), _as_double(node.right)
         return self._folded(node, node.op, node.left, node.right)
 

@@ -50,6 +50,6 @@ def test_a_clamp_of_unknown_give_is_measured_and_nothing_is_missing(seen):
 
 
 def test_a_clamp_that_is_declared_rigid_is_missed(seen):
-    """It is no effect of the catalogue: what stands in for it softens the root, or the arm is 'unknown'."""
+    """The catalogue has no such effect. The answer is an effect that softens the root, or "unknown"."""
     found = answer(seen)
     assert found.verdict != "nothing_missing"
