@@ -27,6 +27,9 @@ BORDER = 4  # steps beyond the end that must be in the picture
 BEFORE, LEAST_BEFORE = 0.15, 0.5  # of the arm: stretch that shows the usual contrast of the middle; its least share
 HALF = 0.45  # of the usual contrast: less counts as ground
 MARGIN = 4.0  # px beyond the sides: place of the ground's grey
+# Of the length: half the distance of neighbouring arcs at the declared end. The ground's grey is read at least so far
+# beyond the sides; nearer, it would be the arm's own where the arm lies between two arcs.
+BETWEEN_ARCS = 0.25 * float(np.diff(BENDS)[0]) * (1.0 - FROM) ** 2
 
 
 class SeenEnd(NamedTuple):
@@ -110,7 +113,7 @@ class Probe:
         radii = self.geometry.radius_at(self.shared)
         radius = np.interp(np.minimum(s, 1.0), np.linspace(0.0, 1.0, len(radii)), radii)
         across = np.cos(heading)[..., None] * self.geometry.normal + np.sin(heading)[..., None] * self.geometry.arm
-        beside = (radius + MARGIN)[:, None] * across
+        beside = (radius + max(MARGIN, BETWEEN_ARCS * self.geometry.length))[:, None] * across
         probes = np.stack([middle, middle + beside, middle - beside])
         points = np.ascontiguousarray(probes.reshape(-1, 2))
         grey = grey_at(self.image, self.geometry.lens.packed, points).reshape(probes.shape[:-1])

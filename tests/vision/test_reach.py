@@ -10,7 +10,7 @@ from vision.edges import Edges
 from vision.kinematics import SHARED, Geometry, outline
 from vision.looks import CLEAN
 from vision.pool import KnownBefore, pool
-from vision.reach import FROM, SeenEnd, led_to_end, seen_reach
+from vision.reach import AHEAD, FROM, STEPS, SeenEnd, led_to_end, seen_reach
 from vision.render import RenderSettings, render
 from vision.scene import swaying
 from vision.tracked_frame import TrackedFrame
@@ -36,6 +36,17 @@ def test_the_reach_tells_how_long_an_arm_is_and_whether_its_tip_lies_beside_the_
     turn = np.array([[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]])
     bent = np.concatenate([line[:last], line[last] + (line[last:] - line[last]) @ turn])
     assert seen_reach(picture, geometry, (bent, heading), shared, sight).off > 2.0
+
+
+def test_the_reach_of_a_large_picture_is_as_right_as_that_of_a_small_one():
+    """At 3840 x 2160 an arm of 1426 px may lie 9 px beside the nearest of the tried arcs: the ground is read beyond it."""
+    scene = swaying(seed=1, frames=1, size=(3840, 2160))
+    picture = next(iter(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1))))
+    geometry = Geometry.declared(scene.specimen, scene.camera)
+    dark, light = np.quantile(picture[::8, ::8], (0.005, 0.5))
+    course = geometry.midline(scene.theta[0], np.array([scene.offset, *scene.q[0]]), np.zeros(SHARED))
+    seen = seen_reach(picture, geometry, course, np.zeros(SHARED), EdgeLook(1.0, 1.0, float(light - dark)))
+    assert seen.share == pytest.approx(1.0, abs=0.5 * AHEAD / STEPS)  # half a step of the search
 
 
 def test_a_side_that_something_covers_is_told_by_the_arms_width():
