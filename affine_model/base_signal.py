@@ -16,7 +16,7 @@ from tentacle.waveform import Waveform
 
 DRIVE_TRAIN = (SERVO_LAG, BACKLASH)  # in the order in which the motion passes them: the motor turns the gear
 FORGOTTEN = 5.0  # s: a lag or a gear does not remember what happened longer ago than this
-Drive = tuple[tuple[BaseLaw, tuple[tuple[str, float], ...]], ...]
+BaseDrive = tuple[tuple[BaseLaw, tuple[tuple[str, float], ...]], ...]
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,9 @@ def has_servo_effects(parameters: Array) -> bool:
     return any(_drives(parameters))
 
 
-def _drives(parameters: Array) -> list[Drive]:
+def _drives(parameters: Array) -> list[BaseDrive]:
     """Of each individual of parameters (R, B): the laws of the servo effects that act, with their parameters."""
-    drives: list[Drive] = [()] * parameters.shape[1]
+    drives: list[BaseDrive] = [()] * parameters.shape[1]
     for effect in DRIVE_TRAIN:
         assert effect.base is not None
         rows = {p.name: parameters[parameter_index(effect.name, p.name)].tolist() for p in effect.parameters}

@@ -50,7 +50,7 @@ def warp() -> Any:
 
 
 @dataclass(frozen=True)
-class Prepared:
+class PreparedKernel:
     """A kernel of Warp, the table of uniform values that it reads, and its text."""
 
     kernel: Any
@@ -67,7 +67,7 @@ def _module(variant: Variant, swim: bool, outcomes: tuple[bool, ...]) -> tuple[A
     return kernel, module_of(f"uniforms_{name}", text.uniforms).uniforms, text.kernel
 
 
-def _prepared(variant: Variant, swim: bool, given: dict[str, Any]) -> Prepared:
+def _prepared(variant: Variant, swim: bool, given: dict[str, Any]) -> PreparedKernel:
     """The kernel that fits the outcomes of its tests on the values given."""
     outcomes: tuple[bool, ...] = ()
     while True:
@@ -76,7 +76,7 @@ def _prepared(variant: Variant, swim: bool, given: dict[str, Any]) -> Prepared:
         with np.errstate(all="ignore"):  # of a payload that is not there the density may be zero
             values, found = uniforms(*(np.asarray(number)[()] for number in numbers))
         if not any(one != other for one, other in zip_longest(found, outcomes, fillvalue=False)):
-            return Prepared(kernel, values, text)
+            return PreparedKernel(kernel, values, text)
         outcomes = tuple(map(bool, found))
 
 
@@ -86,7 +86,7 @@ def _variant(arm: Arm, drive: Drive, parameters: Array) -> Variant:
     return Variant(arm.node_count, arm.order, active, drive.servo is not None, drive.rail is not None, arm.clamp)
 
 
-def _launch(prepared: Prepared, names: list[str], values: dict[str, Any], count: int) -> None:
+def _launch(prepared: PreparedKernel, names: list[str], values: dict[str, Any], count: int) -> None:
     wp = warp()
     device = next(value for value in values.values() if isinstance(value, Tensor)).device
     inputs = [
@@ -145,7 +145,7 @@ def swim_on_device(
     return outcome
 
 
-def prepared_swim(arm: Arm, drive: Drive, parameters: Array, bounds: Bounds, step: float) -> Prepared:
+def prepared_swim(arm: Arm, drive: Drive, parameters: Array, bounds: Bounds, step: float) -> PreparedKernel:
     """The fused kernel for these parameters (R,)."""
     uniform = {
         **arm_arrays(arm, drive), "h": step, "parameters": parameters, "limits": bounds.kinematic,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rig.fault import Fault, Outcome
+from rig.fault import Fault, RunEnd
 from rig.motion import RigMotion
 from rig.protocol import LoadSample
 from rig.recorder import Recorder
@@ -21,7 +21,7 @@ from tentacle.specimen import WATER, Cone, Specimen
 CELL = LoadCellCalibration(1000.0, 180000.0)
 DECLARED = declaration_tables(Declaration(Specimen(Cone(0.0125, 0.001), 0.14, 1070.0), WATER))
 FAULTS = ("unplug", "overcurrent", "torn file", "kill", "disk full", "clock leap")
-OUTCOMES: dict[str, Outcome] = {"overcurrent": "overcurrent", "disk full": "disk", "clock leap": "watchdog"}
+OUTCOMES: dict[str, RunEnd] = {"overcurrent": "overcurrent", "disk full": "disk", "clock leap": "watchdog"}
 NEEDED = 4  # recordings after which the decisions below are split
 
 

@@ -28,7 +28,7 @@ from rig.motion import rig_motion
 from rig.record import motion_runner
 from rig.reidentify import tracked
 from rig.run_file import read_run
-from rig.sentinel import NAMES, Repeats, numbers_of
+from rig.sentinel import NAMES, ReferenceRuns, numbers_of
 from rig.soundness import is_filmed_run
 from rig.until_split import REFERENCE, REFERENCE_PERIODS, SplitPlan
 from tentacle.io.model_file import write_model
@@ -68,7 +68,7 @@ def false_alarms(numbers: Array, seed: int) -> float:
     told = 0
     for _ in range(DRAWN):
         drawn = random.permutation(len(numbers))[: FIRST + COMPARISONS]
-        first = Repeats(numbers[drawn[:FIRST]], COMPARISONS)
+        first = ReferenceRuns(numbers[drawn[:FIRST]], COMPARISONS)
         told += any(first.changes(numbers[k], "") for k in drawn[FIRST:])
     return told / DRAWN
 
@@ -78,14 +78,14 @@ def found(numbers: Array, later: Array, seed: int) -> float:
     random = np.random.default_rng(seed)
     told = 0
     for _ in range(DRAWN):
-        first = Repeats(numbers[random.permutation(len(numbers))[:FIRST]], COMPARISONS)
+        first = ReferenceRuns(numbers[random.permutation(len(numbers))[:FIRST]], COMPARISONS)
         told += bool(first.changes(later[random.integers(len(later))], ""))
     return told / DRAWN
 
 
 def figures(folder: Path, count: int, seed: int) -> dict[str, float]:
     same = recorded(folder / "same", 0.0, count, seed)
-    all_runs = Repeats(same, COMPARISONS)
+    all_runs = ReferenceRuns(same, COMPARISONS)
     spread = same.std(axis=0, ddof=1) / all_runs.scale
     for name, value in zip(NAMES, spread, strict=True):
         print(f"{name}: standard deviation {value:.2g} of its scale", flush=True)
@@ -93,7 +93,7 @@ def figures(folder: Path, count: int, seed: int) -> dict[str, float]:
     slope = slope / all_runs.scale / SOFTER
     print("relative change per relative loss of stiffness:", np.round(slope, 3).tolist(), flush=True)
     # Six runs, not all: the same scatter, and the quantile of a campaign.
-    six = Repeats(_with_spread(same), COMPARISONS)
+    six = ReferenceRuns(_with_spread(same), COMPARISONS)
     smallest = float(np.min(six.found_by(0.9) / np.abs(slope)))
     print(f"smallest loss of stiffness that one comparison finds with 90 %: {100 * smallest:.2g} %", flush=True)
     changed = recorded(folder / "smallest", smallest, max(count // 4, 4), seed + 2)

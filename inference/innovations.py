@@ -15,7 +15,7 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.kalman import gains_along, whitened_along
 
-Motion = tuple[Array, Array, Array, int]  # transition, forced, envelope and first: see inference.kalman
+StateMotion = tuple[Array, Array, Array, int]  # transition, forced, envelope and first: see inference.kalman
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Innovations:
     covariance [nats]; seeing: [S, S'] (C, K, K), None if all rows see the state.
     """
 
-    motion: Motion
+    motion: StateMotion
     observation: Array
     gain: Array
     root: Array
@@ -32,7 +32,7 @@ class Innovations:
     seeing: Array | None
 
     @staticmethod
-    def along(motion: Motion, noise: tuple[Array, Array], observation: Array, seeing: Array | None) -> Innovations:
+    def along(motion: StateMotion, noise: tuple[Array, Array], observation: Array, seeing: Array | None) -> Innovations:
         """The filter with that added covariance and that at the start (N, N); observation (C, K, N) of all rows."""
         if seeing is not None:
             alone = observation.shape[2] - (motion[3] + motion[1].shape[1])  # the errors, after the latent forces

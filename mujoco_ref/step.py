@@ -18,7 +18,7 @@ from mujoco_ref.engine import mujoco
 from mujoco_ref.hinges import Drift, hinge_moments, remember
 from mujoco_ref.influence import Fields, Record
 from mujoco_ref.mount import base_forces, base_remember, hull_forces
-from mujoco_ref.step_arguments import Body, Equation, Laws, Midpoint, Moving, Now, Workspace
+from mujoco_ref.step_arguments import ChainConstants, Equation, Laws, Midpoint, Moving, Now, Workspace
 from mujoco_ref.water import MASS, VOLUME, VOLUME_CENTRE, link_motion, link_table, node_table, water_forces
 from mujoco_ref.written_laws import Bending, WrittenLaws
 from tentacle.compiled import njit
@@ -46,7 +46,7 @@ def _predict(state: Plain, held: Array, motor: Array, step: float, middle: Array
 
 
 @njit(cache=True)
-def _add_tension(motion: Array, body: Body, water: Fields, scale: float, matrix: Array) -> None:
+def _add_tension(motion: Array, body: ChainConstants, water: Fields, scale: float, matrix: Array) -> None:
     """Add scale times the stiffness that weight and inertial forces give the joints: a heavy tip tightens the chain.
 
     A change of joint j turns all links beyond it, and with them the levers of their forces about the joints from the
@@ -114,7 +114,7 @@ def _solve(matrix: Array, residual: Array, held: Array, change: Array) -> None:
 def _correct(moving: Plain, workspace: Plain, chain: tuple[Plain, Plain], held: Array, motor: Array, at: Plain) -> None:
     """Correct the accelerations a (n + 3,) by one Newton iteration; writes the workspace's reading."""
     state, work, now = Moving(*moving), Workspace(*workspace), Now(*at)
-    body, laws = Body(*chain[0]), Laws(*chain[1])
+    body, laws = ChainConstants(*chain[0]), Laws(*chain[1])
     middle, rate, out = work.middle, work.rate, work.reading
     base = laws.base[0]
     size = state.q.shape[0]
@@ -196,7 +196,7 @@ class Stepper:
         # The rail or stand carries the mount's own weight.
         gravity = np.array(chain.model.opt.gravity[:2])
         mount_mass = float(chain.model.body_mass[1])
-        self.body = Body(link_table(chain), node_table(chain), chain.bodies, mount_mass, gravity)
+        self.body = ChainConstants(link_table(chain), node_table(chain), chain.bodies, mount_mass, gravity)
         # Views into MuJoCo's own memory: writing middle and rate is what sets its state.
         data, size = self.data, chain.links + 3
         motion = np.zeros((chain.links + 2, 9))

@@ -8,7 +8,7 @@ from mujoco_ref.influence import Record
 from tentacle.signals import Array
 
 
-class Body(NamedTuple):
+class ChainConstants(NamedTuple):
     """The chain's constants: tables of links (n + 1, 7), nodes (n + 1, 2, 5) and the bodies at the tip (K, 4), mass of
     the mount [kg], gravity (2,) [m/s^2]."""
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from mujoco_ref.chain import Chain
 from mujoco_ref.section_water import beside_wall, felt_speed, shed_lift, viscous_resistance, water_motion
-from mujoco_ref.step_arguments import Body, Equation, Laws
+from mujoco_ref.step_arguments import ChainConstants, Equation, Laws
 from tentacle.compiled import njit
 from tentacle.signals import Array
 
@@ -93,7 +93,7 @@ def _add_tensor(
 
 
 @njit(cache=True)
-def water_forces(motion: Array, body: Body, laws: Laws, t: float, half_step: float, equation: Equation) -> None:
+def water_forces(motion: Array, body: ChainConstants, laws: Laws, t: float, half_step: float, equation: Equation) -> None:
     """Add the water's generalised force to force (n + 3,), and to matrix (n + 3, n + 3) its added mass plus
     half_step times its resistance: what an implicit step needs. Writes sums.
 

@@ -36,21 +36,21 @@ def _water_at(points: Array, t: float, water: Any, out: Array) -> None:
 
 
 @dataclass(frozen=True)
-class Acting:
+class LawWithValues:
     """A law with the values of its parameters."""
 
     law: WrittenLaw
     values: Mapping[str, float]
 
 
-def acting_laws(parameters: Parameters) -> tuple[Acting, ...]:
+def acting_laws(parameters: Parameters) -> tuple[LawWithValues, ...]:
     """The laws in use that these parameters name, where a strength is not zero."""
     found = []
     for law in laws_in_use():
         given = parameters.get(law.name, {})
         values = {p.name: float(given.get(p.name, p.scan[0] if p.scan else 0.0)) for p in law.parameters}
         if any(values[p.name] != 0.0 for p in law.parameters if not p.scan):
-            found.append(Acting(law, values))
+            found.append(LawWithValues(law, values))
     return tuple(found)
 
 
@@ -72,7 +72,7 @@ class Bending:
 class WrittenLaws:
     """What the acting laws do to one chain in its water, gravity [m/s^2]."""
 
-    acting: tuple[Acting, ...]
+    acting: tuple[LawWithValues, ...]
     chain: Chain
     water: Record
     gravity: float

@@ -9,7 +9,7 @@ FaultKind = Literal[
     "not_settled", "camera", "disk", "wrong_version", "interrupted",
 ]  # fmt: skip
 
-Outcome = Literal["complete"] | FaultKind  # how a run ended
+RunEnd = Literal["complete"] | FaultKind  # how a run ended
 NEEDS_A_PERSON: frozenset[FaultKind] = frozenset({"overcurrent", "disk", "wrong_version"})  # no attempt mends these
 
 

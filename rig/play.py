@@ -11,7 +11,7 @@ import numpy as np
 
 from rig import command_bodies
 from rig.board import Board
-from rig.fault import Fault, FaultKind, Outcome
+from rig.fault import Fault, FaultKind, RunEnd
 from rig.interrupts import Interrupts
 from rig.protocol import BoardEvent, BoardState, EventCode, Sample, Type
 from rig.safety import SERVO_FRAME, SafetyLimits, ServoCalibration, check_limits, check_set_points, limits_message
@@ -39,7 +39,7 @@ class PlayStart:
 class PlayEnd:
     """The end of a run: outcome "complete", "interrupted" or a Fault's kind; start_us, board time of set point 0."""
 
-    outcome: Outcome
+    outcome: RunEnd
     words: str
     start_us: int
 

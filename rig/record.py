@@ -15,7 +15,7 @@ from rig.board import Board
 from rig.camera import CameraThread
 from rig.connection import connect_again
 from rig.coverage import LONGEST_SILENCE
-from rig.fault import Fault, Outcome
+from rig.fault import Fault, RunEnd
 from rig.interrupts import Interrupts
 from rig.live_run import LiveRun, Progress
 from rig.motion import RigMotion, rig_motion
@@ -38,7 +38,7 @@ class RunResult:
     """
 
     path: Path
-    outcome: Outcome
+    outcome: RunEnd
     words: str
     mean_thrust: float
     samples: int

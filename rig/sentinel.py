@@ -94,7 +94,7 @@ def _harmonics(t: Array, y: Array, frequency: float, per: int = 1) -> Array:
 
 
 @dataclass(frozen=True)
-class Repeats:
+class ReferenceRuns:
     """The first reference runs' numbers (N, 4), and how many later runs the campaign compares with them at most."""
 
     numbers: Array
@@ -153,14 +153,14 @@ def sentinel(
     told hears once how well the first ones repeat. Each film is tracked once.
     """
     known: dict[Path, Array] = {}
-    repeats: list[Repeats] = []
+    repeats: list[ReferenceRuns] = []
 
     def changed(runs: Sequence[Path]) -> list[str]:
         for path in (*runs[:count], runs[-1]):
             if path not in known:
                 known[path] = numbers_of(tracked(read_run(path)), motion)
         if not repeats:
-            repeats.append(Repeats(np.array([known[path] for path in runs[:count]]), comparisons))
+            repeats.append(ReferenceRuns(np.array([known[path] for path in runs[:count]]), comparisons))
             told(repeats[0].words)
         if len(runs) <= count:
             return []

@@ -14,7 +14,7 @@ import numpy as np
 from tentacle.signals import Array
 from vision.arm_proposal import ArmProposal
 from vision.body_axis import axis_between, base_opposite, clamped_until, widths_along
-from vision.candidates import Body, turned
+from vision.candidates import SlenderBody, turned
 from vision.hinge import motion_begins
 from vision.shoulders import from_shoulders
 from vision.silhouette import Axis
@@ -35,7 +35,7 @@ class _Cut(NamedTuple):
 
 
 def arm_of(
-    bodies: Sequence[Body | None], shape: Sequence[int], polarity: float, base: Array | None = None
+    bodies: Sequence[SlenderBody | None], shape: Sequence[int], polarity: float, base: Array | None = None
 ) -> ArmProposal | None:
     """The arm in one body a picture, of pictures of that shape; None if no body has an axis. base (2,) [px] where it
     is known. The proposal's frame counts these pictures.

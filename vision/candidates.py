@@ -38,7 +38,7 @@ NEAR_BASE = 0.2  # of its length: how far a body's axis may be from a known base
 
 
 @dataclass(frozen=True)
-class Body:
+class SlenderBody:
     """A slender body: its mask on the enlarged picture, contour (C, 2) [px], mean axis, and how like an arm it is."""
 
     mask: NDArray[np.bool_]
@@ -47,7 +47,7 @@ class Body:
     merit: float
 
 
-def candidates(pictures: Sequence[Grey], polarity: float, base: Array | None = None) -> list[list[Body | None]]:
+def candidates(pictures: Sequence[Grey], polarity: float, base: Array | None = None) -> list[list[SlenderBody | None]]:
     """Sets of bodies that may be the arm, the likeliest first: in each picture a slender body that is held at one
     place, or None. polarity +1: darker than the ground, -1: lighter. base (2,) [px]: a known place, then one set.
     """
@@ -57,7 +57,7 @@ def candidates(pictures: Sequence[Grey], polarity: float, base: Array | None = N
     seen = [_bodies(mask, contrast, always) for mask, contrast in zip(masks, contrasts, strict=True)]
     if base is not None:
         return [[_best_through(bodies, base) for bodies in seen]]
-    found: list[list[Body | None]] = []
+    found: list[list[SlenderBody | None]] = []
     while len(found) < MOST_CANDIDATES and (place := _held(seen)) is not None:
         found.append([_best_at(bodies, place) for bodies in seen])
         seen = [_beside(bodies, taken) for bodies, taken in zip(seen, found[-1], strict=True)]
@@ -125,7 +125,7 @@ def enlarged(shape: Sequence[int]) -> int:
     return 4 if max(shape) < FINE_BELOW else 1
 
 
-def _bodies(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDArray[np.bool_]) -> list[Body]:
+def _bodies(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDArray[np.bool_]) -> list[SlenderBody]:
     """All slender bodies of a mask, and those of two parts on both sides of something in front."""
     grow = enlarged(contrast.shape)
     contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -141,7 +141,7 @@ def _bodies(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDAr
     return [body for body in (*alone, *whole) if body.axis.length >= SHORTEST_ARM]
 
 
-def _body(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDArray[np.bool_]) -> Body | None:
+def _body(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDArray[np.bool_]) -> SlenderBody | None:
     """The body of a mask without holes; None if it is not slender. Its merit: length, motion and contrast."""
     grow = enlarged(contrast.shape)
     contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -156,7 +156,7 @@ def _body(mask: NDArray[np.bool_], contrast: NDArray[np.float32], always: NDArra
     coarse = mask if grow == 1 else cv2.resize(mask.astype(np.uint8), contrast.shape[::-1]) > 0
     strength = float(np.mean(contrast[coarse])) if coarse.any() else 0.0
     moving = STILL + np.count_nonzero(mask & ~always) / max(np.count_nonzero(mask), 1)
-    return Body(mask, points, axis, float(axis.length * moving * max(strength, 0.0)))
+    return SlenderBody(mask, points, axis, float(axis.length * moving * max(strength, 0.0)))
 
 
 def _end(axis: Axis) -> tuple[Array, Array, float]:
@@ -167,13 +167,13 @@ def _end(axis: Axis) -> tuple[Array, Array, float]:
     return axis.points[-1], course / max(float(np.linalg.norm(course)), 1e-9), float(np.median(wide))
 
 
-def _facing(one: Body, other: Body) -> tuple[Axis, Axis]:
+def _facing(one: SlenderBody, other: SlenderBody) -> tuple[Axis, Axis]:
     """Both axes, turned so that each ends at the gap between them."""
     ways = [(a, b) for a in (one.axis, turned(one.axis)) for b in (other.axis, turned(other.axis))]
     return min(ways, key=lambda way: float(np.linalg.norm(way[0].points[-1] - way[1].points[-1])))
 
 
-def _continues(one: Body, other: Body) -> bool:
+def _continues(one: SlenderBody, other: SlenderBody) -> bool:
     """Whether the second body goes on where the first one ends, beyond a gap."""
     first, second = _facing(one, other)
     (at, ahead, wide), (beyond, back, narrow) = _end(first), _end(second)
@@ -184,7 +184,7 @@ def _continues(one: Body, other: Body) -> bool:
     return first.length >= second.length and far < GAP * longer and straight and 1.0 / ALIKE < narrow / wide < ALIKE
 
 
-def _bridged(one: Body, other: Body, grow: int) -> NDArray[np.bool_]:
+def _bridged(one: SlenderBody, other: SlenderBody, grow: int) -> NDArray[np.bool_]:
     """The mask of both, with the gap between them filled."""
     first, second = _facing(one, other)
     corners = []
@@ -204,13 +204,13 @@ def turned(axis: Axis) -> Axis:
     return Axis(axis.points[::-1], axis.width[::-1], axis.length)
 
 
-def _apart(body: Body, place: Array) -> float:
+def _apart(body: SlenderBody, place: Array) -> float:
     """Distance of a body's nearer end from a place, over its largest width: a flat end is seen at either corner."""
     ends = body.axis.points[[0, -1]]
     return float(np.linalg.norm(ends - place, axis=1).min()) / max(float(body.axis.width.max()), 1.0)
 
 
-def _held(seen: Sequence[Sequence[Body]]) -> Array | None:
+def _held(seen: Sequence[Sequence[SlenderBody]]) -> Array | None:
     """The place (2,) at which the best bodies of all pictures have an end."""
     places = [end for bodies in seen for body in bodies for end in body.axis.points[[0, -1]]]
     if not places:
@@ -219,23 +219,23 @@ def _held(seen: Sequence[Sequence[Body]]) -> Array | None:
     return places[int(np.argmax(worth))]
 
 
-def _beside(bodies: Sequence[Body], taken: Body | None) -> list[Body]:
+def _beside(bodies: Sequence[SlenderBody], taken: SlenderBody | None) -> list[SlenderBody]:
     """The bodies beside one that is taken, without a common pixel; none if the picture does not show it."""
     return [body for body in bodies if taken is not None and not np.any(body.mask & taken.mask)]
 
 
-def _best_through(bodies: Sequence[Body], base: Array) -> Body | None:
+def _best_through(bodies: Sequence[SlenderBody], base: Array) -> SlenderBody | None:
     """The best body whose axis passes near a known base."""
     near = [body for body in bodies if _off_axis(body, base) < NEAR_BASE * body.axis.length]
     return max(near, key=lambda body: body.merit, default=None)
 
 
-def _off_axis(body: Body, place: Array) -> float:
+def _off_axis(body: SlenderBody, place: Array) -> float:
     """Distance [px] of a body's axis from a place."""
     return float(np.linalg.norm(body.axis.points - place, axis=1).min())
 
 
-def _best_at(bodies: Sequence[Body], place: Array | None) -> Body | None:
+def _best_at(bodies: Sequence[SlenderBody], place: Array | None) -> SlenderBody | None:
     """The best body that has an end at the place."""
     there = [body for body in bodies if place is not None and _apart(body, place) < 1.0]
     return max(there, key=lambda body: body.merit, default=None)

@@ -23,7 +23,7 @@ from affine_model.kernel.arguments import ARGUMENTS
 from affine_model.kernel.instructions import Instructions
 from affine_model.kernel.vector_code import Writer
 
-Run = Callable[[int, int], None]  # (block, address of the packed arguments)
+CompiledCall = Callable[[int, int], None]  # (block, address of the packed arguments)
 
 
 @dataclass(frozen=True)
@@ -141,4 +141,4 @@ class Loaded:
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
         kind = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)
-        self.run = cast(Run, kind(self._engine.get_function_address("advance")))
+        self.run = cast(CompiledCall, kind(self._engine.get_function_address("advance")))

@@ -23,7 +23,7 @@ UNKNOWN = 1e3  # grid spacings: standard deviations are no larger
 
 
 @dataclass(frozen=True)
-class Start:
+class RefinementStart:
     """Shapes (P,) to start from, and |t|^2 less what their law leaves."""
 
     shapes: Array
@@ -55,7 +55,7 @@ class _Walk:
 
 
 @dataclass(frozen=True)
-class Asked:
+class RefinementProblem:
     """What is refined. answers: shapes (B, P) -> answers (rows, B strengths) of unit strengths; target (rows,); bounds
     (P, 2) and grid spacing (P,) of the shapes; strength_bounds (strengths, 2).
     """
@@ -67,7 +67,7 @@ class Asked:
     strength_bounds: Array
 
 
-def refined_shapes(starts: list[Start], asked: Asked) -> tuple[Array, Array]:
+def refined_shapes(starts: list[RefinementStart], asked: RefinementProblem) -> tuple[Array, Array]:
     """The best shapes (P,) from any start, and their standard deviations if the law is true (noise of variance 1)."""
     bounds, spacing, target = asked.bounds, asked.spacing, asked.target
     low, high = (bounds / spacing[:, None]).T
@@ -93,7 +93,7 @@ def refined_shapes(starts: list[Start], asked: Asked) -> tuple[Array, Array]:
     return np.clip(best.x * spacing, *bounds.T), spread * spacing  # the rounding of x * spacing may pass a bound
 
 
-def _judge(walk: _Walk, tried: tuple[Array, Array], part: Array, asked: Asked) -> None:
+def _judge(walk: _Walk, tried: tuple[Array, Array], part: Array, asked: RefinementProblem) -> None:
     """Go to x where it explains more; tried: x, and how far each neighbour is; part (rows, 1 + P, strengths): the
     answers there and at the neighbours.
     """

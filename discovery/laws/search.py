@@ -20,7 +20,7 @@ import numpy as np
 from affine_model.curvature import Array
 from discovery.laws.grammar import Form, Scale, forms
 from discovery.laws.inputs import LawInputs
-from discovery.laws.refine import Asked, Start, refined_shapes
+from discovery.laws.refine import RefinementProblem, RefinementStart, refined_shapes
 from inference.missing_force import MOTION_STEP
 from inference.trajectory import RAN_AWAY
 
@@ -161,7 +161,7 @@ def _price(form: Form, frames: int) -> float:
     return 0.5 * len(form.law.parameters) * float(np.log(frames))
 
 
-def _starts(sought: Sought, form: Form) -> list[Start]:
+def _starts(sought: Sought, form: Form) -> list[RefinementStart]:
     """The best of the form's first values of its shapes, apart from each other; best first."""
     trials = list(product(*(p.scan for p in form.shapes)))
     explained = np.concatenate([
@@ -174,7 +174,7 @@ def _starts(sought: Sought, form: Form) -> list[Start]:
         apart = [np.abs((places[k] - places[one]) / spacing).max(initial=0.0) > APART for one in chosen]
         if all(apart) and len(chosen) < STARTS:
             chosen.append(int(k))
-    return [Start(places[k], float(explained[k])) for k in chosen]
+    return [RefinementStart(places[k], float(explained[k])) for k in chosen]
 
 
 def _batched(trials: list[tuple[float, ...]], size: int) -> Iterator[list[tuple[float, ...]]]:
@@ -182,7 +182,7 @@ def _batched(trials: list[tuple[float, ...]], size: int) -> Iterator[list[tuple[
         yield trials[begin : begin + size]
 
 
-def _refined(sought: Sought, form: Form, starts: list[Start]) -> FittedLaw:
+def _refined(sought: Sought, form: Form, starts: list[RefinementStart]) -> FittedLaw:
     """The form with its shapes refined, each within its bounds."""
     names = [p.name for p in form.shapes]
 
@@ -193,7 +193,7 @@ def _refined(sought: Sought, form: Form, starts: list[Start]) -> FittedLaw:
     if names:
         bounds = np.array([p.bounds for p in form.shapes])
         spacing = np.array([grid_spacing(p.scan) for p in form.shapes])
-        asked = Asked(answers, sought.target, bounds, spacing, np.array([p.bounds for p in form.strengths]))
+        asked = RefinementProblem(answers, sought.target, bounds, spacing, np.array([p.bounds for p in form.strengths]))
         shapes, deviations = refined_shapes(starts, asked)
     explained, strengths = sought.explained(form, answers(shapes[None]))
     return FittedLaw(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from discovery.laws.refine import Asked, Start, refined_shapes
+from discovery.laws.refine import RefinementProblem, RefinementStart, refined_shapes
 
 T = np.linspace(0.0, 1.0, 400)
 
@@ -15,7 +15,7 @@ def answers(trials):
 
 def asked(target, most=10.0):
     bounds, spacing = np.array([[0.0, 1.0], [0.02, 1.0]]), np.array([0.1, 0.05])
-    return Asked(answers, target, bounds, spacing, np.array([[-most, most]]))
+    return RefinementProblem(answers, target, bounds, spacing, np.array([[-most, most]]))
 
 
 def test_shapes_and_their_deviations_are_those_of_least_squares():
@@ -24,7 +24,7 @@ def test_shapes_and_their_deviations_are_those_of_least_squares():
     for seed in range(20):
         random = np.random.default_rng(seed)
         target = (3.0 * answers([truth])[:, 0] + noise * random.standard_normal(T.size)) / noise
-        found, deviations = refined_shapes([Start(np.array([0.5, 0.2]), 0.0)], asked(target, 1e4))
+        found, deviations = refined_shapes([RefinementStart(np.array([0.5, 0.2]), 0.0)], asked(target, 1e4))
         errors.append(found - truth)
         stated.append(deviations)
     assert np.sqrt(np.mean(np.square(errors), axis=0)) == pytest.approx(np.mean(stated, axis=0), rel=0.5)
@@ -32,13 +32,13 @@ def test_shapes_and_their_deviations_are_those_of_least_squares():
 
 def test_the_best_of_several_starts_is_kept():
     target = answers([(0.2, 0.05)])[:, 0] * 100.0 + answers([(0.8, 0.05)])[:, 0] * 150.0
-    starts = [Start(np.array([place, 0.06]), 0.0) for place in (0.22, 0.78)]
+    starts = [RefinementStart(np.array([place, 0.06]), 0.0) for place in (0.22, 0.78)]
     assert refined_shapes(starts, asked(target, 1e3))[0][0] == pytest.approx(0.8, abs=0.01)
 
 
 def test_a_strength_beyond_its_bounds_is_no_answer():
     target = 100.0 * answers([(0.4, 0.1)])[:, 0]
-    found, _ = refined_shapes([Start(np.array([0.5, 0.2]), 0.0)], asked(target, 1.0))
+    found, _ = refined_shapes([RefinementStart(np.array([0.5, 0.2]), 0.0)], asked(target, 1.0))
     assert found == pytest.approx([0.5, 0.2])  # where it began: nowhere is the strength within its bounds
 
 
@@ -47,9 +47,9 @@ def test_a_shape_on_its_bound_is_within_it():
     bound, spacing = 0.11, 0.07
     assert (bound / spacing) * spacing > bound
     times = np.linspace(0.0, 1.0, 200)
-    wanted = Asked(
+    wanted = RefinementProblem(
         lambda trials: np.stack([np.exp(x * times) for (x,) in trials], axis=1), 30.0 * np.exp(2.0 * times),
         np.array([[0.0, bound]]), np.array([spacing]), np.array([[-1e4, 1e4]]),
     )  # fmt: skip
-    found, _ = refined_shapes([Start(np.array([0.05]), 0.0)], wanted)
+    found, _ = refined_shapes([RefinementStart(np.array([0.05]), 0.0)], wanted)
     assert found[0] == bound

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rig.sentinel import LEVEL, NAMES, Repeats, numbers_of
+from rig.sentinel import LEVEL, NAMES, ReferenceRuns, numbers_of
 from tentacle.errors import InputError
 from tentacle.recording import Declaration, LoadCellSignal, MotorSignal, Recording, ShapeTrack
 from tentacle.signals import Array
@@ -37,8 +37,8 @@ def reference(seed: int, swing: float = 0.5, lag: float = 0.4, mean: float = 0.0
 
 
 @pytest.fixture(scope="module")
-def repeats() -> Repeats:
-    return Repeats(np.array([numbers_of(reference(seed), MOTION) for seed in range(COUNT)]), COMPARISONS)
+def repeats() -> ReferenceRuns:
+    return ReferenceRuns(np.array([numbers_of(reference(seed), MOTION) for seed in range(COUNT)]), COMPARISONS)
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def repeats() -> Repeats:
         ({"mean": 0.02}, "the tip's mean heading"),
     ],
 )
-def test_the_sentinel_names_what_changed(moved: dict[str, float], name: str, repeats: Repeats) -> None:
+def test_the_sentinel_names_what_changed(moved: dict[str, float], name: str, repeats: ReferenceRuns) -> None:
     found = repeats.changes(numbers_of(reference(99, **moved), MOTION), "reference-0000")
     assert [change.name for change in found] == [name]
     value = moved.get("swing", 0.5) / 0.5 - 1 or moved.get("lag", 0.4) - 0.4 or moved.get("mean", 0.0) / 0.5
@@ -57,7 +57,7 @@ def test_the_sentinel_names_what_changed(moved: dict[str, float], name: str, rep
     assert found[0].words.startswith(f"{name} changed by")
 
 
-def test_an_error_of_the_cameras_clock_is_no_drift(repeats: Repeats) -> None:
+def test_an_error_of_the_cameras_clock_is_no_drift(repeats: ReferenceRuns) -> None:
     """5 ms are 31 mrad of phase, of the tip and of the base alike."""
     numbers = numbers_of(reference(99, late=5e-3), MOTION)
     assert not repeats.changes(numbers, "")
@@ -69,7 +69,7 @@ def campaigns(count: int, seed: int, moved: Array) -> Array:
     random = np.random.default_rng(seed)
     told = []
     for _ in range(count):
-        first = Repeats(TRUE + SPREAD * random.normal(size=(COUNT, 4)), COMPARISONS)
+        first = ReferenceRuns(TRUE + SPREAD * random.normal(size=(COUNT, 4)), COMPARISONS)
         later = TRUE + moved + SPREAD * random.normal(size=(COMPARISONS, 4))
         told.append(any(first.changes(numbers, "") for numbers in later))
     return np.array(told)
@@ -92,10 +92,10 @@ def test_the_drift_that_it_says_it_finds_is_found(number: int) -> None:
     exact = np.zeros((COUNT, 4))
     exact[: COUNT // 2], exact[COUNT // 2 :] = 1.0, -1.0
     exact *= np.sqrt((COUNT - 1) / COUNT)  # standard deviation 1, mean 0
-    drift = Repeats(TRUE + SPREAD * exact, COMPARISONS)
+    drift = ReferenceRuns(TRUE + SPREAD * exact, COMPARISONS)
     moved = drift.found_by(0.9)[number] * drift.scale[number]
     for _ in range(1000):
-        first = Repeats(TRUE + SPREAD * random.normal(size=(COUNT, 4)), COMPARISONS)
+        first = ReferenceRuns(TRUE + SPREAD * random.normal(size=(COUNT, 4)), COMPARISONS)
         later = TRUE + SPREAD * random.normal(size=4)
         later[number] += moved
         hits += NAMES[number] in {change.name for change in first.changes(later, "")}

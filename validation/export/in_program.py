@@ -84,7 +84,7 @@ def motion_numbers(model: Model, started: Started) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Prepared:
+class PreparedMotion:
     """A recording's start under a model, and the same as the content of motion.json."""
 
     model: Model
@@ -93,13 +93,13 @@ class Prepared:
     motion: dict[str, Any]
 
 
-def prepared(model: Model, recording: Recording) -> Prepared:
+def prepared(model: Model, recording: Recording) -> PreparedMotion:
     """Fit the start of a recording. InputError where it shows no arm."""
     started = start_of(model, recording)
-    return Prepared(model, recording, started, motion_numbers(model, started))
+    return PreparedMotion(model, recording, started, motion_numbers(model, started))
 
 
-def script_error(made: Script, python: str, ready: Prepared) -> ScriptError:
+def script_error(made: Script, python: str, ready: PreparedMotion) -> ScriptError:
     """Run a script under a recording's base motion, from the common start."""
     started = ready.started
     shown = as_camera_has_it(ready.model, points_in_program(made, python, ready.motion), started.shift)

@@ -10,7 +10,7 @@ from tentacle.io.parsed_number import parsed_number
 
 
 @dataclass(frozen=True)
-class Asked:
+class AskedNumber:
     """A number that is asked for: what it is, with its unit, and an example."""
 
     words: str
@@ -18,12 +18,12 @@ class Asked:
 
 
 ASKED = {
-    "length": Asked("length of the arm [m]", "0.14"),
-    "base_radius": Asked("radius at the base [m]", "0.0125"),
-    "tip_radius": Asked("radius at the tip [m]", "0.004"),
-    "density": Asked("density of the material [kg/m3]", "1070"),
-    "fluid_density": Asked("density of the fluid [kg/m3]", "998 in water, 0 in air"),
-    "ruler": Asked("length of the ruler [m]", "0.05"),
+    "length": AskedNumber("length of the arm [m]", "0.14"),
+    "base_radius": AskedNumber("radius at the base [m]", "0.0125"),
+    "tip_radius": AskedNumber("radius at the tip [m]", "0.004"),
+    "density": AskedNumber("density of the material [kg/m3]", "1070"),
+    "fluid_density": AskedNumber("density of the fluid [kg/m3]", "998 in water, 0 in air"),
+    "ruler": AskedNumber("length of the ruler [m]", "0.05"),
 }
 
 
