@@ -30,7 +30,7 @@ MEAN_ROWS = 4  # rows of the summary that are means over the steps
 AdjointRun = Callable[..., tuple[Tensor, ...]]
 
 
-def numbers_of(pace: Pace) -> list[float]:
+def pace_row(pace: Pace) -> list[float]:
     """The pace as a row of numbers, since an operator of torch takes only tensors and numbers."""
     return [pace.step, *map(float, (pace.stride, pace.average_from, pace.iterations, pace.age, pace.complete))]
 
@@ -101,7 +101,7 @@ def _single_steps(run: AdjointRun, arm: Arm, given: _Inputs, pace: Pace) -> Tens
     starts = [part.contiguous() for part in (given.times.reshape(-1), u, u_rate, past, store)]
     single = replace(pace, stride=1, average_from=0, complete=True)
     base = flat[2][:, None].contiguous()
-    u, u_rate, force, past, store, summary = run(flat[1], base, starts, numbers_of(single))
+    u, u_rate, force, past, store, summary = run(flat[1], base, starts, pace_row(single))
     after = torch.cat([u[1], u_rate[1], past[0], store[0].flatten(0, 1), force[0], summary[:MEAN_ROWS]])
     return after.reshape(-1, *lanes)
 
@@ -149,12 +149,12 @@ def pulled_back(
 ) -> tuple[Tensor | None, ...]:
     """Gradients of parameters, base, times (None), u, u_rate, past and store from those of advance's outputs.
 
-    run(parameters, base, start, numbers_of(pace)) is the operator.
+    run(parameters, base, start, pace_row(pace)) is the operator.
     """
     parameters, base, times, *start = tensors
     count, steps, size = parameters.shape[1], base.shape[1], arm.order + 2
     single = replace(pace, stride=1, average_from=0, complete=True)
-    whole = run(parameters, base, [times, *start], numbers_of(single))
+    whole = run(parameters, base, [times, *start], pace_row(single))
     first = torch.cat([start[0], start[1], start[2], start[3].flatten(0, 1)])
     later = torch.cat([whole[0][1:], whole[1][1:], whole[3], whole[4].flatten(1, 2)], 1)
     states = torch.cat([first[None], later]).movedim(0, 1)  # (X, S + 1, B)

@@ -15,7 +15,7 @@ from torch import Tensor
 
 from affine_model.advance import Drive, Pace, Rail, Servo, State, advance
 from affine_model.arm import Arm
-from affine_model.torch_adjoint import WantedGradients, numbers_of, pulled_back
+from affine_model.torch_adjoint import WantedGradients, pace_row, pulled_back
 from tentacle.errors import InputError
 from tentacle.specimen import Cone, Fluid, Gravity, Rectangle, Specimen
 
@@ -145,4 +145,4 @@ def advanced(
     start: times (B,), u, u_rate, past, store. Gradients flow from all outputs except past and store to parameters,
     base, u, u_rate, past and store. Works under torch.compile.
     """
-    return _advance([arm_row(arm), drive_row(drive)], parameters, base, list(start), numbers_of(pace))
+    return _advance([arm_row(arm), drive_row(drive)], parameters, base, list(start), pace_row(pace))

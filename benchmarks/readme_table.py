@@ -136,6 +136,13 @@ ROWS = (
     ("library_joint", "joint_f1_median", "the recordings that have it, F1, median of ten libraries", "", ""),
     (
         "library_joint",
+        "joint_f1_90",
+        "libraries in which it is found, alone or in a group, with an F1 of 0.9 or more",
+        "",
+        "",
+    ),
+    (
+        "library_joint",
         "joint_alone_and_f1_90",
         "libraries with F1 of 0.9 or more and one effect named",
         "",

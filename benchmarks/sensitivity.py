@@ -29,7 +29,7 @@ from discovery.diagnose import diagnose
 from discovery.given import Deciding
 from inference.posterior import Hypothesis
 from tentacle.errors import InputError
-from validation.trials.outcome import SHAPE, Outcome, answer_table, outcome
+from validation.trials.outcome import SHAPE, Outcome, answer_table, scored
 from validation.trials.plant_design import DRAWN_PLANTS, PlantDesign, plant_designs
 from validation.trials.plant_recording import plant_recording
 from validation.trials.scores import VISIBLE, share
@@ -66,8 +66,8 @@ def searched(design: PlantDesign) -> Searched | None:
             answer = answer_table(diagnose([recording], seed=design.seed, deciding=Deciding(laws=False)))
     except (InputError, FloatingPointError):
         return None
-    scored = outcome(design.index, truth, design.seen, answer, baselines={}, seconds=0.0)
-    return Searched(scored, tuple(last))
+    first = scored(design.index, truth, design.seen, answer, baselines={}, seconds=0.0)
+    return Searched(first, tuple(last))
 
 
 def variations() -> Iterator[tuple[str, str, Any]]:

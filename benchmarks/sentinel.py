@@ -28,7 +28,7 @@ from rig.motion import rig_motion
 from rig.record import motion_runner
 from rig.reidentify import tracked
 from rig.run_file import read_run
-from rig.sentinel import NAMES, ReferenceRuns, numbers_of
+from rig.sentinel import NAMES, ReferenceRuns, sentinel_numbers
 from rig.soundness import is_filmed_run
 from rig.until_split import REFERENCE, REFERENCE_PERIODS, SplitPlan
 from tentacle.io.model_file import write_model
@@ -59,7 +59,7 @@ def recorded(folder: Path, softer: float, count: int, seed: int) -> Array:
                 while not is_filmed_run(path):  # a busy computer can miss the board's watchdog
                     path.unlink(missing_ok=True)
                     print(f"{path}: {record(motion, path) or 'complete'}", flush=True)
-    return np.array([numbers_of(tracked(read_run(path)), REFERENCE) for path in paths])
+    return np.array([sentinel_numbers(tracked(read_run(path)), REFERENCE) for path in paths])
 
 
 def false_alarms(numbers: Array, seed: int) -> float:

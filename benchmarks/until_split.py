@@ -27,7 +27,7 @@ from benchmarks._split_faults import FAULTS, NEEDED, FaultyBench, KilledError, d
 from benchmarks.export import arm
 from discovery.diagnose import diagnose
 from discovery.given import Deciding
-from discovery.next_experiment import DURATION, candidates
+from discovery.next_experiment import DURATION, candidate_motions
 from mujoco_ref.undeclared import Noise, Scenario, make_recording
 from rig.campaign import Campaign, CampaignRun
 from rig.fault import Fault
@@ -62,7 +62,7 @@ def judged(recordings: list[Recording]) -> Decision:
 
 def random_motion(count: int, seed: int) -> Waveform:
     """A multisine as the design draws them, the first of its own seed."""
-    drawn = candidates(servo_limits(LIMITS), 1000 * seed + count)
+    drawn = candidate_motions(servo_limits(LIMITS), 1000 * seed + count)
     return next(motion for motion in drawn if isinstance(motion, Multisine))
 
 

@@ -49,7 +49,7 @@ class Proposal:
     nats: float
 
 
-def candidates(limits: ServoLimits, seed: int) -> list[Waveform]:
+def candidate_motions(limits: ServoLimits, seed: int) -> list[Waveform]:
     """Base motions within the limits: sines over the band, chirps up and down, multisines with random phases."""
     random = np.random.default_rng(seed)
     found: list[Waveform] = []
@@ -106,7 +106,7 @@ def propose_experiment(
     sets = [set(h.effects) for h in (chosen, *rivals)]
     splits = tuple(sorted(set.union(*sets) - set.intersection(*sets)))
     best: Proposal | None = None
-    for waveform in candidates(limits, seed):
+    for waveform in candidate_motions(limits, seed):
         future = _virtual(source, waveform)
         measured = _measured(chosen, future)
         gap = min(max(_gap(rival, measured), _gap(chosen, _measured(rival, future))) for rival in rivals)

@@ -24,7 +24,7 @@ def names_of(declared: tuple[Uncertain, ...]) -> tuple[tuple[str, str], ...]:
     return tuple((DECLARED, number.name) for number in declared)
 
 
-def at_values(
+def with_declared_numbers(
     arm: Arm, experiments: tuple[Experiment, ...], numbers: tuple[Uncertain, ...], values: Array
 ) -> tuple[Arm, tuple[Experiment, ...]]:
     """The first recording's arm, and the experiments, with the uncertain numbers at these values (D,)."""

@@ -14,7 +14,7 @@ import numpy as np
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
 from affine_model.kernel import BLOCK
-from inference.declared_arm import DECLARED, at_values, names_of
+from inference.declared_arm import DECLARED, names_of, with_declared_numbers
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
 from inference.linear_fit import ParameterName
@@ -148,7 +148,7 @@ class Problem:
 
     def at(self, values: Array) -> Problem:
         """The problem with its declared numbers known: arm and observations of these values (D,)."""
-        arm, experiments = at_values(self.arm, self.experiments, self.declared, values)
+        arm, experiments = with_declared_numbers(self.arm, self.experiments, self.declared, values)
         return replace(self, arm=arm, experiments=experiments, declared=())
 
     def _of_one_arm(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:

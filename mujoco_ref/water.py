@@ -93,7 +93,9 @@ def _add_tensor(
 
 
 @njit(cache=True)
-def water_forces(motion: Array, body: ChainConstants, laws: Laws, t: float, half_step: float, equation: Equation) -> None:
+def water_forces(
+    motion: Array, body: ChainConstants, laws: Laws, t: float, half_step: float, equation: Equation
+) -> None:
     """Add the water's generalised force to force (n + 3,), and to matrix (n + 3, n + 3) its added mass plus
     half_step times its resistance: what an implicit step needs. Writes sums.
 

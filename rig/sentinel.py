@@ -60,7 +60,7 @@ def _told(name: str, value: float) -> str:
     return f"{1e3 * value:.3g} mrad" if "lag" in name else f"{100.0 * value:.3g} %"
 
 
-def numbers_of(recording: Recording, motion: Sine) -> Array:
+def sentinel_numbers(recording: Recording, motion: Sine) -> Array:
     """The four numbers (4,) of a run, means over its periods after settling: mean heading and swing of the tip [rad],
     its lag behind the base [rad], swing of the thrust [N]. InputError where fewer than FEWEST periods are seen.
     """
@@ -158,7 +158,7 @@ def sentinel(
     def changed(runs: Sequence[Path]) -> list[str]:
         for path in (*runs[:count], runs[-1]):
             if path not in known:
-                known[path] = numbers_of(tracked(read_run(path)), motion)
+                known[path] = sentinel_numbers(tracked(read_run(path)), motion)
         if not repeats:
             repeats.append(ReferenceRuns(np.array([known[path] for path in runs[:count]]), comparisons))
             told(repeats[0].words)

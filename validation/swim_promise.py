@@ -76,7 +76,7 @@ def delivered_thrust(trial: Trial, gait: Gait) -> float:
     return -float(np.average(load, weights=np.hanning(load.size + 2)[1:-1]))
 
 
-def recording_of(seed: int, filming: Filming) -> tuple[Trial, Recording]:
+def filmed_trial(seed: int, filming: Filming) -> tuple[Trial, Recording]:
     """A trial of the chain with nothing hidden, and its recording."""
     trial = drawn(seed, (), {}, filming, (6.0, 15.0))
     return trial, recorded(trial, shown(trial, chain.plant(trial)))
@@ -91,7 +91,7 @@ def whole_periods(trial: GaitTrial, gait: Gait) -> GaitTrial:
 
 def promises_kept(seed: int, filming: Filming, evaluations: int, samples: int) -> Iterator[Promised]:
     """The gait at the estimates and the one under the posterior, promised by the model and swum by the plant."""
-    trial, recording = recording_of(seed, filming)
+    trial, recording = filmed_trial(seed, filming)
     model = identify([recording]).model
     at_estimates, plan = trial_of(model), SearchPlan(evaluations=evaluations, seed=seed)
     alone: Model = replace(model, posterior=None)

@@ -14,7 +14,7 @@ import numpy as np
 from tentacle.signals import Array
 from vision.arm_proposal import ArmProposal
 from vision.body_axis import axis_between, base_opposite, clamped_until, widths_along
-from vision.candidates import SlenderBody, turned
+from vision.candidates import SlenderBody, reversed_axis
 from vision.hinge import motion_begins
 from vision.shoulders import from_shoulders
 from vision.silhouette import Axis
@@ -34,7 +34,7 @@ class _Cut(NamedTuple):
     words: str = ""
 
 
-def arm_of(
+def proposal_of(
     bodies: Sequence[SlenderBody | None], shape: Sequence[int], polarity: float, base: Array | None = None
 ) -> ArmProposal | None:
     """The arm in one body a picture, of pictures of that shape; None if no body has an axis. base (2,) [px] where it
@@ -96,7 +96,7 @@ def _cut(contours: Sequence[Array], axes: list[Axis]) -> _Cut:
 
 def _from_base(axis: Axis, base: Array) -> Axis:
     """The axis from the end that is nearer along it to a known base."""
-    return turned(axis) if _nearest(axis, base) > len(axis.points) // 2 else axis
+    return reversed_axis(axis) if _nearest(axis, base) > len(axis.points) // 2 else axis
 
 
 def _nearest(axis: Axis, base: Array) -> int:
@@ -119,7 +119,7 @@ def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
             axis.points if same <= np.linalg.norm(axis.points[::-1] - points[-1], axis=1).mean() else axis.points[::-1]
         )
     exchanged = [p is not axis.points for p, axis in zip(points, axes, strict=True)]
-    axes = [turned(axis) if turn else axis for axis, turn in zip(axes, exchanged, strict=True)]
+    axes = [reversed_axis(axis) if turn else axis for axis, turn in zip(axes, exchanged, strict=True)]
     ends = np.array([[axis.points[0], axis.points[-1]] for axis in axes])
     moves = np.linalg.norm(np.std(ends, axis=0), axis=1)
     if max(moves) > 2.0 * min(moves) + 1.0:
@@ -129,7 +129,7 @@ def _base_first(axes: list[Axis], shape: Sequence[int]) -> list[Axis]:
         rim = np.min(np.concatenate([ends, size - 1.0 - ends], axis=2), axis=2).mean(axis=0)
         wide = [np.median([np.mean(axis.width[part]) for axis in axes]) for part in (slice(0, 60), slice(-60, None))]
         exchange = rim[1] < rim[0] - 5.0 if abs(wide[0] - wide[1]) < 0.15 * sum(wide) else wide[1] > wide[0]
-    return [turned(axis) for axis in axes] if exchange else axes
+    return [reversed_axis(axis) for axis in axes] if exchange else axes
 
 
 def _length(line: Array) -> float:

@@ -47,7 +47,9 @@ class SlenderBody:
     merit: float
 
 
-def candidates(pictures: Sequence[Grey], polarity: float, base: Array | None = None) -> list[list[SlenderBody | None]]:
+def candidate_bodies(
+    pictures: Sequence[Grey], polarity: float, base: Array | None = None
+) -> list[list[SlenderBody | None]]:
     """Sets of bodies that may be the arm, the likeliest first: in each picture a slender body that is held at one
     place, or None. polarity +1: darker than the ground, -1: lighter. base (2,) [px]: a known place, then one set.
     """
@@ -169,7 +171,7 @@ def _end(axis: Axis) -> tuple[Array, Array, float]:
 
 def _facing(one: SlenderBody, other: SlenderBody) -> tuple[Axis, Axis]:
     """Both axes, turned so that each ends at the gap between them."""
-    ways = [(a, b) for a in (one.axis, turned(one.axis)) for b in (other.axis, turned(other.axis))]
+    ways = [(a, b) for a in (one.axis, reversed_axis(one.axis)) for b in (other.axis, reversed_axis(other.axis))]
     return min(ways, key=lambda way: float(np.linalg.norm(way[0].points[-1] - way[1].points[-1])))
 
 
@@ -199,7 +201,7 @@ def _bridged(one: SlenderBody, other: SlenderBody, grow: int) -> NDArray[np.bool
     return filled > 0
 
 
-def turned(axis: Axis) -> Axis:
+def reversed_axis(axis: Axis) -> Axis:
     """The same axis from its other end."""
     return Axis(axis.points[::-1], axis.width[::-1], axis.length)
 

@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 
 from tentacle.errors import InputError
-from vision.arm_of_bodies import arm_of
+from vision.arm_of_bodies import proposal_of
 from vision.arm_proposal import ArmProposal
-from vision.candidates import candidates
+from vision.candidates import candidate_bodies
 from vision.frames import Grey, read_frames
 from vision.known_arm import NOTHING_KNOWN, KnownArm
 
@@ -79,8 +79,8 @@ def propose_among(pictures: Sequence[Grey], known: KnownArm = NOTHING_KNOWN) -> 
 
 def _proposals(pictures: Sequence[Grey], polarity: float, known: KnownArm) -> list[tuple[ArmProposal, float]]:
     """The arms that the bodies of one polarity give, each with its merit."""
-    ways = candidates(pictures, polarity, known.base())
-    arms = [arm_of(bodies, pictures[0].shape, polarity, known.base()) for bodies in ways]
+    ways = candidate_bodies(pictures, polarity, known.base())
+    arms = [proposal_of(bodies, pictures[0].shape, polarity, known.base()) for bodies in ways]
     merits = [sum(body.merit for body in bodies if body is not None) for bodies in ways]
     return [(arm, merit) for arm, merit in zip(arms, merits, strict=True) if arm is not None]
 

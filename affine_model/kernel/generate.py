@@ -272,12 +272,12 @@ def array_sizes(nodes: int, order: int, free: bool = False) -> dict[str, tuple[i
     return {name: tuple(extents[extent] for extent in shape) for name, shape in shapes.items()}
 
 
-def sizes_of(order: int, free: bool) -> dict[str, int]:
+def template_constants(order: int, free: bool) -> dict[str, int]:
     """The template's constants n, D and FREE; free: the base floats."""
     return {"n": order, "D": order + 2 + free, "FREE": int(free)}
 
 
 def kernel_source(nodes: int, order: int, lanes: int = BLOCK, free: bool = False) -> str:
     """The text for that number of nodes, curvatures and lanes a block, of a free base or not, and this catalogue."""
-    constants = {**sizes_of(order, free), "NODES": nodes, "BLOCK": lanes, "BODIES": bodies()}
+    constants = {**template_constants(order, free), "NODES": nodes, "BLOCK": lanes, "BODIES": bodies()}
     return unrolled_source(filled_template(order, Parts(), free), constants, array_sizes(nodes, order, free))

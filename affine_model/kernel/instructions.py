@@ -46,7 +46,7 @@ class Value:
         return self.text[0] not in "%s"  # %name, splat (...)
 
 
-def number(value: float) -> Value:
+def double(value: float) -> Value:
     """A double written out, bit by bit."""
     return Value(f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}", "double")
 
@@ -88,7 +88,7 @@ class Instructions:
         """The number as a double."""
         if value.kind == "double":
             return value
-        return number(float(value.text)) if value.literal else self._like(value, f"sitofp i64 {value.text} to double")
+        return double(float(value.text)) if value.literal else self._like(value, f"sitofp i64 {value.text} to double")
 
     def _like(self, value: Value, operation: str) -> Value:
         return Value(self.new(operation), "double", value.lanes)
@@ -178,19 +178,19 @@ class Instructions:
         At most 1e-15 of it wrong. What would leave the doubles' range stays at its ends.
         """
         kind, whole_kind = self.type_of(x), f"<{self.width} x i64>"
-        x = self.called("min", [self.called("max", [x, number(-EXP_MOST)]), number(EXP_MOST)])  # NaN stays
+        x = self.called("min", [self.called("max", [x, double(-EXP_MOST)]), double(EXP_MOST)])  # NaN stays
 
         def exact(operation: str, left: str, right: float) -> str:
-            return self.new(f"{operation} {kind} {left}, {self.splat(number(right)).text}")
+            return self.new(f"{operation} {kind} {left}, {self.splat(double(right)).text}")
 
         shifted = exact("fadd", exact("fmul", x.text, 1.0 / math.log(2.0)), WHOLE_BITS)
         k = exact("fsub", shifted, WHOLE_BITS)
         near = self.new(f"fsub {kind} {x.text}, {exact('fmul', k, LOG_2_HIGH)}")
         rest = Value(self.new(f"fsub {kind} {near}, {exact('fmul', k, LOG_2_LOW)}"), "double", True)
-        series = number(1.0 / math.factorial(EXP_TERMS))
+        series = double(1.0 / math.factorial(EXP_TERMS))
         for power in range(EXP_TERMS - 1, -1, -1):
             series = self.arithmetic(ast.Mult(), series, rest)
-            series = self.arithmetic(ast.Add(), series, number(1.0 / math.factorial(power)))
+            series = self.arithmetic(ast.Add(), series, double(1.0 / math.factorial(power)))
         bits = self.new(f"bitcast {kind} {shifted} to {whole_kind}")
         biased = self.new(f"add {whole_kind} {bits}, splat (i64 1023)")
         scale = self.new(f"shl {whole_kind} {biased}, splat (i64 52)")
@@ -199,9 +199,9 @@ class Instructions:
     def _hyperbolic_tangent(self, y: Value) -> Value:
         """tanh(y) of a vector: sign(y) (1 - e) / (1 + e), e = exp(-2 |y|); at most 2e-16 wrong."""
         size = self.called("abs", [y])
-        e = self._exponential(self.arithmetic(ast.Mult(), number(-2.0), size))
+        e = self._exponential(self.arithmetic(ast.Mult(), double(-2.0), size))
         ratio = self.arithmetic(
-            ast.Div(), self.arithmetic(ast.Sub(), number(1.0), e), self.arithmetic(ast.Add(), number(1.0), e)
+            ast.Div(), self.arithmetic(ast.Sub(), double(1.0), e), self.arithmetic(ast.Add(), double(1.0), e)
         )
         copied = f"@llvm.copysign.v{self.width}f64({self.operand(ratio)}, {self.operand(y)})"
         return self._like(y, f"call {self.type_of(y)} {copied}")

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import cast
 
 from affine_model.kernel.arguments import Argument
-from affine_model.kernel.instructions import Instructions, Value, number, whole
+from affine_model.kernel.instructions import Instructions, Value, double, whole
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Writer:
         sums = _carried(loop.body)
 
         def at(lane: str) -> None:
-            self._lane, self._local = lane, {name: self.emit.splat(number(0.0)) for name in sums}
+            self._lane, self._local = lane, {name: self.emit.splat(double(0.0)) for name in sums}
             self.statements(loop.body)
             parts = {name: self.emit.sum_of_lanes(self._local[name]) for name in sums}
             self._lane, self._local = None, {}
@@ -236,7 +236,7 @@ class Writer:
             case ast.Constant(value=int() as count):
                 return whole(count)
             case ast.Constant(value=float() as real):
-                return number(real)
+                return double(real)
             case ast.Name():
                 return self._name(node.id)
             case ast.Subscript(value=ast.Attribute(value=ast.Name(id=name)), slice=ast.Constant(value=int() as axis)):

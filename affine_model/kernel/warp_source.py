@@ -16,7 +16,7 @@ import numpy as np
 
 from affine_model.advance import CONSTANTS, Drive, arm_arrays
 from affine_model.arm import Arm, parameter_rows
-from affine_model.kernel.generate import Parts, array_sizes, bodies, filled_template, sizes_of
+from affine_model.kernel.generate import Parts, array_sizes, bodies, filled_template, template_constants
 from affine_model.kernel.linear_form import LinearForms
 from affine_model.kernel.partial_evaluation import PartialEvaluation, numbered
 from affine_model.kernel.scalars import assigned, pruned, straightened
@@ -71,7 +71,7 @@ def _straight(variant: Variant, swim: bool) -> tuple[list[ast.stmt], list[str]]:
     parts = gait_parts() if swim else Parts()
     sizes = {**array_sizes(variant.nodes, variant.order), "lane": (), "base_lane": (), **(GAIT_SIZES if swim else {})}
     constants = {
-        **sizes_of(variant.order, False), "NODES": variant.nodes, "BLOCK": 1, "BODIES": bodies(), "b": 0,
+        **template_constants(variant.order, False), "NODES": variant.nodes, "BLOCK": 1, "BODIES": bodies(), "b": 0,
         "own_base": False,
         "free_theta": variant.free_theta, "free_rail": variant.free_rail,
         "base.shape[0]": 3,

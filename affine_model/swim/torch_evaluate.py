@@ -16,7 +16,7 @@ from affine_model.advance import Drive, Pace
 from affine_model.arm import Arm
 from affine_model.curvature import Array
 from affine_model.swim.evaluate import ROWS, Bounds, evaluate
-from affine_model.swim.torch_gait import outcome
+from affine_model.swim.torch_gait import gait_rows
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 
 
@@ -66,7 +66,7 @@ def _backward(ctx: Any, gradient: Tensor) -> tuple[Any, ...]:
     with torch.enable_grad():
         given = [part.detach().requires_grad_(asked) for part, asked in zip((genes, parameters), wanted, strict=True)]
         limits = kinematic, bandwidth
-        found = outcome(arm_from_row(arm), drive_from_row(drive), given[0], given[1], limits, timing)
+        found = gait_rows(arm_from_row(arm), drive_from_row(drive), given[0], given[1], limits, timing)
         asked = [part for part in given if part.requires_grad]
         slopes = iter(torch.autograd.grad(found, asked, gradient))
     return [None, None], *(next(slopes) if part.requires_grad else None for part in given), None, None

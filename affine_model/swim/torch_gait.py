@@ -34,7 +34,7 @@ def gait_table(genes: Tensor, times: Tensor, bandwidth: float) -> Tensor:
     return torch.stack([part.sum(dim=2) for part in parts])
 
 
-def outcome(
+def gait_rows(
     arm: Arm, drive: Drive, genes: Tensor, parameters: Tensor, limits: Limits, timing: tuple[Pace, int]
 ) -> Tensor:
     """The rows (6, B, K) of affine_model.swim.evaluate, of gaits (B, 9) on samples (R, K) of parameters."""

@@ -87,7 +87,7 @@ def stiff_point(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> t
     modulus = STIFFER * _balanced_modulus(base, motions)
     if LOSS in changed:
         changed[LOSS] *= modulus / nominal[MODULUS]
-    return at_values(base, {**changed, MODULUS: modulus})
+    return with_parameters(base, {**changed, MODULUS: modulus})
 
 
 def arms_of(problem: Problem, fitted: Fit) -> list[Arm]:
@@ -126,10 +126,10 @@ def _moved(point: tuple[Problem, Fit], change: Array) -> tuple[Problem, Fit]:
         if before > 0.0:
             low, high = max(low, before / FARTHEST), min(high, before * FARTHEST)
         changed[name] = float(np.clip(before + scale * step, low, high))
-    return at_values(point, changed)
+    return with_parameters(point, changed)
 
 
-def at_values(point: tuple[Problem, Fit], changed: dict[tuple[str, str], float]) -> tuple[Problem, Fit]:
+def with_parameters(point: tuple[Problem, Fit], changed: dict[tuple[str, str], float]) -> tuple[Problem, Fit]:
     """The model with other values of these parameters, not fitted again."""
     problem, fitted = point
     parameters = fitted.parameters.copy()

@@ -23,7 +23,7 @@ from scipy.stats import false_discovery_control
 from discovery.answer import MOST_EFFECTS
 from discovery.decide import CREDIBLE, log_prior_of_set
 from discovery.library.evidence import RecordingEvidence
-from discovery.library.pooled import FoundEffect, Direction, Pool, directions, estimates_of, pool_of, strengths_where
+from discovery.library.pooled import Direction, KnownEffect, Pool, directions, estimates_of, pool_of, strengths_where
 from discovery.library.presence import Estimates, Presence, presence
 from discovery.library.trend import Trend
 from inference.trajectory import ParameterName
@@ -84,7 +84,7 @@ def combine(
         if none >= 1.0 - CREDIBLE or number == MOST_EFFECTS:
             break
         best = _best(left, presences, masses)
-        acting = FoundEffect(left[best], presences[best])
+        acting = KnownEffect(left[best], presences[best])
         found.append(_found(pool, acting, estimates[best], masses))
         pool = pool.with_acting(acting)
     claimed, false_claims = claims([one.acts for one in found])
@@ -112,7 +112,7 @@ def _best(left: Sequence[Direction], presences: Sequence[Presence], masses: dict
     return max((k for k, one in enumerate(left) if one.effect == name), key=lambda k: presences[k].evidence)
 
 
-def _found(pool: Pool, acting: FoundEffect, estimates: Estimates, masses: dict[str, float]) -> FoundEffect:
+def _found(pool: Pool, acting: KnownEffect, estimates: Estimates, masses: dict[str, float]) -> FoundEffect:
     """The acting effect with the others that together hold CREDIBLE of the mass."""
     order, some = sorted(masses, key=lambda name: -masses[name]), sum(masses.values())
     count = int(np.searchsorted(np.cumsum([masses[name] for name in order]), CREDIBLE * some)) + 1

@@ -38,7 +38,7 @@ class Direction:
 
 
 @dataclass(frozen=True)
-class FoundEffect:
+class KnownEffect:
     """An effect that is found already: its direction, and where it acts (R,), how strongly."""
 
     direction: Direction
@@ -55,9 +55,9 @@ class Pool:
     days: Array
     share: int
     lines: dict[ParameterName, Trend]
-    acting: tuple[FoundEffect, ...] = ()
+    acting: tuple[KnownEffect, ...] = ()
 
-    def with_acting(self, acting: FoundEffect) -> Pool:
+    def with_acting(self, acting: KnownEffect) -> Pool:
         """The pool with one effect more, and its parameters beside it."""
         return with_lines(replace(self, acting=(*self.acting, acting)))
 
@@ -174,7 +174,7 @@ def _strengths(pool: Pool, place: int, sought: Sequence[Direction]) -> tuple[Arr
     return np.where(visible, score / safe, 0.0), np.where(visible, 1.0 / np.sqrt(safe), np.inf)
 
 
-def strengths_where(pool: Pool, acting: FoundEffect) -> dict[str, tuple[float, float, float]]:
+def strengths_where(pool: Pool, acting: KnownEffect) -> dict[str, tuple[float, float, float]]:
     """The effect's strengths with their intervals (95 %), over the recordings in which it acts.
 
     A single strength is that of its presence. Of two, both are estimated together; their deviations are enlarged as

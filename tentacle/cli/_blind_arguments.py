@@ -62,6 +62,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def listed(text: str) -> list[str]:
+def comma_separated(text: str) -> list[str]:
     """The words of a list with commas."""
     return [word.strip() for word in text.split(",") if word.strip()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tentacle.cli._blind_arguments import PLANTS, VIDEO_SHARE, listed
+from tentacle.cli._blind_arguments import PLANTS, VIDEO_SHARE, comma_separated
 from tentacle.cli._blind_arguments import configure as configure
 from tentacle.cli._output import say
 
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.count} is too few", field="N", expected="1 or more")
     if arguments.workers is not None and arguments.workers < 1:
         raise InputError(f"{arguments.workers} is too few", field="--workers", expected="1 or more")
-    kinds = listed(arguments.kinds)
+    kinds = comma_separated(arguments.kinds)
     share = VIDEO_SHARE if arguments.video_share is None else arguments.video_share
     sections, inputs = [], []
     real = (arguments.own_errors, arguments.baseline)
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
         for field, given in (("--own-errors", arguments.own_errors), ("--baseline", arguments.baseline)):
             if given:
                 raise InputError("a simulated arm has none", field=field, expected="--like RECORDING beside it")
-        plants = listed(arguments.plant or PLANTS)
+        plants = comma_separated(arguments.plant or PLANTS)
         found = plant_designs(arguments.count, arguments.seed, plants=plants, kinds=kinds, video_share=share)
         options = f"--plant {','.join(plants)} --video-share {share:g}"
     else:

@@ -9,7 +9,7 @@ import torch
 from affine_model.advance import PRESCRIBED, Drive, Pace
 from affine_model.arm import Arm, parameter_index
 from affine_model.simulate import Rail, Servo, Start, Timing, simulate
-from affine_model.torch_adjoint import numbers_of
+from affine_model.torch_adjoint import pace_row
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 from affine_model.torch_operator import mean_thrust
 from affine_model.torch_simulation import DIVERGED_THRUST, torch_simulate
@@ -101,7 +101,7 @@ def test_the_operator_is_the_kernel(parameters):
         torch.ops.tentacle.advance.default,
         (
             [arm_row(ARM), drive_row(Drive())], torch.from_numpy(p), torch.from_numpy(base_motion()), still,
-            numbers_of(Pace(H, 5, 20, complete=True)),
+            pace_row(Pace(H, 5, 20, complete=True)),
         ),
         test_utils=("test_schema", "test_faketensor"),
     )  # fmt: skip

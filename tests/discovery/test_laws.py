@@ -8,7 +8,7 @@ import pytest
 
 from affine_model.arm import parameter_index
 from discovery.laws.grammar import Scale, forms
-from discovery.laws.operating_point import at_values, settled_search, sought_at, stiff_point
+from discovery.laws.operating_point import settled_search, sought_at, stiff_point, with_parameters
 from discovery.laws.propose import _beside_laws, _by_name, _fitted_closely, _with_law, as_found, propose_laws
 from discovery.laws.search import search_laws
 from inference.base_fit import Setting, fit_base
@@ -73,7 +73,7 @@ def test_a_magnet_is_found_with_its_power_and_its_place(found):
 @pytest.mark.long
 def test_a_law_is_found_from_parameters_that_the_missing_force_has_moved_far(magnet):
     # A fit without the law can end anywhere: here with a hundredth of the stiffness and no drag.
-    lost = at_values(magnet, {("elasticity", "E"): MODULUS / 100.0, ("drag", "C_perp"): 0.0})
+    lost = with_parameters(magnet, {("elasticity", "E"): MODULUS / 100.0, ("drag", "C_perp"): 0.0})
     motions, _ = sought_at(lost)
     stiff = stiff_point(lost, motions)[1].parameters[parameter_index("elasticity", "E")]
     # Four times the balance of inertia and weight: near the arm's own, less where a magnet's pull bends it as much.
@@ -122,7 +122,7 @@ def test_where_the_force_is_noise_no_law_is_proposed():
 
 def test_about_a_model_that_falls_over_no_law_is_sought(magnet):
     """An arm that stands up in a hundredfold gravity, and has no stiffness: its small motions grow e-fold in 10 ms."""
-    problem, fitted = at_values(magnet, {("elasticity", "E"): 0.0, ("damping", "eta"): 0.0})
+    problem, fitted = with_parameters(magnet, {("elasticity", "E"): 0.0, ("damping", "eta"): 0.0})
     heavy = Gravity(np.pi, 1000.0)
     assert not sought_at(magnet)[1].ran_away
     fallen = replace(problem, arm=replace(problem.arm, gravity=heavy))

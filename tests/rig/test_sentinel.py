@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rig.sentinel import LEVEL, NAMES, ReferenceRuns, numbers_of
+from rig.sentinel import LEVEL, NAMES, ReferenceRuns, sentinel_numbers
 from tentacle.errors import InputError
 from tentacle.recording import Declaration, LoadCellSignal, MotorSignal, Recording, ShapeTrack
 from tentacle.signals import Array
@@ -38,7 +38,7 @@ def reference(seed: int, swing: float = 0.5, lag: float = 0.4, mean: float = 0.0
 
 @pytest.fixture(scope="module")
 def repeats() -> ReferenceRuns:
-    return ReferenceRuns(np.array([numbers_of(reference(seed), MOTION) for seed in range(COUNT)]), COMPARISONS)
+    return ReferenceRuns(np.array([sentinel_numbers(reference(seed), MOTION) for seed in range(COUNT)]), COMPARISONS)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def repeats() -> ReferenceRuns:
     ],
 )
 def test_the_sentinel_names_what_changed(moved: dict[str, float], name: str, repeats: ReferenceRuns) -> None:
-    found = repeats.changes(numbers_of(reference(99, **moved), MOTION), "reference-0000")
+    found = repeats.changes(sentinel_numbers(reference(99, **moved), MOTION), "reference-0000")
     assert [change.name for change in found] == [name]
     value = moved.get("swing", 0.5) / 0.5 - 1 or moved.get("lag", 0.4) - 0.4 or moved.get("mean", 0.0) / 0.5
     assert abs(found[0].change - value) < found[0].half_width
@@ -59,7 +59,7 @@ def test_the_sentinel_names_what_changed(moved: dict[str, float], name: str, rep
 
 def test_an_error_of_the_cameras_clock_is_no_drift(repeats: ReferenceRuns) -> None:
     """5 ms are 31 mrad of phase, of the tip and of the base alike."""
-    numbers = numbers_of(reference(99, late=5e-3), MOTION)
+    numbers = sentinel_numbers(reference(99, late=5e-3), MOTION)
     assert not repeats.changes(numbers, "")
     assert numbers[2] == pytest.approx(0.4, abs=3e-3)  # 0.003 rad in 270 frames, over the swings of 0.5 and 0.3 rad
 
@@ -107,4 +107,4 @@ def test_the_drift_that_it_says_it_finds_is_found(number: int) -> None:
 
 def test_a_reference_of_too_few_periods_is_refused() -> None:
     with pytest.raises(InputError, match="whole periods"):
-        numbers_of(reference(1), Sine(0.3, 0.3))
+        sentinel_numbers(reference(1), Sine(0.3, 0.3))

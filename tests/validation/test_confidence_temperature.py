@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from discovery.calibration import CONFIDENCE_TEMPERATURE, tempered
-from validation.trials.outcome import Outcome, outcome
+from validation.trials.outcome import Outcome, scored
 from validation.trials.reliability import fit_temperature, temperature_cost
 
 RESULTS = Path(__file__).parents[2] / "benchmarks" / "results"
@@ -21,7 +21,7 @@ def series(seed: int) -> list[Outcome]:
         row = json.loads(line)
         if "answer" in row:
             answer = {**row["answer"], "uncalibrated": row["answer"]["confidence"], "cosines": {}}
-            found.append(outcome(index, row["truth"], "midline", answer, baselines={}, seconds=row["seconds"]))
+            found.append(scored(index, row["truth"], "midline", answer, baselines={}, seconds=row["seconds"]))
     return found
 
 
@@ -57,5 +57,5 @@ def test_the_temperature_of_made_outcomes_is_found() -> None:
             "verdict": "nothing_missing" if right else "unknown", "effects": [], "confidence": mass,
             "uncalibrated": mass, "cosines": {}, "midline_mm": {"before": None, "after": None, "floor": None},
         }  # fmt: skip
-        made.append(outcome(index, truth, "midline", answer, baselines={}, seconds=1.0))
+        made.append(scored(index, truth, "midline", answer, baselines={}, seconds=1.0))
     assert fit_temperature(made) == pytest.approx(2.0, rel=0.1)

@@ -7,7 +7,7 @@ import pytest
 
 from discovery.calibration import read_calibration
 from tentacle.errors import InputError
-from validation.trials.outcome import Outcome, outcome
+from validation.trials.outcome import Outcome, scored
 from validation.trials.reliability import (
     calibration_gap,
     cross_calibrated,
@@ -48,12 +48,12 @@ def test_third_curvature_is_neither_right_nor_wrong():
         "verdict": "effect", "effects": ["third_curvature"], "confidence": 0.9, "uncalibrated": 0.9, 
         "midline_mm": measures, "cosines": {},
     }  # fmt: skip
-    null = outcome(0, {"kind": "null", "effects": {}, "r": []}, "midline", answer, baselines={}, seconds=1.0)
+    null = scored(0, {"kind": "null", "effects": {}, "r": []}, "midline", answer, baselines={}, seconds=1.0)
     assert null.hit
     assert null.answer == "nothing"
     assert math.isnan(null.floor)
     answer["effects"] = ["wall", "third_curvature"]
-    single = outcome(
+    single = scored(
         1, {"kind": "single", "effects": {"wall": {}}, "r": [2.0]}, "video", answer, baselines={}, seconds=1.0
     )
     assert single.hit
@@ -68,7 +68,7 @@ def test_a_group_is_needless_where_the_effects_are_no_twins():
             "verdict": "group", "effects": ["wall", "current"], "confidence": 0.9, "uncalibrated": 0.9,
             "midline_mm": measures, "cosines": {"current|wall": cosine},
         }  # fmt: skip
-        assert outcome(0, truth, "midline", answer, baselines={}, seconds=1.0).needless_group is needless
+        assert scored(0, truth, "midline", answer, baselines={}, seconds=1.0).needless_group is needless
 
 
 def test_shares_count_the_right_trials():

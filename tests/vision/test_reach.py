@@ -39,7 +39,7 @@ def test_the_reach_tells_how_long_an_arm_is_and_whether_its_tip_lies_beside_the_
 
 
 def test_the_reach_of_a_large_picture_is_as_right_as_that_of_a_small_one():
-    """At 3840 x 2160 an arm of 1426 px may lie 9 px beside the nearest of the tried arcs: the ground is read beyond it."""
+    """At 3840 x 2160 an arm of 1426 px may lie 9 px beside the nearest of the tried arcs."""
     scene = swaying(seed=1, frames=1, size=(3840, 2160))
     picture = next(iter(render(scene.midline, scene.specimen, scene.camera, RenderSettings(scene.size, CLEAN, 1))))
     geometry = Geometry.declared(scene.specimen, scene.camera)

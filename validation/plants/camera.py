@@ -19,7 +19,7 @@ def looks_at(t: Array, numbers: dict[str, float], laws: dict[str, str]) -> Array
     return t + offset + drift
 
 
-def seen(xy: Array, length: float, numbers: dict[str, float], laws: dict[str, str]) -> Array:
+def as_filmed(xy: Array, length: float, numbers: dict[str, float], laws: dict[str, str]) -> Array:
     """Points (T, P, 2) [m] as the picture shows them."""
     if "camera_scale" in laws:
         excess = numbers["excess"]

@@ -13,9 +13,9 @@ from tentacle.errors import InputError
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Array, LoadCellSignal, Midline, MotorSignal
 from tentacle.specimen import Cone, Fluid, Gravity, Specimen
-from validation.plants.camera import looks_at, seen
+from validation.plants.camera import as_filmed, looks_at
 from validation.plants.draw import MOVED, SEEN, SETTLED, Hidden, Trial
-from validation.plants.laws import LAWS, law_number, record
+from validation.plants.laws import LAWS, law_number, law_record
 from validation.plants.servo import turned
 
 STEP, COARSE = 1e-3, 2e-3  # s, at most: the tip is right to 1 micrometre; to 5, which is enough to size an effect
@@ -141,7 +141,7 @@ def film(trial: Trial, plant: Plant, hidden: tuple[Hidden, ...]) -> tuple[Array,
     half_steps: Array = 0.5 * step * np.arange(2 * round(duration / step) + 1, dtype=np.float64)
     theta = turned(trial.theta(half_steps), 0.5 * step, outside, laws)
     try:
-        places, pulls = plant.move(record(**numbers), theta, step, every)
+        places, pulls = plant.move(law_record(**numbers), theta, step, every)
     except np.linalg.LinAlgError:
         effects = ", ".join(laws) or "no effect"
         raise InputError("its motion grows without bound", field=f"plant with {effects}") from None
@@ -150,7 +150,7 @@ def film(trial: Trial, plant: Plant, hidden: tuple[Hidden, ...]) -> tuple[Array,
     points = CubicSpline(np.linspace(0.0, 1.0, places.shape[1]), places, axis=1)(PLACES)
     xy = CubicSpline(run_t, points)(np.clip(looks_at(frames, outside, laws), 0.0, run_t[-1]))
     load = CubicSpline(run_t[:-1], pulls[:-1] - pulls[0])(frames)
-    return seen(xy, trial.arm["length"], outside, laws), load, trial.theta(frames), frames - SETTLED
+    return as_filmed(xy, trial.arm["length"], outside, laws), load, trial.theta(frames), frames - SETTLED
 
 
 def _numbers(trial: Trial, hidden: tuple[Hidden, ...]) -> dict[str, float]:

@@ -52,7 +52,7 @@ _FIELDS = (
 RECORD = np.dtype([(name, np.float64) for name in (*_FIELDS, *NUMBERS, *_LAW_FIELDS)])
 
 
-def record(**values: float) -> np.ndarray:
+def law_record(**values: float) -> np.ndarray:
     """One record (1,) with these numbers, all others zero. ValueError for an unknown name."""
     made = np.zeros(1, RECORD)
     made["tau"], made["slip"], made["s0"], made["slosh_f"], made["settling"] = 1.0, 0.01, 0.3, 1.0, 10.0

@@ -71,7 +71,7 @@ def likeness(recording: Recording, with_own_errors: bool = False) -> Likeness:
     parameters: dict[str, dict[str, Estimate]] = {}
     for (effect, name), value in zip(fitted.free, fitted.values, strict=True):
         parameters.setdefault(effect, {})[name] = Estimate.exact(float(value), UNITS.get(name, "1"))
-    sight = sight_of(prepared, experiment, interval)
+    sight = measurement_of(prepared, experiment, interval)
     if with_own_errors:
         sight = replace(sight, noise=own_errors(prepared, problem, fitted).rms)
     found = Likeness(
@@ -129,7 +129,7 @@ def sampled_motion(base: Waveform, first: float, last: float) -> dict[str, Any]:
     return {"kind": "samples", "t_s": (t - first).tolist(), "angle_rad": angle.tolist()}
 
 
-def sight_of(prepared: Prepared, experiment: Experiment, interval: float) -> Measurement:
+def measurement_of(prepared: Prepared, experiment: Experiment, interval: float) -> Measurement:
     """The measurement of a recording: the noise that it states, and the noise that the fit found."""
     recording, observation = prepared.recording, experiment.observation
     gain = float(np.median(experiment.picture_gain))

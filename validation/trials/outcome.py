@@ -108,7 +108,7 @@ def answer_table(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def outcome(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str, Any], **more: Any) -> Outcome:
+def scored(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str, Any], **more: Any) -> Outcome:
     """A trial's sealed truth and its answer_table together; more: baselines, seconds."""
     hidden = tuple(truth["effects"])
     named = tuple(name for name in answer["effects"] if name != SHAPE)

@@ -19,7 +19,7 @@ from tentacle.recording import Recording
 from tentacle.runner import Runner
 from validation.trials.baselines import baselines
 from validation.trials.design import Design
-from validation.trials.outcome import Outcome, answer_table, outcome
+from validation.trials.outcome import Outcome, answer_table, scored
 from validation.trials.plant_design import PlantDesign
 from validation.trials.plant_recording import plant_recording
 from validation.trials.recording import trial_recording
@@ -103,5 +103,5 @@ def run_series(
             refused.append((design.index, str(result["refused"])))
             continue
         more = {"baselines": result["baselines"], "seconds": result["seconds"]}
-        outcomes.append(outcome(design.index, result["truth"], seen_as(design), result["answer"], **more))
+        outcomes.append(scored(design.index, result["truth"], seen_as(design), result["answer"], **more))
     return outcomes, refused

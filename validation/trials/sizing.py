@@ -161,7 +161,7 @@ def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], li
             continue
         drawn = typical(effect, design.model(), random)
         problem, nuisances = bare_problem(design, root)
-        factors, sizes = sizes_of(problem, nuisances, effect, drawn)
+        factors, sizes = strength_factors(problem, nuisances, effect, drawn)
         factor = float(np.exp(np.interp(np.log(wanted), np.log(sizes), np.log(factors))))
         # To first order the base absorbs too little of a large effect: correct by the residual of a real refit.
         for _ in range(CORRECTIONS):
@@ -175,7 +175,7 @@ def sized(design: Design, root: Array | None = None) -> tuple[dict[str, Any], li
     return hidden, reached
 
 
-def sizes_of(problem: Problem, nuisances: Array, effect: str, drawn: dict[str, float]) -> tuple[Array, Array]:
+def strength_factors(problem: Problem, nuisances: Array, effect: str, drawn: dict[str, float]) -> tuple[Array, Array]:
     """Factors (V,) on an effect's typical strength, and R (V,) at each to first order, rising."""
     largest = max(abs(drawn[name]) for name in SCALED_TOGETHER[effect])
     factors = FACTORS[FACTORS * largest <= LARGEST_STRENGTH.get(effect, np.inf)]
@@ -199,7 +199,7 @@ def shown_effects(
 
     def remains(effect: str) -> bool:
         drawn = typical(effect, model, random)
-        factors, sizes = sizes_of(problem, nuisances, effect, drawn)
+        factors, sizes = strength_factors(problem, nuisances, effect, drawn)
         if sizes.max(initial=0.0) < LEAST_SHOWN:
             return False
         factor = float(factors[min(np.searchsorted(sizes, SHOWN_BY_FAR), factors.size - 1)])

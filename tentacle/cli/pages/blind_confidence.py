@@ -56,7 +56,7 @@ def reliability_section(
     )
 
 
-def error_section(outcomes: Sequence[Outcome]) -> ReportSection:
+def blind_error_section(outcomes: Sequence[Outcome]) -> ReportSection:
     """The error before and after of trials with a hidden effect, over the floor."""
     shown = [o for o in outcomes if o.kind in ("single", "pair") and o.floor > 0 and o.before > 0 and o.after > 0]
     if not shown:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tentacle.cli.pages.blind_confidence import error_section, reliability_section
+from tentacle.cli.pages.blind_confidence import blind_error_section, reliability_section
 from tentacle.cli.pages.blind_scores import baseline_section, confusion_section, percent, score_section
 from tentacle.rounding import number
 from validation.trials.outcome import Outcome
@@ -34,7 +34,7 @@ def blind_trials_page(
         score_section(found),
         confusion_section(outcomes),
         reliability_section(reliability(outcomes), crossed, (gap_by_chance(outcomes), fit_temperature(outcomes))),
-        error_section(outcomes),
+        blind_error_section(outcomes),
         baseline_section(outcomes),
         _trial_section(outcomes, refused),
     ]

@@ -18,7 +18,7 @@ from validation.plants.hidden_law import (
     law_at_end,
     law_on_piece,
 )
-from validation.plants.laws import record
+from validation.plants.laws import law_record
 from validation.trials.law_trial import CLASSES, FORMS
 
 ARM = {"length": 0.14, "E": 2e5}
@@ -26,7 +26,7 @@ HERE = (0.02, 0.1, 1.0, 0.0)  # x, y and a normal along x
 
 
 def one(**numbers):
-    return record(**ARM, **numbers).view(np.recarray)[0]
+    return law_record(**ARM, **numbers).view(np.recarray)[0]
 
 
 def on_piece(kind, speed, t=0.0, **numbers):

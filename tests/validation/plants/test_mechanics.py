@@ -9,7 +9,7 @@ from tentacle.specimen import Cone, Fluid, Gravity, Specimen
 from tentacle.waveform import Sine
 from validation.plants.chain import mover
 from validation.plants.elastica import move as slender
-from validation.plants.laws import record
+from validation.plants.laws import law_record
 from validation.plants.rod import PIECES, move
 
 ARM = {
@@ -27,7 +27,7 @@ def test_a_held_rod_sinks_as_a_cantilever():
     # Held level in water that nearly carries it, its tip sinks by w L^4 / (8 E I), to first order in the bend.
     even = ARM | {"tip_radius": 0.011, "water": 1060.0, "C_perp": 30.0}
     theta = np.full(half_steps(5.0).size, -0.5 * np.pi)
-    tip = move(record(**even), theta, STEP, 500)[0][-1, -1]
+    tip = move(law_record(**even), theta, STEP, 500)[0][-1, -1]
     drop = (1080.0 - 1060.0) * 4.0 * 9.80665 * 0.15**4 / (8.0 * 2.2e5 * 0.011**2)
     assert tip[1] == pytest.approx(drop, rel=0.02)
     assert tip[0] == pytest.approx(0.15, rel=1e-3)
@@ -66,7 +66,7 @@ def test_the_plants_swim_as_the_reference_does(hidden, numbers):
     )
     swum = slice(60, 100)  # the plants start straight, the reference as it hangs
     for plant in (move, mover(PIECES)):
-        places, pulls = plant(record(**ARM, **numbers), angle, STEP, 10)
+        places, pulls = plant(law_record(**ARM, **numbers), angle, STEP, 10)
         apart = np.sqrt(np.mean(np.sum((places[swum] - chain.midline.xy[swum]) ** 2, axis=2)))
         # 32 pieces, 40 links: 17 micrometres of 112 mm of motion bare, 40 with a wall and friction, 110 with a payload
         # on a lever; of the chain, whose steps are of first order, 60 to 100.
@@ -83,7 +83,7 @@ def test_the_plants_swim_as_the_reference_does(hidden, numbers):
 def test_the_cosserat_rod_swims_as_the_rod_of_point_masses(numbers):
     pytest.importorskip("elastica")
     angle = WAVE(half_steps(0.6))[0]
-    places, others = (plant(record(**ARM, **numbers), angle, STEP, 10)[0] for plant in (slender, move))
+    places, others = (plant(law_record(**ARM, **numbers), angle, STEP, 10)[0] for plant in (slender, move))
     apart = np.sqrt(np.mean(np.sum((places - others) ** 2, axis=2)))
     # Shear and the sections' turning, which the other rod lacks: .7 % of 22 mm of motion.
     assert apart < 3e-4
