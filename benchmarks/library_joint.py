@@ -6,9 +6,9 @@ noise, 1 210 numbers. Stiffness, damping and drag vary between recordings by 1, 
 4 % over the library. The models err in nothing but what is hidden: these figures say what noise and the variation of
 the arm allow, not what the error of a declared law does.
 
-Every recording is simulated and fitted (a quarter of a second of a core each), or, with --linear, drawn in the linear model of one
-recording of its motion that was simulated and fitted: its sensitivities, with new noise and new parameters. What is
-not linear in an effect, and how a fit ends, is then left out.
+Every recording is simulated and fitted (a quarter of a second of a core each), or, with --linear, drawn in the linear
+model of one recording of its motion that was simulated and fitted: its sensitivities, with new noise and new
+parameters. What is not linear in an effect, and how a fit ends, is then left out.
 
 Ten libraries, an effect each; in every other one the 20 recordings follow each other, in the others they are drawn at
 random. The 20 are made for their library. The 180 beside them are chosen, place by place, from so many (--replicates)
