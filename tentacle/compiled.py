@@ -38,7 +38,12 @@ class CheckedCacheFile(IndexDataCacheFile):
             file.write(sealed(Path(filepath), content.getvalue()))
 
     def _load_index(self) -> dict[Any, str]:
-        return super()._load_index() if unsealed(Path(self._index_path)) is not None else {}
+        if unsealed(Path(self._index_path)) is None:
+            return {}
+        try:
+            return super()._load_index()
+        except (AttributeError, ImportError):  # a class of another room, which is not there any more
+            return {}
 
     def _load_data(self, name: str) -> Any:
         if unsealed(Path(self._data_path(name))) is None:
@@ -63,7 +68,7 @@ def njit(*, cache: bool = False, **options: Any) -> Callable[[Callable[..., Any]
             cached.enable_caching()
             file: Any = cached._cache._cache_file
             file.__class__ = CheckedCacheFile
-            file._source_stamp = (file._source_stamp, room_digest(Path(function.__code__.co_filename).parent))
+            file._version = (file._version, room_digest(Path(function.__code__.co_filename).parent))
         return cached
 
     return decorate

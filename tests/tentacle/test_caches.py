@@ -66,6 +66,24 @@ def test_a_change_in_another_file_of_the_room_is_compiled_in(tmp_path: Path) -> 
     assert found() == "8.0"
 
 
+@pytest.mark.parametrize("of", ["room", "other_room"])
+def test_a_class_that_has_another_name_now_is_compiled_anew(tmp_path: Path, of: str) -> None:
+    for room in ("room", "other_room"):
+        (tmp_path / room).mkdir()
+        (tmp_path / room / "__init__.py").touch()
+    environment = {**os.environ, "PYTHONPATH": f"{Path.cwd()}{os.pathsep}{tmp_path}"}
+    for name in ("Size", "Extent"):
+        (tmp_path / of / "sizes.py").write_text(
+            f"from typing import NamedTuple\nclass {name}(NamedTuple):\n    x: float\n"
+        )
+        (tmp_path / "room" / "taker.py").write_text(
+            "from tentacle.compiled import njit\n@njit(cache=True)\ndef twice(size):\n    return 2.0 * size.x\n"
+        )
+        program = f"from {of}.sizes import {name}\nfrom room.taker import twice\nprint(twice({name}(1.5)))"
+        ran = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
+        assert ran.stdout.strip() == "3.0", ran.stderr
+
+
 def test_a_cache_folder_is_private(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TENTACLE_CACHE", str(tmp_path))
     (tmp_path / "videos").mkdir(mode=0o777)
