@@ -86,7 +86,7 @@ SPECIAL = {
     "python benchmarks/blind.py --json blind.json": How(add="--help", says="--short"),
     "python docs/real_arms_pictures.py": How(swap=("docs/", f"{ROOT}/docs/"), add="{here}/docs", says="real_beam.webp"),
     "python benchmarks/swim.py --json swim.json": How(add="--help", says="--short"),
-    "python benchmarks/until_split.py --groups 4 --seed 600": How(add="--help", says="--faults"),
+    "python benchmarks/until_split.py --groups 12 --seed 600": How(add="--help", says="--faults"),
     "python benchmarks/sentinel.py --repeats 20": How(add="--help", says="--repeats"),
     "python benchmarks/library.py --json library.json": How(add="--help", says="--count"),
     "python benchmarks/library_joint.py --json joint.json": How(add="--help", says="--linear"),

@@ -21,8 +21,8 @@ import pytest
 
 from tentacle.io.external_data import data_folder
 from tests.docs.desk import begun, environment
-from tests.docs.shown import PAGES, ROOT, shown, stray
-from tests.docs.special_commands import CLUSTER, ELSEWHERE, EMULATE, FOLDER, SPECIAL, how
+from tests.docs.shown import PAGES, ROOT, shown
+from tests.docs.special_commands import CLUSTER, ELSEWHERE, EMULATE, FOLDER, how
 from tests.page import problems
 from viz.viewer import free_port
 
@@ -213,8 +213,3 @@ def test_the_core_is_copied_to_where_the_sketch_looks(tmp_path: Path) -> None:
     sketch = tmp_path / "rig" / "firmware" / "due" / "tentacle_rig"
     for name in re.findall(r'#include "(src/[^"]+)"', (sketch / "tentacle_rig.ino").read_text()):
         assert (sketch / name).is_file(), name
-
-
-def test_the_table_holds_only_what_is_shown_and_no_block_hides_a_command() -> None:
-    assert set(SPECIAL) | set(ELSEWHERE) <= set(COMMANDS)
-    assert {page.name: stray(page) for page in PAGES if stray(page)} == {}
