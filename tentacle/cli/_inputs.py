@@ -1,4 +1,4 @@
-"""The recordings that a command reads: none of them twice."""
+"""The recordings that a command reads: none of them twice, and advice about each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from tentacle.cli._output import remark
 from tentacle.errors import InputError
+from tentacle.recording import Recording
 
 
 def require_once(groups: Mapping[str, Sequence[Path]]) -> None:
@@ -22,3 +24,12 @@ def require_once(groups: Mapping[str, Sequence[Path]]) -> None:
                 words = "is given twice" if given[place] == name else f"is given as {given[place]} too"
                 raise InputError(words, file=path, field=name, expected="each recording once")
             given[place] = name
+
+
+def tell_advice(recordings: Sequence[Recording]) -> None:
+    """A line on standard error for each slip that an unusual set-up could explain, as `tentacle import` prints it."""
+    from tentacle.slips import find_slips
+
+    for recording in recordings:
+        for slip in find_slips(recording):
+            remark(f"{recording.name}/{slip.line()}", "check: ")

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tentacle.cli._effects import add_effects
-from tentacle.cli._inputs import require_once
+from tentacle.cli._inputs import require_once, tell_advice
 from tentacle.cli._output import remark, say, say_text
 
 HELP = "find the effect that the model lacks from the residual of recordings; report the error before and after"
@@ -60,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     plan = [*reading_plan([path for group in groups for path in group]), *DIAGNOSING]
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings, baseline, held_out = ([read_tracked(path, stage) for path in group] for group in groups)
+        tell_advice([*recordings, *baseline, *held_out])
         from discovery.diagnose import diagnose
         from discovery.given import Deciding
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tentacle.cli._inputs import require_once
+from tentacle.cli._inputs import require_once, tell_advice
 from tentacle.cli._output import remark, say, say_text
 
 HELP = (
@@ -58,6 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     with stages(plan) as stage, kernels_ahead(stage) as wait_for_kernels:
         recordings = [read_tracked(path, stage) for path in arguments.recordings]
         check = [read_tracked(path, stage) for path in arguments.check]
+        tell_advice([*recordings, *check])
         wait_for_kernels()
         stage("fitting")
         from inference.identify import identify

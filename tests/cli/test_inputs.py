@@ -15,6 +15,7 @@ from tentacle.io.write_folder import write_folder
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import AccelerationSignal, Accelerometer, Midline, MotorSignal
 from tentacle.specimen import Cone, Specimen
+from tests.made_recordings import record
 from tests.tentacle.io.lab_folder import lab_folder
 from tests.tentacle.io.test_bad_import_folder import CONE, MARKERS, MIDLINE
 from tests.tentacle.io.test_recording_rrd import small_video
@@ -143,3 +144,14 @@ def test_an_effect_file_takes_no_name_of_the_catalogue(tmp_path, capsys) -> None
     assert "wall.toml:" in said
     assert "name: the catalogue has an effect 'wall'; expected another name" in said
     assert not (tmp_path / "out").exists()
+
+
+def test_identify_gives_the_advice_that_import_gives(tmp_path, capsys) -> None:
+    """A servo's log whose sign is reversed: the recording is fitted, and the line says what is odd."""
+    recording = record(seconds=4.0, order=2)
+    motor = recording.motor
+    assert motor is not None
+    reversed_log = MotorSignal(motor.t, -motor.command, -motor.angle)
+    lab = write_folder(replace(recording, name="lab", motor=reversed_log), tmp_path / "lab")
+    assert main(["identify", str(lab), "--out", str(tmp_path / "out")]) == 0
+    assert "check: lab/motor.csv: angle_rad: the root turns -" in capsys.readouterr().err
