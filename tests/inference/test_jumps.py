@@ -6,8 +6,8 @@ from inference.jumps import jumping_frames, without_jumps
 from inference.observation import POSE, ShapeObservation
 
 
-def swinging(frames=120, rate=30.0):
-    t = np.arange(frames) / rate
+def swinging(frames=120, rate=30.0, missing=()):
+    t = np.delete(np.arange(frames + len(missing)) / rate, missing)
     random = np.random.default_rng(3)
     coefficients = np.zeros((frames, POSE + 2))
     sigma = np.array([1e-3, 1e-4, 1e-4, 1e-3, 5e-3, 1e-2])
@@ -41,3 +41,13 @@ def test_frames_that_are_shifted_as_a_whole_are_left_out():
     observation, wrong = swinging(), [30, 61, 90]
     observation.coefficients[wrong, 1] += [5e-3, -5e-3, 5e-3]
     assert np.flatnonzero(jumping_frames(observation)).tolist() == wrong
+
+
+def test_frames_beside_missing_ones_are_kept_and_one_shown_twice_is_found_among_them():
+    """Every ninth frame is missing, and seven in a row."""
+    missing = sorted({*range(8, 400, 9), *range(200, 207)})
+    observation = swinging(frames=400 - len(missing), missing=missing)
+    assert not jumping_frames(observation).any()
+    observation.coefficients[58] = observation.coefficients[57]
+    observation.coefficients[58, 0] += observation.theta[57] - observation.theta[58]
+    assert np.flatnonzero(jumping_frames(observation)).tolist() == [58]
