@@ -28,8 +28,9 @@ from discovery.decide import decide_by_mass
 from discovery.diagnose import diagnose
 from discovery.given import Deciding
 from inference.posterior import Hypothesis
+from tentacle.diagnosis import FINER_SHAPE
 from tentacle.errors import InputError
-from validation.trials.outcome import SHAPE, Outcome, answer_table, scored
+from validation.trials.outcome import Outcome, answer_table, scored
 from validation.trials.plant_design import DRAWN_PLANTS, PlantDesign, plant_designs
 from validation.trials.plant_recording import plant_recording
 from validation.trials.scores import VISIBLE, share
@@ -48,7 +49,7 @@ class Searched:
     def decided(self) -> Outcome:
         """The outcome with the constants as they are now."""
         decision = decide_by_mass(list(self.hypotheses))
-        named = tuple(name for name in decision.effects if name != SHAPE)
+        named = tuple(name for name in decision.effects if name != FINER_SHAPE)
         return replace(self.outcome, verdict=decision.verdict, named=named, confidence=decision.confidence)
 
 

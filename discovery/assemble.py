@@ -32,7 +32,7 @@ from inference.posterior import Hypothesis
 from inference.prepare import Prepared
 from inference.score import twin_cosines
 from inference.trajectory import Problem
-from tentacle.diagnosis import CredibleSet, Diagnosis, Explained, Limit, RankedEffect
+from tentacle.diagnosis import FINER_SHAPE, CredibleSet, Diagnosis, Explained, Limit, RankedEffect
 from tentacle.io.waveform_file import waveform_table
 from tentacle.model import Estimate, Model
 
@@ -90,9 +90,9 @@ def assemble_posterior(
         words.append(f"{shown} {order} curvature coordinates; the paper's model has two.")
         improved = (before.midline_mm or 0.0) > 1.1 * (after.midline_mm or np.inf)
         if verdict == "nothing_missing" and improved:
-            effects, verdict = ("third_curvature",), "effect"
+            effects, verdict = (FINER_SHAPE,), "effect"
         elif verdict in ("effect", "group"):
-            effects = (*effects, "third_curvature")
+            effects = (*effects, FINER_SHAPE)
     temperature = missing_of(found.hypotheses).temperature
     known = _over_sets(decision, temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
@@ -246,14 +246,14 @@ def _not_named(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]
     def plausible(h: Hypothesis) -> float:
         return float(h.evidence_at(temperature).max()) / temperature + log_prior_of_set(len(h.effects))
 
-    words = []
+    told = []
     for h in found.hypotheses:
         if usable(h) or plausible(h) <= plausible(decision.leading):
             continue
         at = ", ".join(f"{effect}.{name}" for effect, name in h.fitted.at_bound if effect in h.effects)
-        why = f"with {at} at a bound" if at else "but its fit did not converge"
-        words.append(f"{' + '.join(h.effects)} would follow the data better, {why}. It is therefore not named.")
-    return words
+        why = f"{at} stands at a bound" if at else "its fit did not converge"
+        told.append(f"{' + '.join(h.effects)} ({why})")
+    return [f"Not named, although they would follow the data better: {'; '.join(told)}."] if told else []
 
 
 def _to_be_split(found: PosteriorSearch, decision: PosteriorDecision) -> tuple[Hypothesis, tuple[Hypothesis, ...]]:

@@ -17,6 +17,7 @@ from tentacle.signals import Array
 
 Quantity = Literal["strain", "acceleration"]  # what a sensor on the arm measures
 Verdict = Literal["nothing_missing", "effect", "group", "unknown"]
+FINER_SHAPE = "third_curvature"  # among the effects where the arm needs more than two curvature coordinates
 
 
 @dataclass(frozen=True)
@@ -164,10 +165,15 @@ class Diagnosis:
     )  # after an unknown: where a force is missing, and laws for it
 
     @property
+    def missing_effects(self) -> tuple[str, ...]:
+        """The effects without FINER_SHAPE: a finer description of the arm is no physical effect."""
+        return tuple(effect for effect in self.effects if effect != FINER_SHAPE)
+
+    @property
     def in_doubt(self) -> tuple[str, ...]:
         """A group's effects of which the data cannot say which acts; those that are certain are not among them."""
-        left = tuple(effect for effect in self.effects if effect not in self.certain)
-        return left or self.effects
+        left = tuple(effect for effect in self.missing_effects if effect not in self.certain)
+        return left or self.missing_effects
 
     @property
     def cannot_tell(self) -> bool:
@@ -185,14 +191,19 @@ class Diagnosis:
             if self.floor.midline_mm is not None:
                 error += f" (floor {self.floor.midline_mm:.2f} mm)"
             error += ", on held-out data." if self.held_out else ", on the data that were fitted."
-        names = " + ".join(self.effects)
-        sure = [effect for effect in self.effects if effect not in self.in_doubt]
+        names, finer = " + ".join(self.missing_effects), FINER_SHAPE in self.effects
+        sure = [effect for effect in self.missing_effects if effect not in self.in_doubt]
         doubt = " / ".join(self.in_doubt)
         beside = f"{' + '.join(sure)} and " if sure else ""
+        also = " It also needs more than two curvature coordinates." if finer else ""
+        only = (
+            "The declared laws explain these data with more than two curvature coordinates: no missing effect can be "
+            "detected."
+        )
         sentence = {
             "nothing_missing": "The declared model explains these data: no missing effect can be detected.",
-            "effect": f"The declared model lacks {names}.",
-            "group": f"The declared model lacks {beside}one of {doubt}; these data cannot tell which.",
+            "effect": f"The declared model lacks {names}.{also}" if names else only,
+            "group": f"The declared model lacks {beside}one of {doubt}; these data cannot tell which.{also}",
             "unknown": "The declared model lacks an effect that is not in the catalogue, or that these data cannot "
             "identify.",
         }[self.verdict]

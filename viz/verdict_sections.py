@@ -31,7 +31,7 @@ DECLARED_AS = {
 
 def title_of(diagnosis: Diagnosis) -> str:
     """The verdict as a title that names what was found."""
-    names = [effect_name(effect) for effect in diagnosis.effects]
+    names = [effect_name(effect) for effect in diagnosis.missing_effects]
     if diagnosis.verdict == "effect" and names:
         return f"Missing: {listed(names)}"
     if diagnosis.verdict == "group" and names:

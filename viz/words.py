@@ -15,6 +15,7 @@ VERDICT_TITLES: dict[Verdict, str] = {
 }
 
 CANNOT_TELL = "These data cannot tell"
+MORE_COORDINATES = "No effect is missing; the arm needs more curvature coordinates"
 
 MEASURES = (
     ("midline_mm", "midline", "mm"),
@@ -26,8 +27,12 @@ MEASURES = (
 
 
 def verdict_title(diagnosis: Diagnosis) -> str:
-    """The verdict as a title; data that show too little have one of their own."""
-    return CANNOT_TELL if diagnosis.cannot_tell else VERDICT_TITLES[diagnosis.verdict]
+    """The verdict as a title; too few data, and an arm that only needs more coordinates, have titles of their own."""
+    if diagnosis.cannot_tell:
+        return CANNOT_TELL
+    if diagnosis.verdict == "effect" and not diagnosis.missing_effects:
+        return MORE_COORDINATES
+    return VERDICT_TITLES[diagnosis.verdict]
 
 
 def probability_words(probability: float) -> str:

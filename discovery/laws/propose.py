@@ -285,8 +285,10 @@ def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) 
     if not laws:
         return ("No law of the grammar predicts the held-out frames: none is proposed.",)
     best = laws[0]
+    most = best.unexplained < 0.5
     words = [
-        f"Proposed law: {best.words}. It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
+        f"{'Proposed law' if most else 'No law explains most of the structured error. The best one'}: {best.words}. "
+        f"It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
         f"the error on held-out frames is {best.held_out_midline_mm:.2f} mm."
     ]
     if alike := [law.words for law in laws[1:] if best.evidence - law.evidence < ALIKE]:

@@ -20,7 +20,7 @@ def seeks_laws(answer: Diagnosis) -> bool:
     """Whether a law could say more than the verdict does."""
     if answer.verdict == "unknown":
         return True
-    named = [name for name in answer.effects if name != "third_curvature"]
+    named = answer.missing_effects
     if not named:
         return False
     after, floor = answer.after.midline_mm, answer.floor.midline_mm

@@ -6,12 +6,14 @@ from typing import cast
 import pytest
 
 from discovery.laws.rivals import LEFT, seeks_laws
-from tentacle.diagnosis import Diagnosis
+from tentacle.diagnosis import FINER_SHAPE, Diagnosis
 
 
 def answer(verdict, effects, after):
     error, floor = SimpleNamespace(midline_mm=after), SimpleNamespace(midline_mm=0.2)
-    return cast(Diagnosis, SimpleNamespace(verdict=verdict, effects=effects, after=error, floor=floor))
+    missing = tuple(name for name in effects if name != FINER_SHAPE)
+    fields = {"verdict": verdict, "effects": effects, "missing_effects": missing, "after": error, "floor": floor}
+    return cast(Diagnosis, SimpleNamespace(**fields))
 
 
 @pytest.mark.parametrize(
@@ -19,7 +21,7 @@ def answer(verdict, effects, after):
     [
         ("unknown", (), 0.2, True),
         ("nothing_missing", (), 0.2, False),
-        ("effect", ("third_curvature",), 0.4, False),  # no effect is named: the model is only finer
+        ("effect", (FINER_SHAPE,), 0.4, False),  # no effect is named: the model is only finer
         ("effect", ("current",), 0.201, False),  # at the floor
         ("effect", ("current",), 0.21 * LEFT, True),
         ("effect", ("current", "linear_drag"), 0.2, True),

@@ -14,7 +14,7 @@ import pytest
 
 from discovery.answer import cannot_tell
 from tentacle.cli.pages.diagnosis import answer_lines
-from tentacle.diagnosis import ErrorMeasure
+from tentacle.diagnosis import FINER_SHAPE, ErrorMeasure
 from tentacle.model import Estimate
 from tests.page import parsed, problems
 from viz.diagnosis_report import diagnosis_report, twin_words
@@ -214,6 +214,15 @@ def test_an_effect_that_a_wrong_declared_number_looks_like_says_which_number(cas
 def test_the_numbers_to_check_belong_to_effects_of_the_catalogue():
     for effect in DECLARED_AS:
         import_module(f"affine_model.effects.{effect}")
+
+
+def test_more_coordinates_are_no_missing_effect(case):
+    only = replace(case.diagnosis, verdict="effect", effects=(FINER_SHAPE,), certain=())
+    assert "The declared laws explain these data with more than two curvature coordinates: no missing" in only.headline
+    assert title_of(only) == "No effect is missing; the arm needs more curvature coordinates"
+    group = replace(only, verdict="group", effects=("gravity_tilt", "intrinsic_curvature", FINER_SHAPE))
+    assert "lacks one of gravity_tilt / intrinsic_curvature; these data cannot tell which. It also" in group.headline
+    assert title_of(group) == "Missing: gravity tilt or intrinsic curvature"
 
 
 def test_a_group_says_what_is_certain_beside_what_is_open(case):

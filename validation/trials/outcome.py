@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from tentacle.diagnosis import Diagnosis, Verdict
+from tentacle.diagnosis import FINER_SHAPE, Diagnosis, Verdict
 from validation.trials.rounds import TrialKind
 
-SHAPE = "third_curvature"  # present in every arm, real or simulated: naming it is neither right nor wrong
 REFERENCE_PLANT = "reference"  # the plant of trials like a recording
 TWIN_EFFECTS = 0.9  # |cos| above which a group counts as right
 
@@ -111,7 +110,7 @@ def answer_table(diagnosis: Diagnosis) -> dict[str, Any]:
 def scored(index: int, truth: Mapping[str, Any], seen: str, answer: Mapping[str, Any], **more: Any) -> Outcome:
     """A trial's sealed truth and its answer_table together; more: baselines, seconds."""
     hidden = tuple(truth["effects"])
-    named = tuple(name for name in answer["effects"] if name != SHAPE)
+    named = tuple(name for name in answer["effects"] if name != FINER_SHAPE)
     # A combination's first effect is found first; only where nothing else was named does the shape alone count as
     # nothing.
     verdict = answer["verdict"] if named or answer["verdict"] == "unknown" else "nothing_missing"
