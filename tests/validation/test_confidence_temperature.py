@@ -20,20 +20,33 @@ def series(seed: int) -> list[Outcome]:
     for index, line in enumerate((RESULTS / f"blind_{seed}.jsonl").read_text().splitlines()):
         row = json.loads(line)
         if "answer" in row:
-            answer = {**row["answer"], "uncalibrated": row["answer"]["confidence"], "cosines": {}}
+            answer = {**row["answer"], "cosines": {}}
             found.append(scored(index, row["truth"], "midline", answer, baselines={}, seconds=row["seconds"]))
     return found
 
 
-def test_the_temperature_is_the_likeliest_over_two_series() -> None:
-    trials = series(400001) + series(500001)
+FITTED, TESTED = (1200001, 1400001, 1700001), 1800001
+
+
+def test_the_temperature_is_the_likeliest_over_three_series() -> None:
+    trials = [one for seed in FITTED for one in series(seed)]
     best = fit_temperature(trials)
     assert best is not None
     # Half a nat: within one standard error of the likeliest.
     assert temperature_cost(trials, CONFIDENCE_TEMPERATURE) < temperature_cost(trials, best) + 0.5
     # The posterior mass itself loses far more, in each series by itself too.
-    for one in (400001, 500001):
-        assert temperature_cost(series(one), CONFIDENCE_TEMPERATURE) < temperature_cost(series(one), 1.0) - 5.0
+    for seed in FITTED:
+        assert temperature_cost(series(seed), CONFIDENCE_TEMPERATURE) < temperature_cost(series(seed), 1.0) - 5.0
+
+
+def test_a_series_that_it_was_not_fitted_to_is_right_as_often_as_stated() -> None:
+    """In each bin that holds 60 trials or more: a share of .9 of 60 has a standard error of .04."""
+    trials = series(TESTED)
+    stated, right = (np.array([f(o) for o in trials]) for f in (lambda o: tempered(o.uncalibrated), lambda o: o.hit))
+    bins = [(stated >= low) & (stated < high) for low, high in ((0.0, 0.7), (0.7, 0.9), (0.9, 0.95), (0.95, 1.0))]
+    gaps = [abs(stated[one].mean() - right[one].mean()) for one in bins if one.sum() >= 60]
+    assert len(gaps) == 3
+    assert max(gaps) < 0.05
 
 
 def test_a_tempered_mass_keeps_order_and_an_even_chance() -> None:

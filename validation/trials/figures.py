@@ -23,6 +23,7 @@ BASELINE_METHODS = (
 
 
 INTERVALS = ("top1", "false_alarm", "unknown_recall", "pairs")  # shares that are stated with their 95 % interval
+MANY_IN_A_BIN = 60  # trials, of which a share of .9 has a standard error of .04
 
 
 def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
@@ -36,6 +37,7 @@ def figures(outcomes: Sequence[Outcome]) -> dict[str, float | None]:
         "pairs": found.pairs.value,
         "needless_groups": found.needless_groups.value,
         "calibration_gap": calibration_gap(bins),
+        "calibration_gap_60": calibration_gap([b for b in bins if b.right.count >= MANY_IN_A_BIN]),
         "calibration_gap_beyond_chance": max((b.gap_beyond_chance for b in bins), default=float("nan")),
         "calibration_gap_by_chance": gap_by_chance(outcomes),
         "calibration_gap_cross": calibration_gap(reliability(cross_calibrated(outcomes))),
