@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tentacle.cli._output import remark
 from tentacle.errors import InputError
-from tentacle.recording import Recording
+
+if TYPE_CHECKING:
+    from tentacle.recording import Recording
 
 
 def require_once(groups: Mapping[str, Sequence[Path]]) -> None:
