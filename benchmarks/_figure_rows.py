@@ -103,6 +103,9 @@ ROWS = (
     ),
     ("vision", "fps_720p", "tracking at 720p", "frames/s", ""),
     ("vision", "fps_4k", "tracking at 4K", "frames/s", ""),
+    ("library", "library_query_s", "library of 2000 recordings: a query with three conditions", "s", "1"),
+    ("library", "library_memory_mb", "its peak memory, through index, query and page", "MB", "1000"),
+    ("library", "library_changed_to_diagnose", "to be diagnosed again after three have changed", "", "3"),
     ("library_joint", "joint_found", "libraries of 200 in which an effect of R = 0.3 in 20 of them is found", "", ""),
     ("library_joint", "joint_f1_median", "the recordings that have it, F1, median of ten libraries", "", ""),
     (
