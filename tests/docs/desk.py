@@ -90,7 +90,8 @@ def set_desk(desk: Path) -> Path:
     (desk / "like_mine" / "calibration.toml").write_text(CALIBRATION)
     shutil.copy(desk / "answer" / "model.toml", desk / "model.toml")
     shutil.copy(desk / "my_arm" / "recording.toml", desk / "recording.toml")
-    shutil.copy(desk / "my_arm" / "video.mp4", desk / "video.mp4")
+    for name in ("video.mp4", "film.mp4"):
+        shutil.copy(desk / "my_arm" / "video.mp4", desk / name)
     (desk / "films").mkdir()
     for name in ("one.mp4", "two.mp4"):
         shutil.copy(desk / "video.mp4", desk / "films" / name)
