@@ -29,7 +29,7 @@ def right(case: str, found: Diagnosis) -> bool:
     """Whether the truth is named first, or in the named group; of nothing hidden: whether nothing is named; of what no
     catalogue has: whether it is called unknown.
     """
-    named = [name for name in found.effects if name != "third_curvature"]
+    named = found.missing_effects
     if case == "nothing":
         return not named and found.verdict != "unknown"
     if case in OUTSIDE:
