@@ -19,14 +19,14 @@ from tentacle.signals import Array
 
 # Columns of a hinge's memory: the bristle's stretch, the Maxwell branch's dashpot [rad].
 BRISTLE, DASHPOT = range(2)
-SOFT_SPOT_WIDTH = 0.08  # standard deviation along s of the dip (catalogue)
+SOFT_SPOT_WIDTH = 0.08  # standard deviation along s of its compliance (catalogue)
 PRESLIDING = 0.25  # of c_f, where no slip is given: the bristle must be stiff against the arm, yet resolved
 
 
 def soft_spot(parameters: Parameters, s: Array) -> Array:
-    """Factor on k(s): 1 minus a Gaussian dip around s0."""
+    """Factor on k(s): a Gaussian compliance around s0 is added to the arm's own."""
     depth, place = value(parameters, "soft_spot", "depth"), value(parameters, "soft_spot", "s0", 0.3)
-    return 1.0 - depth * np.exp(-0.5 * ((s - place) / SOFT_SPOT_WIDTH) ** 2)
+    return (1.0 - depth) / (1.0 - depth + depth * np.exp(-0.5 * ((s - place) / SOFT_SPOT_WIDTH) ** 2))
 
 
 def hinge_records(chain: Chain, parameters: Parameters) -> Record:
