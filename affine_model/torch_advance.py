@@ -70,8 +70,9 @@ def drive_from_row(row: Tensor) -> Drive:
 
 def pace_of(numbers: list[float]) -> Pace:
     """The pace of a row of numbers."""
-    step, stride, average_from, iterations, age, complete = numbers
-    return Pace(step, int(stride), int(average_from), int(iterations), int(age), bool(complete))
+    step, *counts = numbers
+    stride, average_from, iterations, age, complete, every_effect = map(int, counts)
+    return Pace(step, stride, average_from, iterations, age, bool(complete), bool(every_effect))
 
 
 @torch.library.custom_op("tentacle::advance", mutates_args=(), device_types="cpu")

@@ -2,7 +2,8 @@
 
 A third of a fit is Python, which one process runs one thread at a time. So on Linux the tasks run in forked processes,
 which begin with all that the tasks need. Elsewhere they run in threads. So they do where another thread of Python is
-alive, because a forked process would wait for ever for a lock that this thread held.
+alive, because a forked process would wait for ever for a lock that this thread held. Where a GPU simulates, the tasks
+run one after another: a forked process cannot use CUDA, and threads would wait for the one device.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
     """The results, in the order of the tasks, of those whose runs did not leave all bounds."""
     waiting = list(tasks)
     workers = min(usable_cores(), len(waiting))
-    if workers < 2:
+    if workers < 2 or _on_cuda():
         results = [_done(task) for task in waiting]
     elif _may_fork():
         results = _forked(waiting, workers)
@@ -43,6 +44,12 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
         with ThreadPoolExecutor(workers) as pool:
             results = list(pool.map(lambda task: _done(task), waiting))
     return [result for result in results if result is not None]
+
+
+def _on_cuda() -> bool:
+    """Whether this process has begun to use CUDA."""
+    torch = sys.modules.get("torch")
+    return torch is not None and torch.cuda.is_initialized()
 
 
 def _may_fork() -> bool:

@@ -11,9 +11,9 @@ import torch
 
 from affine_model.advance import Drive, Pace, Rail, Servo, advance, at_rest
 from affine_model.arm import Arm, parameter_index
+from affine_model.device import chosen_device
 from affine_model.effects import catalogue
 from affine_model.swim import assumed_model, paper_cone, search_box, trial_of
-from affine_model.swim.device import chosen_device
 from affine_model.swim.evaluate import evaluate
 from tentacle.errors import InputError
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
