@@ -8,6 +8,7 @@ import threading
 import time
 from dataclasses import dataclass
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -114,4 +115,13 @@ def test_nothing_is_forked_beside_another_thread(alone):
     """It may hold a lock that a task needs."""
     assert os.getpid() not in side_by_side([os.getpid, os.getpid])
     alone.append(threading.Thread())
+    assert side_by_side([os.getpid, os.getpid]) == [os.getpid()] * 2
+
+
+@forked
+def test_nothing_is_forked_once_cuda_began(alone, monkeypatch):
+    """A forked process cannot use the device."""
+    assert alone == []
+    begun = SimpleNamespace(cuda=SimpleNamespace(is_initialized=lambda: True))
+    monkeypatch.setitem(sys.modules, "torch", begun)
     assert side_by_side([os.getpid, os.getpid]) == [os.getpid()] * 2
