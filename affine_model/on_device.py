@@ -17,8 +17,7 @@ from affine_model.simulate import Batch, Start, Timing, simulate
 
 def simulate_on(device: str | None, arm: Arm, parameters: Array, base: Array, timing: Timing, start: Start) -> Batch:
     """As affine_model.simulate.simulate, without servo and rail; device: as torch names it (None: the compiled kernel
-    on the CPU, without torch). InputError where Warp is not installed. On a CUDA device the mean thrust and power, too,
-    agree to about 1e-12, not to the bit.
+    on the CPU, without torch). InputError where Warp is not installed. The two agree to 1e-9, not to the bit.
     """
     if device is None:
         return simulate(arm, parameters, base, timing, start=start)

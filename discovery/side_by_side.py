@@ -26,6 +26,7 @@ import numpy as np
 from affine_model.cores import usable_cores, use_one_core
 from affine_model.effects import catalogue
 from discovery.shared_pickle import reachable, received, sent
+from inference.experiment import Experiment
 
 T = TypeVar("T")
 _PARENT_DEATH = 1  # PR_SET_PDEATHSIG of Linux
@@ -36,7 +37,7 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
     """The results, in the order of the tasks, of those whose runs did not leave all bounds."""
     waiting = list(tasks)
     workers = min(usable_cores(), len(waiting))
-    if workers < 2 or _on_cuda():
+    if workers < 2 or _on_device(waiting):
         results = [_done(task) for task in waiting]
     elif _may_fork():
         results = _forked(waiting, workers)
@@ -46,10 +47,9 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
     return [result for result in results if result is not None]
 
 
-def _on_cuda() -> bool:
-    """Whether this process has begun to use CUDA."""
-    torch = sys.modules.get("torch")
-    return torch is not None and torch.cuda.is_initialized()
+def _on_device(tasks: list[Callable[[], T]]) -> bool:
+    """Whether the tasks have an experiment that a CUDA device simulates."""
+    return any(isinstance(one, Experiment) and one.device is not None for one in reachable(tasks).values())
 
 
 def _may_fork() -> bool:

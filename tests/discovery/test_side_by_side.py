@@ -8,7 +8,6 @@ import threading
 import time
 from dataclasses import dataclass
 from functools import partial
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ import pytest
 from affine_model.cores import usable_cores
 from discovery.shared_pickle import reachable, received, sent
 from discovery.side_by_side import side_by_side
+from inference.prepare import prepare
 
 forked = pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux")
 
@@ -33,7 +33,7 @@ def alone(monkeypatch):
 class Held:
     """An array, and one made from it."""
 
-    given: np.ndarray
+    given: object
     made: np.ndarray
     law: object = None
 
@@ -118,10 +118,16 @@ def test_nothing_is_forked_beside_another_thread(alone):
     assert side_by_side([os.getpid, os.getpid]) == [os.getpid()] * 2
 
 
+def in_which_process(_):
+    return os.getpid()
+
+
 @forked
-def test_nothing_is_forked_once_cuda_began(alone, monkeypatch):
-    """A forked process cannot use the device."""
-    assert alone == []
-    begun = SimpleNamespace(cuda=SimpleNamespace(is_initialized=lambda: True))
-    monkeypatch.setitem(sys.modules, "torch", begun)
-    assert side_by_side([os.getpid, os.getpid]) == [os.getpid()] * 2
+@pytest.mark.usefixtures("alone")
+def test_nothing_is_forked_for_a_cuda_device(recorded):
+    """A forked process cannot use it."""
+    recording = recorded(seconds=1.0)
+    for device in (None, "cuda"):
+        held = Held(prepare(recording, hold_out=False, device=device).experiment, np.zeros(1))
+        processes = side_by_side([partial(in_which_process, held)] * 2)
+        assert (processes == [os.getpid()] * 2) == (device is not None)
