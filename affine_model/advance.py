@@ -92,7 +92,9 @@ PRESCRIBED = Drive()
 class Pace:
     """How a batch is stepped: step [s]; stride: every stride-th state is kept, 0 keeps none; average_from: the first
     step of the means; iterations: Newton corrections a step; age: number of steps before this call (the first two steps
-    have no prediction, so they make three more corrections); complete: past and store are kept too.
+    have no prediction, so they make three more corrections); complete: past and store are kept too; every_effect: on a
+    CUDA device one kernel has all effects of the catalogue, the absent ones at strength zero (else: one a set of acting
+    effects; the compiled kernel on the CPU has them all).
     """
 
     step: float
@@ -101,6 +103,7 @@ class Pace:
     iterations: int = 1
     age: int = 0
     complete: bool = False
+    every_effect: bool = False
 
 
 @dataclass(frozen=True)

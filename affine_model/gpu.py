@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import zip_longest
 from typing import Any
@@ -80,10 +80,14 @@ def _prepared(variant: Variant, swim: bool, given: dict[str, Any]) -> PreparedKe
         outcomes = tuple(map(bool, found))
 
 
-def _variant(arm: Arm, drive: Drive, parameters: Array) -> Variant:
+def _acting(parameters: Array) -> tuple[bool, ...]:
+    """Of every effect of the catalogue, whether it acts under these parameters (R, B)."""
     acting = {effect.name for effect in active_effects(parameters)}
-    active = tuple(name in acting for name in catalogue())
-    return Variant(arm.node_count, arm.order, active, drive.servo is not None, drive.rail is not None, arm.clamp)
+    return tuple(name in acting for name in catalogue())
+
+
+def _variant(arm: Arm, drive: Drive, active: tuple[bool, ...]) -> Variant:
+    return Variant(arm.node_count, arm.order, active, drive.servo is not None, drive.rail is not None, arm.clamp > 0.0)
 
 
 def _launch(prepared: PreparedKernel, names: list[str], values: dict[str, Any], count: int) -> None:
@@ -105,7 +109,7 @@ def advance_on_device(
 ) -> tuple[Tensor, Tensor, Tensor, Tensor, Tensor, Tensor]:
     """affine_model.advance.advance on tensors of one device: u, u_rate, force, past, store, summary.
 
-    start: times (B,), u, u_rate (n + 2, B), past (2 n + 5, B), store (S, N, B).
+    base (3 or 9, S, B or 1); start: times (B,), u, u_rate (n + 2, B), past (2 n + 5, B), store (S, N, B).
     """
     times, u, u_rate, past, store = start
     n, count, steps = arm.order, parameters.shape[1], base.shape[1]
@@ -122,7 +126,8 @@ def advance_on_device(
         "start_past": past, "start_store": store, "steps": steps, "age": pace.age, "iterations": pace.iterations,
         "stride": pace.stride, "average_from": pace.average_from,
     }  # fmt: skip
-    variant = _variant(arm, drive, parameters.detach().cpu().numpy())
+    active = (True,) * len(catalogue()) if pace.every_effect else _acting(parameters.detach().cpu().numpy())
+    variant = replace(_variant(arm, drive, active), travels=base.shape[0] > 3)
     _launch(_prepared(variant, False, {**arm_arrays(arm, drive), "h": pace.step}), ADVANCE, values, count)
     return found
 
@@ -151,4 +156,4 @@ def prepared_swim(arm: Arm, drive: Drive, parameters: Array, bounds: Bounds, ste
         **arm_arrays(arm, drive), "h": step, "parameters": parameters, "limits": bounds.kinematic,
         "bandwidth": bounds.bandwidth,
     }  # fmt: skip
-    return _prepared(_variant(arm, drive, parameters[:, None]), True, uniform)
+    return _prepared(_variant(arm, drive, _acting(parameters[:, None])), True, uniform)

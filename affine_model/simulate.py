@@ -48,18 +48,21 @@ class Batch:
 @dataclass(frozen=True)
 class Timing:
     """step [s]; stride: every stride-th state is kept, 0 keeps none; average_from [s] after the start: where the means
-    begin; iterations: Newton iterations a step, of which 1 suffices unless exact energy is wanted.
+    begin; iterations: Newton iterations a step, of which 1 suffices unless exact energy is wanted; every_effect: as in
+    affine_model.advance.Pace.
     """
 
     step: float
     stride: int = 1
     average_from: float = 0.0
     iterations: int = 1
+    every_effect: bool = False
 
     @property
     def pace(self) -> Pace:
         """The same, counted in steps."""
-        return Pace(self.step, self.stride, round(self.average_from / self.step), self.iterations)
+        first = round(self.average_from / self.step)
+        return Pace(self.step, self.stride, first, self.iterations, every_effect=self.every_effect)
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,8 @@ AdjointRun = Callable[..., tuple[Tensor, ...]]
 
 def pace_row(pace: Pace) -> list[float]:
     """The pace as a row of numbers, since an operator of torch takes only tensors and numbers."""
-    return [pace.step, *map(float, (pace.stride, pace.average_from, pace.iterations, pace.age, pace.complete))]
+    counts = pace.stride, pace.average_from, pace.iterations, pace.age, pace.complete, pace.every_effect
+    return [pace.step, *map(float, counts)]
 
 
 @dataclass(frozen=True)

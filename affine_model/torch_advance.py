@@ -70,8 +70,9 @@ def drive_from_row(row: Tensor) -> Drive:
 
 def pace_of(numbers: list[float]) -> Pace:
     """The pace of a row of numbers."""
-    step, stride, average_from, iterations, age, complete = numbers
-    return Pace(step, int(stride), int(average_from), int(iterations), int(age), bool(complete))
+    step, *counts = numbers
+    stride, average_from, iterations, age, complete, every_effect = map(int, counts)
+    return Pace(step, stride, average_from, iterations, age, bool(complete), bool(every_effect))
 
 
 @torch.library.custom_op("tentacle::advance", mutates_args=(), device_types="cpu")
@@ -123,6 +124,8 @@ def _remember(ctx: Any, inputs: tuple[Any, ...], output: Outputs) -> None:
 
 def _backward(ctx: Any, *gradients: Tensor) -> tuple[Any, ...]:
     arm, drive, *tensors = ctx.saved_tensors
+    if tensors[1].shape[0] > 3:
+        raise InputError("no gradient where the base travels", field="base", expected="3 rows: the base only turns")
 
     def run(parameters: Tensor, base: Tensor, start: list[Tensor], pace: list[float]) -> Outputs:
         return _advance([arm, drive], parameters, base, start, pace)
@@ -143,6 +146,7 @@ def advanced(
     """affine_model.advance.advance on tensors of one device, float64: (u, u_rate, force, past, store, summary).
 
     start: times (B,), u, u_rate, past, store. Gradients flow from all outputs except past and store to parameters,
-    base, u, u_rate, past and store. Works under torch.compile.
+    base, u, u_rate, past and store; InputError in the backward pass where the base travels (9 rows). Works under
+    torch.compile.
     """
     return _advance([arm_row(arm), drive_row(drive)], parameters, base, list(start), pace_row(pace))

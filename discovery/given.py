@@ -32,12 +32,14 @@ class Deciding:
     """How a diagnosis is decided.
 
     calibration: of the confidence (None: discovery.calibration.tempered). laws: search laws after an unknown.
-    servo: limits of the motions among which the next experiment is chosen.
+    servo: limits of the motions among which the next experiment is chosen. device: CUDA device that simulates the
+    hypotheses (None: the CPU).
     """
 
     calibration: Calibration | None = None
     laws: bool = True
     servo: ServoLimits = SERVO_UNDER_LOAD
+    device: str | None = None
 
 
 SETTLING = 2.0  # s at the start of a held-out recording, from which its initial state is fitted

@@ -52,9 +52,10 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     """What the recordings tell; CannotTellError where they show too little."""
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
-    prepared = [prepare(recording, hold_out=not held_out) for recording in recordings]
-    prepared += [held_out_run(prepare(recording, hold_out=False)) for recording in held_out]
-    complete = [prepare(recording, hold_out=False) for recording in baseline]
+    read = partial(prepare, device=deciding.device)
+    prepared = [read(recording, hold_out=not held_out) for recording in recordings]
+    prepared += [held_out_run(read(recording, hold_out=False)) for recording in held_out]
+    complete = [read(recording, hold_out=False) for recording in baseline]
     complete = [replace(p, experiment=replace(p.experiment, complete=True)) for p in complete]
     declaration, together = one_arm([*prepared, *complete])
     prepared = together[: len(prepared)]
@@ -108,7 +109,7 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
     alone = _open_loop(base)
-    missing = propose_laws((alone.problem, alone.fitted), shown, progress)
+    missing = propose_laws((_on_processor(alone.problem), alone.fitted), shown, progress)
     return with_laws(answer, missing)
 
 
@@ -152,6 +153,11 @@ def _cut(problem: Problem) -> Problem:
         last = float(e.observation.t[e.used].max()) - (e.t0 if e.release is None else e.release)
         experiments.append(replace(e, duration=min(e.duration, last + 0.3)))
     return replace(problem, experiments=tuple(experiments))
+
+
+def _on_processor(problem: Problem) -> Problem:
+    """The problem simulated on the CPU: every law that is proposed would be a kernel more to compile for a GPU."""
+    return replace(problem, experiments=tuple(replace(e, device=None) for e in problem.experiments))
 
 
 def _open_loop(h: Hypothesis) -> Hypothesis:

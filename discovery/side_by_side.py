@@ -2,7 +2,8 @@
 
 A third of a fit is Python, which one process runs one thread at a time. So on Linux the tasks run in forked processes,
 which begin with all that the tasks need. Elsewhere they run in threads. So they do where another thread of Python is
-alive, because a forked process would wait for ever for a lock that this thread held.
+alive, because a forked process would wait for ever for a lock that this thread held. Where a GPU simulates, the tasks
+run one after another: a forked process cannot use CUDA, and threads would wait for the one device.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import numpy as np
 from affine_model.cores import usable_cores, use_one_core
 from affine_model.effects import catalogue
 from discovery.shared_pickle import reachable, received, sent
+from inference.experiment import Experiment
 
 T = TypeVar("T")
 _PARENT_DEATH = 1  # PR_SET_PDEATHSIG of Linux
@@ -35,7 +37,7 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
     """The results, in the order of the tasks, of those whose runs did not leave all bounds."""
     waiting = list(tasks)
     workers = min(usable_cores(), len(waiting))
-    if workers < 2:
+    if workers < 2 or _on_device(waiting):
         results = [_done(task) for task in waiting]
     elif _may_fork():
         results = _forked(waiting, workers)
@@ -43,6 +45,11 @@ def side_by_side(tasks: Iterable[Callable[[], T]]) -> list[T]:
         with ThreadPoolExecutor(workers) as pool:
             results = list(pool.map(lambda task: _done(task), waiting))
     return [result for result in results if result is not None]
+
+
+def _on_device(tasks: list[Callable[[], T]]) -> bool:
+    """Whether the tasks have an experiment that a CUDA device simulates."""
+    return any(isinstance(one, Experiment) and one.device is not None for one in reachable(tasks).values())
 
 
 def _may_fork() -> bool:

@@ -14,7 +14,8 @@ from affine_model.camera import sight_of
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant
 from affine_model.effects import catalogue
-from affine_model.simulate import Batch, Start, Timing, simulate
+from affine_model.on_device import simulate_on
+from affine_model.simulate import Batch, Start, Timing
 from inference.appearance import Appearance
 from inference.arm_at import arm_at
 from inference.interpolate import at_times
@@ -51,7 +52,7 @@ class Experiment:
     travel: of a base that travels, x, y, rates, accelerations (6, ...) over the pictures' clock (None: it stands).
     differs: fields of its declaration, with their values, in which it is not the first recording of the arm. lacks:
     effects of the model that do not act in this recording. declared: effects that its declaration holds; they act in
-    a complete recording too.
+    a complete recording too. device: CUDA device that simulates it, as torch names it (None: the CPU).
     """
 
     name: str
@@ -73,6 +74,7 @@ class Experiment:
     travel: Callable[[Array], Array] | None = None
     lacks: frozenset[str] = frozenset()
     declared: frozenset[str] = frozenset()
+    device: str | None = None
 
     def arm(self, first: Arm) -> Arm:
         """The arm as it is in this recording; first: as the first recording declares it."""
@@ -224,7 +226,10 @@ class Prediction(Appearance):
 
 
 def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Array, step: float) -> Prediction:
-    """The shapes of B simulated individuals, parameters (R, B) and nuisances (M, B), at the observed instants."""
+    """The shapes of B simulated individuals, parameters (R, B) and nuisances (M, B), at the observed instants.
+
+    InputError where the experiment's device needs NVIDIA Warp and it is not installed.
+    """
     arm, n = experiment.arm(arm), arm.order
     parameters = experiment.own(parameters, nuisances)
     sight = sight_of(parameters)
@@ -237,7 +242,8 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     q, memory = arm.to_monomial @ nuisances[:n], experiment.memory(n, nuisances)
     rates = arm.to_monomial @ nuisances[n : 2 * n] if experiment.release is None else np.zeros_like(q)
     memory = None if memory is None else arm.to_monomial @ memory
-    batch = simulate(arm, parameters, base, Timing(step, 2), start=Start(q=q, q_rate=rates, memory=memory, t0=start))
+    begin = Start(q=q, q_rate=rates, memory=memory, t0=start)
+    batch = simulate_on(experiment.device, arm, parameters, base, Timing(step, 2), begin)
     times = sight.shown_times(experiment.observation.t[:, None])
     if experiment.release is not None:
         times = times - nuisances[n]

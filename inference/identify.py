@@ -78,17 +78,19 @@ def identify(
     order: int | None = None,
     replicates: int = 0,
     seed: int = 0,
+    device: str | None = None,
 ) -> Identification:
     """Fit the base effects to the recordings; check: recordings that only judge (the paper: chirp to fit, sine to
     check).
 
     order: number of curvature coordinates, else as many as the data need. replicates: of the bootstrap, 0 for none;
-    seed: of its draws. Raises InputError on unusable recordings.
+    seed: of its draws. device: CUDA device that simulates (None: the CPU). Raises InputError on unusable recordings.
     """
     if not recordings:
         raise InputError("no recording", expected="at least one")
     same_arm([*recordings, *check])
-    declaration, together = one_arm([prepare(recording, hold_out=False) for recording in (*recordings, *check)])
+    given = (*recordings, *check)
+    declaration, together = one_arm([prepare(recording, hold_out=False, device=device) for recording in given])
     prepared, judges = together[: len(recordings)], together[len(recordings) :]
     setting = Setting(declaration, tuple(p.experiment for p in prepared), order or 2)
     if order is None:

@@ -146,8 +146,9 @@ def _observation(
     )
 
 
-def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
-    """The experiment of a recording; with hold_out the stretch JUDGED (LAST of a decay) judges only.
+def prepare(recording: Recording, *, hold_out: bool, device: str | None = None) -> Prepared:
+    """The experiment of a recording; with hold_out the stretch JUDGED (LAST of a decay) judges only. device: CUDA
+    device that simulates it (None: the CPU).
 
     Raises InputError where no shape was measured at all, CannotTellError where too little was.
     """
@@ -220,6 +221,7 @@ def prepare(recording: Recording, *, hold_out: bool) -> Prepared:
         travel=travel,
         remembers=any(law.relaxation_time is not None for law in laws),
         declared=frozenset((*(law.name for law in laws), *declared_effects(specimen, fluid))),
+        device=device,
     )
     return Prepared(recording, experiment, points, sigma, tuple(words))
 

@@ -40,16 +40,22 @@ def track(recording: Recording, *, order: int | None = None) -> ShapeTrack:
 
 
 def identify(
-    recordings: Recording | Sequence[Recording], *, check: Sequence[Recording] = (), order: int | None = None
+    recordings: Recording | Sequence[Recording],
+    *,
+    check: Sequence[Recording] = (),
+    order: int | None = None,
+    device: str = "auto",
 ) -> Identification:
     """The declared model's parameters with 95 % intervals, fitted to the recordings.
 
     check: recordings on which the fit is tested; they are not fitted. order: number of curvature coordinates; by
-    default the data decide.
+    default the data decide. device: "auto" (the CPU), "cpu", "cuda" or "cuda:1".
     """
+    from affine_model.device import cuda_device
     from inference.identify import identify as fit
 
-    return fit([seen(r) for r in _several(recordings)], [seen(r) for r in check], order=order)
+    place = cuda_device(device)
+    return fit([seen(r) for r in _several(recordings)], [seen(r) for r in check], order=order, device=place)
 
 
 def diagnose(
@@ -58,17 +64,20 @@ def diagnose(
     baseline: Sequence[Recording] = (),
     held_out: Sequence[Recording] = (),
     seed: int = 0,
+    device: str = "auto",
 ) -> Diagnosis:
     """The effect that the declared model lacks, and the error with and without it.
 
     baseline: recordings with a complete declaration; the base parameters are fitted to them too. held_out: recordings
     on which the errors are measured; they are not fitted. Without any, the errors are measured on a third of each
-    recording.
+    recording. device: "auto" (the CPU), "cpu", "cuda" or "cuda:1".
     """
+    from affine_model.device import cuda_device
     from discovery.diagnose import diagnose as trace
+    from discovery.given import Deciding
 
-    groups = (_several(recordings), baseline, held_out)
-    return trace(*([seen(r) for r in group] for group in groups), seed=seed)
+    groups, deciding = (_several(recordings), baseline, held_out), Deciding(device=cuda_device(device))
+    return trace(*([seen(r) for r in group] for group in groups), seed=seed, deciding=deciding)
 
 
 def simulate(
@@ -116,9 +125,9 @@ def optimise(
     objective: "thrust", "speed", "transport" (distance per energy) or "free" (speed of a free hull, on the CPU).
     method: "cmaes", "ga" (the paper's), "ga-individual" or "random". device: "auto", "cpu", "cuda" or "cuda:1".
     """
+    from affine_model.device import chosen_device
     from affine_model.swim import OBJECTIVES, SearchPlan, trial_of
     from affine_model.swim import optimise_gait as search
-    from affine_model.swim.device import chosen_device
 
     if objective not in OBJECTIVES:
         raise InputError(f"{objective!r} is not known", field="objective", expected=", ".join(OBJECTIVES))

@@ -10,7 +10,6 @@ from __future__ import annotations
 import ast
 import re
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from affine_model.kernel.linear_form import LinearForms
 from affine_model.kernel.partial_evaluation import PartialEvaluation, numbered
 from affine_model.kernel.scalars import assigned, pruned, straightened
 from affine_model.kernel.warp_gait import GAIT_SIZES, gait_parts
+from tentacle.law.in_use import follows_laws
 from tentacle.specimen import Cone, Specimen
 
 _TYPES = {
@@ -35,7 +35,8 @@ _START = ["t0", "start", "start_rate", "start_past", "start_store"]
 ADVANCE = ["parameters", "base", "steps", "age", *_START, "iterations", "average_from", "stride", "out_u", "out_rate",
            "out_force", "out_past", "out_store", "summary"]  # fmt: skip
 SWIM = ["gait", "steps", "iterations", "average_from", "outcome"]
-_ARM = [*CONSTANTS, "s", "area", "second_moment", "width", "perimeter", "Lw", "servo", "rail", "h"]
+_RULE = ["W", "w", "bending", "A", "A_end", "C", "WA", "wA"]
+_ARM = [*CONSTANTS, "s", "area", "second_moment", "width", "perimeter", "Lw", *_RULE, "servo", "rail", "h"]
 ADVANCE_UNIFORMS = _ARM
 SWIM_UNIFORMS = [*_ARM, "parameters", "limits", "bandwidth"]
 
@@ -43,8 +44,8 @@ SWIM_UNIFORMS = [*_ARM, "parameters", "limits", "bandwidth"]
 @dataclass(frozen=True)
 class Variant:
     """What a kernel is made for: numbers of nodes and curvatures; of every effect of the catalogue, whether it acts; a
-    servo turns the base (else it turns as prescribed); it slides on a rail (else it is clamped); how much the clamp
-    gives (affine_model.arm.Arm.clamp).
+    servo turns the base (else it turns as prescribed); it slides on a rail (else it is clamped); the clamp
+    gives (Arm.clamp > 0); the base travels (nine rows of its table instead of three).
     """
 
     nodes: int
@@ -52,7 +53,8 @@ class Variant:
     active: tuple[bool, ...]
     free_theta: bool
     free_rail: bool
-    clamp: float = 0.0
+    gives: bool = False
+    travels: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class WarpText:
     uniforms: str
 
 
-@cache
+@follows_laws
 def _straight(variant: Variant, swim: bool) -> tuple[list[ast.stmt], list[str]]:
     """The kernel's body on scalars, and the variables that the block's arrays became."""
     parts = gait_parts() if swim else Parts()
@@ -74,7 +76,7 @@ def _straight(variant: Variant, swim: bool) -> tuple[list[ast.stmt], list[str]]:
         **template_constants(variant.order, False), "NODES": variant.nodes, "BLOCK": 1, "BODIES": bodies(), "b": 0,
         "own_base": False,
         "free_theta": variant.free_theta, "free_rail": variant.free_rail,
-        "base.shape[0]": 3,
+        "base.shape[0]": 9 if variant.travels else 3,
         "parameters.shape[0]": len(parameter_rows()), "start_store.shape[0]": sizes["store"][0],
         **{f"active[{k}]": acts for k, acts in enumerate(variant.active)}, **_rule(variant),
         **({"stride": 0, "age": 0} if swim else {}),  # a gait starts at rest; no trajectory is kept
@@ -85,7 +87,7 @@ def _straight(variant: Variant, swim: bool) -> tuple[list[ast.stmt], list[str]]:
     return body, [name for name in assigned(body, set(sizes)) if name not in ("lane_", "base_lane_")]
 
 
-@cache
+@follows_laws
 def warp_text(variant: Variant, swim: bool, outcomes: tuple[bool, ...]) -> WarpText:
     """The kernel `advance` or `swim` for these outcomes of the tests on uniform values."""
     body, own = _straight(variant, swim)
@@ -126,15 +128,16 @@ def inverse_root(x: wp.float64) -> wp.float64:
 
 
 def _rule(variant: Variant) -> dict[str, float]:
-    """The elements of quadrature and bases as numbers in the text: they are the same for every arm with this clamp, so
-    they need not be loaded.
+    """The elements of quadrature and bases as numbers in the text: they are the same for every arm, so they need not be
+    loaded. Behind a clamp that gives they depend on how much it gives, which a fit may move: there they are read.
     """
-    specimen = Specimen(Cone(1.0, 1.0), 1.0, 1.0, clamp_length=variant.clamp)
-    arm = Arm(specimen, order=variant.order, nodes=variant.nodes - (variant.clamp > 0.0))
+    if variant.gives:
+        return {}
+    arm = Arm(Specimen(Cone(1.0, 1.0), 1.0, 1.0), order=variant.order, nodes=variant.nodes)
     known = arm_arrays(arm, Drive())
     return {
         f"{name}[{', '.join(map(str, place))}]": float(value)
-        for name in ("W", "w", "bending", "A", "A_end", "C", "WA", "wA")
+        for name in _RULE
         for place, value in np.ndenumerate(known[name])
     }
 

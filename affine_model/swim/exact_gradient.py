@@ -13,7 +13,7 @@ import torch
 
 from affine_model.advance import Pace
 from affine_model.curvature import Array
-from affine_model.swim.device import CPU
+from affine_model.device import CPU
 from affine_model.swim.limits import Box
 from affine_model.swim.objectives import Objective, exact_scores
 from affine_model.swim.torch_evaluate import population, swum

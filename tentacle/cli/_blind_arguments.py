@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._device import add_device
+
 KINDS = "single,pair,null,unknown"
 VIDEO_SHARE = 0.25
 PLANTS = "stranger,chain"
@@ -22,6 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     place = parser.add_mutually_exclusive_group()
     place.add_argument("--workers", type=int, metavar="W", help="number of processes (default: one per core)")
     place.add_argument("--cluster", metavar="ADDRESS", help="run on this Dask scheduler instead, tcp://HOST:PORT")
+    add_device(parser)
     parser.add_argument(
         "--like",
         type=Path,

@@ -26,8 +26,8 @@ def run(arguments: argparse.Namespace) -> int:
     import csv
     import json
 
+    from affine_model.device import chosen_device
     from affine_model.swim import table2 as table
-    from affine_model.swim.device import chosen_device
     from affine_model.swim.table2_curves import ratio_curves
     from tentacle.cli._progress import stages
     from tentacle.cli.pages.table2 import curves_table, row_table, write_table2_page

@@ -15,6 +15,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the missing trials, score all, write; the same command continues an interrupted series."""
     import json
 
+    from affine_model.device import cuda_device
     from tentacle.cli._blind_like import like_recording
     from tentacle.cli.pages.blind_trials import blind_trials_page
     from tentacle.errors import InputError
@@ -32,7 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.count} is too few", field="N", expected="1 or more")
     if arguments.workers is not None and arguments.workers < 1:
         raise InputError(f"{arguments.workers} is too few", field="--workers", expected="1 or more")
-    kinds = comma_separated(arguments.kinds)
+    device, kinds = cuda_device(arguments.device), comma_separated(arguments.kinds)
     share = VIDEO_SHARE if arguments.video_share is None else arguments.video_share
     sections, inputs = [], []
     real = (arguments.own_errors, arguments.baseline)
@@ -59,9 +60,10 @@ def run(arguments: argparse.Namespace) -> int:
         for path in remake(found, arguments.only, arguments.out):
             say(path)
         return 0
+    options += "" if device is None else f" --device {device}"
     runner = Runner(arguments.out / "trials", workers=arguments.workers, scheduler=arguments.cluster)
     hashes = input_hashes(inputs)
-    outcomes, refused = run_series(found, runner, "".join(hashes.values()))
+    outcomes, refused = run_series(found, runner, "".join(hashes.values()), device)
     command = f"tentacle blind-trial {arguments.count} --seed {arguments.seed} --kinds {','.join(kinds)} {options}"
     calibration = fit_calibration(outcomes, f"Isotonic fit to {len(outcomes)} blind trials: {command}")
     origin = Origin(command, arguments.seed, versions(), hashes)

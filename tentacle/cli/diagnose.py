@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._device import add_device
 from tentacle.cli._effects import add_effects
 from tentacle.cli._inputs import require_once, tell_advice
 from tentacle.cli._output import remark, say, say_text
@@ -30,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="take the confidence from your own blind trials: the file of tentacle blind-trial --like RECORDING",
     )  # fmt: skip
     add_effects(parser)
+    add_device(parser)
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of all random choices (default 0)")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for verdict.json, report.html, ..."
@@ -42,13 +44,14 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     import sys
 
+    from affine_model.device import cuda_device
     from tentacle.cli._kernels import kernels_ahead
     from tentacle.cli._progress import DIAGNOSING, reading_plan, stages
     from tentacle.cli.pages.diagnosis import answer_lines, write_answer
     from tentacle.io.result_folder import told_before, written
     from vision.tracked_recording import read_tracked
 
-    calibration = None
+    calibration, device = None, cuda_device(arguments.device)
     if arguments.calibration is not None:
         from discovery.calibration import read_calibration
 
@@ -70,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
             baseline,
             held_out,
             seed=arguments.seed,
-            deciding=Deciding(calibration),
+            deciding=Deciding(calibration, device=device),
             progress=stage,
         )
         stage("writing the report")

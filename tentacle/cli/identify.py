@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._device import add_device
 from tentacle.cli._inputs import require_once, tell_advice
 from tentacle.cli._output import remark, say, say_text
 
@@ -32,6 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--bootstrap", type=int, default=0, metavar="N", help="also give intervals by N refits to resampled residuals"
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of the bootstrap (default 0)")
+    add_device(parser)
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
 
 
@@ -40,6 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     import json
     import sys
 
+    from affine_model.device import cuda_device
     from tentacle.cli._kernels import kernels_ahead
     from tentacle.cli._progress import IDENTIFYING, reading_plan, stages
     from tentacle.cli.pages.identification import identification_lines, identification_table, write_identification
@@ -51,6 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.bootstrap != 0 and arguments.bootstrap < 20:
         raise InputError(f"{arguments.bootstrap} is too few", field="--bootstrap", expected="0, or at least 20")
+    device = cuda_device(arguments.device)
     if words := told_before(arguments.out):
         remark(words, "")
     require_once({"RECORDING": arguments.recordings, "--check": arguments.check})
@@ -63,7 +67,14 @@ def run(arguments: argparse.Namespace) -> int:
         stage("fitting")
         from inference.identify import identify
 
-        found = identify(recordings, check, order=arguments.order, replicates=arguments.bootstrap, seed=arguments.seed)
+        found = identify(
+            recordings,
+            check,
+            order=arguments.order,
+            replicates=arguments.bootstrap,
+            seed=arguments.seed,
+            device=device,
+        )
         command = " ".join(["tentacle", *sys.argv[1:]])
         origin = Origin(command, None, versions(), input_hashes([*arguments.recordings, *arguments.check]))
         stage("writing the report")

@@ -50,8 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Search, check, write; the same command continues an interrupted search."""
     from dataclasses import replace
 
+    from affine_model.device import chosen_device, needs_torch
     from affine_model.swim import robust_trial, trial_of
-    from affine_model.swim.device import chosen_device, needs_torch
     from affine_model.swim.pareto import front_around
     from tentacle.cli._swim_answer import answer_summary, write_swim_answer
     from tentacle.cli._swim_search import searched

@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 import torch
 
-from affine_model.advance import Drive, Pace, Rail, Servo, advance, at_rest
+from affine_model.advance import Drive, Pace, Rail, Servo, advance, arm_arrays, at_rest
 from affine_model.arm import Arm, parameter_index
+from affine_model.device import chosen_device, cuda_device
 from affine_model.effects import catalogue
+from affine_model.kernel.warp_source import Variant, warp_text
 from affine_model.swim import assumed_model, paper_cone, search_box, trial_of
-from affine_model.swim.device import chosen_device
 from affine_model.swim.evaluate import evaluate
 from tentacle.errors import InputError
+from tentacle.law.in_use import using
+from tentacle.law.written_law import WrittenLaw, WrittenParameter
 from tentacle.specimen import WATER, Cone, Gravity, Specimen
 from tentacle.waveform import Sine
 
@@ -74,12 +77,42 @@ def test_gaits_made_in_the_kernel_swim_as_those_of_a_table(device):
     assert expected[5].min() < 0.9  # some were scaled to the servo's limits
 
 
+def law(force):
+    """A law in use beside the catalogue."""
+    strength = WrittenParameter("k", "1/m", 1.0, (0.0, 10.0), "stiffness over the weight of water")
+    return WrittenLaw("spring", "Spring", "made", "line", {"force_x": force}, (strength,), {}, {})
+
+
+def test_a_kernel_has_the_laws_in_use():
+    """Not those of a law of the same name that was in use before."""
+    texts = []
+    for force in ("-k * fluid_density * gravity * area * x", "-2 * k * fluid_density * gravity * area * x"):
+        with using([law(force)]):
+            effects = tuple(catalogue())
+            active = tuple(name == "spring" for name in effects)
+            texts.append(warp_text(Variant(3, 1, active, False, False), False, ()))
+    assert texts[0] != texts[1]
+
+
+def test_one_kernel_serves_every_clamp():
+    """A fit may move the clamp's length, and would compile for each."""
+    softer = replace(GIVING, specimen=replace(GIVING.specimen, clamp_length=0.02))
+    given = [{**arm_arrays(arm, Drive()), "h": H} for arm in (GIVING, softer)]
+    variant = Variant(GIVING.node_count, GIVING.order, (False,) * len(catalogue()), False, False, gives=True)
+    one, other = (gpu._prepared(variant, False, numbers) for numbers in given)
+    assert one.kernel is other.kernel
+    assert one.table != other.table
+
+
 def test_a_device_is_named_or_refused_in_one_line(monkeypatch):
     assert chosen_device("cpu") == "cpu"
+    assert cuda_device("auto") is cuda_device("cpu") is None
     with pytest.raises(InputError, match="not known"):
         chosen_device("tpu")
     if not torch.cuda.is_available():
         assert chosen_device("auto") == "cpu"
+        with pytest.raises(InputError, match="0 CUDA devices"):
+            cuda_device("cuda")
         with pytest.raises(InputError, match="0 CUDA devices"):
             chosen_device("cuda:1")
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)

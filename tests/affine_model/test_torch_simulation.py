@@ -13,6 +13,7 @@ from affine_model.torch_adjoint import pace_row
 from affine_model.torch_advance import arm_from_row, arm_row, drive_from_row, drive_row
 from affine_model.torch_operator import mean_thrust
 from affine_model.torch_simulation import DIVERGED_THRUST, torch_simulate
+from tentacle.errors import InputError
 from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
 from tentacle.waveform import Sine
 
@@ -71,6 +72,14 @@ def test_gradients_at_the_default_of_one_iteration(parameters, arm, extra, drive
         difference = (8.0 * (values[1] - values[2]) - (values[0] - values[3])) / 12e-5
         assert abs(difference) > 1e-6
         assert float((gradient * direction).sum()) == pytest.approx(difference, rel=1e-6)
+
+
+def test_no_gradient_where_the_base_travels(parameters):
+    row = torch.from_numpy(parameters(**BASE)[:, None]).requires_grad_(True)
+    base = np.concatenate([base_motion(), np.zeros((6, STEPS, 1))])
+    batch = torch_simulate(ARM, row, torch.from_numpy(base), Timing(H))
+    with pytest.raises(InputError, match="the base travels"):
+        batch.mean_thrust.sum().backward()
 
 
 def test_a_diverging_individual_gets_the_penalty_and_disturbs_no_other(parameters):

@@ -42,6 +42,14 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
     return line
 
 
+@pytest.mark.parametrize("words", [("diagnose", "lab"), ("identify", "lab"), ("blind-trial", "1")])
+@pytest.mark.parametrize(("device", "said"), [("tpu", "'tpu' is not known"), ("cuda:99", "cuda:99")])
+def test_a_device_is_refused_before_anything_is_read(words, device, said, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert said in refused(capsys, *words, "--out", "out", "--device", device)
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -15,6 +15,7 @@ import pytest
 from affine_model.cores import usable_cores
 from discovery.shared_pickle import reachable, received, sent
 from discovery.side_by_side import side_by_side
+from inference.prepare import prepare
 
 forked = pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux")
 
@@ -32,7 +33,7 @@ def alone(monkeypatch):
 class Held:
     """An array, and one made from it."""
 
-    given: np.ndarray
+    given: object
     made: np.ndarray
     law: object = None
 
@@ -115,3 +116,18 @@ def test_nothing_is_forked_beside_another_thread(alone):
     assert os.getpid() not in side_by_side([os.getpid, os.getpid])
     alone.append(threading.Thread())
     assert side_by_side([os.getpid, os.getpid]) == [os.getpid()] * 2
+
+
+def in_which_process(_):
+    return os.getpid()
+
+
+@forked
+@pytest.mark.usefixtures("alone")
+def test_nothing_is_forked_for_a_cuda_device(recorded):
+    """A forked process cannot use it."""
+    recording = recorded(seconds=1.0)
+    for device in (None, "cuda"):
+        held = Held(prepare(recording, hold_out=False, device=device).experiment, np.zeros(1))
+        processes = side_by_side([partial(in_which_process, held)] * 2)
+        assert (processes == [os.getpid()] * 2) == (device is not None)

@@ -82,6 +82,7 @@ SPECIAL = {
     "rerun analytics disable": How(swap=("disable", "--help"), says="Analytics|analytics"),
     "make hostile": How(add=f"-C {ROOT} -o setup --dry-run", says="-m tests.hostile.run"),
     "tentacle optimise answer/model.toml --out gait --device cuda:0": How(add=QUICK, status=(0, 2), says="cuda"),
+    "tentacle diagnose my_arm --out answer --device cuda": How(status=(0, 2), says="cuda|report:"),
     "tentacle reproduce table2 --out table2 --device cuda": How(add="--evaluations 20", status=(0, 2), says="cuda"),
     "python benchmarks/blind.py --json blind.json": How(add="--help", says="--short"),
     "python docs/real_arms_pictures.py": How(swap=("docs/", f"{ROOT}/docs/"), add="{here}/docs", says="real_beam.webp"),

@@ -67,9 +67,11 @@ def trials_code_version() -> str:
 def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     """The runner's work: make the recording of a design's table, diagnose it without the truth, and score the answer.
 
-    If the arm cannot follow the drawn motion, or the recording cannot be judged, "refused" has the message.
+    A table may name the CUDA device that simulates the hypotheses, as "device". If the arm cannot follow the drawn
+    motion, or the recording cannot be judged, "refused" has the message.
     """
-    design = design_of(task)
+    design = design_of({name: value for name, value in task.items() if name != "device"})
+    deciding = Deciding(laws=False, device=task.get("device"))
     try:
         recording, truth = made(design)
     except InputError as error:
@@ -79,7 +81,7 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     begin = processor_seconds()
     try:
         baseline = [read_recording(Path(path)) for path in (design.baseline if isinstance(design, Design) else ())]
-        answer = answer_table(diagnose([recording], baseline, seed=design.seed, deciding=Deciding(laws=False)))
+        answer = answer_table(diagnose([recording], baseline, seed=design.seed, deciding=deciding))
     except InputError as error:
         return {"refused": error.line(), "truth": truth}
     seconds = processor_seconds() - begin
@@ -90,13 +92,15 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def run_series(
-    found: Sequence[AnyDesign], runner: Runner, inputs: str = ""
+    found: Sequence[AnyDesign], runner: Runner, inputs: str = "", device: str | None = None
 ) -> tuple[list[Outcome], list[tuple[int, str]]]:
     """Outcomes of the trials, and (index, line) of those that were refused; what the runner's folder holds is not
-    done again. inputs: a hash of the recordings that the trials use.
+    done again. inputs: a hash of the recordings that the trials use. device: CUDA device of the diagnoses (None: CPU).
     """
     version = trials_code_version() + inputs
-    results = runner.run(trial, [design.table() for design in found], version=version, words="blind trials")
+    place = {} if device is None else {"device": device}
+    tasks = [{**design.table(), **place} for design in found]
+    results = runner.run(trial, tasks, version=version, words="blind trials")
     outcomes, refused = [], []
     for design, result in zip(found, results, strict=True):
         if "refused" in result:

@@ -1,4 +1,4 @@
-"""The device that simulates gaits: the CPU (through torch if it is installed) or a CUDA device."""
+"""The device that simulates: the CPU (gaits through torch if it is installed) or a CUDA device."""
 
 from __future__ import annotations
 
@@ -40,3 +40,12 @@ def chosen_device(asked: str, processor_only: bool = False) -> str | None:
         found = f"{torch.cuda.device_count()} CUDA devices are there"
         raise InputError(f"{found}; {asked} is not among them", field="device", expected="a device that torch sees")
     return asked
+
+
+def cuda_device(asked: str) -> str | None:
+    """The CUDA device of the same words for batches of tens of columns: None for the CPU, which `auto` means too.
+
+    InputError where CUDA is asked for and missing. Loads torch only if CUDA is asked for.
+    """
+    found = chosen_device(asked, processor_only=True)
+    return None if found == CPU else found
