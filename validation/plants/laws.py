@@ -25,7 +25,7 @@ LAWS: dict[str, tuple[str, ...]] = {
     "intrinsic_curvature": ("uniform", "towards_clamp"),
     "viscoelasticity": ("one_branch", "two_branches", "fractional"),
     "dry_friction": ("tanh", "dahl", "lugre"),
-    "soft_spot": ("gaussian", "box", "taper"),
+    "soft_spot": ("gaussian", "box", "taper", "compliance"),
     "stiffness_drift": ("linear", "settling"),
     "amplitude_damping": ("square", "hysteretic"),
     "servo_lag": ("first_order", "second_order"),

@@ -21,13 +21,18 @@ HYSTERETIC = 6.0  # rad/s, the motion at which a hysteretic loss equals the visc
 
 @njit(cache=True)
 def softening(laws, s: float, t: float) -> float:
-    """Factor on k: a soft spot (Gaussian, box or linear taper) and a drift (linear, or settling exponentially)."""
+    """Factor on k: a soft spot (Gaussian, box or linear taper, or a Gaussian compliance in series) and a drift (linear,
+    or settling exponentially).
+    """
     if laws.soft_spot_law == 0.0:
         dip = np.exp(-0.5 * ((s - laws.s0) / 0.08) ** 2)
     elif laws.soft_spot_law == 1.0:
         dip = 1.0 if abs(s - laws.s0) < 0.1 else 0.0
-    else:
+    elif laws.soft_spot_law == 2.0:
         dip = max(0.0, 1.0 - abs(s - laws.s0) / 0.2)
+    else:
+        added = np.exp(-0.5 * ((s - laws.s0) / 0.08) ** 2)
+        dip = added / (1.0 - laws.depth * (1.0 - added))
     drift = laws.rate * t
     if laws.stiffness_drift_law == 1.0:
         drift = laws.rate * laws.settling * (1.0 - np.exp(-t / laws.settling))

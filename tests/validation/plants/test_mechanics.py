@@ -42,7 +42,7 @@ def test_a_held_rod_sinks_as_a_cantilever():
         ({"tip_mass": {"mass": 2e-3, "reach": 0.1}},
          {"payload": 2e-3, "payload_reach": 0.015}),
         ({"soft_spot": {"depth": 0.4, "s0": 0.4}, "intrinsic_curvature": {"c0": 0.3}},
-         {"depth": 0.4, "s0": 0.4, "c0": 0.3}),
+         {"depth": 0.4, "s0": 0.4, "soft_spot_law": 3.0, "c0": 0.3}),
         ({"viscoelasticity": {"g": 0.4, "tau": 0.2}, "cubic_stiffness": {"beta": 0.5}},
          {"g": 0.4, "tau": 0.2, "beta": 0.5}),
         ({"wall": {"B": 20.0, "distance": 0.6}, "dry_friction": {"c_f": 0.1, "sliding": 1.0, "rate": 0.4}},
