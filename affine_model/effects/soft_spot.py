@@ -1,4 +1,4 @@
-"""Soft spot: k(s) = k / (1 + C exp(-((s - s0) / 0.08)^2 / 2)): the arm has more compliance around s0 (a bubble, a crack).
+"""Soft spot: k(s) = k / (1 + C exp(-((s - s0) / 0.08)^2 / 2)): compliance added around s0 (a bubble, a crack).
 
 depth = C / (1 + C) is the relative loss of stiffness at its middle. Compliances add along an arm, and this form has no
 strength at which the stiffness turns negative: a deeper spot acts on more of the arm.
