@@ -200,9 +200,18 @@ def active_effects(parameters: Array) -> tuple[Effect, ...]:
     """The effects that act under these parameters (R, ...): base effects,
     and those with a strength that is not zero.
     """
-    effects = []
-    for effect in catalogue().values():
-        rows = [row.index for row in parameter_rows() if row.effect == effect.name and not row.parameter.scan]
-        if effect.family == "base" or np.any(parameters[rows] != 0.0):
-            effects.append(effect)
-    return tuple(effects)
+    differs = np.any(np.reshape(parameters, (len(parameters), -1)) != 0.0, axis=1).tolist()
+    return tuple(effect for effect, rows in _strength_rows() if rows is None or any(differs[row] for row in rows))
+
+
+@follows_laws
+def _strength_rows() -> tuple[tuple[Effect, tuple[int, ...] | None], ...]:
+    """Every effect with the rows of its strengths; a base effect, which always acts, with None."""
+    strengths: dict[str, list[int]] = {}
+    for row in parameter_rows():
+        if not row.parameter.scan:
+            strengths.setdefault(row.effect, []).append(row.index)
+    return tuple(
+        (effect, None if effect.family == "base" else tuple(strengths.get(effect.name, ())))
+        for effect in catalogue().values()
+    )

@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import Legendre, Polynomial
+from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
@@ -30,15 +31,18 @@ def legendre_to_monomial(order: int) -> Array:
 
 def curvature_basis(order: int, s: ArrayLike) -> Array:
     """dc/dz at s (P,): shape (P, order)."""
-    s = np.asarray(s, dtype=float)
-    return np.stack([Legendre.basis(j, domain=[0.0, 1.0])(s) for j in range(order)], axis=-1)
+    return np.asarray(legvander(2.0 * np.asarray(s, dtype=float) - 1.0, order - 1))
 
 
 def angle_basis(order: int, s: ArrayLike) -> Array:
-    """d alpha/dz at s (P,), the integral of the curvature basis from 0 (eq. 2): shape (P, order)."""
+    """d alpha/dz at s (P,), the integral of the curvature basis from 0 (eq. 2): shape (P, order).
+
+    int_0^s P_j(2 v - 1) dv = (P_(j+1) - P_(j-1)) / (4 j + 2) at 2 s - 1, and s for j = 0 (Abramowitz and Stegun 8.5.5).
+    """
     s = np.asarray(s, dtype=float)
-    integrals = [Legendre.basis(j, domain=[0.0, 1.0]).integ(lbnd=0.0) for j in range(order)]
-    return np.stack([integral(s) for integral in integrals], axis=-1)
+    values = legvander(2.0 * s - 1.0, order)
+    j = np.arange(1, order)
+    return np.concatenate([s[..., None], (values[..., 2:] - values[..., : order - 1]) / (4 * j + 2)], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -76,8 +80,13 @@ def integration_to(count: int, points: ArrayLike) -> Array:
 
 @lru_cache(maxsize=64)
 def _integration_to(count: int, points: tuple[float, ...]) -> Array:
-    rule = quadrature(count)
-    return angle_basis(count, np.array(points)) @ np.linalg.inv(curvature_basis(count, rule.s))
+    return angle_basis(count, np.array(points)) @ _from_nodes(count)
+
+
+@lru_cache(maxsize=16)
+def _from_nodes(count: int) -> Array:
+    """Legendre coordinates of the interpolant of values at the rule's nodes, (N, N)."""
+    return np.asarray(np.linalg.inv(curvature_basis(count, quadrature(count).s)))
 
 
 def monomial_angle(q: ArrayLike, s: ArrayLike) -> Array:

@@ -49,8 +49,12 @@ def fit_from_release(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Pr
 
 
 def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Leg, ...]:
-    """The legs of successive halving along HORIZONS, whitened as about the run with these nuisances."""
-    return tuple(Leg(horizon_of(problem, nuisances, periods), STEPS, HALF) for periods in HORIZONS)
+    """The legs of successive halving along HORIZONS, whitened as about the run with these nuisances. The declared numbers
+    move on the last leg alone, on which the fewest points are left.
+    """
+    early, last = HORIZONS[:-1], HORIZONS[-1]
+    legs = [Leg(horizon_of(problem, nuisances, periods), STEPS, HALF, declared=False) for periods in early]
+    return (*legs, Leg(horizon_of(problem, nuisances, last), STEPS, HALF))
 
 
 def horizon_of(problem: Problem, nuisances: tuple[Array, ...], periods: float) -> Problem:

@@ -13,8 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.curvature import Array
+from inference.declared_arm import DECLARED
 from inference.trajectory import ONE_SIDED, Problem
 
 DAMPED = 1e-2  # of the information's diagonal, to begin with
@@ -40,13 +42,21 @@ class Points:
 @dataclass(frozen=True)
 class Leg:
     """A part of the way: the problem whose cost is lowered, the steps from each point, and the share of the points that
-    goes on. states: whether the initial states move as well, or the free parameters alone.
+    goes on. states: whether the initial states move as well, or the free parameters alone. declared: whether the
+    uncertain declared numbers do: every value of them asks for a run of its own.
     """
 
     problem: Problem
     steps: int
     kept: float
     states: bool = True
+    declared: bool = True
+
+    @property
+    def moving(self) -> NDArray[np.intp]:
+        """Places of the unknowns that move."""
+        free = [self.declared or effect != DECLARED for effect, _ in self.problem.free]
+        return np.flatnonzero([*free, *(self.states for _ in range(sum(self.problem.sizes())))])
 
     def freed(self, free: tuple[tuple[str, str], ...]) -> Leg:
         """The same leg with these free parameters."""
@@ -90,22 +100,22 @@ def _stepped(leg: Leg, points: Points) -> Points:
 
 def _after_a_step(leg: Leg, points: Points, residuals: Array, damping: Array) -> Array:
     """The unknowns (P, B) after a damped Gauss-Newton step of each point's own derivatives."""
-    problem, (unknowns, lanes) = leg.problem, points.unknowns.shape
-    count = unknowns if leg.states else len(problem.free)
-    scales = np.stack([replace(problem, parameters=column).scales() for column in points.parameters.T], axis=1)[:count]
+    problem, moving, lanes = leg.problem, leg.moving, points.unknowns.shape[1]
+    scales = np.stack([replace(problem, parameters=column).scales() for column in points.parameters.T], axis=1)[moving]
+    count = len(moving)
     moved = np.repeat(points.unknowns, count, axis=1)
-    moved[:count] += ONE_SIDED * np.tile(np.eye(count), lanes) * np.repeat(scales, count, axis=1)
+    moved[moving] += ONE_SIDED * np.tile(np.eye(count), lanes) * np.repeat(scales, count, axis=1)
     parameters = np.repeat(points.parameters, count, axis=1)
     parameters[problem.rows()] = moved[: len(problem.free)]
     there = residuals_at(problem, parameters, moved).reshape(-1, lanes, count)
-    low, high = (bounds[:count] for bounds in problem.bounds())
+    low, high = (bounds[moving] for bounds in problem.bounds())
     ends = points.unknowns.copy()
     for k in range(lanes):
         slope = (there[:, k] - residuals[:, [k]]) / ONE_SIDED
         information = slope.T @ slope
         scaled = information + damping[k] * np.diag(np.diag(information) + 1e-12)
         step = np.clip(-np.linalg.solve(scaled, slope.T @ residuals[:, k]), -FARTHEST, FARTHEST)
-        ends[:count, k] = np.clip(points.unknowns[:count, k] + step * scales[:, k], low, high)
+        ends[moving, k] = np.clip(points.unknowns[moving, k] + step * scales[:, k], low, high)
     return ends
 
 
