@@ -96,8 +96,9 @@ def assemble_posterior(
     temperature = missing_of(found.hypotheses).temperature
     known = _over_sets(decision, temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
-    base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted)
-    joint = joint_posterior(open_loop.problem, open_loop.fitted)
+    # Where the model runs alone, its laws' form misleads no less than in the answer: the same T widens its intervals.
+    base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted, temperature)
+    joint = joint_posterior(open_loop.problem, open_loop.fitted, temperature)
     proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
     words += declared_words(chosen.problem, chosen.fitted, temperature)
     words += _decision_words(found, decision)

@@ -49,8 +49,8 @@ def fit_from_release(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Pr
 
 
 def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Leg, ...]:
-    """The legs of successive halving along HORIZONS, whitened as about the run with these nuisances. The declared numbers
-    move on the last leg alone, on which the fewest points are left.
+    """The legs of successive halving along HORIZONS, whitened as about the run with these nuisances. The declared
+    numbers move on the last leg alone, on which the fewest points are left.
     """
     early, last = HORIZONS[:-1], HORIZONS[-1]
     legs = [Leg(horizon_of(problem, nuisances, periods), STEPS, HALF, declared=False) for periods in early]

@@ -84,7 +84,8 @@ def parameter_section(diagnosis: Diagnosis) -> ReportSection:
     if found:
         words.append(
             "The values found are estimated together with unknown forces, over all likely answers. model.toml has the "
-            "values with which the model alone is closest to the data; their intervals include measurement noise only."
+            "values with which the model alone is closest to the data. Noise alone would give narrower intervals: both "
+            "are widened by the same factor, for the laws' form is known only approximately."
         )
         tables.insert(0, ReportTable("What was found", header[:5], found, numeric=(2,)))
     return ReportSection("Parameters", words, tables)

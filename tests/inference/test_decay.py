@@ -11,9 +11,12 @@ from affine_model.points_beside import points_beside
 from affine_model.simulate import Start, Timing, simulate
 from inference.base_fit import Setting
 from inference.decay import fit_from_release, horizons_of
+from inference.declared_arm import DECLARED
 from inference.fit import fit
 from inference.initial_state import initial_nuisances
 from inference.prepare import prepare
+from inference.successive_halving import followed
+from tentacle.declared import Uncertain
 from tentacle.model import Model
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import Markers
@@ -72,3 +75,20 @@ def test_the_growing_horizon_finds_the_stiffness_from_far(problem, wrong):
     followed = fit(begun, nuisances)
     # The midpoint rule at 1/600 s lowers the squared frequency by (27 rad/s)^2 (1/600 s)^2 / 6 = .03 %; noise: .01 %.
     assert followed.parameters[E] == pytest.approx(TRUE_E, rel=2e-3)
+
+
+def test_declared_numbers_are_still_until_the_last_horizon(problem):
+    """An uncertain length moves on the last leg alone; E moves on each."""
+    whole, nuisances = problem
+    length = Uncertain("specimen.length_m", SPECIMEN.length, 0.01 * SPECIMEN.length)
+    numbers = np.append(whole.parameters, length.value)
+    uncertain = replace(whole, declared=(length,), parameters=numbers, free=(*whole.free, (DECLARED, length.name)))
+    place = uncertain.free.index((DECLARED, length.name))
+    *early, last = horizons_of(uncertain, nuisances)
+    assert [place in leg.moving for leg in (*early, last)] == [False, False, True]
+    softer = numbers.copy()
+    for name, value in ((("elasticity", "E"), 0.95 * TRUE_E), (("damping", "eta"), TRUE_ETA)):
+        softer[parameter_index(*name)] = value
+    found = followed(early, nuisances, softer[:, None])
+    assert np.all(found.unknowns[place] == length.value)
+    assert abs(found.unknowns[uncertain.free.index(("elasticity", "E"))] / TRUE_E - 1.0) < 0.02
