@@ -23,7 +23,7 @@ from affine_model.effect import Effect
 from affine_model.effects import absent_effects
 from inference.deferred_correction import coarser
 from inference.fit import Fit
-from inference.trajectory import ParameterName, Problem
+from inference.trajectory import RAN_AWAY, ParameterName, Problem
 from inference.whitened_fit import WhitenedFit
 from tentacle.specimen import declared_effects, densest
 
@@ -99,7 +99,8 @@ class Response:
 def responses(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Response]:
     """The responses to all absent effects that can act here, at the fitted state; differences in one batch each."""
     chosen = _that_can_act(problem, effects or absent_effects())
-    problem = replace(problem, parameters=fitted.parameters, filters=(), step=coarser(problem) * problem.step)
+    step = problem.step
+    problem = replace(problem, parameters=fitted.parameters, filters=(), step=coarser(problem) * step)
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
     peaks = spectral_peaks(problem, fitted)
     variants = [(effect, shapes) for effect in chosen for shapes in _variants(effect, peaks)]
@@ -109,18 +110,34 @@ def responses(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None 
             signs = (1.0, -1.0) if strength.bounds[0] < 0.0 else (1.0, 0.0)
             plan += [_trial(problem, effect, shapes, place, sign) for sign in signs]
             widths.append(STRENGTH_STEP * strength.nominal * (signs[0] - signs[1]))
+    slopes = _slopes(problem, unknowns, plan, widths)
+    lost = [place for place in range(len(widths)) if not all(np.all(np.isfinite(own[:, :, place])) for own in slopes)]
+    if lost:  # such a strength asks for the finer step; one that runs away there too cannot be seen
+        finer = replace(problem, step=step)
+        trials = [plan[k] for place in lost for k in (2 * place, 2 * place + 1)]
+        for own, again in zip(slopes, _slopes(finer, unknowns, trials, [widths[k] for k in lost]), strict=True):
+            own[:, :, lost] = np.where(np.isfinite(again).all(axis=(0, 1)), again, 0.0)
+    ends = np.cumsum([len(effect.strengths) for effect, _ in variants])[:-1]
+    parts = [np.split(own, ends, axis=2) for own in slopes] if plan else []
+    return [
+        Response(effect, shapes, tuple(own[place] for own in parts)) for place, (effect, shapes) in enumerate(variants)
+    ]
+
+
+def _slopes(problem: Problem, unknowns: Array, plan: list[Array], widths: list[float]) -> list[Array]:
+    """Of each recording the differences (T, K, S) between the runs of each pair in the plan, over their widths (S,);
+    not finite where one of them ran away.
+    """
     slopes: list[list[Array]] = [[] for _ in problem.experiments]
     for begin in range(0, len(plan), SCORE_BATCH):
         parameters = np.stack(plan[begin : begin + SCORE_BATCH], axis=1)
         everything = problem.residuals_everywhere(parameters, np.repeat(unknowns[:, None], parameters.shape[1], axis=1))
         width = np.array(widths[begin // 2 : (begin + SCORE_BATCH) // 2])
         for kept, rows in zip(slopes, everything, strict=True):
-            kept.append((rows[:, :, 0::2] - rows[:, :, 1::2]) / width)
-    ends = np.cumsum([len(effect.strengths) for effect, _ in variants])[:-1]
-    parts = [np.split(np.concatenate(kept, axis=2), ends, axis=2) for kept in slopes] if plan else []
-    return [
-        Response(effect, shapes, tuple(own[place] for own in parts)) for place, (effect, shapes) in enumerate(variants)
-    ]
+            ran_away = (np.abs(rows) >= RAN_AWAY).any(axis=(0, 1))
+            pairs = (rows[:, :, 0::2] - rows[:, :, 1::2]) / width
+            kept.append(np.where(ran_away[0::2] | ran_away[1::2], np.nan, pairs))
+    return [np.concatenate(kept, axis=2) for kept in slopes] if plan else []
 
 
 def _that_can_act(problem: Problem, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from inference.score import responses, score, twin_cosines
+from inference.trajectory import RAN_AWAY, Problem
 from inference.whitened_fit import tangent_basis, whitened_fit
 
 
@@ -49,3 +50,23 @@ def test_twin_cosines_are_a_gram_matrix_of_what_is_known(with_current):
     tilt, bent = names.index("gravity_tilt"), names.index("intrinsic_curvature")
     assert cosines[tilt, bent] > 0.9
     assert cosines[names.index("current"), names.index("stiffness_drift")] < 0.6
+
+
+def test_a_strength_whose_coarse_run_leaves_all_bounds_is_seen_at_the_finer_step(plain, monkeypatch):
+    """The first strength's run is made to leave all bounds at the coarse step: its slope is that of the fine step."""
+    problem, fitted = plain.problem, plain.fitted
+    run = Problem.residuals_everywhere
+
+    def leaves(self, parameters, unknowns):
+        everything = run(self, parameters, unknowns)
+        if self.step > problem.step:
+            for rows in everything:
+                rows[:, :, 0] = RAN_AWAY
+        return everything
+
+    undisturbed = responses(problem, fitted)[0]
+    monkeypatch.setattr(Problem, "residuals_everywhere", leaves)
+    found = responses(problem, fitted)[0]
+    for mended, own in zip(found.slopes, undisturbed.slopes, strict=True):
+        # The two steps give nearly the same derivative; the lost pair alone would differ by RAN_AWAY over its width.
+        assert np.abs(mended[:, :, 0] - own[:, :, 0]).max() < 0.05 * np.abs(own[:, :, 0]).max()
