@@ -38,7 +38,8 @@ def recording_text(answers: Answers) -> str:
 # A number may also be {{ value = 0.14, sd = 0.001 }} or {{ low = 0.139, high = 0.141 }} where you know it only so well.
 
 [specimen]
-section = "cone"               # a round arm; "rectangle" takes width_m and height_m in place of the radii
+section = "cone"               # a round arm; "rectangle" takes, in place of the radii, height_m, its thickness in the
+                               # plane in which it bends, and width_m, across that plane
 {_line("length_m", answers.length, "from the clamp to the tip")}
 {_line("base_radius_m", answers.base_radius, "half the thickness at the clamp")}
 {_line("tip_radius_m", answers.tip_radius, "half the thickness at the tip")}
