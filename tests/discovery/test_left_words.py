@@ -29,8 +29,8 @@ def test_a_share_that_is_explained_has_an_interval_with_a_width_or_is_not_told(p
     assert found.share == pytest.approx(0.9)
     assert 0.85 <= found.low < found.share < found.high <= 0.95
     for pieces in range(FEWEST_PIECES):
-        short = (replace(one, rest_in_time=one.rest_in_time[:pieces]) for one in (base, chosen))
-        assert explained(*short, 0) is None
+        one, other = (replace(h, rest_in_time=h.rest_in_time[:pieces]) for h in (base, chosen))
+        assert explained(one, other, 0) is None
 
 
 def test_what_is_named_has_no_detection_limit() -> None:

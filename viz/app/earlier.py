@@ -49,8 +49,7 @@ def _answers(declared: Declaration) -> Answers | None:
     arm, camera = declared.specimen, declared.camera
     if not isinstance(arm.section, Cone) or camera is None or not math.isfinite(camera.fps):
         return None
-    radii = (arm.section.base_radius, arm.section.tip_radius)
-    return Answers(arm.length, *radii, arm.density, declared.fluid.density, camera)
+    return Answers(arm.length, arm.section, arm.density, declared.fluid.density, camera)
 
 
 def _lines(text: str) -> list[str]:
