@@ -80,7 +80,7 @@ class ArmPart:
         self.advice.set_text(by_hand if earlier.by_hand else words)
         answers = earlier.answers
         for name, field in self.numbers.items():
-            value = None if answers is None else getattr(answers, name, None)
+            value = earlier.number(name)
             field.set_value("" if value is None else f"{value:.10g}")
         self.marks = earlier.marks()
         camera = None if answers is None else answers.camera

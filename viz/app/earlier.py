@@ -23,6 +23,12 @@ class Earlier:
     answers: Answers | None
     by_hand: bool
 
+    def number(self, name: str) -> float | None:
+        """The number that the page asks for by this name; None where the file says nothing of it."""
+        if self.answers is None:
+            return None
+        return {**vars(self.answers), **vars(self.answers.section)}.get(name)
+
     def marks(self) -> Marks:
         """Base and tip as the camera declares them; no mark without a camera."""
         if self.answers is None or self.answers.camera is None:

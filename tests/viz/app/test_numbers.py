@@ -49,7 +49,8 @@ def test_what_the_page_wrote_is_read_back_and_may_be_written_anew(tmp_path: Path
     earlier = read_earlier(file)
     assert not earlier.by_hand
     assert earlier.answers is not None
-    assert (earlier.answers.length, earlier.answers.density) == (0.16, 1080.0)
+    numbers = [earlier.number(name) for name in ("length", "base_radius", "tip_radius", "density", "fluid_density")]
+    assert numbers == [0.16, 0.011, 0.004, 1080.0, 998.0]
     camera = earlier.marks().camera(30.0)
     # five digits of the scale and a tenth of a pixel stand in the file
     assert camera.metres_per_px == pytest.approx(3.3333e-4, rel=1e-4)
