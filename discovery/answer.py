@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from discovery.next_experiment import DURATION, Proposal
+from discovery.next_experiment import DURATION, SEPARATES, Proposal
 from tentacle.diagnosis import Diagnosis, ErrorBudget, ErrorMeasure
 from tentacle.model import Model
 from tentacle.recording import Recording
 
-SEPARATES = 5.0  # nats, from which a base motion is said to separate two models
+MANY = 1000.0  # nats, beyond which an expected gap is only told as a bound
 MOST_EFFECTS = 3  # that one answer names together
 ACCOUNTS = 3  # hypotheses of one effect that the next experiment separates after an unknown
 
@@ -53,15 +53,19 @@ def nats_words(nats: float) -> str:
     """An expected gap: of a rival that hardly moves like the arm it may be any number, so that a large one is told as
     a bound.
     """
-    return f"{nats:.1f} nats" if nats < 1000.0 else "more than 1000 nats"
+    return f"{nats:.1f} nats" if nats < MANY else f"more than {MANY:.0f} nats"
 
 
 def proposal_words(proposal: Proposal) -> str:
-    """A sentence on the effects that the proposed base motion is expected to separate."""
-    splits, gap = ", ".join(proposal.splits), nats_words(proposal.nats)
+    """A sentence on the sets of effects that the proposed base motion is expected to separate, and by how much."""
+    one, *others = (" + ".join(effects) or "nothing missing" for effects in proposal.sets)
+    splits, gap = f"{one} from {' and from '.join(others)}", nats_words(proposal.nats)
     if proposal.nats < SEPARATES:
         return f"{_NONE_SEPARATES} {splits}: the best one tried would give {gap}."
-    return f"{_NEXT} {DURATION:.0f} s of the base motion in next_experiment.toml, would separate {splits} by {gap}."
+    least = "at least " if len(others) > 1 and proposal.nats < MANY else ""
+    return (
+        f"{_NEXT} {DURATION:.0f} s of the base motion in next_experiment.toml, would separate {splits} by {least}{gap}."
+    )
 
 
 def error_budget(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure, lost: float) -> ErrorBudget:

@@ -10,6 +10,8 @@ likelihood, and by which the set-up's prior variance is divided (discovery.decid
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
+
 import numpy as np
 
 from discovery.decide import log_prior_of_set
@@ -42,3 +44,8 @@ def detection_limits(chosen: Hypothesis, temperature: float) -> dict[str, dict[s
             if value < max(abs(bound) for bound in strength.bounds):
                 limits.setdefault(candidate.effect.name, {})[strength.name] = Limit(value, strength.unit)
     return limits
+
+
+def of_unnamed(limits: Mapping[str, dict[str, Limit]], named: Collection[str]) -> dict[str, dict[str, Limit]]:
+    """The limits of the effects that the answer does not name, alone or in a group: what was found needs none."""
+    return {effect: strengths for effect, strengths in limits.items() if effect not in named}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -14,10 +14,13 @@ from inference.fit import Fit
 from inference.observation import POSE, ShapeObservation
 from inference.trajectory import RAN_AWAY, Problem
 from inference.whitened_fit import tangent_basis
+from tentacle.diagnosis import NEXT_SECONDS
+from tentacle.io.waveform_file import waveform_table
 from tentacle.servo_limits import ServoLimits
 from tentacle.waveform import Chirp, Multisine, Sine, Waveform
 
-DURATION = 15.0  # s: longer than every relaxation of an arm in water
+DURATION = NEXT_SECONDS
+SEPARATES = 5.0  # nats, from which a base motion is said to separate two models, and is proposed
 FRAMES = 30.0  # 1/s at which a proposal is judged
 
 
@@ -42,11 +45,18 @@ class FittedHypothesis(Protocol):
 
 @dataclass(frozen=True)
 class Proposal:
-    """A base motion, the effects that it separates, and the nats that separate the two nearest models."""
+    """A base motion, the sets of effects that it is to separate, the chosen one first, and the nats that separate that
+    one from the nearest other.
+    """
 
     waveform: Waveform
-    splits: tuple[str, ...]
+    sets: tuple[tuple[str, ...], ...]
     nats: float
+
+    @property
+    def asked(self) -> dict[str, Any] | None:
+        """The base motion as a table, to be run; None where it would separate too little to be worth it."""
+        return waveform_table(self.waveform) if self.nats >= SEPARATES else None
 
 
 def candidate_motions(limits: ServoLimits, seed: int) -> list[Waveform]:
@@ -103,15 +113,14 @@ def propose_experiment(
     source = chosen.problem.experiments[0]
     if not rivals or source.release is not None or source.observation.shapes is None:
         return None
-    sets = [set(h.effects) for h in (chosen, *rivals)]
-    splits = tuple(sorted(set.union(*sets) - set.intersection(*sets)))
+    sets = tuple(h.effects for h in (chosen, *rivals))
     best: Proposal | None = None
     for waveform in candidate_motions(limits, seed):
         future = _virtual(source, waveform)
         measured = _measured(chosen, future)
         gap = min(max(_gap(rival, measured), _gap(chosen, _measured(rival, future))) for rival in rivals)
         if best is None or gap > best.nats:
-            best = Proposal(waveform, splits, gap)
+            best = Proposal(waveform, sets, gap)
     return best
 
 

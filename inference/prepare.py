@@ -168,9 +168,11 @@ def prepare(recording: Recording, *, hold_out: bool, device: str | None = None) 
     observation, points, sigma, words = _observation(recording, base, turning)
     words += spatial
     if opposite:
+        filmed = recording.declaration.camera is not None
+        remedy = "Declare `mirrored` in [camera] or turn" if filmed else "Turn the sign of the points' x, or"
         words.append(
             f"In {recording.name} the arm's root turns against the servo's log ({following:.2f} rad a radian): "
-            "the log's sign is taken as reversed. Declare `mirrored` in [camera] or turn the log's sign."
+            f"the log's sign is taken as reversed. {remedy} the log's sign."
         )
     times = observation.t
     observation, beyond = within_log(observation, base.motion if isinstance(base, HeldOutside) else None)

@@ -7,9 +7,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from discovery.answer import SEPARATES, nats_words
+from discovery.answer import nats_words
 from discovery.diagnose import diagnose
 from discovery.given import SERVO_UNDER_LOAD, Deciding
+from discovery.next_experiment import SEPARATES
 from rig.reidentify import tracked
 from rig.run_file import read_run
 from rig.safety import SafetyLimits
@@ -26,8 +27,8 @@ Ending = Literal["split", "limits"]
 class Decision:
     """A joint diagnosis in short. explanation: the effects that are named, with the mass of all sets that hold them;
     where none or a group is named, the credible set with the largest mass. others: how many more sets are credible.
-    motion: table of the base motion to run next (None: none can be commanded or judged), which separates the two
-    nearest explanations by `nats`.
+    motion: table of the base motion to run next (None: none can be commanded or judged, or none separates enough).
+    nats: by which the best one tried separates the two nearest explanations.
     """
 
     verdict: Verdict
@@ -52,7 +53,7 @@ class Decision:
         said = f"{self.verdict}: {name} holds {100 * self.mass:.1f} %"
         if self.ending == "split":
             return f"{said}; split"
-        if self.motion is None:
+        if self.motion is None and self.nats <= 0.0:
             return f"{said}; no base motion can be proposed"
         ends = "no motion within the limits splits further: the best" if self.ending == "limits" else "the next motion"
         return f"{said}, {self.others} more within 95 %; {ends} would give {nats_words(self.nats)}"

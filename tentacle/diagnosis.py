@@ -17,6 +17,9 @@ from tentacle.signals import Array
 
 Quantity = Literal["strain", "acceleration"]  # what a sensor on the arm measures
 Verdict = Literal["nothing_missing", "effect", "group", "unknown"]
+NEXT_SECONDS = (
+    15.0  # s for which the next experiment's base motion is run: longer than every relaxation of an arm in water
+)
 FINER_SHAPE = "third_curvature"  # among the effects where the arm needs more than two curvature coordinates
 
 
@@ -153,7 +156,7 @@ class Diagnosis:
     runs: tuple[RunComparison, ...]
     words: tuple[str, ...]
     seed: int
-    next_nats: float | None = None  # by which the next experiment separates the two nearest explanations
+    next_nats: float | None = None  # by which the best base motion tried separates the two nearest explanations
     uncalibrated: float | None = None  # the confidence before blind trials corrected it; None: never corrected
     explained: Explained | None = None
     certain: tuple[str, ...] = ()

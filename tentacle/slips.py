@@ -4,18 +4,18 @@ The recording is compared with the motion that every arm must have. The root poi
 
     direction of the root = theta + a constant near 0,   turning with the servo by .35 to 1.5 rad a radian,
 
-and a marker of arc length s lies within s L of the clamp. A slip without any other explanation is an error. If an
-unusual set-up could explain it, it is advice, with the numbers behind it.
+and a marker of arc length s lies within s L of the clamp (tentacle.place_slips). A slip without any other explanation
+is an error. If an unusual set-up could explain it, it is advice, with the numbers behind it.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import median_abs_deviation
 
 from tentacle.base_motion import FEWEST_SAMPLES, Travel, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.io.video_file import count_frames, frame_rate
+from tentacle.place_slips import NEAR_MARKER, place_slips
 from tentacle.recording import Recording
 from tentacle.sensor_slips import sensor_slips
 from tentacle.signals import Array, BaseTravel
@@ -25,16 +25,13 @@ NEAR_ROOT = 0.15  # of the arm: within, the midline's direction is the base's to
 SLOWEST = 1.0  # s between pictures: too long for the motion of a soft arm
 LEAST_SERVO_TURN = 0.05  # rad of the servo, below which its sign and unit cannot be seen
 ONE_DEGREE = np.pi / 180.0
-MARKER_REACH = 1.15  # of s L: how far a marker may lie from the clamp, for roughly declared lengths and shifted clamps
 CONCENTRATED = 0.7  # mean resultant length of the root's directions: a swing of +-60 degrees has as much
-STEADY = 0.1  # relative median deviation of a midline's length over the frames, beyond which it is no midline's
 FEWEST_PX = 20.0  # an arm shorter in the picture has no shape
 MOST_PX = 20_000.0  # no camera's picture is as wide
 MILLISECONDS = (300.0, 3000.0)  # a log that lasts as many times the pictures' span counts in other units
 LAST_TRAVEL = 0.1  # s, of a base's log, in which it is seen whether the base stands
 STANDS = 0.005  # of the arm's length: how far a base that stands may move in it
 LONGEST_STAND = 0.1  # of the time for which the arm is seen: longer, a base that stands beyond its log is told
-NEAR_MARKER = 0.4  # of the arm: the chord to a marker within it turns with the servo, whatever the arm's waves
 
 
 def refuse_slips(recording: Recording) -> None:
@@ -61,7 +58,7 @@ def find_slips(recording: Recording) -> list[Slip]:
         found.append(_root_slip("markers.csv", *chord[:2]))
         if chord[2] <= NEAR_MARKER:
             found.append(_servo_slip(recording, *chord[:2]))
-    found += [_length_slip(recording), *_marker_slips(recording), *sensor_slips(recording, travel)]
+    found += [*place_slips(recording), *sensor_slips(recording, travel)]
     return [slip for slip in found if slip is not None]
 
 
@@ -231,54 +228,6 @@ def _servo_slip(recording: Recording, t: Array, direction: Array) -> Slip | None
     if agreement > 0.8 and 0.3 * ONE_DEGREE < slope < 3.0 * ONE_DEGREE:
         return Slip("motor.csv", "angle_rad", seen, "radians (these are degrees)", True)
     if agreement < -0.8 and slope < -0.35:
-        return Slip("motor.csv", "angle_rad", seen, "the log's sign is reversed (or declare mirrored)", False)
+        other = "that of the pictures' x" if recording.declaration.camera is None else "declare mirrored"
+        return Slip("motor.csv", "angle_rad", seen, f"the log's sign is reversed (or {other})", False)
     return None
-
-
-def _length_slip(recording: Recording) -> Slip | None:
-    """A midline with another length than the declared one."""
-    midline, length = recording.midline, recording.declaration.specimen.length
-    if midline is None or len(midline.s) < 6:
-        return None
-    steps = np.linalg.norm(np.diff(midline.xy, axis=1), axis=2).sum(axis=1)
-    share = float(midline.s[-1] - midline.s[0])
-    measured = steps[np.isfinite(steps)] / max(share, 1e-9)
-    if measured.size < 10:
-        return None
-    if median_abs_deviation(measured) > STEADY * np.median(measured):
-        return None
-    ratio = float(np.median(measured)) / length
-    spread = next((n.spread for n in recording.declaration.uncertain if n.field == "specimen.length_m"), 0.0)
-    allowed = max(0.03, 3.0 * spread / length)  # chords and noise change a midline's length by less than 3 %
-    if abs(ratio - 1.0) < allowed:
-        return None
-    seen = f"the midline is {1e3 * ratio * length:.1f} mm long, the arm is declared {1e3 * length:.1f} mm"
-    certain = not 0.5 < ratio < 2.0
-    return Slip("recording.toml", "specimen.length_m", seen, "one length (is the scale off, or the length?)", certain)
-
-
-def _marker_slips(recording: Recording) -> list[Slip]:
-    """Markers farther from the clamp than the arm reaches, or in another order than their s."""
-    markers, length = recording.markers, recording.declaration.specimen.length
-    if markers is None:
-        return []
-    away = np.linalg.norm(markers.xy, axis=2)
-    away = np.where(np.isfinite(away), away, np.nan)
-    found = []
-    with np.errstate(invalid="ignore"):
-        nearest = np.array([np.nanmin(row) if np.isfinite(row).any() else np.nan for row in away.T])
-    reach = MARKER_REACH * np.hypot(markers.s * length, markers.d) + 0.05 * length
-    for name, distance, most, s in zip(markers.names, nearest, reach, markers.s, strict=True):
-        if distance > most:
-            seen = f"never nearer to the clamp than {1e3 * distance:.1f} mm, at s = {s:.3g} of {1e3 * length:.0f} mm"
-            found.append(Slip("recording.toml", f"markers.{name}.s", seen, "its place along the arm", True))
-    order = np.argsort(markers.s, kind="stable")
-    middle = np.array([np.nanmedian(row) if np.isfinite(row).any() else np.nan for row in away.T])[order]
-    for first, second in zip(range(len(order) - 1), range(1, len(order)), strict=True):
-        apart = (markers.s[order[second]] - markers.s[order[first]]) * length
-        if apart > 0.1 * length and middle[second] < middle[first] - 0.25 * apart:
-            one, other = markers.names[order[first]], markers.names[order[second]]
-            distances = f"({1e3 * middle[second]:.0f} and {1e3 * middle[first]:.0f} mm)"
-            seen = f"{other} is nearer to the clamp than {one} {distances}"
-            found.append(Slip("recording.toml", "markers", seen, "s in the order of the markers along the arm", False))
-    return found

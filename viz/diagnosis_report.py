@@ -11,7 +11,7 @@ from tentacle.model import Model
 from tentacle.proposed_law import MissingForce
 from tentacle.recording import Recording
 from tentacle.rounding import NO_VALUE, number
-from tentacle.signals import Array
+from viz.candidate_section import candidate_section
 from viz.figures.budget import budget_figure
 from viz.figures.coordinates import coordinates_figure
 from viz.figures.force_over import force_over_figure
@@ -21,15 +21,12 @@ from viz.figures.sensors import sensors_figure
 from viz.figures.shapes import shapes_figure
 from viz.figures.spectrum import spectrum_figure
 from viz.figures.thrust import thrust_figure
-from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
-from viz.scene import ViewedRun, paired, scene_of
+from viz.scene import ViewedRun, paired, scene_of, swims
 from viz.verdict_sections import finding_section, limits_sections, next_section, title_of, untold_section
-from viz.words import effect_name, error_rows, listed, probability_words
+from viz.words import effect_name, error_rows
 
 DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report stays under 3 MB)
-PRICE = 7.6  # nat: gain of one parameter that is larger than by chance
-TWIN_COSINE = 0.85  # pairs above this are named in words
 
 
 def error_section(diagnosis: Diagnosis) -> ReportSection:
@@ -91,64 +88,21 @@ def parameter_section(diagnosis: Diagnosis) -> ReportSection:
     return ReportSection("Parameters", words, tables)
 
 
-def twin_words(names: Sequence[str], cosines: Array) -> str:
-    """A sentence about the pairs of effects that this recording hardly separates."""
-    pairs = [
-        (abs(float(cosines[i, j])), names[i], names[j])
-        for i in range(len(names))
-        for j in range(i)
-        if abs(cosines[i, j]) >= TWIN_COSINE
-    ]
-    if not pairs:
-        return f"No pair of candidates has |cos| above {TWIN_COSINE:g}: this excitation separates them."
-    listed = "; ".join(f"{effect_name(a)} / {effect_name(b)} ({c:.3f})" for c, a, b in sorted(pairs, reverse=True)[:8])
-    return f"Nearly twins under this excitation: {listed}. Only much more data, or another motion, separates them."
-
-
-def candidate_section(diagnosis: Diagnosis) -> ReportSection:
-    """The catalogue as ranked, and which candidates resemble one another."""
-    worth = [r for r in diagnosis.ranking if r.score >= PRICE or r.effect in diagnosis.effects]
-    rest = [effect_name(r.effect) for r in diagnosis.ranking if r not in worth]
-    rows = [
-        (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), probability_words(r.probability))
-        for r in worth
-    ]
-    marked = tuple(k for k, ranked in enumerate(worth) if ranked.effect in diagnosis.effects)
-    tables, pictures, paragraphs = [], [], []
-    if rows:
-        header = ("effect", "score [nat]", "judged error [mm]", "probability")
-        most = max(max(r.score for r in worth), 1.0)
-        bars = tuple(max(r.score, 0.0) / most for r in worth)
-        caption = "Each candidate alone. The bar behind the score is its share of the highest."
-        tables.append(ReportTable(caption, header, rows, numeric=(1, 2, 3), marked=marked, bars=bars))
-        paragraphs.append("A score is the log-likelihood that an effect gains when it is added to the declared model.")
-    if rest:
-        paragraphs.append(f"Gain less than one parameter costs ({PRICE} nat): {listed(rest)}.")
-    if len(diagnosis.twin_names) > 1:
-        paragraphs.append(twin_words(diagnosis.twin_names, diagnosis.twin_cosines))
-        pictures.append(
-            Picture(
-                twins_figure(diagnosis.twin_names, diagnosis.twin_cosines),
-                "Similarity of the candidates' effects on these recordings, after refitting the base parameters.",
-            )
-        )
-    return ReportSection("Candidates", paragraphs, tables, pictures)
-
-
 def worst_runs(scenes: Sequence[ViewedRun], count: int) -> list[ViewedRun]:
     """The runs with the largest error before, largest first."""
     return sorted(scenes, key=lambda scene: -np.nan_to_num(scene.judged_rms_mm(scene.models[0]), nan=-1.0))[:count]
 
 
-def run_section(scene: ViewedRun, recording: Recording | None) -> ReportSection:
-    """The figures of one run."""
+def run_section(scene: ViewedRun, recording: Recording | None, *, swims: bool) -> ReportSection:
+    """The figures of one run; its thrust where a load cell measured it, or the arm swims."""
     pictures = [Picture(shapes_figure(scene), "Shapes at instants spread over the swing; models run open loop.")]
     if any(party.q is not None and np.isfinite(party.q).any() for party in scene.parties):
         pictures.append(Picture(coordinates_figure(scene), "The paper's coordinates; grey: where errors are judged."))
     if scene.models:
         pictures.append(Picture(residual_figure(scene), "Error of the models over arc length and time."))
     pictures.append(Picture(spectrum_figure(scene), "Tip, along n: spectra of the motion and of each model's error."))
-    thrust = thrust_figure(scene, recording.load_cell if recording else None)
+    load_cell = recording.load_cell if recording else None
+    thrust = thrust_figure(scene, load_cell) if swims or load_cell is not None else None
     if thrust is not None:
         pictures.append(Picture(thrust, "Thrust, as a load cell at the base reads it."))
     strain, acceleration = sensors_figure(scene, "strain"), sensors_figure(scene, "acceleration")
@@ -203,17 +157,18 @@ def answer_sections(diagnosis: Diagnosis, recordings: Sequence[Recording], comma
     pairs = [(scene_of(run), recording) for run, recording in paired(diagnosis.runs, recordings)]
     scenes = [scene for scene, _ in pairs]
     known = {scene.name: recording for scene, recording in pairs}
+    swimming = swims(diagnosis.base_model.fluid, [run.theta for run in diagnosis.runs])
     filmed = [scene for scene, recording in pairs if recording is not None and recording.video is not None]
     return [
         finding_section(diagnosis, worst_runs(filmed or scenes, 1), known),
         *missing_sections(diagnosis.missing),
-        next_section(diagnosis, command),
+        next_section(diagnosis, command, recordings),
         error_section(diagnosis),
         parameter_section(diagnosis),
         *limits_sections(diagnosis.verdict_json()),
         candidate_section(diagnosis),
         runs_section(scenes),
-        *(run_section(scene, known.get(scene.name)) for scene in worst_runs(scenes, DRAWN_RUNS)),
+        *(run_section(scene, known.get(scene.name), swims=swimming) for scene in worst_runs(scenes, DRAWN_RUNS)),
     ]
 
 

@@ -10,7 +10,7 @@ from tentacle.recording import Recording
 from tentacle.rounding import number
 from viz.diagnosis_report import parameter_table_rows, run_section, runs_section
 from viz.report import Origin, Report, ReportSection, ReportTable, render_report
-from viz.scene import ViewedRun
+from viz.scene import ViewedRun, swims
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,10 @@ def model_report(
             "Parameters", [arm, *told.words], [ReportTable("Parameters of the model", header, rows, numeric=numeric)]
         ),
         runs_section(scenes),
-        *(run_section(scene, recording) for scene, recording in zip(scenes, recordings, strict=True)),
+        *(
+            run_section(scene, recording, swims=swims(model.fluid, [scene.theta]))
+            for scene, recording in zip(scenes, recordings, strict=True)
+        ),
     ]
     errors = [scene.judged_rms_mm(scene.models[0]) for scene in scenes if scene.models]
     merits = [("largest error", f"{number(max(errors))} mm")] if errors else []

@@ -13,7 +13,11 @@ from numpy.typing import NDArray
 from tentacle.diagnosis import Quantity, RunComparison
 from tentacle.recording import Recording
 from tentacle.signals import Array
+from tentacle.specimen import Fluid
 from viz.palette import AUGMENTED, BASE, MEASURED, MODEL, Role
+
+LIGHTEST_LIQUID = 100.0  # kg/m^3: what is lighter is a gas, in which no arm swims
+STILL = 0.01  # rad: a base that turns less is clamped
 
 
 @dataclass(frozen=True)
@@ -116,3 +120,10 @@ def scene_of(run: RunComparison) -> ViewedRun:
     )  # fmt: skip
     sensors: tuple[tuple[str, Quantity], ...] = tuple((one.name, one.quantity) for one in run.sensors)
     return ViewedRun(run.name, run.t, run.s, run.theta, parties, run.judged, run.points, sensors)
+
+
+def swims(fluid: Fluid, thetas: Sequence[Array]) -> bool:
+    """Whether the arm is in a liquid and its base turns, by theta (T,) [rad] of each run: only then is there a thrust
+    to look at, and a gait to seek.
+    """
+    return fluid.density >= LIGHTEST_LIQUID and any(float(np.ptp(theta)) > STILL for theta in thetas if theta.size)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from tentacle.diagnosis import Diagnosis
+from tentacle.diagnosis import NEXT_SECONDS, Diagnosis
 from tentacle.recording import Recording
 from tentacle.rounding import NO_VALUE, number, rounded
 from viz.figures.finding import finding_figure
 from viz.report import Picture, ReportSection, ReportTable
-from viz.scene import ViewedRun
+from viz.scene import ViewedRun, swims
 from viz.words import effect_name, listed, probability_words, verdict_title
 
 ANSWER_FILES = (
@@ -21,11 +21,17 @@ ANSWER_FILES = (
 # Effects that a wrong number of the declaration looks like, and where that number stands.
 DECLARED_AS = {
     "camera_roll": "arm_px in [camera]",
-    "camera_scale": "m_per_px in [camera]",
+    "camera_scale": "m_per_px in [camera], and length_m in [specimen]",
     "gravity_tilt": "angle_rad in [gravity]",
     "buoyancy": "density_kg_m3 in [specimen] and [fluid]",
     "payload_place": "tip_mass_reach_m and tip_mass_drop_m in [specimen]",
     "time_offset": "the clock of motor.csv",
+}
+WITHOUT_MOTOR = {"time_offset": "t_s in [release]"}
+# The same where the positions were measured without [camera].
+WITHOUT_CAMERA = {
+    "camera_roll": "the axes of their frame, of which y lies along the straight arm",
+    "camera_scale": "their scale, and length_m in [specimen]",
 }
 
 
@@ -95,13 +101,13 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
             f"{together} of the whole probability. The rest belongs to effects outside the catalogue, and to sets of "
             "more effects than these."
         )
-        found.append(
-            ReportSection(
-                "Likely answers",
-                [words],
-                [ReportTable("Sets of effects", ("effects", "probability"), rows, numeric=(1,))],
-            )
+        confidence = (
+            "The confidence at the top is another number: the probability of the verdict as a whole, corrected by how "
+            "often such verdicts were right in blind trials."
         )
+        header = ("these effects and no others", "probability of exactly this set")
+        table = ReportTable("Sets of effects", header, rows, numeric=(1,))
+        found.append(ReportSection("Likely answers", [words, confidence], [table]))
     laws = answer.get("laws") or []
     if laws:
         rows = [
@@ -138,7 +144,7 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
     return found
 
 
-def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
+def next_section(diagnosis: Diagnosis, command: str, recordings: Sequence[Recording]) -> ReportSection:
     """Remarks, the next steps as commands that can be copied, and links to the files beside the report."""
     commands = [(f"{words} (in the folder of this report):", line) for words, line in local_commands(diagnosis)]
     tables = []
@@ -148,7 +154,7 @@ def next_section(diagnosis: Diagnosis, command: str) -> ReportSection:
         commands.append(("Then diagnose it together with the others:", line))
         tables.append(ReportTable("Next base motion", ("key", "value"), flatten(diagnosis.next_experiment)))
         files = (*ANSWER_FILES, ("next_experiment.toml", "the proposed next base motion"))
-    words = [*diagnosis.words, *check_words(diagnosis.effects)]
+    words = [*diagnosis.words, *check_words(diagnosis.effects, recordings)]
     return ReportSection("What to do next", words, tables, commands=commands, files=files)
 
 
@@ -158,24 +164,32 @@ def untold_section(inputs: Sequence[str]) -> ReportSection:
     return ReportSection("What to do next", (), commands=commands, files=(("verdict.json", "this answer as data"),))
 
 
-def check_words(effects: Sequence[str]) -> list[str]:
-    """A sentence for each effect that may be a wrong number of the declaration."""
-    return [
-        f"The {effect_name(effect)} may be a wrong number of the declaration: check {DECLARED_AS[effect]}."
-        for effect in effects
-        if effect in DECLARED_AS
-    ]
+def check_words(effects: Sequence[str], recordings: Sequence[Recording]) -> list[str]:
+    """A sentence for each effect that may be a wrong number of the declaration, or of positions measured elsewhere."""
+    clamped = bool(recordings) and all(recording.motor is None for recording in recordings)
+    declared = DECLARED_AS | (WITHOUT_MOTOR if clamped else {})
+    unfilmed = bool(recordings) and all(recording.declaration.camera is None for recording in recordings)
+    words = []
+    for effect in effects:
+        if unfilmed and effect in WITHOUT_CAMERA:
+            words.append(f"The {effect_name(effect)} may be an error of the positions: check {WITHOUT_CAMERA[effect]}.")
+        elif effect in declared:
+            words.append(
+                f"The {effect_name(effect)} may be a wrong number of the declaration: check {declared[effect]}."
+            )
+    return words
 
 
 def local_commands(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """The commands for this verdict: what each does, and its line."""
     look = ("Look at it in time", "tentacle view session.rrd")
     use = ("Find the gait that swims best with this model", "tentacle optimise model.toml --out gait")
-    rig = "tentacle rig record rig.toml next_experiment.toml --seconds 30 --out next.rrd"
+    rig = f"tentacle rig record rig.toml next_experiment.toml --seconds {NEXT_SECONDS:.0f} --out next.rrd"
     run = ("Run the proposed base motion on your rig", rig)
     if diagnosis.next_experiment is not None:
         return [look, run]
-    return [look, use] if diagnosis.verdict in ("effect", "nothing_missing") else [look]
+    known = diagnosis.verdict in ("effect", "nothing_missing")
+    return [look, use] if known and swims(diagnosis.base_model.fluid, [run.theta for run in diagnosis.runs]) else [look]
 
 
 def flatten(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, str]]:

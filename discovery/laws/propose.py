@@ -26,7 +26,6 @@ from inference.more_coordinates import with_coordinates
 from inference.prepare import Prepared
 from inference.prior import laplace_evidence
 from inference.trajectory import RAN_AWAY, ParameterName, Problem
-from tentacle.io.waveform_file import waveform_table
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter
 from tentacle.proposed_law import MissingForce, ProposedLaw
@@ -82,7 +81,7 @@ def propose_laws(
     over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
     words = (*_words(fits.laws, kinds), over_words(over))
     words = words if fits.next_motion is None else (*words, proposal_words(fits.next_motion))
-    asked = fits.next_motion and waveform_table(fits.next_motion.waveform)
+    asked = fits.next_motion and fits.next_motion.asked
     return MissingForce(maps, fits.laws, kinds, words, asked, over)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tentacle.cli._output import say
-from tentacle.cli._questions import QUESTIONS, answers_of
+from tentacle.cli._questions import FLAGS, answers_of
 from tentacle.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,9 +17,9 @@ HELP = "begin a recording: a folder with a commented recording.toml, from five q
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """A folder, the five answers, and the film."""
+    """A folder, the answers, and the film."""
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="folder of the new recording")
-    for name, question, _ in QUESTIONS:
+    for name, question, _ in FLAGS:
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, metavar="X", help=question)
     parser.add_argument(
         "--video", type=Path, metavar="FILM", help="copy this film into the folder, and propose [camera] from it"
@@ -37,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask for the missing numbers, write the file, and print the next step."""
-    from tentacle.io.recording_template import Answers, recording_text, require_usable, write_recording_file
+    from tentacle.io.recording_template import recording_text, require_usable, write_recording_file
     from tentacle.io.servo_log import write_motor_log
 
     if (arguments.folder / "recording.toml").exists():  # the files are checked before the questions
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         require_film(arguments.video)
     motor = None if arguments.motor is None else _motor_log(arguments)
-    answers, words = Answers(camera=None, **answers_of(arguments)), ""
+    answers, words = answers_of(arguments), ""
     require_usable(answers)
     if arguments.video is not None:
         from vision.film_begun import begun

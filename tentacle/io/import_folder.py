@@ -29,7 +29,14 @@ from tentacle.io.acceleration_file import read_acceleration
 from tentacle.io.csv_table import CsvTable, read_csv
 from tentacle.io.declaration_file import RecordingFile, read_recording_file
 from tentacle.io.plain_file import is_there
-from tentacle.io.sound_recording import LARGEST_ANGLE, LARGEST_THRUST, LONGEST_TRAVEL, check_recording, reach_of
+from tentacle.io.sound_recording import (
+    LARGEST_ANGLE,
+    LARGEST_THRUST,
+    LONGEST_TRAVEL,
+    check_recording,
+    reach_of,
+    reach_words,
+)
 from tentacle.io.strain_file import read_strain
 from tentacle.io.video_file import find_video, misnamed_video
 from tentacle.plane import plane_of_motion
@@ -205,6 +212,7 @@ def _in_plane(xy: Array, table: CsvTable, deep: tuple[str, ...], reach: float) -
 
 
 def _check_points(table: CsvTable, pairs: list[tuple[str, str]], reach: float) -> None:
+    expected = reach_words(np.stack([np.stack([table[x], table[y]], axis=-1) for x, y in pairs], axis=1), reach)
     for x, y in pairs:
         half = np.isnan(table[x]) != np.isnan(table[y])
         if half.any():
@@ -212,4 +220,4 @@ def _check_points(table: CsvTable, pairs: list[tuple[str, str]], reach: float) -
             blank = x if np.isnan(table[x][index]) else y
             raise table.error(index, blank, "blank cell", f"{x} and {y} together, or neither")
         for name in (x, y):
-            table.require_within(name, reach, f"metres, within {reach:g} m of the clamp")
+            table.require_within(name, reach, expected)

@@ -10,17 +10,19 @@ from tentacle.io.declaration_file import parse_recording_file
 from tentacle.io.toml_table import parse_toml
 from tentacle.io.written_file import write_text
 from tentacle.recording import Camera
+from tentacle.specimen import Rectangle, Section
 
 MIRRORED = "# mirrored = true              # where a positive angle in motor.csv turns the arm the other way"
 
 
 @dataclass(frozen=True)
 class Answers:
-    """Lengths [m] and density [kg/m^3] of the arm; fluid_density [kg/m^3], 0 in air. camera None: not known yet."""
+    """Length [m], section and density [kg/m^3] of the arm; fluid_density [kg/m^3], 0 in air. camera None: not known
+    yet.
+    """
 
     length: float
-    base_radius: float
-    tip_radius: float
+    section: Section
     density: float
     fluid_density: float
     camera: Camera | None = None
@@ -38,10 +40,7 @@ def recording_text(answers: Answers) -> str:
 # A number may also be {{ value = 0.14, sd = 0.001 }} or {{ low = 0.139, high = 0.141 }} where you know it only so well.
 
 [specimen]
-section = "cone"               # a round arm; "rectangle" takes width_m and height_m in place of the radii
-{_line("length_m", answers.length, "from the clamp to the tip")}
-{_line("base_radius_m", answers.base_radius, "half the thickness at the clamp")}
-{_line("tip_radius_m", answers.tip_radius, "half the thickness at the tip")}
+{_section_text(answers)}
 {_line("density_kg_m3", answers.density, "of the material: weigh a piece in air and in water")}
 # tip_mass_kg = 0.005          # a payload that you know of
 # clamp_length_m = 0.003       # how much a soft clamp gives: it turns as this length of the arm's root would bend
@@ -61,6 +60,22 @@ angle_rad = 0.0                # 0: the arm hangs down; 3.1416: it stands up; 1.
 #   strain.csv        t_s,NAME_strain            a strain gauge: [strain] NAME = {{ s = 0.1, d = 0.01 }}
 #   acceleration.csv  t_s,NAME_m_s2              one axis: [acceleration] NAME = {{ s = 1, d = 0, axis = "normal" }}
 """
+
+
+def _section_text(answers: Answers) -> str:
+    """The kind of section, the length, and the sizes of that section."""
+    section, length = answers.section, _line("length_m", answers.length, "from the clamp to the tip")
+    if isinstance(section, Rectangle):
+        return f"""\
+section = "rectangle"          # a strip; "cone" takes base_radius_m and tip_radius_m in place of width and height
+{length}
+{_line("width_m", section.section_width, "across the plane in which the arm bends")}
+{_line("height_m", section.height, "its thickness in that plane")}"""
+    return f"""\
+section = "cone"               # a round arm; "rectangle" takes width_m and height_m in place of the radii
+{length}
+{_line("base_radius_m", section.base_radius, "half the thickness at the clamp")}
+{_line("tip_radius_m", section.tip_radius, "half the thickness at the tip")}"""
 
 
 def _line(key: str, value: float | str, words: str) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 from tentacle.errors import InputError
 from tentacle.io.acceleration_file import AN_ACCELERATION, LARGEST_ACCELERATION
 from tentacle.io.strain_file import A_STRAIN, largest_strain
+from tentacle.place_slips import FARTHEST, factor_words
 from tentacle.recording import Declaration, Recording
 from tentacle.signals import AccelerationSignal, Array, BaseTravel, Markers, Midline, ShapeTrack, StrainSignal
 
@@ -32,6 +33,17 @@ def reach_of(declaration: Declaration, travel: BaseTravel | None) -> float:
     if travel is None or declaration.seen_from == "base":
         return own
     return own + float(np.abs(travel.xy).max(initial=0.0))
+
+
+def reach_words(xy: Array, reach: float) -> str:
+    """What is expected of points (..., 2) [m] that may lie beyond `reach` [m], with the factor by which their scale
+    seems wrong: the farthest point of an arm lies about its length from the clamp.
+    """
+    distances = np.hypot(xy[..., 0], xy[..., 1])
+    distances = distances[np.isfinite(distances)]
+    farthest = float(np.quantile(distances, FARTHEST)) if distances.size else 0.0
+    factor = factor_words(LARGEST_DISTANCE * farthest / reach) if farthest > reach else ""
+    return f"metres, within {reach:g} m of the clamp{factor}"
 
 
 def check_recording(recording: Recording, file: Path) -> Recording:
@@ -121,7 +133,7 @@ def _check_within(name: str, values: Array, limit: float, expected: str, file: P
 def _check_points(name: str, xy: Array, shape: tuple[int, ...], reach: float, file: Path) -> None:
     if xy.shape != shape:
         raise InputError(f"{xy.shape} values", file=file, field=name, expected=f"{shape}")
-    _check_within(name, xy, reach, f"metres, within {reach:g} m of the clamp", file)
+    _check_within(name, xy, reach, reach_words(xy, reach), file)
     if (np.isnan(xy[..., 0]) != np.isnan(xy[..., 1])).any():
         raise InputError("one of x and y is missing", file=file, field=name, expected="both, or neither")
 

@@ -2,11 +2,11 @@
 
 import pytest
 
-from discovery.answer import SEPARATES
+from discovery.answer import proposal_words
 from discovery.begin import Begun
 from discovery.diagnose import diagnose
 from discovery.given import SERVO_UNDER_LOAD
-from discovery.next_experiment import DURATION, propose_experiment
+from discovery.next_experiment import DURATION, SEPARATES, Proposal, propose_experiment
 from discovery.rank import RankedSet, ranking
 from discovery.refits import added
 from discovery.starts import base_follows, refit_starts
@@ -46,5 +46,20 @@ def test_a_model_that_contains_the_other_one_is_separated_from_it_too(with_curre
     larger = fit_hypothesis(added(smaller, Begun(chosen, (), tuple(starts))), smaller.forces)
     proposal = propose_experiment(smaller, (larger,), SERVO_UNDER_LOAD, 0)
     assert proposal is not None
-    assert proposal.splits == ("current",)
+    assert proposal.sets == ((), ("current",))
     assert proposal.nats > SEPARATES
+    assert proposal.asked is not None
+
+
+def test_a_motion_that_separates_nothing_is_not_proposed_and_its_words_say_so():
+    idle = Proposal(Sine(0.3, 1.1), (("camera_scale",), ()), 0.9 * SEPARATES)
+    assert idle.asked is None
+    assert proposal_words(idle).startswith("No base motion")
+    assert "camera_scale from nothing missing:" in proposal_words(idle)
+
+
+def test_the_words_say_from_what_the_effects_are_separated_and_for_how_long():
+    useful = Proposal(Sine(0.3, 1.1), (("soft_spot",), (), ("wall", "current")), 31.0)
+    words = proposal_words(useful)
+    assert f"{DURATION:.0f} s of the base motion" in words
+    assert "separate soft_spot from nothing missing and from wall + current by at least 31.0 nats" in words

@@ -16,6 +16,7 @@ from tentacle.io.declaration_file import read_recording_file
 from tentacle.io.import_folder import read_folder
 from tentacle.io.recording_template import Answers, recording_text, write_recording_file
 from tentacle.recording import Camera
+from tentacle.specimen import Cone, Rectangle
 from tests.docs.desk import film_an_arm
 
 ARM = ["--length=0.14", "--base-radius=0.0125", "--tip-radius=0.001", "--density=1070", "--fluid-density=998"]
@@ -102,6 +103,19 @@ def test_too_few_or_wrong_answers_of_a_pipe_write_nothing(tmp_path: Path, piped:
     assert not (tmp_path / "a").exists()
 
 
+def test_a_width_and_a_height_make_a_rectangle_that_bends_over_its_height(tmp_path: Path) -> None:
+    flags = ("--length", "0.2", "--width", "0.03", "--density", "1080", "--fluid-density", "0")
+    done = asked(tmp_path, b"0.01\n", *flags)  # the height is asked, and no radius
+    assert done.returncode == 0, done.stderr
+    section = read_recording_file(tmp_path / "a" / "recording.toml").declaration.specimen.section
+    assert section == Rectangle(section_width=0.03, height=0.01)
+    assert section.second_moment(0.0) == pytest.approx(0.03 * 0.01**3 / 12.0)
+    (tmp_path / "a" / "recording.toml").unlink()
+    both = asked(tmp_path, b"", *flags[:4], "--tip-radius", "0.01", "--height", "0.01")
+    assert both.returncode == 2
+    assert b"--width: beside a radius" in both.stderr
+
+
 def asked(place: Path, piped: bytes, *flags: str) -> subprocess.CompletedProcess[bytes]:
     """`tentacle new a` with its answers in a pipe."""
     command = [sys.executable, "-m", "tentacle", "new", "a", *flags]
@@ -150,5 +164,5 @@ def test_bash_takes_the_completion(tmp_path: Path, capsys: pytest.CaptureFixture
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_begun_recording_says_of_the_camera_what_it_was_told(tmp_path: Path, mirrored: bool) -> None:
     camera = Camera(25.0, 4e-4, (310.0, 42.5), (0.6, 0.8), mirrored=mirrored)
-    file = write_recording_file(tmp_path, recording_text(Answers(0.14, 0.012, 0.004, 1070.0, 998.0, camera)))
+    file = write_recording_file(tmp_path, recording_text(Answers(0.14, Cone(0.012, 0.004), 1070.0, 998.0, camera)))
     assert read_recording_file(file).declaration.camera == camera

@@ -56,10 +56,11 @@ def test_a_sound_recording_has_no_slip(sound) -> None:
         (in_milliseconds, "t_s", "milliseconds"),
         (lambda r: with_points(r, lambda xy: xy[..., ::-1].copy()), "x_m", "exchanged"),
         (lambda r: with_points(r, lambda xy: -xy), "y_m", "sign"),
-        (lambda r: with_points(r, lambda xy: 2.54 * xy), "specimen.length_m", "one length"),
+        (lambda r: with_points(r, lambda xy: 2.54 * xy), "specimen.length_m", "2.54 times too large"),
+        (lambda r: with_points(r, lambda xy: 0.1 * xy), "specimen.length_m", "10 times too small"),
         (far_camera, "camera.m_per_px", "metres a pixel"),
     ],
-    ids=["degrees", "milliseconds", "exchanged", "upside down", "inches", "half a pixel"],
+    ids=["degrees", "milliseconds", "exchanged", "upside down", "inches", "a tenth", "half a pixel"],
 )
 def test_what_has_no_other_reading_is_refused(sound, slip, field, remedy) -> None:
     with pytest.raises(InputError) as error:
@@ -85,6 +86,49 @@ def test_markers_out_of_order_or_out_of_reach_are_named(sound) -> None:
     slips = find_slips(turned)
     assert any(slip.certain and slip.field == "markers.m2.s" for slip in slips)  # the tip's marker, declared at .3
     assert any("nearer to the clamp" in slip.seen for slip in slips)
+    (named,) = (slip for slip in slips if slip.field == "markers.m2.s")
+    assert "fits s = 0.9" in named.remedy or "fits s = 1" in named.remedy  # it is the tip's, on an arm that bends
+    assert "m2 and m0 exchanged?" in named.remedy
+
+
+@pytest.mark.parametrize(
+    ("factor", "certain", "named"),
+    [(0.1, True, "10 times too small"), (0.001, True, "1000 times too small"), (0.394, True, "2.54 times too small")],
+    ids=["a tenth", "metres as kilometres", "inches"],
+)
+def test_markers_that_never_leave_the_clamp_s_neighbourhood_have_a_wrong_scale(sound, factor, certain, named) -> None:
+    (slip,) = find_slips(with_markers(sound, lambda xy: factor * xy))
+    assert (slip.file, slip.field, slip.certain) == ("markers.csv", "x_m, y_m", certain)
+    assert named in slip.remedy
+
+
+def test_a_few_points_of_a_midline_have_a_scale_too(sound) -> None:
+    midline = sound.midline
+    assert midline is not None
+    few = replace(midline, s=midline.s[::5], xy=0.1 * midline.xy[:, ::5], sigma=midline.sigma[:, ::5])
+    (slip,) = find_slips(replace(sound, midline=few))
+    assert slip.certain
+    assert "10 times too small" in slip.remedy
+
+
+def test_markers_that_are_all_too_far_have_a_wrong_scale_and_no_wrong_place(sound) -> None:
+    (slip,) = (slip for slip in find_slips(with_markers(sound, lambda xy: 2.54 * xy)) if slip.certain)
+    assert slip.file == "markers.csv"
+    assert "2.54 times too large" in slip.remedy
+
+
+@pytest.mark.parametrize("turn", [1.5, 3.0, 4.5])
+@pytest.mark.parametrize("places", [(0.2, 0.4, 0.6, 0.8, 1.0), (1.0,)], ids=["five markers", "the tip alone"])
+def test_an_arm_that_stays_bent_is_never_refused_for_its_scale(sound, turn, places) -> None:
+    """Arcs of a circle that keep turning by so much: at 4.5 the tip is a third of the length from the clamp."""
+    seen = as_markers(sound, places)
+    assert seen.markers is not None
+    angle, s = turn + 0.05 * np.sin(seen.markers.t)[:, None], np.array(places)
+    arc = 0.14 * np.stack([(np.cos(angle * s) - 1.0) / angle, np.sin(angle * s) / angle], axis=-1)
+    bent = replace(seen, motor=None, markers=replace(seen.markers, xy=arc))
+    assert not any(slip.certain and slip.field == "x_m, y_m" for slip in find_slips(bent))
+    if len(places) > 1:
+        assert not any(slip.field == "x_m, y_m" for slip in find_slips(bent))
 
 
 def with_markers(recording: Recording, change: Callable[[np.ndarray], np.ndarray]) -> Recording:

@@ -14,10 +14,11 @@ import pytest
 
 from discovery.answer import cannot_tell
 from tentacle.cli.pages.diagnosis import answer_lines
-from tentacle.diagnosis import FINER_SHAPE, ErrorMeasure
+from tentacle.diagnosis import FINER_SHAPE, NEXT_SECONDS, CredibleSet, ErrorMeasure
 from tentacle.model import Estimate
 from tests.page import parsed, problems
-from viz.diagnosis_report import diagnosis_report, twin_words
+from viz.candidate_section import twin_words
+from viz.diagnosis_report import diagnosis_report
 from viz.report import write_report
 from viz.topics.verdict import verdict_markdown
 from viz.verdict_sections import DECLARED_AS, limits_sections, sure_words, title_of
@@ -133,6 +134,35 @@ def test_it_leads_with_the_film_at_the_worst_moment_and_both_models(page):
 def test_the_next_step_can_be_copied_and_names_what_is_asked_for(page):
     assert '<pre class="command"><code>tentacle diagnose next.rrd &lt;run&gt; --out x</code></pre>' in page
     assert 'href="next_experiment.toml"' in page
+    assert f"next_experiment.toml --seconds {NEXT_SECONDS:.0f} --out" in page
+
+
+def test_where_no_motion_is_worth_running_none_is_offered(case):
+    bare = replace(case.diagnosis, next_experiment=None, next_nats=0.3)
+    page = diagnosis_report(bare, case.recordings, "tentacle diagnose run", {}, {})
+    assert "next_experiment.toml" not in page
+    assert "rig record" not in page
+
+
+def test_a_gait_and_a_thrust_are_offered_where_there_is_water_and_a_base_that_turns(case):
+    wet = replace(case.diagnosis, next_experiment=None)
+    base = wet.base_model
+    clamped = tuple(replace(run, theta=np.zeros_like(run.theta)) for run in wet.runs)
+    dry = replace(wet, base_model=replace(base, fluid=replace(base.fluid, density=1.2)))
+    for diagnosis, offered in ((wet, True), (dry, False), (replace(wet, runs=clamped), False)):
+        page = text_of(diagnosis_report(diagnosis, [], "tentacle diagnose run", {}, {}))
+        assert ("tentacle optimise" in page) == offered
+        assert ("Thrust, as a load cell" in page) == offered
+    measured = text_of(diagnosis_report(dry, case.recordings, "tentacle diagnose run", {}, {}))
+    assert "Thrust, as a load cell" in measured  # it was measured
+
+
+def test_three_probabilities_of_one_answer_say_what_each_is(case):
+    answer = replace(case.diagnosis, sets=(CredibleSet(("current",), 0.84),))
+    page = text_of(diagnosis_report(answer, [], "tentacle diagnose run", {}, {}))
+    assert "these effects and no others probability of exactly this set current 84.0 %" in page
+    assert "probability of all sets with it" in page
+    assert "The confidence at the top is another number" in page
 
 
 def test_what_the_likelihood_says_is_shown_where_it_is_there(case):
@@ -179,6 +209,19 @@ def test_twins_are_named_in_words():
     assert "separates them" in twin_words(("a", "b", "c"), np.eye(3))
 
 
+def test_twins_that_the_answer_tells_apart_are_not_said_to_need_more_data():
+    names, cosines = ("gravity_tilt", "tip_mass", "buoyancy"), np.ones((3, 3))
+    told = twin_words(names, cosines, [("tip_mass",), ("tip_mass", "current")])
+    assert "tip mass / gravity tilt (1.000)" in told
+    assert "tip mass / buoyancy (1.000)" in told
+    assert "Every likely answer holds the first, and none the second." in told
+    assert "Of the other pairs" in told  # buoyancy and gravity tilt: neither
+    assert "Only much more data" not in told
+    left = twin_words(names[:2], cosines[:2, :2], [("tip_mass",), ("gravity_tilt",)])
+    assert "Only much more data" in left
+    assert "told apart" not in left
+
+
 def photograph(page: Path, picture: Path, profile: Path, *options: str) -> np.ndarray:
     import cv2
 
@@ -209,6 +252,17 @@ def test_an_effect_that_a_wrong_declared_number_looks_like_says_which_number(cas
     page = text_of(diagnosis_report(turned, [], "tentacle diagnose run", {}, {}))
     assert "The camera roll may be a wrong number of the declaration: check arm_px in [camera]." in page
     assert "The current may be" not in page
+
+
+def test_positions_that_no_camera_of_the_folder_gave_are_not_sent_to_its_table(case):
+    wrong = replace(case.diagnosis, effects=("camera_scale", "camera_roll"))
+    filmed, measured = case.recordings, []
+    for recording in filmed:
+        measured.append(replace(recording, video=None, declaration=replace(recording.declaration, camera=None)))
+    for recordings, camera in ((filmed, True), (measured, False)):
+        page = text_of(diagnosis_report(wrong, recordings, "tentacle diagnose run", {}, {}))
+        assert ("[camera]" in page) == camera
+        assert "length_m in [specimen]" in page
 
 
 def test_the_numbers_to_check_belong_to_effects_of_the_catalogue():

@@ -12,6 +12,7 @@ from nicegui import events, ui
 
 from tentacle.errors import InputError
 from tentacle.io.recording_template import Answers
+from tentacle.specimen import Cone
 from viz.app.desk import ArmProposer
 from viz.app.earlier import Earlier
 from viz.app.marks import MARK_PLACES, Marks, arm_outline, drawing
@@ -79,7 +80,7 @@ class ArmPart:
         self.advice.set_text(by_hand if earlier.by_hand else words)
         answers = earlier.answers
         for name, field in self.numbers.items():
-            value = None if answers is None else getattr(answers, name, None)
+            value = earlier.number(name)
             field.set_value("" if value is None else f"{value:.10g}")
         self.marks = earlier.marks()
         camera = None if answers is None else answers.camera
@@ -100,7 +101,8 @@ class ArmPart:
         if not self.looked.value:
             raise InputError("not confirmed yet", field="where the arm is", expected="the last tick of part 2")
         values.setdefault("base_radius", marks.base_radius() or 0.0)
-        return Answers(camera=camera, **values)
+        section = Cone(values.pop("base_radius"), values.pop("tip_radius"))
+        return Answers(camera=camera, section=section, **values)
 
     def _typed(self) -> dict[str, str]:
         return {name: str(field.value or "") for name, field in self.numbers.items()}

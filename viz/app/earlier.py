@@ -23,6 +23,12 @@ class Earlier:
     answers: Answers | None
     by_hand: bool
 
+    def number(self, name: str) -> float | None:
+        """The number that the page asks for by this name; None where the file says nothing of it."""
+        if self.answers is None:
+            return None
+        return {**vars(self.answers), **vars(self.answers.section)}.get(name)
+
     def marks(self) -> Marks:
         """Base and tip as the camera declares them; no mark without a camera."""
         if self.answers is None or self.answers.camera is None:
@@ -49,8 +55,7 @@ def _answers(declared: Declaration) -> Answers | None:
     arm, camera = declared.specimen, declared.camera
     if not isinstance(arm.section, Cone) or camera is None or not math.isfinite(camera.fps):
         return None
-    radii = (arm.section.base_radius, arm.section.tip_radius)
-    return Answers(arm.length, *radii, arm.density, declared.fluid.density, camera)
+    return Answers(arm.length, arm.section, arm.density, declared.fluid.density, camera)
 
 
 def _lines(text: str) -> list[str]:

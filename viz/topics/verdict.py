@@ -8,6 +8,8 @@ from tentacle.diagnosis import Diagnosis
 from tentacle.rounding import number
 from viz.words import effect_name, error_rows, verdict_title
 
+CANDIDATE_HEADER = ("effect", "score alone [nat]", "error alone [mm]", "probability of all sets with it")
+
 
 def text_table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     """A Markdown table."""
@@ -40,7 +42,7 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
             (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.2f}")
             for r in diagnosis.ranking[:8]
         ]
-        parts += ["## Candidates", text_table(("effect", "score [nat]", "error [mm]", "probability"), ranked)]
+        parts += ["## Candidates", text_table(CANDIDATE_HEADER, ranked)]
     if diagnosis.words:
         parts += ["## What remains", "\n".join(f"- {line}" for line in diagnosis.words)]
     return "\n\n".join(parts) + "\n"

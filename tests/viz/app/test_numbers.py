@@ -12,11 +12,14 @@ pytest.importorskip("nicegui", reason="nicegui is not installed: pip install ten
 from tentacle.errors import InputError
 from tentacle.io.recording_template import Answers, recording_text
 from tentacle.recording import Camera
+from tentacle.specimen import Cone
 from viz.app.desk import Desk, Proposed
 from viz.app.earlier import read_earlier
 from viz.app.numbers import ASKED, required_numbers, typed_number
 
-ANSWERS = Answers(0.16, 0.011, 0.004, 1080.0, 998.0, Camera(30.0, 3.3333e-4, (492.0, 110.5), (0.0523360, 0.9986295)))
+ANSWERS = Answers(
+    0.16, Cone(0.011, 0.004), 1080.0, 998.0, Camera(30.0, 3.3333e-4, (492.0, 110.5), (0.0523360, 0.9986295))
+)
 
 
 def test_a_decimal_comma_is_one_and_an_empty_field_is_no_number() -> None:
@@ -46,7 +49,8 @@ def test_what_the_page_wrote_is_read_back_and_may_be_written_anew(tmp_path: Path
     earlier = read_earlier(file)
     assert not earlier.by_hand
     assert earlier.answers is not None
-    assert (earlier.answers.length, earlier.answers.density) == (0.16, 1080.0)
+    numbers = [earlier.number(name) for name in ("length", "base_radius", "tip_radius", "density", "fluid_density")]
+    assert numbers == [0.16, 0.011, 0.004, 1080.0, 998.0]
     camera = earlier.marks().camera(30.0)
     # five digits of the scale and a tenth of a pixel stand in the file
     assert camera.metres_per_px == pytest.approx(3.3333e-4, rel=1e-4)
