@@ -8,7 +8,6 @@ import numpy as np
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.model import Model
-from tentacle.proposed_law import MissingForce
 from tentacle.recording import Recording
 from tentacle.rounding import NO_VALUE, number
 from tentacle.signals import Array
@@ -25,7 +24,7 @@ from viz.figures.twins import twins_figure
 from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
 from viz.scene import ViewedRun, paired, scene_of
 from viz.verdict_sections import finding_section, limits_sections, next_section, title_of, untold_section
-from viz.words import effect_name, error_rows, listed, probability_words
+from viz.words import effect_name, error_rows, in_ranking, in_words, listed, probability_words
 
 DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report stays under 3 MB)
 PRICE = 7.6  # nat: gain of one parameter that is larger than by chance
@@ -39,7 +38,13 @@ def error_section(diagnosis: Diagnosis) -> ReportSection:
         f"Root mean square over {judged}. Before: the declared model after its own refit. After: with what "
         "the verdict adds. Floor: the error from measurement noise and the reduction to few coordinates alone."
     )
-    rows = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
+    rows: list[tuple[str, ...]] = list(error_rows(diagnosis.before, diagnosis.after, diagnosis.floor))
+    header = ("quantity", "unit", "before", "after", "floor")
+    if diagnosis.first_law is not None:
+        header = (*header, diagnosis.law_label)
+        error = number(diagnosis.first_law.held_out_midline_mm)
+        rows = [(*row, error if row[0] == "midline" else NO_VALUE) for row in rows]
+        paragraph += " The last column has the declared model with the first law that was found, on the same frames."
     after, floor = diagnosis.after.midline_mm, diagnosis.floor.midline_mm
     if after is not None and floor is not None and after < floor:
         paragraph += (
@@ -47,7 +52,7 @@ def error_section(diagnosis: Diagnosis) -> ReportSection:
             "reduction's error in the reference simulation, and in this arm that error is smaller. The model is as "
             "good as these data can show."
         )
-    table = ReportTable("Errors", ("quantity", "unit", "before", "after", "floor"), rows, numeric=(2, 3, 4))
+    table = ReportTable("Errors", header, rows, numeric=tuple(range(2, len(header))))
     budget = Picture(
         budget_figure(diagnosis.budget),
         "Error budget of the declared model. Independent parts add in squares.",
@@ -106,8 +111,9 @@ def twin_words(names: Sequence[str], cosines: Array) -> str:
 
 def candidate_section(diagnosis: Diagnosis) -> ReportSection:
     """The catalogue as ranked, and which candidates resemble one another."""
-    worth = [r for r in diagnosis.ranking if r.score >= PRICE or r.effect in diagnosis.effects]
-    rest = [effect_name(r.effect) for r in diagnosis.ranking if r not in worth]
+    ranking, columns = in_ranking(diagnosis), 3 if diagnosis.verdict == "unknown" else 4
+    worth = [r for r in ranking if r.score >= PRICE or r.effect in diagnosis.effects]
+    rest = [effect_name(r.effect) for r in ranking if r not in worth]
     rows = [
         (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), probability_words(r.probability))
         for r in worth
@@ -115,12 +121,15 @@ def candidate_section(diagnosis: Diagnosis) -> ReportSection:
     marked = tuple(k for k, ranked in enumerate(worth) if ranked.effect in diagnosis.effects)
     tables, pictures, paragraphs = [], [], []
     if rows:
-        header = ("effect", "score [nat]", "judged error [mm]", "probability")
+        header = ("effect", "score [nat]", "judged error [mm]", "probability")[:columns]
+        rows = [row[:columns] for row in rows]
         most = max(max(r.score for r in worth), 1.0)
         bars = tuple(max(r.score, 0.0) / most for r in worth)
         caption = "Each candidate alone. The bar behind the score is its share of the highest."
-        tables.append(ReportTable(caption, header, rows, numeric=(1, 2, 3), marked=marked, bars=bars))
+        tables.append(ReportTable(caption, header, rows, numeric=tuple(range(1, columns)), marked=marked, bars=bars))
         paragraphs.append("A score is the log-likelihood that an effect gains when it is added to the declared model.")
+        if diagnosis.verdict == "unknown":
+            paragraphs.append("None of them has a probability: what acts is something else, and they only resemble it.")
     if rest:
         paragraphs.append(f"Gain less than one parameter costs ({PRICE} nat): {listed(rest)}.")
     if len(diagnosis.twin_names) > 1:
@@ -175,12 +184,13 @@ def runs_section(scenes: Sequence[ViewedRun]) -> ReportSection:
     )
 
 
-def missing_sections(missing: MissingForce) -> list[ReportSection]:
+def missing_sections(diagnosis: Diagnosis) -> list[ReportSection]:
     """After an unknown: the missing force in words and as a map of every recording; nothing otherwise."""
+    missing = diagnosis.missing
     if not missing.maps:
         return []
     words = [
-        *missing.words,
+        *(in_words(word, diagnosis) for word in missing.words),
         "The figure shows a smooth force along the arm and one at the tip, both along the normal: the smallest ones "
         "that give the measured motion. A force near the tip can appear in either. The band is one standard deviation.",
     ]
@@ -205,11 +215,11 @@ def answer_sections(diagnosis: Diagnosis, recordings: Sequence[Recording], comma
     filmed = [scene for scene, recording in pairs if recording is not None and recording.video is not None]
     return [
         finding_section(diagnosis, worst_runs(filmed or scenes, 1), known),
-        *missing_sections(diagnosis.missing),
+        *missing_sections(diagnosis),
         next_section(diagnosis, command),
         error_section(diagnosis),
         parameter_section(diagnosis),
-        *limits_sections(diagnosis.verdict_json()),
+        *limits_sections(diagnosis.verdict_json(), diagnosis.first_law),
         candidate_section(diagnosis),
         runs_section(scenes),
         *(run_section(scene, known.get(scene.name)) for scene in worst_runs(scenes, DRAWN_RUNS)),
@@ -218,12 +228,11 @@ def answer_sections(diagnosis: Diagnosis, recordings: Sequence[Recording], comma
 
 def merits_of(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """Confidence and errors, as they stand below the headline."""
-    before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
-    return [
-        ("confidence", f"{diagnosis.confidence:.0%}"),
-        ("error before", NO_VALUE if before is None else f"{before:.2f} mm"),
-        ("error after", NO_VALUE if after is None else f"{after:.2f} mm"),
-    ]
+    errors = {"error before": diagnosis.before.midline_mm, "error after": diagnosis.after.midline_mm}
+    if diagnosis.first_law is not None:
+        errors[f"error {diagnosis.law_label}"] = diagnosis.first_law.held_out_midline_mm
+    shown = [(name, NO_VALUE if error is None else f"{error:.2f} mm") for name, error in errors.items()]
+    return [("confidence", f"{diagnosis.confidence:.0%}"), *shown]
 
 
 def diagnosis_report(
@@ -243,7 +252,7 @@ def diagnosis_report(
         Report(
             verb="diagnose",
             title=title_of(diagnosis),
-            headline=diagnosis.headline,
+            headline=in_words(diagnosis.headline, diagnosis),
             sections=answer_sections(diagnosis, recordings, command) if told else [untold_section(tuple(inputs))],
             origin=Origin(command, diagnosis.seed, versions, inputs),
             figures_of_merit=merits_of(diagnosis) if told else [],

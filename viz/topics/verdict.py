@@ -6,7 +6,7 @@ import rerun as rr
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.rounding import number
-from viz.words import effect_name, error_rows, verdict_title
+from viz.words import effect_name, error_rows, in_ranking, in_words, verdict_title
 
 
 def text_table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
@@ -24,7 +24,7 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
     errors = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
     parts = [
         f"# {verdict_title(diagnosis)}",
-        diagnosis.headline,
+        in_words(diagnosis.headline, diagnosis),
         f"Confidence {diagnosis.confidence:.0%}. Errors are rms on {judged}.",
         text_table(("error", "unit", "before", "after", "floor"), [tuple(row) for row in errors]),
     ]
@@ -38,11 +38,13 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
     if diagnosis.ranking:
         ranked = [
             (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.2f}")
-            for r in diagnosis.ranking[:8]
+            for r in in_ranking(diagnosis)[:8]
         ]
-        parts += ["## Candidates", text_table(("effect", "score [nat]", "error [mm]", "probability"), ranked)]
-    if diagnosis.words:
-        parts += ["## What remains", "\n".join(f"- {line}" for line in diagnosis.words)]
+        columns = 3 if diagnosis.verdict == "unknown" else 4
+        header = ("effect", "score [nat]", "error [mm]", "probability")[:columns]
+        parts += ["## Candidates", text_table(header, [row[:columns] for row in ranked])]
+    if diagnosis.sentences:
+        parts += ["## What remains", "\n".join(f"- {in_words(line, diagnosis)}" for line in diagnosis.sentences)]
     return "\n\n".join(parts) + "\n"
 
 

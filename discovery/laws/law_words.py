@@ -1,0 +1,93 @@
+"""What is said of the missing force and of the laws that were searched for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from discovery.answer import SEPARATES, nats_words
+from discovery.laws.over import over_words, share_words
+from discovery.laws.search import FittedLaw
+from discovery.next_experiment import DURATION, Proposal
+from tentacle.io.waveform_file import waveform_table
+from tentacle.proposed_law import ForceOver, LawExperiment, ProposedLaw
+
+ALIKE = 3.0  # nats: laws that are no farther apart do equally well
+ONE_PLACE = 0.9  # share of the missing force that one normal force explains, from which it is said to act at its place
+
+
+def missing_words(
+    laws: tuple[ProposedLaw, ...],
+    kinds: Mapping[str, FittedLaw],
+    refused: Mapping[str, str],
+    over: tuple[ForceOver, ...],
+) -> tuple[str, ...]:
+    """All sentences about the missing force. laws: best first; kinds: the best law of each kind in the search; refused:
+    the name of a law that was fitted and is not proposed, and why not.
+    """
+    if laws:
+        words = best_words(laws, over[0])
+    elif refused:
+        words = [no_law_words(over[0], "none of those that were fitted can be proposed")]
+    else:
+        least = min(one.unexplained for one in kinds.values())
+        words = [no_law_words(over[0], f"the best leaves {share_words(least)}")]
+    return (*words, *kind_words(laws, kinds, refused), over_words(over))
+
+
+def no_law_words(over: ForceOver, why: str) -> str:
+    """The sentence that stands first where no law fits."""
+    place = "the tip" if over.s == 1.0 else over.place
+    where = f"A force at {place} is missing, across the arm" if over.explained >= ONE_PLACE else "A force is missing"
+    return f"{where}; no law of the grammar fits it ({why})."
+
+
+def best_words(laws: tuple[ProposedLaw, ...], over: ForceOver) -> list[str]:
+    """The best law, what it leaves, its place and reach, and the laws that come near it."""
+    best = laws[0]
+    left = share_words(best.unexplained)
+    error = best.held_out_midline_mm
+    leaves = f"It leaves {left} of the error that is not noise"
+    words = [f"Proposed law: {best.words}."]
+    if not best.fits:
+        words = [no_law_words(over, f"the best leaves {left}"), f"The best law is {best.words}."]
+    words.append(f"{leaves}." if error is None else f"{leaves}; the error on held-out frames is {error:.2f} mm.")
+    words += [sentence for sentence in (best.reach_words, best.region_words) if sentence]
+    if alike := [law.words for law in laws[1:] if best.evidence - law.evidence < ALIKE]:
+        words.append(f"These do as well, within {ALIKE:.0f} nats: {'; '.join(alike)}.")
+    elif len(laws) > 1:
+        words.append(f"The next law, {laws[1].words}, is {nats_words(best.evidence - laws[1].evidence)} behind.")
+    return words
+
+
+def kind_words(laws: tuple[ProposedLaw, ...], kinds: Mapping[str, FittedLaw], refused: Mapping[str, str]) -> list[str]:
+    """What the best law of each kind leaves in the search, and why one that leaves less there than each proposed law
+    leaves is not among them; without any proposed law, why the best of all is not.
+    """
+    best = sorted(kinds.items(), key=lambda row: row[1].unexplained)
+    shares = ", ".join(f"{kind} {share_words(one.unexplained)}" for kind, one in best)
+    words = [
+        "The search compares laws about the smoothed motion, before any is fitted. There the best law of each kind "
+        f"leaves this share of the missing force's effect: {shares}."
+    ]
+    proposed = {law.law.name for law in laws}
+    ahead = [row for row in best if laws and row[1].unexplained < min(law.unexplained for law in laws)]
+    for kind, one in ahead or best[: 0 if laws or not refused else 1]:
+        name = f"law_{one.form.law.name}"
+        if name not in proposed:
+            why = refused.get(name, "other laws have more evidence in the search")
+            words.append(f"That of {kind}, {one.form.law.title}, is not proposed: {why}.")
+    return words
+
+
+def experiment_of(proposal: Proposal | None, laws: tuple[ProposedLaw, ...]) -> LawExperiment | None:
+    """The experiment that would separate these laws, by their titles; None without a proposal."""
+    if proposal is None:
+        return None
+    split = "; ".join(law.law.title for law in laws if law.law.name in proposal.splits)
+    gap = nats_words(proposal.nats)
+    if proposal.nats < SEPARATES:
+        words = f"No base motion within the servo's limits separates these laws: {split}. The best gives {gap}."
+        return LawExperiment(None, proposal.nats, words)
+    motion = f"{DURATION:.0f} s of the base motion in next_experiment.toml"
+    words = f"The next experiment, {motion}, would separate these laws by {gap}: {split}."
+    return LawExperiment(waveform_table(proposal.waveform), proposal.nats, words)
