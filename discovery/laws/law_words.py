@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from discovery.answer import SEPARATES, nats_words
 from discovery.laws.over import over_words, share_words
@@ -11,25 +11,24 @@ from discovery.next_experiment import DURATION, Proposal
 from tentacle.io.waveform_file import waveform_table
 from tentacle.proposed_law import ForceOver, LawExperiment, ProposedLaw
 
+Kinds = Mapping[str, Sequence[FittedLaw]]
+
 ALIKE = 3.0  # nats: laws that are no farther apart do equally well
 ONE_PLACE = 0.9  # share of the missing force that one normal force explains, from which it is said to act at its place
 
 
 def missing_words(
-    laws: tuple[ProposedLaw, ...],
-    kinds: Mapping[str, FittedLaw],
-    refused: Mapping[str, str],
-    over: tuple[ForceOver, ...],
+    laws: tuple[ProposedLaw, ...], kinds: Kinds, refused: Mapping[str, str], over: tuple[ForceOver, ...]
 ) -> tuple[str, ...]:
-    """All sentences about the missing force. laws: best first; kinds: the best law of each kind in the search; refused:
-    the name of a law that was fitted and is not proposed, and why not.
+    """All sentences about the missing force. laws: best first; kinds: the laws of each kind in the search, the one that
+    leaves least first; refused: the name of a law that was fitted and is not proposed, and why not.
     """
     if laws:
         words = best_words(laws, over[0])
     elif refused:
         words = [no_law_words(over[0], "none of those that were fitted can be proposed")]
     else:
-        least = min(one.unexplained for one in kinds.values())
+        least = min(found[0].unexplained for found in kinds.values())
         words = [no_law_words(over[0], f"the best leaves {share_words(least)}")]
     return (*words, *kind_words(laws, kinds, refused), over_words(over))
 
@@ -59,23 +58,23 @@ def best_words(laws: tuple[ProposedLaw, ...], over: ForceOver) -> list[str]:
     return words
 
 
-def kind_words(laws: tuple[ProposedLaw, ...], kinds: Mapping[str, FittedLaw], refused: Mapping[str, str]) -> list[str]:
-    """What the best law of each kind leaves in the search, and why one that leaves less there than each proposed law
-    leaves is not among them; without any proposed law, why the best of all is not.
+def kind_words(laws: tuple[ProposedLaw, ...], kinds: Kinds, refused: Mapping[str, str]) -> list[str]:
+    """What the best law of each kind leaves in the search, and why no law of a kind that leaves less there than each
+    proposed law leaves is among them; without any proposed law, why the best of all is not.
     """
-    best = sorted(kinds.items(), key=lambda row: row[1].unexplained)
-    shares = ", ".join(f"{kind} {share_words(one.unexplained)}" for kind, one in best)
+    best = sorted(kinds.items(), key=lambda row: row[1][0].unexplained)
+    shares = ", ".join(f"{kind} {share_words(found[0].unexplained)}" for kind, found in best)
     words = [
         "The search compares laws about the smoothed motion, before any is fitted. There the best law of each kind "
         f"leaves this share of the missing force's effect: {shares}."
     ]
     proposed = {law.law.name for law in laws}
-    ahead = [row for row in best if laws and row[1].unexplained < min(law.unexplained for law in laws)]
-    for kind, one in ahead or best[: 0 if laws or not refused else 1]:
-        name = f"law_{one.form.law.name}"
-        if name not in proposed:
-            why = refused.get(name, "other laws have more evidence in the search")
-            words.append(f"That of {kind}, {one.form.law.title}, is not proposed: {why}.")
+    ahead = [row for row in best if laws and row[1][0].unexplained < min(law.unexplained for law in laws)]
+    for kind, found in ahead or best[: 0 if laws or not refused else 1]:
+        names = [f"law_{one.form.law.name}" for one in found]
+        if not proposed & set(names):
+            why = refused.get(names[0], "other laws have more evidence in the search")
+            words.append(f"The best law of {kind}, {found[0].form.law.title}, is not proposed: {why}.")
     return words
 
 

@@ -64,25 +64,28 @@ def propose_laws(
         return MissingForce(maps, (), (), ("Small motions about the model run away: no law is proposed.",))
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
-    best_of = _best_of_kinds(found)
-    kinds = tuple((kind, one.unexplained) for kind, one in best_of.items())
+    by_kind = _by_kind(found)
+    kinds = tuple((kind, laws[0].unexplained) for kind, laws in by_kind.items())
     worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
         over = over_coordinates(names[0], arms[0], searched.motions[0])
-        return MissingForce(maps, (), kinds, missing_words((), best_of, {}, over), over=over)
+        return MissingForce(maps, (), kinds, missing_words((), by_kind, {}, over), over=over)
     progress("fitting the best laws")
     fits = _fitted(base, searched, prepared, worth)
     if fits.motions:
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
-    words = missing_words(fits.laws, best_of, fits.refused, over)
+    words = missing_words(fits.laws, by_kind, fits.refused, over)
     return MissingForce(maps, fits.laws, kinds, words, experiment_of(fits.next_motion, fits.laws), over)
 
 
-def _best_of_kinds(found: tuple[FittedLaw, ...]) -> dict[str, FittedLaw]:
-    """Of each kind of law the one that leaves least."""
-    kinds = {kind: [one for one in found if one.form.law.name.startswith(starts)] for kind, starts in LAW_KINDS.items()}
-    return {kind: min(laws, key=lambda one: one.unexplained) for kind, laws in kinds.items() if laws}
+def _by_kind(found: tuple[FittedLaw, ...]) -> dict[str, list[FittedLaw]]:
+    """The laws of each kind that was found, the one that leaves least first."""
+    ordered = sorted(found, key=lambda one: one.unexplained)
+    kinds = {
+        kind: [one for one in ordered if one.form.law.name.startswith(starts)] for kind, starts in LAW_KINDS.items()
+    }
+    return {kind: laws for kind, laws in kinds.items() if laws}
 
 
 def as_found(found: FittedLaw) -> WrittenLaw:

@@ -15,13 +15,13 @@ OVER = (over("x", 0.45), over("angle", 0.39))
 
 
 def test_a_law_that_fits_is_proposed():
-    words = missing_words((proposed("jet", 0.01),), {"the place of every section": searched("jet", 0.02)}, {}, OVER)
+    words = missing_words((proposed("jet", 0.01),), {"the place of every section": [searched("jet", 0.02)]}, {}, OVER)
     assert words[0].startswith("Proposed law: a jet: a steady force around a point in space (a = ")
     assert any("37 % (1/e)" in word for word in words)  # what its reach is
 
 
 def test_where_no_law_fits_the_first_sentence_says_so():
-    kinds = {"the place of every section": searched("jet", 0.08), "the place of the tip": searched("tether", 0.21)}
+    kinds = {"the place of every section": [searched("jet", 0.08)], "the place of the tip": [searched("tether", 0.21)]}
     refused = {"law_jet": "its fit ends at a bound of reach"}
     words = missing_words((proposed("tether", 0.19),), kinds, refused, OVER)
     assert words[0] == (
@@ -40,7 +40,7 @@ def test_the_share_that_fits_divides_right_laws_from_wrong_ones():
 
 
 def test_without_any_law_the_reason_of_the_best_is_given():
-    kinds = {"time": searched("beat_x", 0.3)}
+    kinds = {"time": [searched("beat_x", 0.3)]}
     words = missing_words((), kinds, {"law_beat_x": "its fit gains too little"}, OVER)
     assert "no law of the grammar fits it" in words[0]
     assert any(word.endswith("is not proposed: its fit gains too little.") for word in words)
@@ -93,3 +93,9 @@ def test_no_share_is_told_that_rounds_to_nothing():
     alone = over_words((over("phase at 3.1 Hz", 0.9, 3.1), over("x", 0.0)))
     assert "It is periodic at 3.1 Hz: a curve over that period predicts 90 % of its variance" in alone
     assert " 0 %" not in alone
+
+
+def test_a_kind_with_a_proposed_law_needs_no_excuse():
+    kinds = {"time": [searched("vortex", 0.02), searched("beat_x", 0.03)]}
+    words = missing_words((proposed("beat_x", 0.04),), kinds, {"law_vortex": "its fit ends at a bound of power"}, OVER)
+    assert not any("not proposed" in word for word in words)

@@ -26,7 +26,7 @@ def unknown(case, left: float) -> Diagnosis:
     force, tip = np.ones((60, 5)), np.ones(60)
     shown = ForceMap("chirp 1", t, s, force, 0.1 * force, tip, 0.1 * tip)
     laws, found = (proposed("jet", left),), (over("x", 0.45), over("time", 0.001))
-    kinds = {"the place of every section": searched("jet", left)}
+    kinds = {"the place of every section": [searched("jet", left)]}
     words = missing_words(laws, kinds, {}, found)
     missing = MissingForce((shown,), laws, (("the place of every section", left),), words, None, found)
     return replace(
@@ -36,7 +36,8 @@ def unknown(case, left: float) -> Diagnosis:
 
 
 def text_of(case, found: Diagnosis) -> str:
-    """The page's words with single spaces between."""
+    """The page's words with single spaces between; of one recording."""
+    found = replace(found, runs=found.runs[:1])
     page = diagnosis_report(found, case.recordings, "tentacle diagnose run", {}, {})
     assert problems(page) == []
     return " ".join(" ".join(parsed(page)[0].itertext()).split())
