@@ -34,9 +34,14 @@ TWIN_COSINE = 0.85  # pairs above this are named in words
 def error_section(diagnosis: Diagnosis) -> ReportSection:
     """The errors before and after, the floor, and where the error comes from."""
     judged = "held-out data, on which nothing was fitted" if diagnosis.held_out else "the data that were fitted"
+    added = (
+        "the best set of the catalogue, which is not named"
+        if diagnosis.verdict == "unknown"
+        else "what the verdict adds"
+    )
     paragraph = (
-        f"Root mean square over {judged}. Before: the declared model after its own refit. After: with what "
-        "the verdict adds. Floor: the error from measurement noise and the reduction to few coordinates alone."
+        f"Root mean square over {judged}. Before: the declared model after its own refit. After: with {added}. "
+        "Floor: the error from measurement noise and the reduction to few coordinates alone."
     )
     rows: list[tuple[str, ...]] = list(error_rows(diagnosis.before, diagnosis.after, diagnosis.floor))
     header = ("quantity", "unit", "before", "after", "floor")

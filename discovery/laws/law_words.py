@@ -50,7 +50,8 @@ def best_words(laws: tuple[ProposedLaw, ...], over: ForceOver) -> list[str]:
     if not best.fits:
         words = [no_law_words(over, f"the best leaves {left}"), f"The best law is {best.words}."]
     words.append(f"{leaves}." if error is None else f"{leaves}; the error on held-out frames is {error:.2f} mm.")
-    words += [sentence for sentence in (best.reach_words, best.region_words) if sentence]
+    # The interval of a place holds if the law is true: beside one that does not fit it would say nothing.
+    words += [sentence for sentence in (best.reach_words, best.region_words if best.fits else "") if sentence]
     if alike := [law.words for law in laws[1:] if best.evidence - law.evidence < ALIKE]:
         words.append(f"These do as well, within {ALIKE:.0f} nats: {'; '.join(alike)}.")
     elif len(laws) > 1:
@@ -79,10 +80,10 @@ def kind_words(laws: tuple[ProposedLaw, ...], kinds: Kinds, refused: Mapping[str
 
 
 def experiment_of(proposal: Proposal | None, laws: tuple[ProposedLaw, ...]) -> LawExperiment | None:
-    """The experiment that would separate these laws, by their titles; None without a proposal."""
+    """The proposed experiment in words; None without a proposal. laws: those that it would separate."""
     if proposal is None:
         return None
-    split = "; ".join(law.law.title for law in laws if law.law.name in proposal.splits)
+    split = "; ".join(law.law.title for law in laws)
     gap = nats_words(proposal.nats)
     if proposal.nats < SEPARATES:
         words = f"No base motion within the servo's limits separates these laws: {split}. The best gives {gap}."

@@ -17,7 +17,7 @@ from discovery.laws.law_words import experiment_of, missing_words
 from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
 from discovery.laws.over import over_coordinates
 from discovery.laws.search import FittedLaw
-from discovery.next_experiment import Proposal, propose_experiment
+from discovery.next_experiment import propose_experiment
 from inference.base_fit import most_coordinates
 from inference.compare import midline_error
 from inference.fit import Fit, fit
@@ -28,7 +28,7 @@ from inference.prior import laplace_evidence
 from inference.trajectory import RAN_AWAY, ParameterName, Problem
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter
-from tentacle.proposed_law import MissingForce, ProposedLaw
+from tentacle.proposed_law import LawExperiment, MissingForce, ProposedLaw
 
 FITTED, MOST = 8, 5  # laws that are fitted, and that are shown
 EXPLAINS = 0.9  # largest share of the missing force's answer that a law may leave and still be fitted
@@ -76,7 +76,7 @@ def propose_laws(
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
     words = missing_words(fits.laws, by_kind, fits.refused, over)
-    return MissingForce(maps, fits.laws, kinds, words, experiment_of(fits.next_motion, fits.laws), over)
+    return MissingForce(maps, fits.laws, kinds, words, fits.experiment, over)
 
 
 def _by_kind(found: tuple[FittedLaw, ...]) -> dict[str, list[FittedLaw]]:
@@ -135,7 +135,7 @@ class LawHypothesis:
 
 @dataclass(frozen=True)
 class LawFits:
-    """Laws that do well, best first; the motions; the base motion that would split the best law from its rivals; the
+    """Laws that do well, best first; the motions; the experiment that would split the best law from its rivals; the
     names of the fitted laws that are not proposed, and why.
 
     The motions have the missing force at the parameters that were fitted with the best law. The base parameters that
@@ -144,7 +144,7 @@ class LawFits:
 
     laws: tuple[ProposedLaw, ...]
     motions: tuple[SeenMotion, ...]
-    next_motion: Proposal | None
+    experiment: LawExperiment | None
     refused: dict[str, str]
 
 
@@ -177,13 +177,15 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
                 accepted.append(_hypothesis(one, error, _unexplained_share(bare, one.fitted), variance))
             else:
                 refused[one.law.name] = "with it the model errs more on the held-out frames than without a law"
-        next_motion, motions = None, ()
+        experiment, motions = None, ()
         if accepted:
             best = accepted[0]
             arms = arms_of(*searched.point)
             motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, searched.motions, strict=True))
-            next_motion = propose_experiment(best, _rivals(accepted), SERVO_UNDER_LOAD, 0)
-    return LawFits(tuple(one.proposed for one in accepted), motions, next_motion, refused)
+            rivals = _rivals(accepted)
+            proposal = propose_experiment(best, rivals, SERVO_UNDER_LOAD, 0)
+            experiment = experiment_of(proposal, tuple(one.proposed for one in (best, *rivals)))
+    return LawFits(tuple(one.proposed for one in accepted), motions, experiment, refused)
 
 
 def _by_name(problem: Problem, parameters: Array) -> tuple[dict[ParameterName, float], Array]:
