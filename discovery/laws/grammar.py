@@ -163,7 +163,7 @@ def _of_place(scale: Scale) -> list[Form]:
         _form("tip_spring", "a force across at the tip, with a power of its displacement", "tip",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
         _form("tip_push", "a steady force at the tip", "tip", {"force_x": "a", "force_y": "b"}, []),
-        _form("jet", "a jet: a steady force around a point in space", "line",
+        _form("jet", "a steady jet around a point in space", "line",
               {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), _reach(scale.length)]),
         _form("line_spring", "a force across all along the arm, with a power of the displacement", "line",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),

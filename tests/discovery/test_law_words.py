@@ -16,7 +16,7 @@ OVER = (over("x", 0.45), over("angle", 0.39))
 
 def test_a_law_that_fits_is_proposed():
     words = missing_words((proposed("jet", 0.01),), {"the place of every section": [searched("jet", 0.02)]}, {}, OVER)
-    assert words[0].startswith("Proposed law: a jet: a steady force around a point in space (a = ")
+    assert words[0].startswith("Proposed law: a steady jet around a point in space (a = ")
     assert any("37 % (1/e)" in word for word in words)  # what its reach is
 
 

@@ -77,7 +77,7 @@ def test_names_are_titles_in_the_report_and_names_on_the_terminal(case):
     assert "The best model adds gravity tilt + added mass." in text
     assert any(SPLIT in line for line in answer_lines(found))
     compared = in_words("Compare law_jet with gravity_tilt: --effects laws/law_jet.toml.", found)
-    assert compared == "Compare a jet: a steady force around a point in space with gravity tilt: " + (
+    assert compared == "Compare a steady jet around a point in space with gravity tilt: " + (
         "--effects laws/law_jet.toml."
     )
 
