@@ -53,7 +53,9 @@ def nats_words(nats: float) -> str:
     """An expected gap: of a rival that hardly moves like the arm it may be any number, so that a large one is told as
     a bound.
     """
-    return f"{nats:.1f} nats" if nats < MANY else f"more than {MANY:.0f} nats"
+    if nats >= MANY:
+        return f"more than {MANY:.0f} nats"
+    return f"{nats:.0f} nats" if nats >= 10.0 else f"{nats:.1f} nats"
 
 
 def proposal_words(proposal: Proposal) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tentacle.model import Estimate, Model
 from tentacle.notebook import html_paragraph, html_table
-from tentacle.proposed_law import MissingForce
+from tentacle.proposed_law import MissingForce, ProposedLaw
 from tentacle.rounding import number
 from tentacle.signals import Array
 
@@ -179,6 +179,21 @@ class Diagnosis:
         return left or self.missing_effects
 
     @property
+    def first_law(self) -> ProposedLaw | None:
+        """After an unknown the first of the laws that were found for the missing force; None where there is none."""
+        return self.missing.laws[0] if self.verdict == "unknown" and self.missing.laws else None
+
+    @property
+    def law_label(self) -> str:
+        """What the first law is called beside its error."""
+        return "with the proposed law" if self.first_law is not None and self.first_law.fits else "with the best law"
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """All sentences beyond the headline, those about the missing force after an unknown included."""
+        return (*self.words, *(self.missing.words if self.verdict == "unknown" else ()))
+
+    @property
     def cannot_tell(self) -> bool:
         """Whether the data show too little for any answer: the verdict is "unknown", and `words` say why."""
         return self.verdict == "unknown" and not self.runs
@@ -191,6 +206,8 @@ class Diagnosis:
         error = ""
         if self.before.midline_mm is not None and self.after.midline_mm is not None:
             error = f" Error {self.before.midline_mm:.2f} mm before, {self.after.midline_mm:.2f} mm after"
+            if self.first_law is not None and self.first_law.held_out_midline_mm is not None:
+                error += f", {self.first_law.held_out_midline_mm:.2f} mm {self.law_label}"
             if self.floor.midline_mm is not None:
                 error += f" (floor {self.floor.midline_mm:.2f} mm)"
             error += ", on held-out data." if self.held_out else ", on the data that were fitted."

@@ -6,9 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from tentacle.law.written_law import WrittenLaw
+from tentacle.rounding import rounded
 from tentacle.signals import Array
 
 UNPLACED = 0.1  # arm lengths: with a wider 95 % interval a place counts as not determined
+# Share that a law may leave and still be said to fit: in 15 recordings of an outside program the true laws left 1 to
+# 10 %, and laws of another form or at another place 8 to 55 %.
+FITS = 0.15
+TWO_PI = "6.283185307"  # in expressions, which know no pi
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,8 @@ class ForceOver:
     """The missing force of a recording over one coordinate, as one normal force at the place s, which explains that
     share of the missing generalised force. Means of the coordinate [unit] and of the force [N], and the force's
     standard deviation (B,), in bins of equal count; predicted: share of the force's variance that this curve predicts
-    on stretches it was not drawn from, 0 .. 1.
+    on stretches it was not drawn from, 0 .. 1. frequency [Hz]: of the period of which the coordinate is the phase; None
+    for every other coordinate.
     """
 
     name: str
@@ -43,6 +49,7 @@ class ForceOver:
     force: Array
     deviation: Array
     predicted: float
+    frequency: float | None = None
 
     @property
     def place(self) -> str:
@@ -74,13 +81,30 @@ class ProposedLaw:
         return {name: (self.values[name] - half[name], self.values[name] + half[name]) for name in names}
 
     @property
+    def fits(self) -> bool:
+        """Whether it leaves so little that it is proposed as the law of the missing force."""
+        return self.unexplained <= FITS
+
+    @property
     def region_words(self) -> str:
-        """A sentence about its place if the recordings do not determine it; else empty."""
+        """A sentence about the interval of its place; empty where it has no place."""
+
+        def between(ends: tuple[float, float]) -> str:
+            low, high = (rounded(end, ends[1] - ends[0]) for end in ends)
+            return f"from {low} to {high} m"
+
         wide = {name: ends for name, ends in self.region.items() if ends[1] - ends[0] > UNPLACED * self.length}
-        if not wide:
+        shown = " and ".join(f"{name} {between(ends)}" for name, ends in (wide or self.region).items())
+        if wide:
+            return f"The recordings do not determine its place: they allow {shown} (95 %, if the law is true)."
+        return f"If the law is true, its place is {shown} (95 %)." if shown else ""
+
+    @property
+    def reach_words(self) -> str:
+        """A sentence about its reach; empty where it has none."""
+        if "reach" not in self.values:
             return ""
-        ends = " and ".join(f"{name} from {low:.3g} to {high:.3g} m" for name, (low, high) in wide.items())
-        return f"The recordings do not determine its place: they allow {ends} (95 %, if the law is true)."
+        return "Its reach is the distance from its point at which its strength has fallen to 37 % (1/e)."
 
     @property
     def numbers(self) -> str:
@@ -91,9 +115,12 @@ class ProposedLaw:
 
     @property
     def expression(self) -> str:
-        """The law's expressions, then its definitions, then the numbers."""
+        """The law's expressions, then its definitions, then the numbers and constants."""
         parts = [f"{name} = {text}" for name, text in (*self.law.components.items(), *self.law.definitions.items())]
-        return "; ".join([*parts, self.numbers])
+        constants = [
+            f"{name} = {value:g} {unit}".removesuffix(" 1") for name, (value, unit) in self.law.constants.items()
+        ]
+        return "; ".join([*parts, ", ".join([self.numbers, *constants])]).replace(TWO_PI, "2 pi")
 
     @property
     def place(self) -> str:
@@ -122,15 +149,26 @@ class ProposedLaw:
 
 
 @dataclass(frozen=True)
+class LawExperiment:
+    """The experiment that would separate the best law from its rivals. motion: table of its base motion, None where no
+    motion separates them; nats: by which it separates the two nearest; words: a sentence about it.
+    """
+
+    motion: dict[str, Any] | None
+    nats: float
+    words: str
+
+
+@dataclass(frozen=True)
 class MissingForce:
     """The results about it: maps, laws (best first), and rows (a kind of law, share that its best law does not
-    explain); next_motion: the table of a base motion that would separate the best law from its rivals; over: the
-    force of the first recording over each coordinate, the one that predicts most of it first.
+    explain); words: sentences about all of it but the experiment; experiment: None where the best law has no rival;
+    over: the force of the first recording over each coordinate, the one that predicts most of it first.
     """
 
     maps: tuple[ForceMap, ...] = ()
     laws: tuple[ProposedLaw, ...] = ()
     kinds: tuple[tuple[str, float], ...] = ()
     words: tuple[str, ...] = ()
-    next_motion: dict[str, Any] | None = None
+    experiment: LawExperiment | None = None
     over: tuple[ForceOver, ...] = ()

@@ -9,7 +9,7 @@ from tentacle.rounding import number
 from tentacle.signals import Array
 from viz.figures.twins import twins_figure
 from viz.report import Picture, ReportSection, ReportTable
-from viz.words import effect_name, listed, probability_words
+from viz.words import effect_name, in_ranking, listed, probability_words
 
 PRICE = 7.6  # nat: gain of one parameter that is larger than by chance
 TWIN_COSINE = 0.85  # pairs above this are named in words
@@ -21,6 +21,10 @@ RANKED_WORDS = (
     "The judged error is also of the effect alone. It is run at the values that were fitted beside unknown forces, but "
     "without these forces. The errors before and after are of values that were fitted without them. So the error of a "
     "probable effect can be larger here than that of the declared model there.",
+)
+UNKNOWN_WORDS = (
+    "A score is the log-likelihood that an effect gains when it alone is added to the declared model.",
+    "None of them has a probability: what acts is something else, and they only resemble it.",
 )
 
 
@@ -66,8 +70,9 @@ def twin_words(names: Sequence[str], cosines: Array, sets: Sequence[Collection[s
 
 def candidate_section(diagnosis: Diagnosis) -> ReportSection:
     """The catalogue as ranked, and which candidates resemble one another."""
-    worth = [r for r in diagnosis.ranking if r.score >= PRICE or r.effect in diagnosis.effects]
-    rest = [effect_name(r.effect) for r in diagnosis.ranking if r not in worth]
+    ranking, columns = in_ranking(diagnosis), 3 if diagnosis.verdict == "unknown" else 4
+    worth = [r for r in ranking if r.score >= PRICE or r.effect in diagnosis.effects]
+    rest = [effect_name(r.effect) for r in ranking if r not in worth]
     rows = [
         (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), probability_words(r.probability))
         for r in worth
@@ -79,8 +84,10 @@ def candidate_section(diagnosis: Diagnosis) -> ReportSection:
         most = max(max(r.score for r in worth), 1.0)
         bars = tuple(max(r.score, 0.0) / most for r in worth)
         caption = "Candidates. The bar behind the score is its share of the highest."
-        tables.append(ReportTable(caption, header, rows, numeric=(1, 2, 3), marked=marked, bars=bars))
-        paragraphs += RANKED_WORDS
+        shown = [row[:columns] for row in rows]
+        numeric = tuple(range(1, columns))
+        tables.append(ReportTable(caption, header[:columns], shown, numeric=numeric, marked=marked, bars=bars))
+        paragraphs += UNKNOWN_WORDS if diagnosis.verdict == "unknown" else RANKED_WORDS
     if rest:
         paragraphs.append(f"Gain less than one parameter costs ({PRICE} nat): {listed(rest)}.")
     if len(diagnosis.twin_names) > 1:

@@ -8,7 +8,6 @@ import numpy as np
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.model import Model
-from tentacle.proposed_law import MissingForce
 from tentacle.recording import Recording
 from tentacle.rounding import NO_VALUE, number
 from viz.candidate_section import candidate_section
@@ -24,7 +23,7 @@ from viz.figures.thrust import thrust_figure
 from viz.report import Origin, Picture, Report, ReportSection, ReportTable, render_report
 from viz.scene import ViewedRun, paired, scene_of, swims
 from viz.verdict_sections import finding_section, limits_sections, next_section, title_of, untold_section
-from viz.words import effect_name, error_rows
+from viz.words import effect_name, error_rows, in_words
 
 DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report stays under 3 MB)
 
@@ -32,11 +31,22 @@ DRAWN_RUNS = 4  # runs with figures; the others are in the table only (a report 
 def error_section(diagnosis: Diagnosis) -> ReportSection:
     """The errors before and after, the floor, and where the error comes from."""
     judged = "held-out data, on which nothing was fitted" if diagnosis.held_out else "the data that were fitted"
-    paragraph = (
-        f"Root mean square over {judged}. Before: the declared model after its own refit. After: with what "
-        "the verdict adds. Floor: the error from measurement noise and the reduction to few coordinates alone."
+    added = (
+        "the best set of the catalogue, which is not named"
+        if diagnosis.verdict == "unknown"
+        else "what the verdict adds"
     )
-    rows = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
+    paragraph = (
+        f"Root mean square over {judged}. Before: the declared model after its own refit. After: with {added}. "
+        "Floor: the error from measurement noise and the reduction to few coordinates alone."
+    )
+    rows: list[tuple[str, ...]] = list(error_rows(diagnosis.before, diagnosis.after, diagnosis.floor))
+    header = ("quantity", "unit", "before", "after", "floor")
+    if diagnosis.first_law is not None:
+        header = (*header, diagnosis.law_label)
+        error = number(diagnosis.first_law.held_out_midline_mm)
+        rows = [(*row, error if row[0] == "midline" else NO_VALUE) for row in rows]
+        paragraph += " The last column has the declared model with the first law that was found, on the same frames."
     after, floor = diagnosis.after.midline_mm, diagnosis.floor.midline_mm
     if after is not None and floor is not None and after < floor:
         paragraph += (
@@ -44,7 +54,7 @@ def error_section(diagnosis: Diagnosis) -> ReportSection:
             "reduction's error in the reference simulation, and in this arm that error is smaller. The model is as "
             "good as these data can show."
         )
-    table = ReportTable("Errors", ("quantity", "unit", "before", "after", "floor"), rows, numeric=(2, 3, 4))
+    table = ReportTable("Errors", header, rows, numeric=tuple(range(2, len(header))))
     budget = Picture(
         budget_figure(diagnosis.budget),
         "Error budget of the declared model. Independent parts add in squares.",
@@ -130,12 +140,13 @@ def runs_section(scenes: Sequence[ViewedRun]) -> ReportSection:
     )
 
 
-def missing_sections(missing: MissingForce) -> list[ReportSection]:
+def missing_sections(diagnosis: Diagnosis) -> list[ReportSection]:
     """After an unknown: the missing force in words and as a map of every recording; nothing otherwise."""
+    missing = diagnosis.missing
     if not missing.maps:
         return []
     words = [
-        *missing.words,
+        *(in_words(word, diagnosis) for word in missing.words),
         "The figure shows a smooth force along the arm and one at the tip, both along the normal: the smallest ones "
         "that give the measured motion. A force near the tip can appear in either. The band is one standard deviation.",
     ]
@@ -161,11 +172,11 @@ def answer_sections(diagnosis: Diagnosis, recordings: Sequence[Recording], comma
     filmed = [scene for scene, recording in pairs if recording is not None and recording.video is not None]
     return [
         finding_section(diagnosis, worst_runs(filmed or scenes, 1), known),
-        *missing_sections(diagnosis.missing),
+        *missing_sections(diagnosis),
         next_section(diagnosis, command, recordings),
         error_section(diagnosis),
         parameter_section(diagnosis),
-        *limits_sections(diagnosis.verdict_json()),
+        *limits_sections(diagnosis.verdict_json(), diagnosis.first_law),
         candidate_section(diagnosis),
         runs_section(scenes),
         *(run_section(scene, known.get(scene.name), swims=swimming) for scene in worst_runs(scenes, DRAWN_RUNS)),
@@ -174,12 +185,11 @@ def answer_sections(diagnosis: Diagnosis, recordings: Sequence[Recording], comma
 
 def merits_of(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     """Confidence and errors, as they stand below the headline."""
-    before, after = diagnosis.before.midline_mm, diagnosis.after.midline_mm
-    return [
-        ("confidence", f"{diagnosis.confidence:.0%}"),
-        ("error before", NO_VALUE if before is None else f"{before:.2f} mm"),
-        ("error after", NO_VALUE if after is None else f"{after:.2f} mm"),
-    ]
+    errors = {"error before": diagnosis.before.midline_mm, "error after": diagnosis.after.midline_mm}
+    if diagnosis.first_law is not None:
+        errors[f"error {diagnosis.law_label}"] = diagnosis.first_law.held_out_midline_mm
+    shown = [(name, NO_VALUE if error is None else f"{error:.2f} mm") for name, error in errors.items()]
+    return [("confidence", f"{diagnosis.confidence:.0%}"), *shown]
 
 
 def diagnosis_report(
@@ -199,7 +209,7 @@ def diagnosis_report(
         Report(
             verb="diagnose",
             title=title_of(diagnosis),
-            headline=diagnosis.headline,
+            headline=in_words(diagnosis.headline, diagnosis),
             sections=answer_sections(diagnosis, recordings, command) if told else [untold_section(tuple(inputs))],
             origin=Origin(command, diagnosis.seed, versions, inputs),
             figures_of_merit=merits_of(diagnosis) if told else [],

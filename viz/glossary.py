@@ -29,13 +29,18 @@ TERMS = (
     Term("detection limit", "the smallest strength of an effect that would have been named with 95 %", ""),
     Term("effect", "one physical law with its parameters", ""),
     Term("floor", "the error that noise and the reduction to few coordinates alone would leave", "mm"),
+    Term("grammar", "the forms of laws that are searched after an unknown", ""),
     Term("group", "effects that the recordings cannot tell apart", ""),
     Term("held out", "not fitted, used to judge", ""),
+    Term("judged", "on the frames on which errors are stated: those held out, or all where none are", ""),
+    Term("law", "how a force depends on place, motion or time, with its numbers", ""),
     Term("midline", "the central axis of the arm", "m"),
+    Term("missing force", "the force that the model must add to move as the arm was seen to move", "N"),
     Term("nat", "unit of log-likelihood; one nat is a factor e", "1"),
     Term("order", "number of curvature coordinates", "1"),
     Term("posterior mass", "how probable an answer is, given the recordings and the priors", "1"),
     Term("prescribed base", "the measured servo angle is what the base does", ""),
+    Term("reach", "distance from a point at which the strength of a law around it has fallen to 1/e", "m"),
     Term("residual", "measured minus modelled", ""),
     Term("score", "log-likelihood that an effect alone would gain", "nat"),
     Term("section law", "k(s) = E I(s)/L; the paper's is k0 + k1 s", "N m/rad"),
@@ -48,7 +53,12 @@ TERMS = (
 
 def terms_in(text: str) -> list[Term]:
     """The terms that a text uses."""
-    return [term for term in TERMS if re.search(rf"\b{re.escape(_stem(term.name))}s?\b", text, re.IGNORECASE)]
+    return [term for term in TERMS if re.search(rf"\b{_pattern(_stem(term.name))}s?\b", text, re.IGNORECASE)]
+
+
+def _pattern(stem: str) -> str:
+    """A term as a regular expression: "held-out" is "held out" too."""
+    return re.escape(stem).replace(r"\ ", "[ -]")
 
 
 def _stem(name: str) -> str:

@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from tentacle.diagnosis import NEXT_SECONDS, Diagnosis
+from tentacle.proposed_law import ProposedLaw
 from tentacle.recording import Recording
 from tentacle.rounding import NO_VALUE, number, rounded
 from viz.figures.finding import finding_figure
 from viz.report import Picture, ReportSection, ReportTable
 from viz.scene import ViewedRun, swims
-from viz.words import effect_name, listed, probability_words, verdict_title
+from viz.words import effect_name, in_words, listed, probability_words, verdict_title
 
 ANSWER_FILES = (
     ("session.rrd", "the recording and both models over it, in time"),
@@ -83,8 +84,8 @@ def sure_words(answer: Mapping[str, Any]) -> list[str]:
     return words
 
 
-def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
-    """The credible set, the laws proposed after an unknown, and the detection limits."""
+def limits_sections(answer: Mapping[str, Any], best: ProposedLaw | None = None) -> list[ReportSection]:
+    """The credible set, the laws proposed after an unknown (the best of them), and the detection limits."""
     found = []
     sets = answer.get("sets") or []
     if sets:
@@ -127,7 +128,8 @@ def limits_sections(answer: Mapping[str, Any]) -> list[ReportSection]:
             if answer.get("verdict") == "unknown"
             else "These laws follow the held-out frames at least as well as the named effects."
         )
-        words = f"{why} They are proposals to be tested."
+        tested = "They are proposals to be tested."
+        words = f"{why} {tested if best is None or best.fits else 'No law fits the missing force: none is the answer.'}"
         found.append(ReportSection("Laws proposed", [words], [ReportTable("Proposals", header, rows, numeric=(3, 4))]))
     limits = answer.get("detection_limits") or {}
     if limits:
@@ -154,7 +156,7 @@ def next_section(diagnosis: Diagnosis, command: str, recordings: Sequence[Record
         commands.append(("Then diagnose it together with the others:", line))
         tables.append(ReportTable("Next base motion", ("key", "value"), flatten(diagnosis.next_experiment)))
         files = (*ANSWER_FILES, ("next_experiment.toml", "the proposed next base motion"))
-    words = [*diagnosis.words, *check_words(diagnosis.effects, recordings)]
+    words = [in_words(word, diagnosis) for word in diagnosis.words] + check_words(diagnosis.effects, recordings)
     return ReportSection("What to do next", words, tables, commands=commands, files=files)
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
-from tentacle.diagnosis import Diagnosis, ErrorMeasure, Verdict
+from tentacle.diagnosis import Diagnosis, ErrorMeasure, RankedEffect, Verdict
 from tentacle.rounding import NO_VALUE, number
 
 VERDICT_TITLES: dict[Verdict, str] = {
@@ -64,3 +65,20 @@ def error_rows(before: ErrorMeasure, after: ErrorMeasure, floor: ErrorMeasure) -
 def effect_name(effect: str) -> str:
     """An effect's contract name as words."""
     return effect.replace("_", " ")
+
+
+def in_words(sentence: str, diagnosis: Diagnosis) -> str:
+    """The sentence with the titles of effects and laws instead of their names; names of files stay."""
+    names = {one.law.name: one.law.title for one in diagnosis.missing.laws}
+    for effect in (*diagnosis.effects, *(ranked.effect for ranked in diagnosis.ranking)):
+        names[effect] = effect_name(effect)
+    any_name = "|".join(sorted(map(re.escape, names), key=len, reverse=True))
+    return re.sub(rf"(?<![\w/.])({any_name})(?![\w/]|\.\w)", lambda one: names[one[1]], sentence) if names else sentence
+
+
+def in_ranking(diagnosis: Diagnosis) -> list[RankedEffect]:
+    """The candidates, likeliest first. After an unknown they come by score: what a set of the catalogue that something
+    unknown only resembles holds is no effect's probability.
+    """
+    ranked = list(diagnosis.ranking)
+    return sorted(ranked, key=lambda one: -one.score) if diagnosis.verdict == "unknown" else ranked

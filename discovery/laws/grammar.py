@@ -86,6 +86,7 @@ def _form(
     defined: dict[str, str] | None = None,
 ) -> Form:  # fmt: skip
     """A form with the strengths a, and b where it is named; a shape called tau is the time of its memory."""
+    components = {part: text.replace(" * 1 * ", " * ") for part, text in components.items()}  # a weight of 1
     unit, nominal = STRENGTH_UNIT[acts], NOMINAL[acts]
     used = set().union(*(names_in(parse(part)) for part in components.values()))
     most = (
@@ -162,7 +163,7 @@ def _of_place(scale: Scale) -> list[Form]:
         _form("tip_spring", "a force across at the tip, with a power of its displacement", "tip",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
         _form("tip_push", "a steady force at the tip", "tip", {"force_x": "a", "force_y": "b"}, []),
-        _form("jet", "a steady force near a point in space", "line",
+        _form("jet", "a steady jet around a point in space", "line",
               {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), _reach(scale.length)]),
         _form("line_spring", "a force across all along the arm, with a power of the displacement", "line",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),

@@ -5,7 +5,8 @@
 
 Q: the missing generalised force; s: the place at which one normal force f explains most of it; x: a coordinate of that
 place; g: means in bins of equal count. predicted is a cross-validated correlation ratio: it is near 0 where f does not
-depend on x, however curved the dependence may be.
+depend on x, however curved the dependence may be. One x is the phase at the frequency that is strongest in f. It is
+left out where the base turns with that phase too: every force then repeats with the base.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ from tentacle.proposed_law import ForceOver
 PLACES = np.linspace(0.1, 1.0, 19)  # of s
 BINS, FOLDS, STRETCH = 16, 5, 1.0  # bins of a curve, folds of the cross-validation, s of a stretch
 DEPENDS = 0.3  # predicted share of the variance, below which no single coordinate stands out
+TURNS = 0.1  # of the base's own variance, from which a frequency is the base's
+FEWEST_PERIODS, PADDED = 3.0, 16  # of a period that is looked for, in the recording; of the transform
+HIGHEST = 20.0  # Hz
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,11 @@ def over_coordinates(name: str, arm: Arm, motion: SeenMotion) -> tuple[ForceOver
         ForceOver(name, s, explained, coordinate, unit, *curve(values, force), predicted(t, values, force))
         for (coordinate, unit), values in coordinates.items()
     ]
+    frequency = strongest_frequency(t, force)
+    phase = 2.0 * np.pi * np.mod(frequency * t, 1.0)
+    if predicted(t, phase, turning[keep]) < TURNS:
+        bins, share = curve(phase, force), predicted(t, phase, force)
+        found.append(ForceOver(name, s, explained, f"phase at {frequency:.3g} Hz", "rad", *bins, share, frequency))
     return tuple(sorted(found, key=lambda one: -one.predicted))
 
 
@@ -130,15 +139,31 @@ def predicted(t: Array, x: Array, force: Array) -> float:
     return max(0.0, 1.0 - left / max(float(np.sum((force - force.mean()) ** 2)), 1e-300))
 
 
+def strongest_frequency(t: Array, force: Array) -> float:
+    """The frequency [Hz] of the largest part of a force (T,) that repeats FEWEST_PERIODS times or more, at the times t
+    (T,) [s].
+    """
+    even = np.linspace(t[0], t[-1], t.size)
+    values = np.interp(even, t, force - force.mean())
+    frequencies = np.fft.rfftfreq(PADDED * t.size, even[1] - even[0])
+    power = np.abs(np.fft.rfft(values, PADDED * t.size)) ** 2
+    sought = (frequencies >= FEWEST_PERIODS / (t[-1] - t[0])) & (frequencies <= HIGHEST)
+    return float(frequencies[sought][np.argmax(power[sought])])
+
+
 def over_words(found: tuple[ForceOver, ...]) -> str:
-    """A sentence about where the force acts and the coordinate that it follows, with the evidence of both."""
+    """Sentences about where the force acts and the coordinate that it follows, with the evidence of both."""
     best, second = found[:2]
-    acts = f"One normal force at {best.place} explains {100.0 * best.explained:.0f} % of the missing generalised force."
-    on = "on stretches that the curve was not drawn from"
+    acts = f"One normal force at {best.place} explains {share_words(best.explained)} of the missing force."
     if best.predicted < DEPENDS:
-        share = f"{100.0 * best.predicted:.0f} % of its variance {on}"
-        return f"{acts} It follows no single coordinate: the best, {best.coordinate}, predicts {share}."
-    shares = (
-        f"{100.0 * best.predicted:.0f} % of its variance {on}; {second.coordinate} {100.0 * second.predicted:.0f} %"
-    )
-    return f"{acts} It follows {best.coordinate}: a curve over it predicts {shares}."
+        return f"{acts} It follows no single coordinate."
+    share = f"{share_words(best.predicted)} of its variance on stretches that the curve was not drawn from"
+    beside = f"; one over {second.coordinate} {share_words(second.predicted)}" if second.predicted >= DEPENDS else ""
+    if best.frequency is not None:
+        return f"{acts} It is periodic at {best.frequency:.3g} Hz: a curve over that period predicts {share}{beside}."
+    return f"{acts} It follows {best.coordinate}: a curve over it predicts {share}{beside}."
+
+
+def share_words(share: float) -> str:
+    """A share in whole per cent; one that would round to 0 as a bound."""
+    return f"{100.0 * share:.0f} %" if share >= 0.005 else "less than 1 %"

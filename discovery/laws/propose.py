@@ -11,13 +11,13 @@ import numpy as np
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
-from discovery.answer import proposal_words
 from discovery.given import SERVO_UNDER_LOAD
 from discovery.laws.along import force_map
+from discovery.laws.law_words import experiment_of, missing_words
 from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
-from discovery.laws.over import over_coordinates, over_words
+from discovery.laws.over import over_coordinates
 from discovery.laws.search import FittedLaw
-from discovery.next_experiment import Proposal, propose_experiment
+from discovery.next_experiment import propose_experiment
 from inference.base_fit import most_coordinates
 from inference.compare import midline_error
 from inference.fit import Fit, fit
@@ -28,11 +28,10 @@ from inference.prior import laplace_evidence
 from inference.trajectory import RAN_AWAY, ParameterName, Problem
 from tentacle.law.in_use import using
 from tentacle.law.written_law import WrittenLaw, WrittenParameter
-from tentacle.proposed_law import MissingForce, ProposedLaw
+from tentacle.proposed_law import LawExperiment, MissingForce, ProposedLaw
 
 FITTED, MOST = 8, 5  # laws that are fitted, and that are shown
 EXPLAINS = 0.9  # largest share of the missing force's answer that a law may leave and still be fitted
-ALIKE = 3.0  # nats: laws that are no farther apart do equally well
 RIVAL = 1.1  # of the best law's error on held-out frames: a law within it is its rival
 FIT_ROUNDS, FIT_TOLERANCE = 25, 1e-4
 CLOSE_ROUNDS, CLOSE_TOLERANCE = 200, 1e-6
@@ -42,8 +41,8 @@ LAW_KINDS = {
     "the speed": ("drag_", "skin_", "one_way", "tip_drag"), "the speed near a place": ("patch_",),
     "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"),
     "the place of every section": ("jet", "line_spring"), "time": ("vortex", "beat_x", "tip_beat"),
-    "nothing (a steady force)": ("tip_push",),
-    "the curvature": ("bending", "one_sided"), "the curvature before": ("late",),
+    "a steady force": ("tip_push",),
+    "the curvature": ("bending", "one_sided"), "the past curvature": ("late",),
 }  # fmt: skip
 
 
@@ -65,24 +64,28 @@ def propose_laws(
         return MissingForce(maps, (), (), ("Small motions about the model run away: no law is proposed.",))
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
-    kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
-                  for kind, starts in LAW_KINDS.items()
-                  if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
+    by_kind = _by_kind(found)
+    kinds = tuple((kind, laws[0].unexplained) for kind, laws in by_kind.items())
     worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
         over = over_coordinates(names[0], arms[0], searched.motions[0])
-        best = f"the best leaves {100.0 * min(one.unexplained for one in found):.0f} % of its effect."
-        words = (f"No law of the grammar explains the missing force: {best}", over_words(over))
-        return MissingForce(maps, (), kinds, words, over=over)
+        return MissingForce(maps, (), kinds, missing_words((), by_kind, {}, over), over=over)
     progress("fitting the best laws")
     fits = _fitted(base, searched, prepared, worth)
     if fits.motions:
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
-    words = (*_words(fits.laws, kinds), over_words(over))
-    words = words if fits.next_motion is None else (*words, proposal_words(fits.next_motion))
-    asked = fits.next_motion and fits.next_motion.asked
-    return MissingForce(maps, fits.laws, kinds, words, asked, over)
+    words = missing_words(fits.laws, by_kind, fits.refused, over)
+    return MissingForce(maps, fits.laws, kinds, words, fits.experiment, over)
+
+
+def _by_kind(found: tuple[FittedLaw, ...]) -> dict[str, list[FittedLaw]]:
+    """The laws of each kind that was found, the one that leaves least first."""
+    ordered = sorted(found, key=lambda one: one.unexplained)
+    kinds = {
+        kind: [one for one in ordered if one.form.law.name.startswith(starts)] for kind, starts in LAW_KINDS.items()
+    }
+    return {kind: laws for kind, laws in kinds.items() if laws}
 
 
 def as_found(found: FittedLaw) -> WrittenLaw:
@@ -105,11 +108,15 @@ class LawFit:
     gain: float = 0.0
 
     @property
-    def counts(self) -> bool:
-        """Whether its evidence is known and worth its price, no number stands at a bound, and its run stayed within."""
-        stands_at_bound = any(effect == self.law.name for effect, _ in self.fitted.at_bound)
-        ran_away = np.abs(self.fitted.used_residuals).max() >= RAN_AWAY
-        return GAIN < self.gain < np.inf and not stands_at_bound and not ran_away
+    def refusal(self) -> str:
+        """Why it is not proposed: its run leaves all bounds, a number stands at a bound, or its evidence is not known
+        or not worth its price; empty where none holds.
+        """
+        if np.abs(self.fitted.used_residuals).max() >= RAN_AWAY:
+            return "the motion with it leaves all bounds"
+        if held := [name for effect, name in self.fitted.at_bound if effect == self.law.name]:
+            return f"its fit ends at a bound of {' and '.join(held)}"
+        return "" if GAIN < self.gain < np.inf else "its fit gains too little"
 
 
 @dataclass(frozen=True)
@@ -128,7 +135,8 @@ class LawHypothesis:
 
 @dataclass(frozen=True)
 class LawFits:
-    """Laws that do well, best first; the motions; the base motion that would split the best law from its rivals.
+    """Laws that do well, best first; the motions; the experiment that would split the best law from its rivals; the
+    names of the fitted laws that are not proposed, and why.
 
     The motions have the missing force at the parameters that were fitted with the best law. The base parameters that
     were fitted without a law are biased by the missing force.
@@ -136,7 +144,8 @@ class LawFits:
 
     laws: tuple[ProposedLaw, ...]
     motions: tuple[SeenMotion, ...]
-    next_motion: Proposal | None
+    experiment: LawExperiment | None
+    refused: dict[str, str]
 
 
 def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepared], worth: list[FittedLaw]) -> LawFits:
@@ -153,23 +162,30 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
         nothing = laplace_evidence(plain, bare, variance)
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
-        judged = sorted((one for one in judged if one.counts), key=lambda one: -one.gain)[:MOST]
+        refused = {one.law.name: one.refusal for one in judged if one.refusal}
+        counted = sorted((one for one in judged if not one.refusal), key=lambda one: -one.gain)
+        refused |= {one.law.name: f"{MOST} other laws have more evidence" for one in counted[MOST:]}
         judged = [
             replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing)
-            for one in _fitted_closely(judged, variance)
+            for one in _fitted_closely(counted[:MOST], variance)
         ]
+        refused |= {one.law.name: one.refusal for one in judged if one.refusal}
         accepted: list[LawHypothesis] = []
-        for one in sorted((one for one in judged if one.counts), key=lambda one: -one.gain):
+        for one in sorted((one for one in judged if not one.refusal), key=lambda one: -one.gain):
             error = midline_error(prepared, one.problem, one.fitted, _held_out(prepared))
             if error is None or before is None or error < before:
                 accepted.append(_hypothesis(one, error, _unexplained_share(bare, one.fitted), variance))
-        next_motion, motions = None, ()
+            else:
+                refused[one.law.name] = "with it the model errs more on the held-out frames than without a law"
+        experiment, motions = None, ()
         if accepted:
             best = accepted[0]
             arms = arms_of(*searched.point)
             motions = tuple(_beside(best, arm, motion) for arm, motion in zip(arms, searched.motions, strict=True))
-            next_motion = propose_experiment(best, _rivals(accepted), SERVO_UNDER_LOAD, 0)
-    return LawFits(tuple(one.proposed for one in accepted), motions, next_motion)
+            rivals = _rivals(accepted)
+            proposal = propose_experiment(best, rivals, SERVO_UNDER_LOAD, 0)
+            experiment = experiment_of(proposal, tuple(one.proposed for one in (best, *rivals)))
+    return LawFits(tuple(one.proposed for one in accepted), motions, experiment, refused)
 
 
 def _by_name(problem: Problem, parameters: Array) -> tuple[dict[ParameterName, float], Array]:
@@ -277,25 +293,3 @@ def _hypothesis(one: LawFit, error: float | None, left: float, variance: float) 
         one.problem.known(parameters)[0].arm.specimen.length,
     )  # fmt: skip
     return LawHypothesis(proposed, one.problem, one.fitted)
-
-
-def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) -> tuple[str, ...]:
-    """What the search found, each with its evidence."""
-    if not laws:
-        return ("No law of the grammar predicts the held-out frames: none is proposed.",)
-    best = laws[0]
-    most = best.unexplained < 0.5
-    words = [
-        f"{'Proposed law' if most else 'No law explains most of the structured error. The best one'}: {best.words}. "
-        f"It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
-        f"the error on held-out frames is {best.held_out_midline_mm:.2f} mm."
-    ]
-    if alike := [law.words for law in laws[1:] if best.evidence - law.evidence < ALIKE]:
-        words.append(f"These do as well, within {ALIKE:.0f} nats: {'; '.join(alike)}.")
-    elif len(laws) > 1:
-        words.append(f"The next law, {laws[1].words}, is {best.evidence - laws[1].evidence:.0f} nats behind.")
-    if region := best.region_words:
-        words.append(region)
-    shares = ", ".join(f"{kind} {100.0 * left:.0f} %" for kind, left in sorted(kinds, key=lambda row: row[1]))
-    words.append(f"Share of the missing force's effect that the best law of each kind leaves: {shares}.")
-    return tuple(words)

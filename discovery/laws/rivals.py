@@ -29,12 +29,15 @@ def seeks_laws(answer: Diagnosis) -> bool:
 
 
 def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
-    """The answer with the missing force and its laws; beside named effects only with laws that do as well."""
+    """The answer with the missing force and its laws; beside named effects only with laws that do as well.
+
+    After an unknown the next experiment is that on the laws, or none. Beside named effects it is that on the effects.
+    """
     if answer.verdict == "unknown":
-        if missing.next_motion is not None:
-            words = without_proposal(answer.words)
-            answer = replace(answer, words=words, next_experiment=missing.next_motion)
-        return replace(answer, missing=missing, words=(*answer.words, *missing.words))
+        asked = missing.experiment
+        words = (*without_proposal(answer.words), *(() if asked is None else (asked.words,)))
+        motion, nats = (None, None) if asked is None or asked.motion is None else (asked.motion, asked.nats)
+        return replace(answer, missing=missing, words=words, next_experiment=motion, next_nats=nats)
     after = answer.after.midline_mm
     rivals = tuple(
         law for law in missing.laws
@@ -47,4 +50,5 @@ def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
         f"A law follows the held-out frames at least as well as the named effects ({best.held_out_midline_mm:.2f} mm; "
         f"they {after:.2f} mm): {best.words}. Compare it with them: --effects laws/{best.law.name}.toml."
     )
-    return replace(answer, missing=replace(missing, laws=rivals), words=(*answer.words, word))
+    shown = replace(missing, laws=rivals, experiment=None)
+    return replace(answer, missing=shown, words=(*answer.words, word))

@@ -1,12 +1,21 @@
 """When a law is sought beside a verdict."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
 import pytest
 
-from discovery.laws.rivals import LEFT, seeks_laws
-from tentacle.diagnosis import FINER_SHAPE, Diagnosis
+from discovery.answer import cannot_tell, proposal_words
+from discovery.laws.rivals import LEFT, seeks_laws, with_laws
+from discovery.next_experiment import Proposal
+from tentacle.diagnosis import FINER_SHAPE, Diagnosis, ErrorMeasure
+from tentacle.io.waveform_file import waveform_table
+from tentacle.proposed_law import LawExperiment, MissingForce
+from tentacle.recording import Declaration, Recording
+from tentacle.specimen import WATER, Cone, Specimen
+from tentacle.waveform import Sine
+from tests.discovery.proposals import proposed
 
 
 def answer(verdict, effects, after):
@@ -31,3 +40,37 @@ def answer(verdict, effects, after):
 )
 def test_a_law_is_sought_where_the_named_effects_leave_more_or_are_several(verdict, effects, after, sought):
     assert seeks_laws(answer(verdict, effects, after)) is sought
+
+
+OF_EFFECTS = Proposal(Sine(0.3, 0.5), (("buoyancy",), ("sloshing",)), 40.0)
+OF_LAWS = LawExperiment(waveform_table(Sine(0.2, 1.1)), 268.0, "The next experiment in next_experiment.toml: two laws.")
+
+
+def with_effects_experiment(verdict, effects):
+    """An answer whose own next experiment is on effects of the catalogue."""
+    recording = Recording("one", Declaration(Specimen(Cone(0.011, 0.004), 0.14, 1070.0), WATER))
+    return replace(
+        cannot_tell(recording, "", 0), verdict=verdict, effects=effects, after=ErrorMeasure(0.3),
+        words=("A remark.", proposal_words(OF_EFFECTS)), next_experiment=waveform_table(OF_EFFECTS.waveform),
+        next_nats=OF_EFFECTS.nats,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("asked", [OF_LAWS, None, replace(OF_LAWS, motion=None, words="No base motion.")])
+def test_after_an_unknown_the_next_experiment_is_on_the_laws_or_none(asked):
+    missing = MissingForce(laws=(proposed("jet", 0.01),), words=("Proposed law.",), experiment=asked)
+    found = with_laws(with_effects_experiment("unknown", ()), missing)
+    assert found.next_experiment == (asked.motion if asked else None)
+    assert found.words == ("A remark.", *((asked.words,) if asked else ()))
+    assert sum("next_experiment.toml" in word for word in found.sentences) == (found.next_experiment is not None)
+    assert found.sentences.count("Proposed law.") == 1
+
+
+def test_beside_named_effects_the_file_is_the_one_of_the_sentence():
+    missing = MissingForce(laws=(proposed("jet", 0.01),), words=("Proposed law.",), experiment=OF_LAWS)
+    answer = with_effects_experiment("effect", ("current",))
+    found = with_laws(answer, missing)
+    assert found.next_experiment == answer.next_experiment
+    assert [word for word in found.words if "next_experiment.toml" in word] == [proposal_words(OF_EFFECTS)]
+    assert found.missing.experiment is None
+    assert not any("next_experiment.toml" in word for word in found.missing.words)

@@ -78,6 +78,30 @@ def test_a_curve_predicts_nothing_where_the_force_does_not_depend_on_it():
     assert predicted(T, x, force) < 0.01  # 16 means of 190 values each: 1 / 190 of the variance, below zero on average
 
 
+def test_a_force_of_one_frequency_is_found_as_periodic():
+    motion = swinging()
+    found = over_coordinates("one", ARM, with_force(motion, 0.8, np.sin(2.0 * np.pi * 3.1 * T + 0.4)))
+    best = found[0]
+    # The phase of a frequency that is off by 1 / (16 * 20 s) slips by a sixteenth of a period; 16 bins of a sine.
+    assert best.frequency == pytest.approx(3.1, abs=1.0 / (16 * 20.0))
+    assert best.predicted > 0.95
+    assert "It is periodic at 3.1 Hz" in over_words(found)
+
+
+def test_a_force_that_repeats_with_the_base_is_not_called_periodic():
+    motion = swinging()
+    turn = 2.0 * np.pi * 0.8
+    for rows, value in (
+        (motion.u, np.sin(turn * T)),
+        (motion.rate, turn * np.cos(turn * T)),
+        (motion.acceleration, -(turn**2) * np.sin(turn * T)),
+    ):
+        rows[:] = 0.0
+        rows[:, N] = 0.4 * value
+    found = over_coordinates("one", ARM, with_force(motion, 0.8, np.cos(turn * T)))
+    assert all(one.frequency is None for one in found)
+
+
 def test_forces_along_the_arm_are_no_single_one():
     """Two independent forces at two places: no single place explains both."""
     motion = swinging()

@@ -26,7 +26,7 @@ def force_over_figure(found: Sequence[ForceOver]) -> Figure:
             axis.fill_between(one.value, force - band, force + band, color=AUGMENTED.hex, alpha=0.3, linewidth=0.0)
             axis.plot(one.value, force, color=AUGMENTED.hex, marker=".", markersize=3.0)
             axis.axhline(0.0, color=NEUTRAL.hex, linewidth=0.6)
-            axis.set_title(f"predicts {100.0 * one.predicted:.0f} %")
+            axis.set_title(f"predicts {100.0 * one.predicted:.0f} %" if one.predicted >= 0.005 else "predicts nothing")
             axis.locator_params(axis="x", nbins=4)
             axis.set_xlabel(f"{one.coordinate.split(',')[0]} [{one.unit}]")
             if axis in axes[:, 0]:

@@ -6,7 +6,7 @@ import rerun as rr
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.rounding import number
-from viz.words import effect_name, error_rows, verdict_title
+from viz.words import effect_name, error_rows, in_ranking, in_words, verdict_title
 
 CANDIDATE_HEADER = ("effect", "score alone [nat]", "error alone [mm]", "probability of all sets with it")
 
@@ -26,7 +26,7 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
     errors = error_rows(diagnosis.before, diagnosis.after, diagnosis.floor)
     parts = [
         f"# {verdict_title(diagnosis)}",
-        diagnosis.headline,
+        in_words(diagnosis.headline, diagnosis),
         f"Confidence {diagnosis.confidence:.0%}. Errors are rms on {judged}.",
         text_table(("error", "unit", "before", "after", "floor"), [tuple(row) for row in errors]),
     ]
@@ -40,11 +40,13 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
     if diagnosis.ranking:
         ranked = [
             (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.2f}")
-            for r in diagnosis.ranking[:8]
+            for r in in_ranking(diagnosis)[:8]
         ]
-        parts += ["## Candidates", text_table(CANDIDATE_HEADER, ranked)]
-    if diagnosis.words:
-        parts += ["## What remains", "\n".join(f"- {line}" for line in diagnosis.words)]
+        columns = 3 if diagnosis.verdict == "unknown" else 4
+        rows = [row[:columns] for row in ranked]
+        parts += ["## Candidates", text_table(CANDIDATE_HEADER[:columns], rows)]
+    if diagnosis.sentences:
+        parts += ["## What remains", "\n".join(f"- {in_words(line, diagnosis)}" for line in diagnosis.sentences)]
     return "\n\n".join(parts) + "\n"
 
 

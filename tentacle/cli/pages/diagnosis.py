@@ -15,7 +15,7 @@ def answer_lines(diagnosis: Diagnosis) -> list[str]:
     lines = [diagnosis.headline, f"  Confidence {diagnosis.confidence:.0%}."]
     for effect, values in diagnosis.parameters.items():
         lines += [f"  {effect}.{name} = {e.with_unit} (95 %: {e.interval_words})" for name, e in values.items()]
-    return lines + [f"  {sentence}" for sentence in diagnosis.words]
+    return lines + [f"  {sentence}" for sentence in diagnosis.sentences]
 
 
 def write_answer(
