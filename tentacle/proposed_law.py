@@ -68,18 +68,25 @@ class ProposedLaw:
 
     @property
     def region(self) -> dict[str, tuple[float, float]]:
-        """The 95 % interval of each coordinate of its place, if the law is true."""
-        names = [name for name in ("at_x", "at_y", "edge") if name in self.values and name in self.deviations]
+        """The 95 % interval of each coordinate of its place (at_s in arm lengths, else m), if the law is true."""
+        names = [name for name in ("at_x", "at_y", "edge", "at_s") if name in self.values and name in self.deviations]
         half = {name: 1.96 * self.deviations[name] for name in names}
         return {name: (self.values[name] - half[name], self.values[name] + half[name]) for name in names}
 
     @property
     def region_words(self) -> str:
         """A sentence about its place if the recordings do not determine it; else empty."""
-        wide = {name: ends for name, ends in self.region.items() if ends[1] - ends[0] > UNPLACED * self.length}
+        extent = {"at_s": 1.0}
+        wide = {
+            name: (low, high)
+            for name, (low, high) in self.region.items()
+            if high - low > UNPLACED * extent.get(name, self.length)
+        }
         if not wide:
             return ""
-        ends = " and ".join(f"{name} from {low:.3g} to {high:.3g} m" for name, (low, high) in wide.items())
+        ends = " and ".join(
+            f"{name} from {low:.3g} to {high:.3g}{'' if name in extent else ' m'}" for name, (low, high) in wide.items()
+        )
         return f"The recordings do not determine its place: they allow {ends} (95 %, if the law is true)."
 
     @property
@@ -97,10 +104,20 @@ class ProposedLaw:
 
     @property
     def place(self) -> str:
-        """The point in space from which it acts, or else its place on the arm."""
+        """Its section, where it acts at one inside the arm; the point in space from which it acts, or else its place on
+        the arm.
+        """
+        section = [f"s = {self.values['at_s']:.2f}"] if "at_s" in self.values else []
         if "at_x" in self.values:
-            return f"x = {self.values['at_x']:.4g} m, y = {self.values['at_y']:.4g} m"
+            section.append(f"x = {self.values['at_x']:.4g} m, y = {self.values['at_y']:.4g} m")
+        if section:
+            return "; ".join(section)
         return "tip" if self.law.acts == "tip" else "along the arm"
+
+    @property
+    def acts(self) -> str:
+        """On what it acts: "line" (all along the arm), "section" (one inside the arm), "tip" or "moment"."""
+        return "section" if "at_s" in self.values else self.law.acts
 
     @property
     def words(self) -> str:
@@ -111,7 +128,7 @@ class ProposedLaw:
         """The entry of verdict.json."""
         return {
             "expression": self.expression,
-            "acts": self.law.acts,
+            "acts": self.acts,
             "place": self.place,
             "evidence": self.evidence,
             "held_out_midline_mm": self.held_out_midline_mm,

@@ -17,6 +17,7 @@ from discovery.laws.along import force_map
 from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
 from discovery.laws.over import over_coordinates, over_words
 from discovery.laws.search import FittedLaw
+from discovery.laws.words import kinds_of, proposals_words, title_of
 from discovery.next_experiment import Proposal, propose_experiment
 from inference.base_fit import most_coordinates
 from inference.compare import midline_error
@@ -33,19 +34,11 @@ from tentacle.proposed_law import MissingForce, ProposedLaw
 
 FITTED, MOST = 8, 5  # laws that are fitted, and that are shown
 EXPLAINS = 0.9  # largest share of the missing force's answer that a law may leave and still be fitted
-ALIKE = 3.0  # nats: laws that are no farther apart do equally well
 RIVAL = 1.1  # of the best law's error on held-out frames: a law within it is its rival
 FIT_ROUNDS, FIT_TOLERANCE = 25, 1e-4
 CLOSE_ROUNDS, CLOSE_TOLERANCE = 200, 1e-6
 LEAST_FORCE = 0.25  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
-LAW_KINDS = {
-    "the speed": ("drag_", "skin_", "one_way", "tip_drag"), "the speed near a place": ("patch_",),
-    "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"),
-    "the place of every section": ("jet", "line_spring"), "time": ("vortex", "beat_x", "tip_beat"),
-    "nothing (a steady force)": ("tip_push",),
-    "the curvature": ("bending", "one_sided"), "the curvature before": ("late",),
-}  # fmt: skip
 
 
 def propose_laws(
@@ -66,9 +59,7 @@ def propose_laws(
         return MissingForce(maps, (), (), ("Small motions about the model run away: no law is proposed.",))
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
-    kinds = tuple((kind, min(one.unexplained for one in found if one.form.law.name.startswith(starts)))
-                  for kind, starts in LAW_KINDS.items()
-                  if any(one.form.law.name.startswith(starts) for one in found))  # fmt: skip
+    kinds = kinds_of(found)
     worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
         over = over_coordinates(names[0], arms[0], searched.motions[0])
@@ -80,7 +71,7 @@ def propose_laws(
     if fits.motions:
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
-    words = (*_words(fits.laws, kinds), over_words(over))
+    words = (*proposals_words(fits.laws, kinds), over_words(over))
     words = words if fits.next_motion is None else (*words, proposal_words(fits.next_motion))
     asked = fits.next_motion and waveform_table(fits.next_motion.waveform)
     return MissingForce(maps, fits.laws, kinds, words, asked, over)
@@ -212,9 +203,7 @@ def _beside(best: LawHypothesis, arm: Arm, motion: SeenMotion) -> SeenMotion:
 
 
 def _at(p: WrittenParameter, value: float) -> WrittenParameter:
-    return (
-        replace(p, nominal=value or p.nominal, scan=(value,)) if p.scan else replace(p, nominal=abs(value) or p.nominal)
-    )
+    return replace(p, nominal=value or p.nominal, scan=(value,) if p.scan else ())
 
 
 def _held_out(prepared: list[Prepared]) -> bool:
@@ -272,31 +261,10 @@ def _hypothesis(one: LawFit, error: float | None, left: float, variance: float) 
     """The law with its fitted values, and what is said of it."""
     parameters = one.fitted.parameters
     values = {p.name: float(parameters[parameter_index(one.law.name, p.name)]) for p in one.law.parameters}
-    written = replace(one.law, parameters=tuple(_at(p, values[p.name]) for p in one.law.parameters))
+    shown = tuple(_at(p, values[p.name]) for p in one.law.parameters)
+    written = replace(one.law, title=title_of(one.law, values), parameters=shown)
     proposed = ProposedLaw(
         written, values, one.gain, error, left, _deviations(one.law, one.fitted, variance),
         one.problem.known(parameters)[0].arm.specimen.length,
     )  # fmt: skip
     return LawHypothesis(proposed, one.problem, one.fitted)
-
-
-def _words(laws: tuple[ProposedLaw, ...], kinds: tuple[tuple[str, float], ...]) -> tuple[str, ...]:
-    """What the search found, each with its evidence."""
-    if not laws:
-        return ("No law of the grammar predicts the held-out frames: none is proposed.",)
-    best = laws[0]
-    most = best.unexplained < 0.5
-    words = [
-        f"{'Proposed law' if most else 'No law explains most of the structured error. The best one'}: {best.words}. "
-        f"It leaves {100.0 * best.unexplained:.0f} % of the structured error; "
-        f"the error on held-out frames is {best.held_out_midline_mm:.2f} mm."
-    ]
-    if alike := [law.words for law in laws[1:] if best.evidence - law.evidence < ALIKE]:
-        words.append(f"These do as well, within {ALIKE:.0f} nats: {'; '.join(alike)}.")
-    elif len(laws) > 1:
-        words.append(f"The next law, {laws[1].words}, is {best.evidence - laws[1].evidence:.0f} nats behind.")
-    if region := best.region_words:
-        words.append(region)
-    shares = ", ".join(f"{kind} {100.0 * left:.0f} %" for kind, left in sorted(kinds, key=lambda row: row[1]))
-    words.append(f"Share of the missing force's effect that the best law of each kind leaves: {shares}.")
-    return tuple(words)
