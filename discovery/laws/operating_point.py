@@ -30,6 +30,7 @@ STIFFER = 4.0  # 1.2 to 3.2 times the true stiffness in nine development recordi
 FARTHEST = 8.0  # times: of one move of a parameter
 ROUNDS, CLOSE = 4, 0.1  # a move of less than this share of every parameter is the last
 INNER_ROUNDS, BESIDE = 2, 6  # rounds, and other forms, of the search for a law that acts inside the arm
+EXPLAINED = 0.03  # share of the missing force's answer: where the best law leaves less, no law inside the arm is sought
 MODULUS, LOSS = ("elasticity", "E"), ("damping", "eta")
 
 
@@ -59,12 +60,14 @@ def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -
     the small motions run away at the start.
 
     A softer point shows a law larger and a stiffer one cleaner. So a move is taken back only if the best law then has
-    less evidence and also leaves a larger share, or if the small motions run away there. Where the missing force at the
-    last point acts at one inner place, laws that act there are sought too, beside the best of the others.
+    less evidence and also leaves a larger share, or if the small motions run away there. Where the best law
+    leaves some of the missing force, and that force acts at one inner place, laws that act there are sought too.
     """
     found = _settled(stiff_point(base, motions), ())
-    place = None if found is None else inner_place(arms_of(*found.point), found.motions)
-    if found is None or place is None:
+    if found is None or found.laws[0].unexplained < EXPLAINED:
+        return found
+    place = inner_place(arms_of(*found.point), found.motions)
+    if place is None:
         return found
     inside = inner_forms(found.sought.scale, place)
     beside = tuple(one.form for one in found.laws[:BESIDE])
