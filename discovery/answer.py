@@ -11,6 +11,7 @@ from tentacle.recording import Recording
 
 MANY = 1000.0  # nats, beyond which an expected gap is only told as a bound
 MOST_EFFECTS = 3  # that one answer names together
+FAR_FROM_FLOOR = 1.2  # times the noise: in 31 drawn trials with nothing hidden, right answers left 1.11 times at most
 ACCOUNTS = 3  # hypotheses of one effect that the next experiment separates after an unknown
 
 
@@ -39,6 +40,11 @@ def cannot_tell(recording: Recording, reason: str, seed: int) -> Diagnosis:
         words=("These data cannot tell.", reason),
         seed=seed,
     )
+
+
+def far_from_floor(after: float | None, floor: float | None) -> bool:
+    """Whether a model leaves clearly more [mm] on held-out frames than noise would; False where that is not known."""
+    return after is not None and floor is not None and after > FAR_FROM_FLOOR * floor
 
 
 _NONE_SEPARATES, _NEXT = "No base motion within the servo's limits separates", "The next experiment,"

@@ -105,7 +105,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     advice = baseline_advice(setting) if base.baseline_share > MOST_DECLARED_FORM else None
     around = PosteriorContext(paper, shown, order, reduction, limits, advice)
     answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
-    if not deciding.laws or not seeks_laws(answer):
+    own_error = decision.leading.share <= base.baseline_share
+    if not deciding.laws or not seeks_laws(answer, own_error):
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
     alone = _open_loop(base)

@@ -1,6 +1,6 @@
 """The prior of the added effects' parameters.
 
-    strength ~ Cauchy(0, nominal),        shape ~ uniform between its bounds (in its logarithm where they are positive)
+    strength ~ Cauchy(0, |nominal|),       shape ~ uniform between its bounds (in its logarithm where they are positive)
 
 The base parameters' and initial states' priors are those of every hypothesis, and are left out.
 """
@@ -49,7 +49,8 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
         value, (low, high) = float(fitted.values[place]), parameter.bounds
         if not parameter.scan:
             sides = 1.0 if low < 0.0 else 2.0
-            total += np.log(sides / (np.pi * parameter.nominal * (1.0 + (value / parameter.nominal) ** 2)))
+            size = abs(parameter.nominal)
+            total += np.log(sides / (np.pi * size * (1.0 + (value / size) ** 2)))
         elif low > 0.0:
             total -= np.log(value * np.log(high / low))
         else:

@@ -75,8 +75,8 @@ class ProposedLaw:
 
     @property
     def region(self) -> dict[str, tuple[float, float]]:
-        """The 95 % interval of each coordinate of its place, if the law is true."""
-        names = [name for name in ("at_x", "at_y", "edge") if name in self.values and name in self.deviations]
+        """The 95 % interval of each coordinate of its place (at_s in arm lengths, else m), if the law is true."""
+        names = [name for name in ("at_x", "at_y", "edge", "at_s") if name in self.values and name in self.deviations]
         half = {name: 1.96 * self.deviations[name] for name in names}
         return {name: (self.values[name] - half[name], self.values[name] + half[name]) for name in names}
 
@@ -88,13 +88,18 @@ class ProposedLaw:
     @property
     def region_words(self) -> str:
         """A sentence about the interval of its place; empty where it has no place."""
+        extent = {"at_s": 1.0}
 
-        def between(ends: tuple[float, float]) -> str:
+        def between(name: str, ends: tuple[float, float]) -> str:
             low, high = (rounded(end, ends[1] - ends[0]) for end in ends)
-            return f"from {low} to {high} m"
+            return f"{name} from {low} to {high}{'' if name in extent else ' m'}"
 
-        wide = {name: ends for name, ends in self.region.items() if ends[1] - ends[0] > UNPLACED * self.length}
-        shown = " and ".join(f"{name} {between(ends)}" for name, ends in (wide or self.region).items())
+        wide = {
+            name: (low, high)
+            for name, (low, high) in self.region.items()
+            if high - low > UNPLACED * extent.get(name, self.length)
+        }
+        shown = " and ".join(between(name, ends) for name, ends in (wide or self.region).items())
         if wide:
             return f"The recordings do not determine its place: they allow {shown} (95 %, if the law is true)."
         return f"If the law is true, its place is {shown} (95 %)." if shown else ""
@@ -124,10 +129,20 @@ class ProposedLaw:
 
     @property
     def place(self) -> str:
-        """The point in space from which it acts, or else its place on the arm."""
+        """Its section, where it acts at one inside the arm; the point in space from which it acts, or else its place on
+        the arm.
+        """
+        section = [f"s = {self.values['at_s']:.2f}"] if "at_s" in self.values else []
         if "at_x" in self.values:
-            return f"x = {self.values['at_x']:.4g} m, y = {self.values['at_y']:.4g} m"
+            section.append(f"x = {self.values['at_x']:.4g} m, y = {self.values['at_y']:.4g} m")
+        if section:
+            return "; ".join(section)
         return "tip" if self.law.acts == "tip" else "along the arm"
+
+    @property
+    def acts(self) -> str:
+        """On what it acts: "line" (all along the arm), "section" (one inside the arm), "tip" or "moment"."""
+        return "section" if "at_s" in self.values else self.law.acts
 
     @property
     def words(self) -> str:
@@ -138,7 +153,7 @@ class ProposedLaw:
         """The entry of verdict.json."""
         return {
             "expression": self.expression,
-            "acts": self.law.acts,
+            "acts": self.acts,
             "place": self.place,
             "evidence": self.evidence,
             "held_out_midline_mm": self.held_out_midline_mm,

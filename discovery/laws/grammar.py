@@ -22,6 +22,8 @@ LEAST_REACH = 0.1  # arm lengths: 8 Gauss nodes integrate a bell of this extent 
 STRENGTH_UNIT = {"line": "N/m", "tip": "N", "moment": "1"}
 NOMINAL = {"line": 0.02, "tip": 0.002, "moment": 0.1}
 STRONGEST = {"line": 1e3, "tip": 1e4, "moment": 1e3}  # nominal strengths: about ten times the arm's own weight
+ONE_WAY = ("drag_", "skin_", "one_way", "tip_drag", "patch_", "tether", "stop_", "late", "bending_loss")  # a >= 0: a
+# negative strength of these would drive, push, or pull where their words say that they brake, pull, or hold
 SLENDER = 20.0  # length over width, about: strengths of forces per width are as much larger
 
 
@@ -92,7 +94,7 @@ def _form(
     most = (
         STRONGEST[acts] * nominal * (SLENDER if any("width / length" in part for part in components.values()) else 1.0)
     )
-    limits = (-most, most)
+    limits = (0.0 if name.startswith(ONE_WAY) else -most, most)
     own = [WrittenParameter(s, unit, nominal, limits, "strength") for s in ("a", "b") if s in used]
     relaxation = "tau" if any(shape.name == "tau" for shape in shapes) else None
     text = " ".join([*components.values(), *(defined or {}).values()])
@@ -118,10 +120,10 @@ def _of_velocity(scale: Scale) -> list[Form]:
     found = []
     for where, weight in (("width", "width / length"), ("length", "1")):
         found += [
-            _form(f"drag_{where}", f"a normal force with a power of the normal speed, per {where}", "line",
-                  {"force_n": f"-a * {weight} * {_odd('u_n', 'u_0')}"}, [power()]),
-            _form(f"skin_{where}", f"a tangential force with a power of the tangential speed, per {where}", "line",
-                  {"force_t": f"-a * {weight} * {_odd('u_t', 'u_0')}"}, [power()]),
+            _form(f"drag_{where}", f"a normal force against the motion, with a power of its speed, per {where}",
+                  "line", {"force_n": f"-a * {weight} * {_odd('u_n', 'u_0')}"}, [power()]),
+            _form(f"skin_{where}", f"a tangential force against the motion, with a power of its speed, per {where}",
+                  "line", {"force_t": f"-a * {weight} * {_odd('u_t', 'u_0')}"}, [power()]),
         ]  # fmt: skip
     for side, sign in (("right", ""), ("left", "-")):
         found.append(
@@ -160,12 +162,12 @@ def _of_place(scale: Scale) -> list[Form]:
               [*_place(scale, 9, "at"), power((1.0, 2.0, 3.0, 4.0))], {"d": distance}),
         _form("tether", "a thread from a point to the tip, slack up to a length", "tip", tether,
               [*_place(scale, 7, "at"), slack], {"d": distance}),
-        _form("tip_spring", "a force across at the tip, with a power of its displacement", "tip",
+        _form("tip_spring", "a force at the tip towards x = 0, with a power of its displacement", "tip",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
         _form("tip_push", "a steady force at the tip", "tip", {"force_x": "a", "force_y": "b"}, []),
         _form("jet", "a steady jet around a point in space", "line",
               {"force_x": f"a * {jet}", "force_y": f"b * {jet}"}, [*_place(scale, 7, "at"), _reach(scale.length)]),
-        _form("line_spring", "a force across all along the arm, with a power of the displacement", "line",
+        _form("line_spring", "a force towards x = 0 all along the arm, with a power of the displacement", "line",
               {"force_x": f"-a * {_odd('x', '(0.3 * length)')}"}, [power()]),
     ]  # fmt: skip
     for side, sign in (("right", ""), ("left", "-")):
@@ -201,13 +203,13 @@ def _of_curvature() -> list[Form]:
     for where, weight in (("all along", "1"), ("towards the tip", "s"), ("towards the clamp", "(1 - s)")):
         name = {"1": "", "s": "_tip", "(1 - s)": "_clamp"}[weight]
         found += [
-            _form(f"bending{name}", f"a moment with a power of the curvature, {where}", "moment",
+            _form(f"bending{name}", f"a stiffening moment with a power of the curvature, {where}", "moment",
                   {"moment": f"a * stiffness * {weight} * abs(c)^(power - 1) * c"}, [power((0.5, 2.0, 3.0, 4.0))]),
             _form(f"late{name}", f"a delayed spring, {where}", "moment",
                   {"moment": f"a * stiffness * {weight} * memory"}, [tau]),
-            _form(f"bending_loss{name}", f"a moment with a power of the rate of curvature, {where}", "moment",
-                  {"moment": f"a * stiffness * {weight} * {_odd('c_rate', 'w_0')}"}, [power()]),
-            _form(f"one_sided{name}", f"a stiffness to one side only, {where}", "moment",
+            _form(f"bending_loss{name}", f"a moment against the rate of curvature, with a power of it, {where}",
+                  "moment", {"moment": f"a * stiffness * {weight} * {_odd('c_rate', 'w_0')}"}, [power()]),
+            _form(f"one_sided{name}", f"more stiffness to one side only, {where}", "moment",
                   {"moment": f"a * stiffness * {weight} * positive(c)"}, []),
         ]  # fmt: skip
     return found

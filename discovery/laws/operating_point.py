@@ -18,7 +18,9 @@ import numpy as np
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
+from discovery.laws.grammar import Form
 from discovery.laws.inputs import LawInputs
+from discovery.laws.inside import inner_forms, inner_place
 from discovery.laws.search import FittedLaw, Sought, search_laws
 from inference.fit import Fit
 from inference.missing_force import SeenMotion, lacking, law_scales, seen_motions, small_motions
@@ -27,6 +29,8 @@ from inference.trajectory import Problem
 STIFFER = 4.0  # 1.2 to 3.2 times the true stiffness in nine development recordings, .3 where a tether holds the arm
 FARTHEST = 8.0  # times: of one move of a parameter
 ROUNDS, CLOSE = 4, 0.1  # a move of less than this share of every parameter is the last
+INNER_ROUNDS, BESIDE = 2, 6  # rounds, and other forms, of the search for a law that acts inside the arm
+EXPLAINED = 0.03  # share of the missing force's answer: where the best law leaves less, no law inside the arm is sought
 MODULUS, LOSS = ("elasticity", "E"), ("damping", "eta")
 
 
@@ -56,14 +60,28 @@ def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -
     the small motions run away at the start.
 
     A softer point shows a law larger and a stiffer one cleaner. So a move is taken back only if the best law then has
-    less evidence and also leaves a larger share, or if the small motions run away there.
+    less evidence and also leaves a larger share, or if the small motions run away there. Where the best law
+    leaves some of the missing force, and that force acts at one inner place, laws that act there are sought too.
     """
-    point, last = stiff_point(base, motions), None
-    for _ in range(ROUNDS):
+    found = _settled(stiff_point(base, motions), ())
+    if found is None or found.laws[0].unexplained < EXPLAINED:
+        return found
+    place = inner_place(arms_of(*found.point), found.motions)
+    if place is None:
+        return found
+    inside = inner_forms(found.sought.scale, place)
+    beside = tuple(one.form for one in found.laws[:BESIDE])
+    return _settled(found.point, (*inside, *beside), INNER_ROUNDS) or found
+
+
+def _settled(point: tuple[Problem, Fit], among: tuple[Form, ...], rounds: int = ROUNDS) -> Searched | None:
+    """The search among these forms (none: the grammar's), repeated from this point."""
+    last = None
+    for _ in range(rounds):
         seen, sought = sought_at(point)
         if sought.ran_away:
             return last
-        found = search_laws(sought)
+        found = search_laws(sought, among)
         if last is not None and _worse(found[0], last.laws[0]):
             return last
         last = Searched(point, seen, sought, found)

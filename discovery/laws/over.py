@@ -79,16 +79,23 @@ def acting_place(arm: Arm, motion: SeenMotion, keep: NDArray[np.intp]) -> tuple[
     """The place s at which one normal force explains most of the missing generalised force, the share that it explains
     (of its square over its variance), and the force (T,) [N] there.
     """
+    whole, left, forces = one_force(arm, motion, keep)
+    best = int(np.argmin(left))
+    return float(PLACES[best]), 1.0 - float(left[best]) / max(whole, 1e-300), forces[best]
+
+
+def one_force(arm: Arm, motion: SeenMotion, keep: NDArray[np.intp]) -> tuple[float, Array, Array]:
+    """The square of the missing generalised force over its variance, what of it one normal force at each of PLACES
+    leaves (P,), and these forces (P, T) [N].
+    """
     weight = 1.0 / np.maximum(motion.spread[keep], 1e-12 * np.abs(motion.force).max())
     u, asked = motion.u[keep], motion.force[keep] * weight
-    whole, best = float(np.sum(asked**2)), (1.0, -np.inf, np.zeros(keep.size))
-    for s in PLACES:
+    left, forces = np.zeros(PLACES.size), np.zeros((PLACES.size, keep.size))
+    for place, s in enumerate(PLACES):
         levers = _levers(arm, u, s) * weight
-        force = np.sum(levers * asked, axis=1) / np.maximum(np.sum(levers**2, axis=1), 1e-300)
-        explained = 1.0 - float(np.sum((asked - levers * force[:, None]) ** 2)) / max(whole, 1e-300)
-        if explained > best[1]:
-            best = (float(s), explained, force)
-    return best
+        forces[place] = np.sum(levers * asked, axis=1) / np.maximum(np.sum(levers**2, axis=1), 1e-300)
+        left[place] = np.sum((asked - levers * forces[place][:, None]) ** 2)
+    return float(np.sum(asked**2)), left, forces
 
 
 def _levers(arm: Arm, u: Array, s: float) -> Array:

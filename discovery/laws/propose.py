@@ -17,6 +17,7 @@ from discovery.laws.law_words import experiment_of, missing_words
 from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
 from discovery.laws.over import over_coordinates
 from discovery.laws.search import FittedLaw
+from discovery.laws.words import by_kind, title_of
 from discovery.next_experiment import propose_experiment
 from inference.base_fit import most_coordinates
 from inference.compare import midline_error
@@ -37,13 +38,6 @@ FIT_ROUNDS, FIT_TOLERANCE = 25, 1e-4
 CLOSE_ROUNDS, CLOSE_TOLERANCE = 200, 1e-6
 LEAST_FORCE = 0.25  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
-LAW_KINDS = {
-    "the speed": ("drag_", "skin_", "one_way", "tip_drag"), "the speed near a place": ("patch_",),
-    "the place of the tip": ("attraction", "tether", "tip_spring", "stop_"),
-    "the place of every section": ("jet", "line_spring"), "time": ("vortex", "beat_x", "tip_beat"),
-    "a steady force": ("tip_push",),
-    "the curvature": ("bending", "one_sided"), "the past curvature": ("late",),
-}  # fmt: skip
 
 
 def propose_laws(
@@ -64,28 +58,19 @@ def propose_laws(
         return MissingForce(maps, (), (), ("Small motions about the model run away: no law is proposed.",))
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))
-    by_kind = _by_kind(found)
-    kinds = tuple((kind, laws[0].unexplained) for kind, laws in by_kind.items())
+    found_by_kind = by_kind(found)
+    kinds = tuple((kind, laws[0].unexplained) for kind, laws in found_by_kind.items())
     worth = [one for one in found if one.evidence > GAIN and one.unexplained < EXPLAINS][:FITTED]
     if not worth:
         over = over_coordinates(names[0], arms[0], searched.motions[0])
-        return MissingForce(maps, (), kinds, missing_words((), by_kind, {}, over), over=over)
+        return MissingForce(maps, (), kinds, missing_words((), found_by_kind, {}, over), over=over)
     progress("fitting the best laws")
     fits = _fitted(base, searched, prepared, worth)
     if fits.motions:
         maps = tuple(force_map(*one) for one in zip(names, arms, fits.motions, strict=True))
     over = over_coordinates(names[0], arms[0], (fits.motions or searched.motions)[0])
-    words = missing_words(fits.laws, by_kind, fits.refused, over)
+    words = missing_words(fits.laws, found_by_kind, fits.refused, over)
     return MissingForce(maps, fits.laws, kinds, words, fits.experiment, over)
-
-
-def _by_kind(found: tuple[FittedLaw, ...]) -> dict[str, list[FittedLaw]]:
-    """The laws of each kind that was found, the one that leaves least first."""
-    ordered = sorted(found, key=lambda one: one.unexplained)
-    kinds = {
-        kind: [one for one in ordered if one.form.law.name.startswith(starts)] for kind, starts in LAW_KINDS.items()
-    }
-    return {kind: laws for kind, laws in kinds.items() if laws}
 
 
 def as_found(found: FittedLaw) -> WrittenLaw:
@@ -227,9 +212,7 @@ def _beside(best: LawHypothesis, arm: Arm, motion: SeenMotion) -> SeenMotion:
 
 
 def _at(p: WrittenParameter, value: float) -> WrittenParameter:
-    return (
-        replace(p, nominal=value or p.nominal, scan=(value,)) if p.scan else replace(p, nominal=abs(value) or p.nominal)
-    )
+    return replace(p, nominal=value or p.nominal, scan=(value,) if p.scan else ())
 
 
 def _held_out(prepared: list[Prepared]) -> bool:
@@ -287,7 +270,8 @@ def _hypothesis(one: LawFit, error: float | None, left: float, variance: float) 
     """The law with its fitted values, and what is said of it."""
     parameters = one.fitted.parameters
     values = {p.name: float(parameters[parameter_index(one.law.name, p.name)]) for p in one.law.parameters}
-    written = replace(one.law, parameters=tuple(_at(p, values[p.name]) for p in one.law.parameters))
+    shown = tuple(_at(p, values[p.name]) for p in one.law.parameters)
+    written = replace(one.law, title=title_of(one.law, values), parameters=shown)
     proposed = ProposedLaw(
         written, values, one.gain, error, left, _deviations(one.law, one.fitted, variance),
         one.problem.known(parameters)[0].arm.specimen.length,

@@ -3,52 +3,79 @@
 A combination of catalogued effects can do for one law that the catalogue lacks. So a law is also sought where the named
 effects leave more than noise on held-out frames, and where more than one effect is named; it is shown only where it
 follows those frames no worse than they do.
+
+Where nothing is named, a law may hide in what the declared model's own parameters do not take up. It is sought where
+the model leaves clearly more than noise, unless a baseline shows that the declared model leaves as much by itself. It
+is shown only where it takes away most of what the model leaves beyond noise.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from discovery.answer import without_proposal
+import numpy as np
+
+from discovery.answer import far_from_floor, without_proposal
 from tentacle.diagnosis import Diagnosis
 from tentacle.proposed_law import MissingForce
 
 LEFT = 1.01  # of the floor: three in four right answers of the drawn blind trials leave less on held-out frames
 
 
-def seeks_laws(answer: Diagnosis) -> bool:
-    """Whether a law could say more than the verdict does."""
+MATTERS = 0.5  # of the square of the error beyond noise: a law that is shown where nothing is named leaves less
+
+
+def seeks_laws(answer: Diagnosis, own_error: bool = False) -> bool:
+    """Whether a law could say more than the verdict does. own_error: whether the baseline's recordings need unknown
+    forces as large beside the declared model.
+    """
     if answer.verdict == "unknown":
         return True
     named = answer.missing_effects
-    if not named:
-        return False
     after, floor = answer.after.midline_mm, answer.floor.midline_mm
+    if not named:
+        return far_from_floor(after, floor) and not own_error
     leaves = after is not None and floor is not None and after > LEFT * floor
     return leaves or (answer.verdict == "effect" and len(named) > 1)
 
 
 def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
-    """The answer with the missing force and its laws; beside named effects only with laws that do as well.
+    """The answer with the missing force and its laws; beside named effects only with laws that do as well, and where
+    nothing is named only with laws that do much better.
 
-    After an unknown the next experiment is that on the laws, or none. Beside named effects it is that on the effects.
+    After an unknown the next experiment is that on the laws, or none. Beside another verdict it stays as it is.
     """
     if answer.verdict == "unknown":
         asked = missing.experiment
         words = (*without_proposal(answer.words), *(() if asked is None else (asked.words,)))
         motion, nats = (None, None) if asked is None or asked.motion is None else (asked.motion, asked.nats)
         return replace(answer, missing=missing, words=words, next_experiment=motion, next_nats=nats)
-    after = answer.after.midline_mm
+    after, most = answer.after.midline_mm, _most_left(answer)
     rivals = tuple(
-        law for law in missing.laws
-        if law.held_out_midline_mm is not None and after is not None and law.held_out_midline_mm <= after
-    )  # fmt: skip
+        law for law in missing.laws if law.held_out_midline_mm is not None and law.held_out_midline_mm <= most
+    )
     if not rivals:
         return answer
     best = rivals[0]
+    file = f"--effects laws/{best.law.name}.toml"
     word = (
         f"A law follows the held-out frames at least as well as the named effects ({best.held_out_midline_mm:.2f} mm; "
-        f"they {after:.2f} mm): {best.words}. Compare it with them: --effects laws/{best.law.name}.toml."
+        f"they {after:.2f} mm): {best.words}. Compare it with them: {file}."
+        if answer.missing_effects
+        else f"No effect is named, but a law follows the held-out frames better ({best.held_out_midline_mm:.2f} mm; "
+        f"without it {after:.2f} mm): {best.words}. Test it: {file}."
     )
     shown = replace(missing, laws=rivals, experiment=None)
     return replace(answer, missing=shown, words=(*answer.words, word))
+
+
+def _most_left(answer: Diagnosis) -> float:
+    """The largest error [mm] on held-out frames of a law that is shown beside the answer; below 0 where none is."""
+    after, floor = answer.after.midline_mm, answer.floor.midline_mm
+    if after is None:
+        return -1.0
+    if answer.missing_effects:
+        return after
+    if floor is None:
+        return -1.0
+    return float(np.sqrt(floor**2 + MATTERS * max(after**2 - floor**2, 0.0)))

@@ -23,6 +23,7 @@ from discovery.laws.inputs import LawInputs
 from discovery.laws.refine import RefinementProblem, RefinementStart, refined_shapes
 from inference.missing_force import MOTION_STEP
 from inference.trajectory import RAN_AWAY
+from tentacle.law.written_law import WrittenParameter
 
 COLUMNS_AT_ONCE = 300  # columns at once
 REFINED = 12  # forms whose shapes are refined
@@ -143,10 +144,10 @@ class Sought:
         return np.where(within, np.einsum("gc,gc->g", slope, strengths), 0.0), found
 
 
-def search_laws(sought: Sought) -> tuple[FittedLaw, ...]:
-    """Laws that explain the missing force, best first; one a form."""
+def search_laws(sought: Sought, among: tuple[Form, ...] = ()) -> tuple[FittedLaw, ...]:
+    """Laws that explain the missing force, best first; one a form. among: these forms alone (none: the grammar's)."""
     rough = []
-    for form in forms(sought.scale):
+    for form in among or forms(sought.scale):
         starts = _starts(sought, form)
         rough.append((starts[0].explained / 2.0 - _price(form, sought.frames), form, starts))
     rough.sort(key=lambda row: -row[0])
@@ -169,7 +170,7 @@ def _starts(sought: Sought, form: Form) -> list[RefinementStart]:
         for part in _batched(trials, COLUMNS_AT_ONCE // len(form.strengths))
     ])  # fmt: skip
     places, chosen = np.array(trials, float).reshape(len(trials), -1), list[int]()
-    spacing = np.array([grid_spacing(p.scan) for p in form.shapes])
+    spacing = np.array([grid_spacing(p) for p in form.shapes])
     for k in np.argsort(-explained):
         apart = [np.abs((places[k] - places[one]) / spacing).max(initial=0.0) > APART for one in chosen]
         if all(apart) and len(chosen) < STARTS:
@@ -192,7 +193,7 @@ def _refined(sought: Sought, form: Form, starts: list[RefinementStart]) -> Fitte
     shapes, deviations = starts[0].shapes, np.zeros(0)
     if names:
         bounds = np.array([p.bounds for p in form.shapes])
-        spacing = np.array([grid_spacing(p.scan) for p in form.shapes])
+        spacing = np.array([grid_spacing(p) for p in form.shapes])
         asked = RefinementProblem(answers, sought.target, bounds, spacing, np.array([p.bounds for p in form.strengths]))
         shapes, deviations = refined_shapes(starts, asked)
     explained, strengths = sought.explained(form, answers(shapes[None]))
@@ -205,6 +206,8 @@ def _refined(sought: Sought, form: Form, starts: list[RefinementStart]) -> Fitte
     )  # fmt: skip
 
 
-def grid_spacing(scan: tuple[float, ...]) -> float:
-    """Typical distance of the values of a grid."""
-    return float(np.median(np.diff(np.sort(scan))))
+def grid_spacing(shape: WrittenParameter) -> float:
+    """Typical distance of the values of a shape's grid; of a single value a tenth of the way between its bounds."""
+    if len(shape.scan) == 1:
+        return (shape.bounds[1] - shape.bounds[0]) / 10.0
+    return float(np.median(np.diff(np.sort(shape.scan))))

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from discovery.laws.grammar import Form, Scale, forms
+from discovery.laws.inside import inner_forms
 from tentacle.io.effect_file import effect_text
 
 ROOT = Path(__file__).parents[2]
@@ -18,7 +19,8 @@ TESTS = (
     "tests/affine_model/test_kernel.py",
     "tests/conformance/test_pairs_of_effects.py",
 )
-FORMS = {form.law.name: form for form in forms(Scale(0.14, wet=True, duration=39.0))}
+SCALE = Scale(0.14, wet=True, duration=39.0)
+FORMS = {form.law.name: form for form in (*forms(SCALE), *inner_forms(SCALE, 0.6))}
 
 
 def as_proposed(form: Form):
@@ -31,8 +33,9 @@ def as_proposed(form: Form):
     return replace(form.law, name=f"law_{form.law.name}", parameters=tuple(own(p) for p in form.law.parameters))
 
 
+# Not conservative; with a memory; with a corner; at one section.
 @pytest.mark.long
-@pytest.mark.parametrize("name", ["jet", "late_tip", "one_sided"])  # not conservative; with a memory; with a corner
+@pytest.mark.parametrize("name", ["jet", "late_tip", "one_sided", "inside_tether"])
 def test_a_proposed_file_passes_the_conformance_tests(name: str, tmp_path: Path) -> None:
     law = as_proposed(FORMS[name])
     file = tmp_path / f"{law.name}.toml"

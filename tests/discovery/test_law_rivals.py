@@ -1,6 +1,6 @@
-"""When a law is sought beside a verdict."""
+"""When a law is sought beside a verdict, and which is shown."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -18,11 +18,23 @@ from tentacle.waveform import Sine
 from tests.discovery.proposals import proposed
 
 
+@dataclass(frozen=True)
+class Answer:
+    """What of a diagnosis is asked."""
+
+    verdict: str
+    effects: tuple[str, ...]
+    missing_effects: tuple[str, ...]
+    after: SimpleNamespace
+    floor: SimpleNamespace
+    words: tuple[str, ...] = ()
+    missing: MissingForce | None = None
+
+
 def answer(verdict, effects, after):
     error, floor = SimpleNamespace(midline_mm=after), SimpleNamespace(midline_mm=0.2)
     missing = tuple(name for name in effects if name != FINER_SHAPE)
-    fields = {"verdict": verdict, "effects": effects, "missing_effects": missing, "after": error, "floor": floor}
-    return cast(Diagnosis, SimpleNamespace(**fields))
+    return cast(Diagnosis, Answer(verdict, effects, missing, error, floor))
 
 
 @pytest.mark.parametrize(
@@ -30,7 +42,9 @@ def answer(verdict, effects, after):
     [
         ("unknown", (), 0.2, True),
         ("nothing_missing", (), 0.2, False),
-        ("effect", (FINER_SHAPE,), 0.4, False),  # no effect is named: the model is only finer
+        ("effect", (FINER_SHAPE,), 0.22, False),  # no effect is named: the model is only finer
+        ("effect", (FINER_SHAPE,), 0.27, True),
+        ("nothing_missing", (), 0.27, True),
         ("effect", ("current",), 0.201, False),  # at the floor
         ("effect", ("current",), 0.21 * LEFT, True),
         ("effect", ("current", "linear_drag"), 0.2, True),
@@ -74,3 +88,26 @@ def test_beside_named_effects_the_file_is_the_one_of_the_sentence():
     assert [word for word in found.words if "next_experiment.toml" in word] == [proposal_words(OF_EFFECTS)]
     assert found.missing.experiment is None
     assert not any("next_experiment.toml" in word for word in found.missing.words)
+
+
+def test_what_a_baseline_leaves_too_is_no_law():
+    assert seeks_laws(answer("nothing_missing", (), 0.4))
+    assert not seeks_laws(answer("nothing_missing", (), 0.4), own_error=True)
+
+
+@pytest.mark.parametrize(
+    ("effects", "error", "shown"),
+    [
+        ((), 0.21, True),
+        ((), 0.30, True),  # sqrt(.2^2 + (.4^2 - .2^2) / 2) = .32
+        ((), 0.35, False),  # better, but it leaves most of what the model leaves
+        (("current",), 0.39, True),
+        (("current",), 0.41, False),
+    ],
+)
+def test_a_law_is_shown_beside_nothing_only_if_it_follows_much_better(effects, error, shown):
+    before = answer("effect" if effects else "nothing_missing", effects, 0.4)
+    after = with_laws(before, MissingForce(laws=(replace(proposed("tip_drag", 0.1), held_out_midline_mm=error),)))
+    assert bool(after.words) is shown
+    assert (after.missing is not None) is shown
+    assert not shown or ("No effect is named, but" in after.words[0]) is not bool(effects)

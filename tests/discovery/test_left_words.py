@@ -13,11 +13,13 @@ from inference.posterior import declared_model
 from tentacle.diagnosis import Limit
 
 
-@pytest.mark.parametrize(("after", "floor", "said"), [(0.83, 0.005, True), (0.22, 0.21, False), (None, 0.2, False)])
+@pytest.mark.parametrize(
+    ("after", "floor", "said"), [(0.83, 0.005, True), (0.285, 0.213, True), (0.22, 0.21, False), (None, 0.2, False)]
+)
 def test_an_error_far_above_the_noise_is_told(after: float | None, floor: float, said: bool) -> None:
     words = left_words(after, floor)
     assert bool(words) == said
-    assert not said or "0.83 mm where noise alone would leave 0.005 mm" in words[0]
+    assert not said or f"{after:.2g} mm where noise alone would leave {floor:.2g} mm" in words[0]
 
 
 def test_a_share_that_is_explained_has_an_interval_with_a_width_or_is_not_told(plain) -> None:
