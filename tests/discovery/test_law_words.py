@@ -78,7 +78,7 @@ def test_the_next_experiment_names_the_laws_by_their_titles():
     found = experiment_of(Proposal(Sine(0.3, 0.5), splits, 268.5), laws)
     assert found is not None
     assert found.motion is not None
-    assert "by 268 nats: a force across all along the arm" in found.words
+    assert "by 268 nats: a force towards x = 0 all along the arm" in found.words
     assert "law_" not in found.words
     none = experiment_of(Proposal(Sine(0.3, 0.5), splits, 0.5 * SEPARATES), laws)
     assert none is not None
