@@ -1,7 +1,8 @@
 """Soft spot: k(s) = k / (1 + C exp(-((s - s0) / 0.08)^2 / 2)): compliance added around s0 (a bubble, a crack).
 
-depth = C / (1 + C) is the relative loss of stiffness at its middle. Compliances add along an arm, and this form has no
-strength at which the stiffness turns negative: a deeper spot acts on more of the arm.
+depth = C / (1 + C) is the relative loss of stiffness at its middle. Compliances add along an arm: the spot adds
+0.2 C times that of a uniform arm. C is at most 5, where it adds as much as the whole arm has. Beyond that it is a
+hinge, and a hinge can imitate a payload.
 """
 
 from typing import Any
@@ -19,7 +20,7 @@ SOFT_SPOT = Effect(
     name="soft_spot",
     title="Soft spot",
     parameters=(
-        Parameter("depth", "1", 0.3, (0.0, 0.999), "relative loss of stiffness at its middle"),
+        Parameter("depth", "1", 0.3, (0.0, 5.0 / 6.0), "relative loss of stiffness at its middle"),
         Parameter("s0", "1", 0.3, (0.0, 1.0), "where it lies", scan=(0.3, 0.1, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8)),
     ),
     source="Christides and Barr 1984, flexibility of a cracked beam; here with a Gaussian profile of width 0.08",

@@ -62,4 +62,4 @@ def test_the_words_say_from_what_the_effects_are_separated_and_for_how_long():
     useful = Proposal(Sine(0.3, 1.1), (("soft_spot",), (), ("wall", "current")), 31.0)
     words = proposal_words(useful)
     assert f"{DURATION:.0f} s of the base motion" in words
-    assert "separate soft_spot from nothing missing and from wall + current by at least 31.0 nats" in words
+    assert "separate soft_spot from nothing missing and from wall + current by at least 31 nats" in words
