@@ -31,7 +31,7 @@ def legendre_to_monomial(order: int) -> Array:
 
 def curvature_basis(order: int, s: ArrayLike) -> Array:
     """dc/dz at s (P,): shape (P, order)."""
-    return np.asarray(legvander(2.0 * np.asarray(s, dtype=float) - 1.0, order - 1))
+    return np.asarray(legvander(2.0 * np.asarray(s, dtype=float) - 1.0, order - 1), dtype=np.float64)
 
 
 def angle_basis(order: int, s: ArrayLike) -> Array:
@@ -86,7 +86,7 @@ def _integration_to(count: int, points: tuple[float, ...]) -> Array:
 @lru_cache(maxsize=16)
 def _from_nodes(count: int) -> Array:
     """Legendre coordinates of the interpolant of values at the rule's nodes, (N, N)."""
-    return np.asarray(np.linalg.inv(curvature_basis(count, quadrature(count).s)))
+    return np.asarray(np.linalg.inv(curvature_basis(count, quadrature(count).s)), dtype=np.float64)
 
 
 def monomial_angle(q: ArrayLike, s: ArrayLike) -> Array:

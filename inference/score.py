@@ -134,7 +134,7 @@ def _slopes(problem: Problem, unknowns: Array, plan: list[Array], widths: list[f
         everything = problem.residuals_everywhere(parameters, np.repeat(unknowns[:, None], parameters.shape[1], axis=1))
         width = np.array(widths[begin // 2 : (begin + SCORE_BATCH) // 2])
         for kept, rows in zip(slopes, everything, strict=True):
-            ran_away = (np.abs(rows) >= RAN_AWAY).any(axis=(0, 1))
+            ran_away = np.max(np.abs(rows), axis=(0, 1)) >= RAN_AWAY
             pairs = (rows[:, :, 0::2] - rows[:, :, 1::2]) / width
             kept.append(np.where(ran_away[0::2] | ran_away[1::2], np.nan, pairs))
     return [np.concatenate(kept, axis=2) for kept in slopes] if plan else []
