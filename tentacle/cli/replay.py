@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from tentacle.cli._device import add_device
 from tentacle.cli._effects import add_effects
 from tentacle.cli._output import remark, say
 from tentacle.errors import InputError
@@ -25,6 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--calibration", type=Path, metavar="FILE.toml", help="as in tentacle diagnose")
     add_effects(parser)
+    add_device(parser)
     parser.add_argument("--seed", type=int, help="as in tentacle diagnose (default: 0)")
     parser.add_argument(
         "--drive", type=Path, metavar="RIG.toml", help="play its commands on this (emulated) rig instead"
@@ -34,8 +36,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose again, or drive; 3 where the rig did not complete the run."""
     if arguments.drive is not None:
-        if arguments.baseline or arguments.seed is not None or arguments.calibration is not None:
-            field = "--baseline, --calibration, --seed"
+        diagnosing = (arguments.baseline, arguments.calibration is not None, arguments.device != "auto")
+        if any(diagnosing) or arguments.seed is not None:
+            field = "--baseline, --calibration, --device, --seed"
             raise InputError("has no part in driving a rig", field=field, expected="--drive alone")
         return _drive(arguments)
     from tentacle.cli import diagnose
@@ -46,6 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         held_out=[],
         calibration=arguments.calibration,
         effects=arguments.effects,
+        device=arguments.device,
         seed=arguments.seed or 0,
         out=arguments.out,
         json=False,
