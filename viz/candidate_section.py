@@ -9,7 +9,7 @@ from tentacle.rounding import number
 from tentacle.signals import Array
 from viz.figures.twins import twins_figure
 from viz.report import Picture, ReportSection, ReportTable
-from viz.words import effect_name, in_ranking, listed, probability_words
+from viz.words import effect_name, in_ranking, listed, probability_words, ranked_columns
 
 PRICE = 7.6  # nat: gain of one parameter that is larger than by chance
 TWIN_COSINE = 0.85  # pairs above this are named in words
@@ -70,7 +70,7 @@ def twin_words(names: Sequence[str], cosines: Array, sets: Sequence[Collection[s
 
 def candidate_section(diagnosis: Diagnosis) -> ReportSection:
     """The catalogue as ranked, and which candidates resemble one another."""
-    ranking, columns = in_ranking(diagnosis), 3 if diagnosis.verdict == "unknown" else 4
+    ranking, columns = in_ranking(diagnosis), ranked_columns(diagnosis)
     worth = [r for r in ranking if r.score >= PRICE or r.effect in diagnosis.effects]
     rest = [effect_name(r.effect) for r in ranking if r not in worth]
     rows = [

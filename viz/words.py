@@ -77,8 +77,13 @@ def in_words(sentence: str, diagnosis: Diagnosis) -> str:
 
 
 def in_ranking(diagnosis: Diagnosis) -> list[RankedEffect]:
-    """The candidates, likeliest first. After an unknown they come by score: what a set of the catalogue that something
-    unknown only resembles holds is no effect's probability.
+    """The candidates, the likeliest first. After an unknown the one of the highest score is first, for the candidates
+    have no probability then: the effects only resemble what acts.
     """
     ranked = list(diagnosis.ranking)
     return sorted(ranked, key=lambda one: -one.score) if diagnosis.verdict == "unknown" else ranked
+
+
+def ranked_columns(diagnosis: Diagnosis) -> int:
+    """The number of columns of the candidates: effect, score, error, and the probability where it has a meaning."""
+    return 3 if diagnosis.verdict == "unknown" else 4

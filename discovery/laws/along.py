@@ -9,6 +9,7 @@ Many such forces give the same generalised force. The posterior mean under these
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.arm import Arm
 from inference.missing_force import SeenMotion
@@ -19,10 +20,15 @@ FORCE_MAP_PLACES = 25
 FORCE_CORRELATION_LENGTH = 0.15  # arm lengths: correlation length of the force that is shown
 
 
+def shown_instants(motion: SeenMotion) -> NDArray[np.intp]:
+    """Indices of the instants at which a missing force is shown and placed: evenly spread, FORCE_MAP_TIMES at most."""
+    return np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(np.intp)
+
+
 def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
     """The normal force along the arm [N/m] and at the tip [N], with their standard deviations, of one recording."""
     n, L, rule = arm.order, arm.specimen.length, arm.rule
-    keep = np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(int)
+    keep = shown_instants(motion)
     u = motion.u[keep]
     phi = u[:, n : n + 1] + u[:, :n] @ arm.angle_basis.T
     end = u[:, n] + u[:, :n] @ arm.angles_at([1.0])[0]

@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from affine_model.arm import Arm
-from discovery.laws.along import FORCE_MAP_TIMES
+from discovery.laws.along import shown_instants
 from discovery.laws.grammar import Form, Scale, forms
 from discovery.laws.over import PLACES, one_force
 from inference.missing_force import SeenMotion
@@ -76,8 +76,7 @@ def inner_place(arms: Sequence[Arm], motions: Sequence[SeenMotion]) -> float | N
     """
     whole, left = 0.0, np.zeros(PLACES.size)
     for arm, motion in zip(arms, motions, strict=True):
-        keep = np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(int)
-        square, rest, _ = one_force(arm, motion, keep)
+        square, rest, _ = one_force(arm, motion, shown_instants(motion))
         whole, left = whole + square, left + rest
     best = int(np.argmin(left))
     s = float(PLACES[best])

@@ -40,7 +40,7 @@ def no_law_words(over: ForceOver, why: str) -> str:
 
 
 def best_words(laws: tuple[ProposedLaw, ...], over: ForceOver) -> list[str]:
-    """The best law, what it leaves, its place and reach, and the laws that come near it."""
+    """Sentences about the best law: its expression, its error, its reach and its place. Then the laws next to it."""
     best = laws[0]
     left = share_words(best.unexplained)
     error = best.held_out_midline_mm

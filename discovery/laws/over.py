@@ -19,7 +19,7 @@ from scipy.signal import hilbert
 
 from affine_model.arm import Arm
 from affine_model.curvature import Array, curvature_basis
-from discovery.laws.along import FORCE_MAP_TIMES
+from discovery.laws.along import shown_instants
 from inference.missing_force import SeenMotion
 from tentacle.proposed_law import ForceOver
 
@@ -48,7 +48,7 @@ class Place:
 
 def over_coordinates(name: str, arm: Arm, motion: SeenMotion) -> tuple[ForceOver, ...]:
     """The force of a recording over each coordinate of the place where it acts, the one that predicts most first."""
-    keep = np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(int)
+    keep = shown_instants(motion)
     s, explained, force = acting_place(arm, motion, keep)
     place, t = place_along(arm, motion, s, keep), motion.t[keep]
     turning = motion.u[:, arm.order] - motion.u[:, arm.order].mean()

@@ -20,8 +20,6 @@ from tentacle.diagnosis import Diagnosis
 from tentacle.proposed_law import MissingForce
 
 LEFT = 1.01  # of the floor: three in four right answers of the drawn blind trials leave less on held-out frames
-
-
 MATTERS = 0.5  # of the square of the error beyond noise: a law that is shown where nothing is named leaves less
 
 
@@ -35,8 +33,7 @@ def seeks_laws(answer: Diagnosis, own_error: bool = False) -> bool:
     after, floor = answer.after.midline_mm, answer.floor.midline_mm
     if not named:
         return far_from_floor(after, floor) and not own_error
-    leaves = after is not None and floor is not None and after > LEFT * floor
-    return leaves or (answer.verdict == "effect" and len(named) > 1)
+    return far_from_floor(after, floor, LEFT) or (answer.verdict == "effect" and len(named) > 1)
 
 
 def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
@@ -72,10 +69,8 @@ def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:
 def _most_left(answer: Diagnosis) -> float:
     """The largest error [mm] on held-out frames of a law that is shown beside the answer; below 0 where none is."""
     after, floor = answer.after.midline_mm, answer.floor.midline_mm
-    if after is None:
-        return -1.0
-    if answer.missing_effects:
+    if after is not None and answer.missing_effects:
         return after
-    if floor is None:
+    if after is None or floor is None:
         return -1.0
     return float(np.sqrt(floor**2 + MATTERS * max(after**2 - floor**2, 0.0)))

@@ -6,7 +6,7 @@ import rerun as rr
 
 from tentacle.diagnosis import Diagnosis
 from tentacle.rounding import number
-from viz.words import effect_name, error_rows, in_ranking, in_words, verdict_title
+from viz.words import effect_name, error_rows, in_ranking, in_words, ranked_columns, verdict_title
 
 CANDIDATE_HEADER = ("effect", "score alone [nat]", "error alone [mm]", "probability of all sets with it")
 
@@ -42,7 +42,7 @@ def verdict_markdown(diagnosis: Diagnosis) -> str:
             (effect_name(r.effect), number(r.score), number(r.held_out_midline_mm), f"{r.probability:.2f}")
             for r in in_ranking(diagnosis)[:8]
         ]
-        columns = 3 if diagnosis.verdict == "unknown" else 4
+        columns = ranked_columns(diagnosis)
         rows = [row[:columns] for row in ranked]
         parts += ["## Candidates", text_table(CANDIDATE_HEADER[:columns], rows)]
     if diagnosis.sentences:
