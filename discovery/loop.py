@@ -19,7 +19,7 @@ from discovery.decide import MOST_DECLARED_FORM, baseline_coarsening, decide_by_
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
-from discovery.laws.rivals import seeks_laws, with_laws
+from discovery.laws.rivals import sought_forms, with_laws
 from discovery.rank import ranking
 from discovery.search import search_posterior
 from discovery.side_by_side import side_by_side
@@ -106,11 +106,12 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     around = PosteriorContext(paper, shown, order, reduction, limits, advice)
     answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
     own_error = decision.leading.share <= base.baseline_share
-    if not deciding.laws or not seeks_laws(answer, own_error):
+    named = sought_forms(answer, own_error) if deciding.laws else ()
+    if not named:
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
     alone = _open_loop(base)
-    missing = propose_laws((_on_processor(alone.problem), alone.fitted), shown, progress)
+    missing = propose_laws((_on_processor(alone.problem), alone.fitted), shown, progress, named)
     return with_laws(answer, missing)
 
 

@@ -1,4 +1,4 @@
-"""The two compiled loops of the Kalman filter: gains along a recording, and whitening of columns of residuals.
+"""The compiled loops of the Kalman filter: gains along a recording, whitening of columns of residuals, and smoothing.
 
     x_k+1 = F_k x_k + w_k,  cov(w_k) = Q;    y_k = H_k x_k + v_k,  cov(v_k) = 1
 
@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from tentacle.compiled import njit
+
+TINY = 1e-10  # of a variance: against rounding
 
 
 @njit(cache=True, nogil=True)
@@ -118,3 +120,50 @@ def _remember(transition, state, moved, first):
 def _parts(transition, core):
     """The transition among the first states (core, core), and what each of the others keeps of itself."""
     return np.ascontiguousarray(transition[:core, :core]), np.diag(transition)[core:].copy()
+
+
+@njit(cache=True, nogil=True)
+def filtered_along(rows, seen, transition, added, start):
+    """The state's mean (C, N) and covariance (C, N, N) in every cell given it and those before; log likelihood [nats].
+
+    rows (C, K): what is seen, of unit noise; seen (C, K, N): H; transition, added and start (N, N): F, Q and the
+    covariance before the first cell, where the mean is 0.
+    """
+    cells, count = rows.shape
+    size = start.shape[0]
+    means, covariances = np.zeros((cells, size)), np.zeros((cells, size, size))
+    mean, covariance, likelihood = np.zeros(size), start.copy(), 0.0
+    turned = np.ascontiguousarray(transition.T)
+    for k in range(cells):
+        if k > 0:
+            mean, covariance = transition @ mean, transition @ covariance @ turned + added
+        cross = covariance @ np.ascontiguousarray(seen[k].T)
+        factor = np.linalg.cholesky(seen[k] @ cross + np.eye(count))
+        inverse = np.linalg.inv(factor)
+        error = inverse @ (rows[k] - seen[k] @ mean)
+        scaled = cross @ np.ascontiguousarray(inverse.T)
+        likelihood -= 0.5 * np.sum(error**2) + np.sum(np.log(np.diag(factor)))
+        mean = mean + scaled @ error
+        covariance = covariance - scaled @ np.ascontiguousarray(scaled.T)
+        covariance = 0.5 * (covariance + covariance.T)
+        means[k], covariances[k] = mean, covariance
+    return means, covariances, likelihood
+
+
+@njit(cache=True, nogil=True)
+def smoothed_along(means, covariances, transition, added):
+    """The state's mean and standard deviation (C, N) in every cell given all, from those of the filter."""
+    cells, size = means.shape
+    smooth, deviation = np.zeros((cells, size)), np.zeros((cells, size))
+    turned = np.ascontiguousarray(transition.T)
+    mean, covariance = means[-1], covariances[-1]
+    for k in range(cells - 1, -1, -1):
+        if k < cells - 1:
+            own = covariances[k]
+            ahead = transition @ own
+            uncertain = ahead @ turned + added
+            back = np.ascontiguousarray(np.linalg.solve(uncertain + TINY * np.diag(np.diag(uncertain)), ahead).T)
+            mean = means[k] + back @ (mean - transition @ means[k])
+            covariance = own + back @ (covariance - uncertain) @ np.ascontiguousarray(back.T)
+        smooth[k], deviation[k] = mean, np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    return smooth, deviation

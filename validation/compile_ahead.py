@@ -48,12 +48,14 @@ def compile_fit() -> None:
     import numpy as np
 
     from inference.interpolate import at_times
-    from inference.kalman import gains_along, whitened_along
+    from inference.kalman import filtered_along, gains_along, smoothed_along, whitened_along
 
     one, seen, none = np.eye(2), np.ones((2, 1, 2)), np.zeros((2, 1, 1))
     motion = (one, np.zeros((1, 1)), np.ones(2), 0)
     gain, root, _ = gains_along(motion, one, one, seen)
     whitened_along(none, none, motion, seen, gain, root)
+    means, covariances, _ = filtered_along(np.zeros((2, 1)), seen, one, one, one)
+    smoothed_along(means, covariances, one, one)
     at_times(np.arange(2.0), none, none, np.zeros((1, 1)))
 
 

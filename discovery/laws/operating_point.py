@@ -12,13 +12,14 @@ then moves the parameters, and the search is repeated there.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
-from discovery.laws.grammar import Form
+from discovery.laws.grammar import Form, Scale, forms
 from discovery.laws.inputs import LawInputs
 from discovery.laws.inside import inner_forms, inner_place
 from discovery.laws.search import FittedLaw, Sought, search_laws
@@ -31,6 +32,7 @@ FARTHEST = 8.0  # times: of one move of a parameter
 ROUNDS, CLOSE = 4, 0.1  # a move of less than this share of every parameter is the last
 INNER_ROUNDS, BESIDE = 2, 6  # rounds, and other forms, of the search for a law that acts inside the arm
 EXPLAINED = 0.03  # share of the missing force's answer: where the best law leaves less, no law inside the arm is sought
+EVERY_FORM = ("",)  # every name begins so
 MODULUS, LOSS = ("elasticity", "E"), ("damping", "eta")
 
 
@@ -55,33 +57,36 @@ def sought_at(point: tuple[Problem, Fit]) -> tuple[tuple[SeenMotion, ...], Sough
     return tuple(motion for _, motion in shown), Sought(inputs)
 
 
-def settled_search(base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...]) -> Searched | None:
-    """The search, repeated from the stiff start until the best law leaves the parameters where they are; None where
-    the small motions run away at the start.
+def settled_search(
+    base: tuple[Problem, Fit], motions: tuple[SeenMotion, ...], named: tuple[str, ...] = EVERY_FORM
+) -> Searched | None:
+    """The search among the forms whose names begin so, repeated from the stiff start until the best law leaves the
+    parameters where they are; None where the small motions run away at the start.
 
     A softer point shows a law larger and a stiffer one cleaner. So a move is taken back only if the best law then has
     less evidence and also leaves a larger share, or if the small motions run away there. Where the best law
     leaves some of the missing force, and that force acts at one inner place, laws that act there are sought too.
     """
-    found = _settled(stiff_point(base, motions), ())
-    if found is None or found.laws[0].unexplained < EXPLAINED:
+    found = _settled(stiff_point(base, motions), lambda s: tuple(f for f in forms(s) if f.law.name.startswith(named)))
+    if found is None or found.laws[0].unexplained < EXPLAINED or named != EVERY_FORM:
         return found
     place = inner_place(arms_of(*found.point), found.motions)
     if place is None:
         return found
-    inside = inner_forms(found.sought.scale, place)
     beside = tuple(one.form for one in found.laws[:BESIDE])
-    return _settled(found.point, (*inside, *beside), INNER_ROUNDS) or found
+    return _settled(found.point, lambda scale: (*inner_forms(scale, place), *beside), INNER_ROUNDS) or found
 
 
-def _settled(point: tuple[Problem, Fit], among: tuple[Form, ...], rounds: int = ROUNDS) -> Searched | None:
-    """The search among these forms (none: the grammar's), repeated from this point."""
+def _settled(
+    point: tuple[Problem, Fit], among: Callable[[Scale], tuple[Form, ...]], rounds: int = ROUNDS
+) -> Searched | None:
+    """The search among these forms, repeated from this point."""
     last = None
     for _ in range(rounds):
         seen, sought = sought_at(point)
         if sought.ran_away:
             return last
-        found = search_laws(sought, among)
+        found = search_laws(sought, among(sought.scale))
         if last is not None and _worse(found[0], last.laws[0]):
             return last
         last = Searched(point, seen, sought, found)

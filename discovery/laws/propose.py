@@ -14,7 +14,7 @@ from affine_model.curvature import Array
 from discovery.given import SERVO_UNDER_LOAD
 from discovery.laws.along import force_map
 from discovery.laws.law_words import experiment_of, missing_words
-from discovery.laws.operating_point import Searched, arms_of, settled_search, sought_at
+from discovery.laws.operating_point import EVERY_FORM, Searched, arms_of, settled_search, sought_at
 from discovery.laws.over import over_coordinates
 from discovery.laws.search import FittedLaw
 from discovery.laws.words import by_kind, title_of
@@ -41,9 +41,14 @@ GAIN = 20.0  # nats beyond its price that a law must bring
 
 
 def propose_laws(
-    base: tuple[Problem, Fit], prepared: list[Prepared], progress: Callable[[str], None] = lambda _: None
+    base: tuple[Problem, Fit],
+    prepared: list[Prepared],
+    progress: Callable[[str], None] = lambda _: None,
+    named: tuple[str, ...] = EVERY_FORM,
 ) -> MissingForce:
-    """The missing force of a fitted model, and laws for it; empty where every recording is complete."""
+    """The missing force of a fitted model, and laws for it of the forms whose names begin so; empty where every
+    recording is complete.
+    """
     progress("smoothing the missing force")
     motions, sought = sought_at(base)
     if not motions:
@@ -54,7 +59,7 @@ def propose_laws(
     if not sought.ran_away and sought.size < LEAST_FORCE:
         return MissingForce(maps, (), (), ("The missing force does not stand out of the noise: no law is proposed.",))
     progress("searching laws for it")
-    if (searched := settled_search(base, motions)) is None:
+    if (searched := settled_search(base, motions, named)) is None:
         return MissingForce(maps, (), (), ("Small motions about the model run away: no law is proposed.",))
     found = searched.laws
     maps = tuple(force_map(*one) for one in zip(names, arms, searched.motions, strict=True))

@@ -4,6 +4,10 @@ A combination of catalogued effects can do for one law that the catalogue lacks.
 effects leave more than noise on held-out frames, and where more than one effect is named; it is shown only where it
 follows those frames no worse than they do.
 
+Where one effect is named whose catalogued law is one of a family (a drag of another power, a stiffening of another
+power, a drag to one side only), the laws of that family alone are sought: they say what the recordings tell of its
+form.
+
 Where nothing is named, a law may hide in what the declared model's own parameters do not take up. It is sought where
 the model leaves clearly more than noise, unless a baseline shows that the declared model leaves as much by itself. It
 is shown only where it takes away most of what the model leaves beyond noise.
@@ -16,24 +20,37 @@ from dataclasses import replace
 import numpy as np
 
 from discovery.answer import far_from_floor, without_proposal
+from discovery.laws.operating_point import EVERY_FORM
 from tentacle.diagnosis import Diagnosis
 from tentacle.proposed_law import MissingForce
 
 LEFT = 1.01  # of the floor: three in four right answers of the drawn blind trials leave less on held-out frames
+FAMILY = {
+    "linear_drag": ("drag_", "tip_drag"),
+    "reynolds_drag": ("drag_",),
+    "skin_drag": ("skin_",),
+    "current": ("one_way_",),
+    "wall": ("patch_",),
+    "cubic_stiffness": ("bending", "one_sided"),
+    "amplitude_damping": ("bending_loss",),
+}  # how the names of the grammar's forms begin that an effect's law is one of
 MATTERS = 0.5  # of the square of the error beyond noise: a law that is shown where nothing is named leaves less
 
 
-def seeks_laws(answer: Diagnosis, own_error: bool = False) -> bool:
-    """Whether a law could say more than the verdict does. own_error: whether the baseline's recordings need unknown
-    forces as large beside the declared model.
+def sought_forms(answer: Diagnosis, own_error: bool = False) -> tuple[str, ...]:
+    """How the names of the forms begin that could say more than the verdict does; empty where none could.
+
+    own_error: whether the baseline's recordings need unknown forces as large beside the declared model.
     """
     if answer.verdict == "unknown":
-        return True
+        return EVERY_FORM
     named = answer.missing_effects
     after, floor = answer.after.midline_mm, answer.floor.midline_mm
     if not named:
-        return far_from_floor(after, floor) and not own_error
-    return far_from_floor(after, floor, LEFT) or (answer.verdict == "effect" and len(named) > 1)
+        return EVERY_FORM if far_from_floor(after, floor) and not own_error else ()
+    if far_from_floor(after, floor, LEFT) or (answer.verdict == "effect" and len(named) > 1):
+        return EVERY_FORM
+    return tuple(dict.fromkeys(name for effect in named for name in FAMILY.get(effect, ())))
 
 
 def with_laws(answer: Diagnosis, missing: MissingForce) -> Diagnosis:

@@ -7,7 +7,9 @@ from typing import cast
 import pytest
 
 from discovery.answer import cannot_tell, proposal_words
-from discovery.laws.rivals import LEFT, seeks_laws, with_laws
+from discovery.laws.grammar import Scale, forms
+from discovery.laws.operating_point import EVERY_FORM
+from discovery.laws.rivals import FAMILY, LEFT, sought_forms, with_laws
 from discovery.next_experiment import Proposal
 from tentacle.diagnosis import FINER_SHAPE, Diagnosis, ErrorMeasure
 from tentacle.io.waveform_file import waveform_table
@@ -40,20 +42,28 @@ def answer(verdict, effects, after):
 @pytest.mark.parametrize(
     ("verdict", "effects", "after", "sought"),
     [
-        ("unknown", (), 0.2, True),
-        ("nothing_missing", (), 0.2, False),
-        ("effect", (FINER_SHAPE,), 0.22, False),  # no effect is named: the model is only finer
-        ("effect", (FINER_SHAPE,), 0.27, True),
-        ("nothing_missing", (), 0.27, True),
-        ("effect", ("current",), 0.201, False),  # at the floor
-        ("effect", ("current",), 0.21 * LEFT, True),
-        ("effect", ("current", "linear_drag"), 0.2, True),
-        ("group", ("time_offset", "servo_lag"), 0.2, False),
-        ("effect", ("current",), None, False),
+        ("unknown", (), 0.2, EVERY_FORM),
+        ("nothing_missing", (), 0.2, ()),
+        ("effect", (FINER_SHAPE,), 0.22, ()),  # no effect is named: the model is only finer
+        ("effect", (FINER_SHAPE,), 0.27, EVERY_FORM),
+        ("nothing_missing", (), 0.27, EVERY_FORM),
+        ("effect", ("tip_mass",), 0.201, ()),  # at the floor, and of no family of the grammar
+        ("effect", ("tip_mass",), 0.21 * LEFT, EVERY_FORM),
+        ("effect", ("linear_drag",), 0.201, FAMILY["linear_drag"]),
+        ("group", ("tip_mass", "skin_drag"), 0.2, FAMILY["skin_drag"]),
+        ("effect", ("current", "linear_drag"), 0.2, EVERY_FORM),
+        ("group", ("time_offset", "servo_lag"), 0.2, ()),
+        ("effect", ("tip_mass",), None, ()),
     ],
 )
 def test_a_law_is_sought_where_the_named_effects_leave_more_or_are_several(verdict, effects, after, sought):
-    assert seeks_laws(answer(verdict, effects, after)) is sought
+    assert sought_forms(answer(verdict, effects, after)) == sought
+
+
+def test_every_family_has_forms_in_the_grammar():
+    names = [form.law.name for form in forms(Scale(0.14, True, 20.0))]
+    for family in FAMILY.values():
+        assert all(any(name.startswith(beginning) for name in names) for beginning in family)
 
 
 OF_EFFECTS = Proposal(Sine(0.3, 0.5), (("buoyancy",), ("sloshing",)), 40.0)
@@ -91,8 +101,8 @@ def test_beside_named_effects_the_file_is_the_one_of_the_sentence():
 
 
 def test_what_a_baseline_leaves_too_is_no_law():
-    assert seeks_laws(answer("nothing_missing", (), 0.4))
-    assert not seeks_laws(answer("nothing_missing", (), 0.4), own_error=True)
+    assert sought_forms(answer("nothing_missing", (), 0.4)) == EVERY_FORM
+    assert sought_forms(answer("nothing_missing", (), 0.4), own_error=True) == ()
 
 
 @pytest.mark.parametrize(
