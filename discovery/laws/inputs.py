@@ -12,7 +12,8 @@ from scipy.signal import lfilter
 from affine_model.arm import Arm
 from affine_model.curvature import Array
 from affine_model.laws import relaxed
-from inference.missing_force import MOTION_STEP, SeenMotion, SmallMotions
+from inference.missing_force import MOTION_STEP, SeenMotion
+from inference.small_motions import SmallMotions
 from tentacle.law.written_law import NUMPY, WrittenLaw
 
 

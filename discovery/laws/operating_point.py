@@ -24,7 +24,8 @@ from discovery.laws.inputs import LawInputs
 from discovery.laws.inside import inner_forms, inner_place
 from discovery.laws.search import FittedLaw, Sought, search_laws
 from inference.fit import Fit
-from inference.missing_force import SeenMotion, lacking, law_scales, seen_motions, small_motions
+from inference.missing_force import SeenMotion, lacking, seen_motions
+from inference.small_motions import law_scales, small_motions
 from inference.trajectory import Problem
 
 STIFFER = 4.0  # 1.2 to 3.2 times the true stiffness in nine development recordings, .3 where a tether holds the arm

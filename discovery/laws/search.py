@@ -25,7 +25,7 @@ from inference.missing_force import MOTION_STEP
 from inference.trajectory import RAN_AWAY
 from tentacle.law.written_law import WrittenParameter
 
-COLUMNS_AT_ONCE = 300  # columns at once
+COLUMNS_AT_ONCE = 60  # their forces stay in the processor's cache
 REFINED = 12  # forms whose shapes are refined
 STARTS, APART = 3, 1.5  # of each form, that many grid spacings from each other
 

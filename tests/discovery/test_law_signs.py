@@ -14,8 +14,8 @@ from discovery.laws.inputs import LawInputs
 from discovery.laws.search import Sought
 from discovery.laws.words import title_of
 from inference.fit import Fit
-from inference.missing_force import SmallMotions
 from inference.prior import log_prior
+from inference.small_motions import SmallMotions
 from inference.trajectory import Problem
 from tentacle.law.in_use import using
 from tests.discovery.test_laws_over import ARM, N, swinging

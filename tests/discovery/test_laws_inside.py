@@ -13,7 +13,7 @@ from discovery.laws.inputs import LawInputs
 from discovery.laws.inside import INNERMOST, OUTERMOST, inner_forms, inner_place
 from discovery.laws.over import _levers, place_along
 from discovery.laws.words import title_of
-from inference.missing_force import SmallMotions
+from inference.small_motions import SmallMotions
 from tentacle.io.effect_file import effect_text, read_effects
 from tests.discovery.test_laws_over import ARM, EVERY, N, T, swinging, with_force
 
