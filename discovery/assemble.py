@@ -43,8 +43,8 @@ FEWEST_PIECES = 6  # of the recordings: the range of n draws holds the median in
 @dataclass(frozen=True)
 class PosteriorContext:
     """What an answer needs beside the search: the fitted model of the paper, the recordings, the number of coordinates
-    that their shapes show, the reduction's error (None: not known), the detection limits, and what a baseline that the
-    declared model does not explain seems to lack.
+    that their shapes show, the reduction's error (None: not known), the detection limits, and the laws of the arm's
+    own that the baseline showed.
     """
 
     paper: tuple[Problem, Fit]
@@ -52,7 +52,7 @@ class PosteriorContext:
     order: int
     reduction: ModelDiscrepancy | None
     limits: dict[str, dict[str, Limit]]
-    advice: str | None = None
+    taken: tuple[str, ...] = ()
 
 
 def assemble_posterior(
@@ -100,11 +100,10 @@ def assemble_posterior(
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted, temperature)
     joint = joint_posterior(open_loop.problem, open_loop.fitted, temperature)
     proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
-    words += declared_words(chosen.problem, chosen.fitted, temperature)
+    words += declared_words(chosen.problem, chosen.fitted, temperature, around.taken)
     words += _decision_words(found, decision)
     if decision.verdict == "nothing_missing":
         words += left_words(after.midline_mm, floor.midline_mm)
-    words += [] if around.advice is None else [around.advice]
     if withdrawn:
         words.append("With it the model predicts the judged frames worse than without it: it is not named.")
     elif worse and verdict == "unknown":

@@ -38,6 +38,7 @@ from math import comb
 import numpy as np
 
 from affine_model.effects import absent_effects, catalogue
+from inference.fit import Fit
 from inference.posterior import Hypothesis
 from tentacle.diagnosis import Verdict
 from tentacle.solver_result import RESULTS
@@ -100,20 +101,25 @@ def form_coarsening(motion: float) -> float:
     return 1.0 + DECLARED_ALIKE**2 * motion / odds_against(1)
 
 
-def stands_at_bound(h: Hypothesis) -> bool:
-    """Whether a strength or a relaxation time of its effects stands at a bound of what is physically possible: the set
-    explains nothing. A memory that relaxes at once is a damping, and one that never does is a change of shape.
+def bounds_met(fitted: Fit, effects: Iterable[str]) -> bool:
+    """Whether a strength or a relaxation time of these effects stands at a bound of what is physically possible: they
+    explain nothing. A memory that relaxes at once is a damping, and one that never does is a change of shape.
     """
     limited = {
         (name, parameter.name)
-        for name in h.effects
+        for name in effects
         for parameter in (
             catalogue()[name].parameters
             if catalogue()[name].relaxation_time is not None
             else catalogue()[name].strengths
         )
     }
-    return any(name in limited for name in h.fitted.at_bound)
+    return any(name in limited for name in fitted.at_bound)
+
+
+def stands_at_bound(h: Hypothesis) -> bool:
+    """Whether one of its effects does."""
+    return bounds_met(h.fitted, h.effects)
 
 
 def usable(h: Hypothesis) -> bool:

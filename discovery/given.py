@@ -26,6 +26,22 @@ class Given:
         """Every recording."""
         return (*self.recordings, *self.baseline, *self.held_out)
 
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """The arm's own laws that are declared."""
+        return self.recordings[0].declaration.specimen.laws
+
+    def with_law(self, name: str) -> Given:
+        """The same with one more law of the arm's own declared in every recording."""
+
+        def declared(one: Recording) -> Recording:
+            specimen = one.declaration.specimen
+            own = replace(specimen, laws=(*specimen.laws, name))
+            return replace(one, declaration=replace(one.declaration, specimen=own))
+
+        parts = ([declared(one) for one in part] for part in (self.recordings, self.baseline, self.held_out))
+        return Given(*parts)
+
 
 @dataclass(frozen=True)
 class Deciding:

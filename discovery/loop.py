@@ -8,14 +8,15 @@ the errors before and after are stated there.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
 from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.baseline_law import baseline_advice
-from discovery.decide import MOST_DECLARED_FORM, baseline_coarsening, decide_by_mass, missing_of
+from discovery.baseline_law import MOST_TAKEN, Taken, law_that_leaves_least, laws_shown, taken_with
+from discovery.decide import MOST_DECLARED_FORM, baseline_coarsening, bounds_met, decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
@@ -48,8 +49,8 @@ from tentacle.progress import Stage
 FINER = 0.5  # of the sufficient step of the declared model: added laws may need a finer one
 
 
-def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
-    """What the recordings tell; CannotTellError where they show too little."""
+def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage, taken: Taken | None = None) -> Diagnosis:
+    """What the recordings tell; CannotTellError where they show too little. taken: what the baseline showed."""
     recordings, baseline, held_out = given.recordings, given.baseline, given.held_out
     progress("reading shapes")
     read = partial(prepare, device=deciding.device)
@@ -64,25 +65,28 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
         varies = tuple(name for name in setting.base_free() if name[0] in PARAMETER_SPREAD)
         setting = replace(setting, experiments=tuple(replace(e, varies=varies) for e in setting.experiments))
     progress("fitting the declared model")
-    order = needed_order(setting)
+    order = needed_order(setting) if taken is None else taken.order
     setting = replace(setting, order=order)
-    paper = rough_base_fit(setting, 2)
+    paper = rough_base_fit(setting, 2, warm=None if taken is None else taken.warm)
     progress("fitting the declared model", 0.4)
     problem, fitted = paper
     if order > 2:
         rough = replace(setting, experiments=problem.experiments)
-        problem, fitted = rough_base_fit(rough, fitted_order(order, most_coordinates(problem)), warm=fitted)
+        warm = fitted if taken is None else taken.warm
+        problem, fitted = rough_base_fit(rough, fitted_order(order, most_coordinates(problem)), warm=warm)
     if complete:
         rough = replace(setting, experiments=problem.experiments)
         problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=fitted)
+    fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
+    known, begun = _baseline_shows(fine, fitted.nuisances, setting, taken) if complete else ({}, ())
+    for more in begun:
+        with suppress(CannotTellError):  # with it the runs leave all bounds, or it stands at a bound
+            return close_loop(given.with_law(more.laws[-1]), seed, deciding, progress, more)
     progress("running the reference")
     reduction = model_discrepancy(problem, fitted)
     progress("searching the catalogue")
-    fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
-    base = _base(fine, fitted, reduction)
+    base = replace(_base(fine, fitted, reduction), **known)
     base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
-    if complete:
-        base = _with_baseline(base, fine, fitted.nuisances)
     found = search_posterior(
         base,
         fitted,
@@ -102,8 +106,7 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
             prepared, open_loop.problem.experiments, open_loop.fitted.residuals, strict=False
         )
     ]
-    advice = baseline_advice(setting) if base.baseline_share > MOST_DECLARED_FORM else None
-    around = PosteriorContext(paper, shown, order, reduction, limits, advice)
+    around = PosteriorContext(paper, shown, order, reduction, limits, () if taken is None else taken.laws)
     answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
     own_error = decision.leading.share <= base.baseline_share
     named = sought_forms(answer, own_error) if deciding.laws else ()
@@ -127,17 +130,28 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
     return max(found, key=lambda h: float(h.log_evidence.max()))
 
 
-def _with_baseline(base: Hypothesis, problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
-    """The declared model with what its baseline shows of its own error: the share of unknown forces there, the residual
-    that it leaves, and the coarsening with which no absent effect is named there.
+def _baseline_shows(
+    problem: Problem, nuisances: tuple[Array, ...], setting: Setting, taken: Taken | None
+) -> tuple[dict[str, float], tuple[Taken, ...]]:
+    """What the baseline's recordings show of the declared model's own error: the share of unknown forces there, the
+    residual that it leaves, and the coarsening with which no absent effect is named there; and, beside the laws that
+    were taken, those of which one may be taken too. CannotTellError where one that was taken stands at a bound.
     """
     found = side_by_side([partial(baseline_alone, problem, nuisances)])
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
-    known = with_rest(found[0])
-    gains = [(len(one.names), one.evidence) for one in ranking(known, MOST_EFFECTS).sets]
-    coarsening = max(baseline_coarsening(gains), 1.0)
-    return replace(base, baseline_share=known.share, baseline_rest=max(known.rest, 0.0), baseline_coarsening=coarsening)
+    known, laws = with_rest(found[0]), () if taken is None else taken.laws
+    if bounds_met(known.fitted, laws):
+        raise CannotTellError(f"{' or '.join(laws)} stands at a bound in the baseline's recordings")
+    ranked = ranking(known, MOST_EFFECTS).sets
+    coarsening = max(baseline_coarsening((len(one.names), one.evidence) for one in ranked), 1.0)
+    told = {"baseline_share": known.share, "baseline_rest": max(known.rest, 0.0), "baseline_coarsening": coarsening}
+    if len(laws) == MOST_TAKEN:
+        return told, ()
+    if known.share > MOST_DECLARED_FORM:
+        return told, law_that_leaves_least(setting, laws)
+    shown = laws_shown(ranked, motion_nats(known.problem, known.fitted, known.forces, FORCE_SHARES[0]))
+    return told, tuple(taken_with(laws, one, known.fitted, setting.order) for one in shown)
 
 
 def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:

@@ -111,21 +111,21 @@ def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
     the score test likes, and a grid of shapes and sizes too.
     """
     linear = list(zip(chosen.candidates, chosen.strengths, strict=True))
-    plan = [_with(centre.fitted.parameters, linear, share) for share in LINEAR_SHARES]
+    plan = [with_candidates(centre.fitted.parameters, linear, share) for share in LINEAR_SHARES]
     if len(linear) > 1:
         return plan
     (candidate, estimate), effect = linear[0], linear[0][0].effect
     for strengths, others in candidate.others:
         other = [(replace(candidate, shapes=others), strengths)]
-        plan += [_with(centre.fitted.parameters, other, share) for share in LINEAR_SHARES]
+        plan += [with_candidates(centre.fitted.parameters, other, share) for share in LINEAR_SHARES]
     shapes = list(product(*(shape.scan for shape in effect.shapes)))
     if candidate.shapes not in shapes:
         shapes.append(candidate.shapes)
     for values in shapes[:: max(1, -(-len(shapes) // SHAPES))]:
         at = replace(candidate, shapes=values)
         for sized in _sizes(effect):
-            plan.append(_with(centre.fitted.parameters, [(at, sized)], 1.0))
-        plan.append(_with(centre.fitted.parameters, [(at, estimate)], 1.0))
+            plan.append(with_candidates(centre.fitted.parameters, [(at, sized)], 1.0))
+        plan.append(with_candidates(centre.fitted.parameters, [(at, estimate)], 1.0))
     return plan
 
 
@@ -144,7 +144,7 @@ def _sizes(effect: Effect) -> list[Array]:
     return found
 
 
-def _with(parameters: Array, chosen: list[tuple[Candidate, Array]], share: float) -> Array:
+def with_candidates(parameters: Array, chosen: list[tuple[Candidate, Array]], share: float) -> Array:
     """The parameter vector with the candidates in it at that share of their strengths, within bounds and on none: there
     the difference quotients are one-sided and a fit may stick.
     """

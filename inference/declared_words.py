@@ -20,12 +20,13 @@ SILENT = 0.9  # of the declared spread: if the fit leaves more than this share, 
 LIKELY = 1.96  # of a normal number that is cut at its most likely value, 95 % lies within so many standard deviations
 
 
-def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0) -> list[str]:
-    """A sentence for each declared law, with its parameters and their 95 % intervals, and for each uncertain number:
-    what was declared, what the data say, and whether the two agree. inflation: see inference.estimates.
+def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0, taken: tuple[str, ...] = ()) -> list[str]:
+    """A sentence for each law of the arm's own, with its parameters and their 95 % intervals, and for each uncertain
+    number: what was declared, what the data say, and whether the two agree. inflation: see inference.estimates. taken:
+    laws that were not declared, but that the baseline showed.
     """
     table = estimates(problem, fitted, inflation)
-    words = [_law_sentence(name, table[name]) for name in problem.arm.specimen.laws if name in table]
+    words = [_law_sentence(name, table[name], name in taken) for name in problem.arm.specimen.laws if name in table]
     for name, number in zip(names_of(problem.declared), problem.declared, strict=True):
         if name not in fitted.free:
             continue
@@ -35,9 +36,13 @@ def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0) -> lis
     return words
 
 
-def _law_sentence(name: str, fitted: Mapping[str, Estimate]) -> str:
-    values = (f"{key} = {e.with_unit} ({e.interval_words})" for key, e in fitted.items())
-    return f"The declared law {name} acts in all recordings: {', '.join(values)}."
+def _law_sentence(name: str, fitted: Mapping[str, Estimate], taken: bool) -> str:
+    values = ", ".join(f"{key} = {e.with_unit} ({e.interval_words})" for key, e in fitted.items())
+    if taken:
+        return (
+            f"The baseline's own recordings show {name}. It is taken as the arm's own law, in all recordings: {values}."
+        )
+    return f"The declared law {name} acts in all recordings: {values}."
 
 
 def _sentence(number: Uncertain, value: float, sd: float) -> str:

@@ -26,9 +26,7 @@ def answer(*laws: str) -> Diagnosis:
     return diagnose([recorded(laws, PAYLOAD, 1)], baseline=[recorded(laws, 0.0, 2)])
 
 
-@pytest.mark.long
-def test_a_payload_is_weighed_beside_a_declared_friction():
-    found = answer("dry_friction")
+def holds_the_payload(found: Diagnosis) -> None:
     assert (found.verdict, found.effects) == ("effect", ("tip_mass",))
     mass = found.parameters["tip_mass"]["mass"]
     assert mass.low <= PAYLOAD <= mass.high
@@ -38,12 +36,18 @@ def test_a_payload_is_weighed_beside_a_declared_friction():
 
 
 @pytest.mark.long
-def test_without_the_declaration_the_payload_alone_is_not_the_answer():
-    """The baseline is declared complete and lacks friction, so it proves nothing."""
+def test_a_payload_is_weighed_beside_a_declared_friction():
+    found = answer("dry_friction")
+    holds_the_payload(found)
+    assert any("The declared law dry_friction" in sentence for sentence in found.words)
+
+
+@pytest.mark.long
+def test_a_friction_that_the_baseline_shows_is_taken_as_the_arms_own():
+    """The same answer as where it is declared: the baseline's own recordings tell it."""
     found = answer()
-    assert found.effects != ("tip_mass",)
-    assert any("proves nothing" in sentence for sentence in found.words)
-    assert any('declare laws = ["dry_friction"]' in sentence for sentence in found.words)
+    holds_the_payload(found)
+    assert any("own recordings show dry_friction" in sentence for sentence in found.words)
 
 
 def test_a_declared_model_that_runs_away_in_the_baseline_is_told(monkeypatch):
