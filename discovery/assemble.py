@@ -105,7 +105,8 @@ def assemble_posterior(
     if decision.verdict == "nothing_missing":
         words += left_words(after.midline_mm, floor.midline_mm)
     if withdrawn:
-        words.append("With it the model predicts the judged frames worse than without it: it is not named.")
+        added = " + ".join(chosen.effects)
+        words.append(f"With {added} the model predicts the judged frames worse than without: nothing is named.")
     elif worse and verdict == "unknown":
         words.append("On the judged frames the best model found errs more than the declared model.")
     if proposal is not None:
@@ -221,6 +222,8 @@ def _decision_words(found: PosteriorSearch, decision: PosteriorDecision) -> list
         if decision.certain:
             beside = f"Beside it some of {', '.join(apart)} act, which these data cannot separate."
             words.append(f"{' + '.join(decision.certain)} is certain. {beside}")
+        elif len(apart) == 1:
+            words.append(f"These data cannot tell {apart[0]} from nothing missing.")
         else:
             words.append("These data cannot separate " + ", ".join(apart) + ".")
     elif decision.certain and len(decision.sets) > 1:

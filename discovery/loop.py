@@ -15,7 +15,15 @@ from functools import partial
 from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.baseline_law import MOST_TAKEN, Taken, law_that_leaves_least, laws_shown, taken_with
+from discovery.baseline_law import (
+    MOST_TAKEN,
+    BaselineError,
+    Taken,
+    begun_with,
+    law_that_leaves_least,
+    laws_shown,
+    least_gain,
+)
 from discovery.decide import MOST_DECLARED_FORM, baseline_coarsening, bounds_met, decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
@@ -140,18 +148,25 @@ def _baseline_shows(
     found = side_by_side([partial(baseline_alone, problem, nuisances)])
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
-    known, laws = with_rest(found[0]), () if taken is None else taken.laws
-    if bounds_met(known.fitted, laws):
-        raise CannotTellError(f"{' or '.join(laws)} stands at a bound in the baseline's recordings")
-    ranked = ranking(known, MOST_EFFECTS).sets
+    known = with_rest(found[0])
+    laws: tuple[str, ...] = () if taken is None else taken.laws
+    evidence, error = float(known.log_evidence.max()), BaselineError(known.share, max(known.rest, 0.0))
+    if taken is not None and (evidence < taken.least or bounds_met(known.fitted, laws)):
+        raise CannotTellError(f"{taken.laws[-1]} is not the arm's own law")
+    ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
+    without = error if taken is None else taken.without
+    stated = error.beside(None if taken is None else without)
     coarsening = max(baseline_coarsening((len(one.names), one.evidence) for one in ranked), 1.0)
-    told = {"baseline_share": known.share, "baseline_rest": max(known.rest, 0.0), "baseline_coarsening": coarsening}
+    told = {"baseline_share": stated.share, "baseline_rest": stated.rest, "baseline_coarsening": coarsening}
     if len(laws) == MOST_TAKEN:
         return told, ()
     if known.share > MOST_DECLARED_FORM:
-        return told, law_that_leaves_least(setting, laws)
-    shown = laws_shown(ranked, motion_nats(known.problem, known.fitted, known.forces, FORCE_SHARES[0]))
-    return told, tuple(taken_with(laws, one, known.fitted, setting.order) for one in shown)
+        best = law_that_leaves_least(setting)
+        begun = [] if best is None else [best]
+    else:
+        begun = [(one.names[0], begun_with(known.fitted, one)) for one in laws_shown(ranked, least)]
+    more = (Taken((*laws, law), warm, setting.order, evidence + least, without) for law, warm in begun)
+    return told, tuple(more)
 
 
 def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:

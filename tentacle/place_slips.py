@@ -72,6 +72,23 @@ def place_slips(recording: Recording) -> list[Slip | None]:
     return [_scale_slip(seen) for seen in (_points_of(recording), _markers_of(recording)) if seen is not None]
 
 
+def path_slip(recording: Recording) -> Slip | None:
+    """A path of the base that takes the arm's points farther from the clamp than the arm reaches; the recording's
+    positions are counted from the base.
+    """
+    for seen in (_points_of(recording), _markers_of(recording)):
+        if seen is None:
+            continue
+        beyond = seen.farthest / (MARKER_REACH * seen.arc + 0.05 * recording.declaration.specimen.length)
+        k = int(np.argmin(beyond))
+        if beyond[k] > 1.0:
+            found, arc = f"{1e3 * seen.farthest[k]:.3g} mm from the clamp", f"{1e3 * seen.arc[k]:.3g} mm"
+            words = f"without the base's path the point at s = {seen.s[k]:.3g} is up to {found}; on the arm it is {arc}"
+            remedy = "the clamp's path in metres, in the axes of the markers, seen as [base] seen_from says"
+            return Slip("base.csv", "x_m, y_m", words, remedy, True)
+    return None
+
+
 def factor_words(ratio: float) -> str:
     """ " (10 times too small?)" of positions that are a share `ratio` of what they should be, in words; "" where the
     factor is that of no unit.

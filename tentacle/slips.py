@@ -15,7 +15,7 @@ import numpy as np
 from tentacle.base_motion import FEWEST_SAMPLES, Travel, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.io.video_file import count_frames, frame_rate
-from tentacle.place_slips import NEAR_MARKER, place_slips
+from tentacle.place_slips import NEAR_MARKER, path_slip, place_slips
 from tentacle.recording import Recording
 from tentacle.sensor_slips import sensor_slips
 from tentacle.signals import Array, BaseTravel
@@ -51,6 +51,8 @@ def find_slips(recording: Recording) -> list[Slip]:
         travel = fit_travel(recording.travel)
         found += _travel_slips(recording, recording.travel, travel)
         recording = seen_from_base(recording, travel)
+        if (path := path_slip(recording)) is not None:
+            return [path]
     root, chord = root_direction(recording), marker_direction(recording)
     if root is not None:
         found += [_root_slip("midline.csv", *root), _servo_slip(recording, *root)]

@@ -10,7 +10,7 @@ import pytest
 
 from tentacle.errors import InputError
 from tentacle.recording import Camera, Recording
-from tentacle.signals import MotorSignal, Video
+from tentacle.signals import BaseTravel, MotorSignal, Video
 from tentacle.slips import find_slips, refuse_slips
 from tests.made_recordings import as_markers
 from tests.tentacle.io.test_recording_rrd import small_video
@@ -174,3 +174,19 @@ def test_an_arm_larger_than_any_picture_is_refused(sound) -> None:
     near = Camera(60.0, 1e-6, (320.0, 80.0), (0.0, 1.0))
     with pytest.raises(InputError, match=r"1\.4e\+05"):
         refuse_slips(replace(sound, declaration=replace(sound.declaration, camera=near)))
+
+
+def test_a_path_of_the_base_in_millimetres_is_refused(sound) -> None:
+    """Taken off the positions, it carries the arm's points metres away from the clamp; the true path does not."""
+    markers = as_markers(sound)
+    assert markers.markers is not None
+    t = np.linspace(markers.markers.t[0], markers.markers.t[-1], 200)
+    path = np.column_stack([0.02 * np.sin(2.0 * np.pi * t), 0.0 * t])
+    along = np.column_stack([np.interp(markers.markers.t, t, column) for column in path.T])
+    seen = replace(markers.markers, xy=markers.markers.xy + along[:, None])
+    declaration = replace(markers.declaration, seen_from="ground")
+    carried = replace(markers, markers=seen, declaration=declaration, travel=BaseTravel(t, path))
+    refuse_slips(carried)
+    with pytest.raises(InputError) as error:
+        refuse_slips(replace(carried, travel=BaseTravel(t, 1e3 * path)))
+    assert error.value.file is not None and error.value.file.endswith("base.csv")
