@@ -52,10 +52,10 @@ def compile_fit() -> None:
 
     one, seen, none = np.eye(2), np.ones((2, 1, 2)), np.zeros((2, 1, 1))
     motion = (one, np.zeros((1, 1)), np.ones(2), 0)
-    gain, root, _ = gains_along(motion, one, one, seen)
-    whitened_along(none, none, motion, seen, gain, root)
     means, covariances, _ = filtered_along(np.zeros((2, 1)), seen, one, one, one)
     smoothed_along(means, covariances, one, one)
+    gain, root, _ = gains_along(motion, one, one, seen)
+    whitened_along(none, none, motion, seen, gain, root)
     at_times(np.arange(2.0), none, none, np.zeros((1, 1)))
 
 

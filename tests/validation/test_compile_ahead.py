@@ -9,4 +9,4 @@ def test_the_verb_finds_the_filter_compiled(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert start(["fit"]).wait() == 0
     kept = {file.name.split("-")[0].removeprefix("kalman.") for file in tmp_path.rglob("*.nbc")}
-    assert {"gains_along", "whitened_along"} <= kept
+    assert {"gains_along", "whitened_along", "filtered_along", "smoothed_along"} <= kept
