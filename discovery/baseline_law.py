@@ -41,16 +41,20 @@ MOST_LEFT = 0.5  # of the error of a baseline that is far from its model: a law 
 
 @dataclass(frozen=True)
 class BaselineError:
-    """The declared model's own error in the baseline's recordings: share of unknown forces, rest [noise variances]."""
+    """The declared model's own error in the baseline's recordings: share of unknown forces, rest [noise variances], and
+    the coarsening of the likelihood with which no absent effect is named there.
+    """
 
     share: float
     rest: float
+    coarsening: float
 
-    def beside(self, without: BaselineError | None) -> BaselineError:
-        """The same where laws were taken, without which it was another: their form is known as that of added laws."""
-        if without is None:
-            return self
-        return BaselineError(float(np.hypot(self.share, FORM * without.share)), self.rest + FORM**2 * without.rest)
+    def beside(self, without: BaselineError) -> BaselineError:
+        """The same where laws were taken, without which it was another: their form is known as that of added laws, and
+        what they get wrong of the arm's own laws looks like other effects as much as before.
+        """
+        share, rest = float(np.hypot(self.share, FORM * without.share)), self.rest + FORM**2 * without.rest
+        return BaselineError(share, rest, max(self.coarsening, without.coarsening))
 
 
 @dataclass(frozen=True)

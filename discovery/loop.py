@@ -145,19 +145,21 @@ def _baseline_shows(
     residual that it leaves, and the coarsening with which no absent effect is named there; and, beside the laws that
     were taken, those of which one may be taken too. CannotTellError where one that was taken stands at a bound.
     """
-    found = side_by_side([partial(baseline_alone, problem, nuisances)])
+    begins = [problem] if taken is None else [problem, replace(problem, parameters=taken.warm.parameters)]
+    found = side_by_side([partial(baseline_alone, one, nuisances) for one in begins])
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
-    known = with_rest(found[0])
+    known = with_rest(max(found, key=lambda h: float(h.log_evidence.max())))
     laws: tuple[str, ...] = () if taken is None else taken.laws
-    evidence, error = float(known.log_evidence.max()), BaselineError(known.share, max(known.rest, 0.0))
+    evidence = float(known.log_evidence.max())
     if taken is not None and (evidence < taken.least or bounds_met(known.fitted, laws)):
         raise CannotTellError(f"{taken.laws[-1]} is not the arm's own law")
     ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
-    without = error if taken is None else taken.without
-    stated = error.beside(None if taken is None else without)
     coarsening = max(baseline_coarsening((len(one.names), one.evidence) for one in ranked), 1.0)
-    told = {"baseline_share": stated.share, "baseline_rest": stated.rest, "baseline_coarsening": coarsening}
+    error = BaselineError(known.share, max(known.rest, 0.0), coarsening)
+    without = error if taken is None else taken.without
+    error = error if taken is None else error.beside(without)
+    told = {"baseline_share": error.share, "baseline_rest": error.rest, "baseline_coarsening": error.coarsening}
     if len(laws) == MOST_TAKEN:
         return told, ()
     if known.share > MOST_DECLARED_FORM:
