@@ -35,7 +35,6 @@ from inference.posterior import FORCE_SHARES, Hypothesis
 
 MATERIAL = ("viscoelasticity", "amplitude_damping", "cubic_stiffness", "dry_friction")  # laws that any arm may have
 WATER = ("linear_drag", "skin_drag", "added_mass")
-MOST_TAKEN = 3  # laws of one arm
 MOST_LEFT = 0.5  # of the error of a baseline that is far from its model: a law that leaves more is not its cause
 
 

@@ -26,11 +26,6 @@ class Given:
         """Every recording."""
         return (*self.recordings, *self.baseline, *self.held_out)
 
-    @property
-    def laws(self) -> tuple[str, ...]:
-        """The arm's own laws that are declared."""
-        return self.recordings[0].declaration.specimen.laws
-
     def with_law(self, name: str) -> Given:
         """The same with one more law of the arm's own declared in every recording."""
 

@@ -16,7 +16,6 @@ from affine_model.curvature import Array
 from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
 from discovery.baseline_law import (
-    MOST_TAKEN,
     BaselineError,
     Taken,
     begun_with,
@@ -160,7 +159,7 @@ def _baseline_shows(
     without = error if taken is None else taken.without
     error = error if taken is None else error.beside(without)
     told = {"baseline_share": error.share, "baseline_rest": error.rest, "baseline_coarsening": error.coarsening}
-    if len(laws) == MOST_TAKEN:
+    if len(laws) == MOST_EFFECTS:
         return told, ()
     if known.share > MOST_DECLARED_FORM:
         best = law_that_leaves_least(setting)
