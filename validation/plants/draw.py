@@ -42,7 +42,8 @@ class Trial:
     """All that a recording depends on.
 
     arm: the tank's numbers with nothing hidden. motion: amplitudes [rad], frequencies [Hz] and phases of a multisine,
-    or a chirp's amplitude, first and last frequency. size: wanted rms of the hidden effects in noise sigmas, each.
+    or a chirp's amplitude, first and last frequency. size: wanted rms of the hidden effects in noise sigmas, each. own:
+    laws of the arm that nobody declares, at the strengths that act in every one of its recordings.
     """
 
     seed: int
@@ -55,6 +56,7 @@ class Trial:
     seconds: float
     fps: float
     sigma: float
+    own: tuple[Hidden, ...] = ()
 
     def theta(self, t: Array) -> Array:
         """Commanded angle of the servo [rad], with a smooth start during the first second."""

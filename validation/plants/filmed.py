@@ -57,7 +57,7 @@ class Shown:
 
 def shown(trial: Trial, plant: Plant) -> Shown:
     """The trial's run, with the hidden effects at the requested size."""
-    hidden = _sized(trial, plant)
+    hidden = sized(trial, plant)
     xy, load, command, t = film(trial, plant, hidden)
     bare = film(trial, plant, ())[0] if hidden else xy
     return Shown(hidden, t, xy, bare, load, command)
@@ -92,6 +92,7 @@ def truth_of(trial: Trial, plant: Plant, run: Shown) -> dict[str, Any]:
         "verdict": ("effect" if catalogued else "unknown") if run.hidden else "nothing_missing",
         "effects": {one.effect: one.numbers for one in run.hidden},
         "laws": {one.effect: one.law for one in run.hidden},
+        "own": {one.effect: {"law": one.law, **one.numbers} for one in trial.own},
         "arm": trial.arm,
         "declared_added_mass": trial.carries,
         "motion": {"chirp": trial.chirps, "parts": [part.tolist() for part in trial.motion]},
@@ -101,7 +102,7 @@ def truth_of(trial: Trial, plant: Plant, run: Shown) -> dict[str, Any]:
     }
 
 
-def _sized(trial: Trial, plant: Plant) -> tuple[Hidden, ...]:
+def sized(trial: Trial, plant: Plant) -> tuple[Hidden, ...]:
     """Each hidden effect at the requested size, by up to three corrections with a shorter run; added mass is not
     scaled.
     """
@@ -129,10 +130,12 @@ def _sized(trial: Trial, plant: Plant) -> tuple[Hidden, ...]:
 
 
 def film(trial: Trial, plant: Plant, hidden: tuple[Hidden, ...]) -> tuple[Array, Array, Array, Array]:
-    """Midline (T, P, 2) [m], load cell [N], logged command [rad] and frames' times [s] with these effects in it.
+    """Midline (T, P, 2) [m], load cell [N], logged command [rad] and frames' times [s] with these effects in it, beside
+    the arm's own laws.
 
     InputError where the plant's motion grows without bound.
     """
+    hidden = (*trial.own, *hidden)
     numbers, laws = _numbers(trial, hidden), {one.effect: one.law for one in hidden}
     outside = {name: value for one in hidden if one.effect in (*SEEN, *MOVED) for name, value in one.numbers.items()}
     every = int(np.ceil(1.0 / (trial.fps * plant.step) - 1e-9))

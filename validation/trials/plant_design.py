@@ -11,6 +11,7 @@ import numpy as np
 from tentacle.errors import InputError
 from validation.plants import PLANTS, Filming, Trial, drawn
 from validation.plants.laws import LAWS, OUTSIDE
+from validation.plants.repeats import OWN
 from validation.trials.rounds import TRIAL_KINDS, TrialKind, dealt, log_uniform
 
 DRAWN_PLANTS = ("stranger", "chain")  # plants of a series by default: those that need no further package
@@ -27,7 +28,8 @@ class PlantDesign:
     """One trial as plain data: all that its recording depends on.
 
     index; seed of the plant's arm, motion, laws and noise; kind; effects hidden; plant; seen: as points of the midline
-    or as a video; seconds; sigma [m]: noise of each coordinate of a midline point.
+    or as a video; seconds; sigma [m]: noise of each coordinate of a midline point. own: undeclared laws of the arm,
+    which act in a baseline too; without any there is no baseline.
     """
 
     index: int
@@ -38,15 +40,16 @@ class PlantDesign:
     seen: Literal["midline", "video"]
     seconds: float
     sigma: float
+    own: tuple[str, ...] = ()
 
     def table(self) -> dict[str, Any]:
         """The design as JSON holds it."""
-        return {**asdict(self), "effects": list(self.effects)}
+        return {**asdict(self), "effects": list(self.effects), "own": list(self.own)}
 
     @staticmethod
     def of(table: Mapping[str, Any]) -> PlantDesign:
         """The design of a table."""
-        return PlantDesign(**{**table, "effects": tuple(table["effects"])})
+        return PlantDesign(**{**table, "effects": tuple(table["effects"]), "own": tuple(table["own"])})
 
     def trial(self) -> Trial:
         """The plant's arm, motion, hidden effects, and the laws by which they act."""
@@ -61,8 +64,10 @@ def plant_designs(
     plants: Sequence[str] = DRAWN_PLANTS,
     kinds: Sequence[str] = TRIAL_KINDS,
     video_share: float = 0.25,
+    repeats: bool = False,
 ) -> list[PlantDesign]:
     """The first `count` trials of a seed in these plants, drawn at random; a longer series begins with a shorter one.
+    repeats: every arm has one or two laws of its own, and a baseline.
 
     InputError where a plant or a kind is not known, or a share is none.
     """
@@ -76,5 +81,12 @@ def plant_designs(
         noise = log_uniform(one.random, *NOISE_RANGE)
         own_seed = int(one.random.integers(2**31))
         seen, sigma = ("video", VIDEO_NOISE) if one.video else ("midline", noise)
-        found.append(PlantDesign(one.index, own_seed, one.kind, one.effects, plant, seen, seconds, sigma))
+        own = _own_laws(one.random, one.effects) if repeats else ()
+        found.append(PlantDesign(one.index, own_seed, one.kind, one.effects, plant, seen, seconds, sigma, own))
     return found
+
+
+def _own_laws(random: np.random.Generator, hidden: Sequence[str]) -> tuple[str, ...]:
+    """One or two laws that are not hidden in the recording alone."""
+    names = sorted(set(OWN) - set(hidden))
+    return tuple(str(name) for name in random.choice(names, size=int(random.integers(1, 3)), replace=False))

@@ -19,6 +19,7 @@ from tentacle.signals import Midline
 from validation.plants import PLANTS, Plant, Shown, Trial, recorded, shown, truth_of
 from validation.plants.draw import SETTLED
 from validation.plants.filmed import PLACES, declaration_of, film
+from validation.plants.repeats import repeated, with_own_laws
 from validation.trials.design import Design
 from validation.trials.plant_design import FRAME_RATE, PlantDesign
 from validation.trials.sight import Measurement
@@ -35,8 +36,7 @@ def plant_recording(design: PlantDesign) -> tuple[Recording, dict[str, Any]]:
     The truth has the R of each hidden effect by itself: rms of the whitened residual after refitting the base.
     FloatingPointError where the plant runs away.
     """
-    trial = design.trial()
-    plant = PLANTS[design.plant](trial)
+    trial, plant = _arm(design)
     run = shown(trial, plant)
     recording, root = recorded(trial, run), None
     if design.seen == "video":
@@ -47,6 +47,25 @@ def plant_recording(design: PlantDesign) -> tuple[Recording, dict[str, Any]]:
     reached = [0.0 for _ in run.hidden] if unseen else _sizes(design, trial, plant, run, root)
     truth = {"kind": design.kind, "r": reached, "plant": design.plant, **truth_of(trial, plant, run)}
     return recording, truth
+
+
+def plant_baseline(design: PlantDesign) -> list[Recording]:
+    """The recording of the same arm on another day, with nothing hidden; none where the arm has no own laws."""
+    if not design.own:
+        return []
+    trial, plant = _arm(design)
+    other = repeated(trial)
+    run = shown(other, plant)
+    recording = recorded(other, run)
+    recording = _tracked(recording, run, design) if design.seen == "video" else recording
+    return [replace(recording, name=f"baseline_{design.index:04d}")]
+
+
+def _arm(design: PlantDesign) -> tuple[Trial, Plant]:
+    """The trial, with the arm's own laws, and its plant."""
+    trial = design.trial()
+    plant = PLANTS[design.plant](trial)
+    return (with_own_laws(trial, plant, design.own) if design.own else trial), plant
 
 
 def _tracked(recording: Recording, run: Shown, design: PlantDesign) -> Recording:

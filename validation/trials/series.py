@@ -21,7 +21,7 @@ from validation.trials.baselines import baselines
 from validation.trials.design import Design
 from validation.trials.outcome import Outcome, answer_table, scored
 from validation.trials.plant_design import PlantDesign
-from validation.trials.plant_recording import plant_recording
+from validation.trials.plant_recording import plant_baseline, plant_recording
 from validation.trials.recording import trial_recording
 
 TRIAL_ROOMS = (
@@ -46,6 +46,13 @@ def design_of(table: Mapping[str, Any]) -> AnyDesign:
 def made(design: AnyDesign) -> tuple[Recording, dict[str, Any]]:
     """A design's recording and truth."""
     return plant_recording(design) if isinstance(design, PlantDesign) else trial_recording(design)
+
+
+def baseline_of(design: AnyDesign) -> list[Recording]:
+    """The recordings that a design's diagnosis is told to be complete."""
+    if isinstance(design, PlantDesign):
+        return plant_baseline(design)
+    return [read_recording(Path(path)) for path in design.baseline]
 
 
 def seen_as(design: AnyDesign) -> str:
@@ -74,13 +81,13 @@ def trial(task: Mapping[str, Any]) -> dict[str, Any]:
     deciding = Deciding(laws=False, device=task.get("device"))
     try:
         recording, truth = made(design)
+        baseline = baseline_of(design)
     except InputError as error:
         return {"refused": error.line()}
     except FloatingPointError as error:
         return {"refused": str(error)}
     begin = processor_seconds()
     try:
-        baseline = [read_recording(Path(path)) for path in (design.baseline if isinstance(design, Design) else ())]
         answer = answer_table(diagnose([recording], baseline, seed=design.seed, deciding=deciding))
     except InputError as error:
         return {"refused": error.line(), "truth": truth}
