@@ -6,8 +6,9 @@ So a law is taken as the arm's own where it would be named if the baseline were 
 that gains most is taken; then the others are asked again. Nothing but a law that any arm may have is taken: a payload,
 a soft spot or a drift of the baseline is none.
 
-A law that was taken must raise the evidence of the baseline's recordings by as much, and stand at no bound. The model
-with it still leaves a share of FORM of what it explains, as of any law that is added.
+A law that was taken must raise the evidence of the baseline's recordings by as much, and stand at no bound. Its form is
+known as roughly as that of any law that is added: the model with it leaves a share of FORM of what it explains, and of
+the nats that it gains an effect that it resembles may gain FORM_ALIKE^2 (discovery.decide).
 
 Where the declared model is far from the baseline, the first order says nothing. Each law of the material is then fitted
 with the base parameters by least squares, from all of its starts, and the best is taken if
@@ -24,7 +25,7 @@ from functools import partial
 import numpy as np
 
 from affine_model.effects import catalogue
-from discovery.decide import FORM, form_coarsening, odds_against
+from discovery.decide import FORM, added_coarsening, form_coarsening, odds_against
 from discovery.rank import RankedSet
 from discovery.side_by_side import side_by_side
 from discovery.starts import with_candidates
@@ -41,19 +42,21 @@ MOST_LEFT = 0.5  # of the error of a baseline that is far from its model: a law 
 @dataclass(frozen=True)
 class BaselineError:
     """The declared model's own error in the baseline's recordings: share of unknown forces, rest [noise variances], and
-    the coarsening of the likelihood with which no absent effect is named there.
+    the coarsening of the likelihood with which no absent effect is named there; evidence [nats] of these recordings,
+    and structured [nats], by which the residual exceeds noise.
     """
 
     share: float
     rest: float
     coarsening: float
+    evidence: float
+    structured: float
 
     def beside(self, without: BaselineError) -> BaselineError:
-        """The same where laws were taken, without which it was another: their form is known as that of added laws, and
-        what they get wrong of the arm's own laws looks like other effects as much as before.
-        """
+        """The same where laws were taken, without which it was another: their form is known like that of added laws."""
         share, rest = float(np.hypot(self.share, FORM * without.share)), self.rest + FORM**2 * without.rest
-        return BaselineError(share, rest, max(self.coarsening, without.coarsening))
+        alike = added_coarsening(self.evidence - without.evidence, self.structured)
+        return replace(self, share=share, rest=rest, coarsening=max(self.coarsening, alike))
 
 
 @dataclass(frozen=True)

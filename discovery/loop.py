@@ -154,8 +154,8 @@ def _baseline_shows(
     if taken is not None and (evidence < taken.least or bounds_met(known.fitted, laws)):
         raise CannotTellError(f"{taken.laws[-1]} is not the arm's own law")
     ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
-    coarsening = max(baseline_coarsening((len(one.names), one.evidence) for one in ranked), 1.0)
-    error = BaselineError(known.share, max(known.rest, 0.0), coarsening)
+    coarsening = baseline_coarsening((len(one.names), one.evidence) for one in ranked)
+    error = BaselineError(known.share, max(known.rest, 0.0), coarsening, evidence, known.structured)
     without = error if taken is None else taken.without
     error = error if taken is None else error.beside(without)
     told = {"baseline_share": error.share, "baseline_rest": error.rest, "baseline_coarsening": error.coarsening}

@@ -17,11 +17,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
+from inference.cells import Cells
 from inference.experiment import SHIFT_PRIOR, ZERO_PRIOR, Experiment, predict, whitened_residuals
 from inference.fit import Fit
 from inference.latent_force import LatentForce
@@ -38,7 +40,8 @@ class SeenMotion:
 
     t (T,) [s]; u, rate and acceleration (T, n + 2); force (T, n) [N m]: the generalised force that the model misses;
     spread (T, n): its standard deviation; share: the most likely size of the latent force, as a share of the acting
-    forces; instant: the same times, with the base's travel where it travels.
+    forces; instant: the same times, with the base's travel where it travels. seen (T,) bool: frames were used then,
+    just before and just after; elsewhere the smoother returns to the model, and the force is the one that this takes.
     """
 
     t: Array
@@ -49,6 +52,7 @@ class SeenMotion:
     spread: Array
     share: float
     instant: Instant
+    seen: NDArray[np.bool_]
 
 
 def seen_motions(problem: Problem, fitted: Fit) -> tuple[SeenMotion | None, ...]:
@@ -117,7 +121,16 @@ def _motion(
     root = smooth.share * force.linearised.force_root
     deviation = np.sqrt(smooth.deviation[:, 2 * n : 3 * n] ** 2 @ (root**2).T)
     spread = np.array([np.interp(t, force.cells.t, column) for column in deviation.T]).T
-    return SeenMotion(t, u, rate, acceleration, missing, spread, smooth.share, experiment.instant(t))
+    instant, seen = experiment.instant(t), _between_frames(force.cells, t)
+    return SeenMotion(t, u, rate, acceleration, missing, spread, smooth.share, instant, seen)
+
+
+def _between_frames(cells: Cells, t: Array) -> NDArray[np.bool_]:
+    """Whether the cell of each time (T,) has frames, and both of its neighbours have."""
+    filled = np.zeros(cells.t.size + 2, dtype=np.bool_)
+    filled[cells.cell + 1] = True
+    at = np.clip(np.rint((t - cells.t[0]) / cells.interval).astype(np.intp), 0, cells.t.size - 1)
+    return np.asarray((filled[:-2] & filled[1:-1] & filled[2:])[at])
 
 
 def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], at: Instant) -> Array:

@@ -19,7 +19,7 @@ TWO_PI = "6.283185307"  # in expressions, which know no pi
 @dataclass(frozen=True)
 class ForceMap:
     """The missing force in one recording, along the normal: t (T,) [s], s (P,), force and spread (T, P) [N/m] along the
-    arm, tip_force and tip_spread (T,) [N] at the tip; spreads are standard deviations.
+    arm, tip_force and tip_spread (T,) [N] at the tip; spreads are standard deviations. NaN where no frame was used.
     """
 
     name: str

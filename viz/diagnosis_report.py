@@ -148,7 +148,8 @@ def missing_sections(diagnosis: Diagnosis) -> list[ReportSection]:
     words = [
         *(in_words(word, diagnosis) for word in missing.words),
         "The figure shows a smooth force along the arm and one at the tip, both along the normal: the smallest ones "
-        "that give the measured motion. A force near the tip can appear in either. The band is one standard deviation.",
+        "that give the measured motion. A force near the tip can appear in either. The band is one standard deviation. "
+        "The figure is blank where frames are held out or lacking.",
     ]
     pictures = [
         Picture(

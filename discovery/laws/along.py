@@ -21,14 +21,22 @@ FORCE_CORRELATION_LENGTH = 0.15  # arm lengths: correlation length of the force 
 
 
 def shown_instants(motion: SeenMotion) -> NDArray[np.intp]:
-    """Indices of the instants at which a missing force is shown and placed: evenly spread, FORCE_MAP_TIMES at most."""
-    return np.linspace(0, motion.t.size - 1, min(FORCE_MAP_TIMES, motion.t.size)).astype(np.intp)
+    """Indices of the instants at which a missing force is placed: evenly among those that are seen, FORCE_MAP_TIMES at
+    most.
+    """
+    return _evenly(np.flatnonzero(motion.seen))
+
+
+def _evenly(among: NDArray[np.intp]) -> NDArray[np.intp]:
+    return among[np.linspace(0, among.size - 1, min(FORCE_MAP_TIMES, among.size)).astype(np.intp)]
 
 
 def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
-    """The normal force along the arm [N/m] and at the tip [N], with their standard deviations, of one recording."""
+    """The normal force along the arm [N/m] and at the tip [N], with their standard deviations, of one recording; NaN
+    where the motion is not seen.
+    """
     n, L, rule = arm.order, arm.specimen.length, arm.rule
-    keep = shown_instants(motion)
+    keep = _evenly(np.arange(motion.t.size))
     u = motion.u[keep]
     phi = u[:, n : n + 1] + u[:, :n] @ arm.angle_basis.T
     end = u[:, n] + u[:, :n] @ arm.angles_at([1.0])[0]
@@ -43,7 +51,8 @@ def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
     by_line = np.einsum("tji,ik,tlk->tjl", across, alike, across)
     by_tip = np.einsum("tj,tl->tjl", at_tip, at_tip)
     force, spread = motion.force[keep], motion.spread[keep]
-    power = float(np.mean(force**2))
+    unseen = ~motion.seen[keep]
+    power = float(np.mean(force[~unseen] ** 2))
     # Each part alone is as large as the missing generalised force.
     line, tip = (power / max(float(np.mean(np.einsum("tjj->tj", part))), 1e-300) for part in (by_line, by_tip))
     covariance = line * by_line + tip * by_tip + np.einsum("tj,jl->tjl", spread**2, np.eye(n))
@@ -52,7 +61,10 @@ def force_map(name: str, arm: Arm, motion: SeenMotion) -> ForceMap:
     gain, tip_gain = np.einsum("tpj,tjl->tpl", cross, inverse), tip * np.einsum("tj,tjl->tl", at_tip, inverse)
     left = line - np.einsum("tpl,tpl->tp", gain, cross)
     tip_left = tip - tip * np.einsum("tl,tl->t", tip_gain, at_tip)
-    return ForceMap(
-        name, motion.t[keep], s, np.einsum("tpl,tl->tp", gain, force), np.sqrt(np.maximum(left, 0.0)),
+    made = (
+        np.einsum("tpl,tl->tp", gain, force), np.sqrt(np.maximum(left, 0.0)),
         np.einsum("tl,tl->t", tip_gain, force), np.sqrt(np.maximum(tip_left, 0.0)),
     )  # fmt: skip
+    for part in made:
+        part[unseen] = np.nan
+    return ForceMap(name, motion.t[keep], s, *made)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from discovery.decide import baseline_coarsening, decide_by_mass, log_masses, log_prior_of_set, missing_of
+from discovery.decide import ANOTHER_DAY, baseline_coarsening, decide_by_mass, log_masses, log_prior_of_set, missing_of
 from inference.posterior import FORCE_SHARES, Hypothesis
 from tentacle.solver_result import RESULTS
 
@@ -78,15 +78,23 @@ def test_a_fit_that_did_not_converge_is_not_named(made):
     assert found.verdict != "effect"
 
 
-def test_a_baseline_s_coarsening_is_the_least_with_which_no_set_is_likelier_there_than_none():
-    """The likeliest set is then as likely as none. A gain of one effect counts more than the same gain of three, for
-    which the prior asks more.
+def test_a_baseline_s_coarsening_exceeds_one_four_times_as_far_as_the_least_that_names_none_there():
+    """With the least the likeliest set is as likely as none. A gain of one effect counts more than the same gain of
+    three, for which the prior asks more. What noise alone may gain asks for no coarsening.
     """
     gains = [(1, 83.0), (2, 137.7), (3, 155.4)]
-    coarsening = baseline_coarsening(gains)
-    ahead = [gain / coarsening + log_prior_of_set(count) - log_prior_of_set(0) for count, gain in gains]
+    least = 1.0 + (baseline_coarsening(gains) - 1.0) / ANOTHER_DAY
+    ahead = [gain / least + log_prior_of_set(count) - log_prior_of_set(0) for count, gain in gains]
     assert max(ahead) == pytest.approx(0.0, abs=1e-12)
     assert baseline_coarsening([(3, 83.0)]) < baseline_coarsening([(1, 83.0)])
+    assert baseline_coarsening([(1, 5.0), (2, 7.0)]) == 1.0
+
+
+def test_errors_of_form_that_gain_so_much_more_on_another_day_are_one_case_of_twenty():
+    """Eight errors of unit size in each of two recordings: an effect gains half the square of the error like it."""
+    gains = 0.5 * np.random.default_rng(3).standard_normal((100_000, 2, 8)) ** 2
+    one_day, another = gains.max(axis=2).T
+    assert np.mean(another > ANOTHER_DAY * one_day) == pytest.approx(0.05, abs=0.005)  # of 100 000: +- .0014 by chance
 
 
 def test_what_the_baseline_leaves_too_does_not_speak_against_an_effect(made):

@@ -7,8 +7,10 @@ import pytest
 
 from affine_model.arm import Arm
 from affine_model.dynamics import Instant
+from discovery.laws.along import force_map, shown_instants
 from discovery.laws.over import _levers, acting_place, over_coordinates, over_words, place_along, predicted
-from inference.missing_force import SeenMotion
+from inference.cells import cells_of
+from inference.missing_force import SeenMotion, _between_frames
 from tentacle.specimen import WATER, Cone, Specimen
 
 ARM = Arm(Specimen(Cone(0.011, 0.004), 0.14, 1070.0), WATER, order=4)
@@ -28,7 +30,7 @@ def swinging():
             rate[:, j] += size * turn * np.cos(turn * T + phase)
             acceleration[:, j] -= size * turn**2 * np.sin(turn * T + phase)
     none = np.zeros((T.size, N))
-    return SeenMotion(T, u, rate, acceleration, none, none + 1e-6, 0.1, Instant(0.0))
+    return SeenMotion(T, u, rate, acceleration, none, none + 1e-6, 0.1, Instant(0.0), T >= 0.0)
 
 
 def with_force(motion, s, force):
@@ -112,3 +114,35 @@ def test_forces_along_the_arm_are_no_single_one():
         both += levers / np.linalg.norm(levers, axis=1)[:, None] * random.standard_normal(T.size)[:, None]
     _, explained, _ = acting_place(ARM, SeenMotion(**{**vars(motion), "force": both}), EVERY)
     assert explained < 0.97
+
+
+def test_a_force_where_no_frame_was_used_moves_no_place_and_is_not_shown():
+    """There the smoother returns to the model; the force that this takes is no measurement."""
+    motion = swinging()
+    true = with_force(motion, 0.6, np.sin(9.0 * T))
+    wild = with_force(motion, 0.9, 1e3 * np.cos(T))
+    hidden = (T > 8.0) & (T < 12.0)
+    force = np.where(hidden[:, None], wild.force, true.force)
+    partly = SeenMotion(**{**vars(true), "force": force, "seen": ~hidden})
+    s, explained, _ = acting_place(ARM, partly, shown_instants(partly))
+    assert s == pytest.approx(0.6)
+    assert explained == pytest.approx(1.0, abs=1e-6)
+    shown, whole = force_map("a", ARM, partly), force_map("a", ARM, true)
+    unseen = (shown.t > 8.0) & (shown.t < 12.0)
+    assert np.isnan(shown.force[unseen]).all()
+    assert np.isnan(shown.tip_force[unseen]).all()
+    # Outside it is the map of the true force: only its power, the scale of the prior, changes by the share of instants.
+    np.testing.assert_allclose(shown.force[~unseen], whole.force[~unseen], rtol=1e-3, atol=1e-3 * whole.force.max())
+
+
+def test_a_motion_is_seen_between_frames_alone():
+    """A gap of 2 s hides itself and at most a cell and a half on each side, as do both ends of the recording."""
+    frames = np.arange(600) / 60.0
+    used = (frames < 4.0) | (frames > 6.0)
+    cells = cells_of(frames, used, 0.5)
+    times = np.arange(0.0, 10.0, 1.0 / 150.0)
+    seen = _between_frames(cells, times)
+    margin = 1.5 * cells.interval
+    assert not seen[(times > 4.0) & (times < 6.0)].any()
+    assert seen[(times > margin) & (times < 4.0 - margin)].all()
+    assert seen[(times > 6.0 + margin) & (times < 10.0 - margin - cells.interval)].all()

@@ -79,7 +79,8 @@ def log_missing_force(session: rr.RecordingStream, scene: ViewedRun, arm: Specim
     for shown in missing.maps:
         if shown.name != scene.name or scene.points != "midline":
             continue
-        frames = np.flatnonzero((scene.t >= shown.t[0]) & (scene.t <= shown.t[-1]))
+        seen = np.isfinite(np.interp(scene.t, shown.t, shown.tip_force))  # an interval beside a NaN is NaN
+        frames = np.flatnonzero(seen & (scene.t >= shown.t[0]) & (scene.t <= shown.t[-1]))
         keep = thin(len(shown.s), ARROWS)
         measured = scene.parties[0].xy[frames]
         place = np.stack([_at(scene.s, measured[..., axis], shown.s[keep]) for axis in range(2)], axis=-1)
@@ -88,14 +89,14 @@ def log_missing_force(session: rr.RecordingStream, scene: ViewedRun, arm: Specim
         tangent /= np.maximum(np.linalg.norm(tangent, axis=-1, keepdims=True), 1e-12)
         normal = np.stack([tangent[..., 1], -tangent[..., 0]], axis=-1)
         size, spread = (_in_time(shown.t, part[:, keep], scene.t[frames]) for part in (shown.force, shown.spread))
-        scale = LONGEST_ARROW * arm.length / max(float(np.abs(shown.force).max()), 1e-300)
+        scale = LONGEST_ARROW * arm.length / max(float(np.nanmax(np.abs(shown.force))), 1e-300)
         path = f"{run_path(scene.name)}/arms/missing"
         thick = arm.length / 150
         band = np.abs(size) + spread
         wide = np.sign(size)[..., None] * band[..., None] * normal
         faint = Role(WARNING.name, (235, 190, 150), WARNING.dash)
         at_tip = np.interp(scene.t[frames], shown.t, shown.tip_force)[:, None, None] * normal[:, -1:]
-        longest = LONGEST_ARROW * arm.length / max(float(np.abs(shown.tip_force).max()), 1e-300)
+        longest = LONGEST_ARROW * arm.length / max(float(np.nanmax(np.abs(shown.tip_force))), 1e-300)
         t = scene.t[frames]
         drawn = (
             ("band", faint, Arrows(t, place, scale * wide), thick / 2),
