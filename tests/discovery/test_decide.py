@@ -87,7 +87,7 @@ def test_a_baseline_s_coarsening_exceeds_one_four_times_as_far_as_the_least_that
     ahead = [gain / least + log_prior_of_set(count) - log_prior_of_set(0) for count, gain in gains]
     assert max(ahead) == pytest.approx(0.0, abs=1e-12)
     assert baseline_coarsening([(3, 83.0)]) < baseline_coarsening([(1, 83.0)])
-    assert baseline_coarsening([(1, 5.0), (2, 7.0)]) == 1.0
+    assert baseline_coarsening([(1, 3.0), (2, 5.0)]) == 1.0
 
 
 def test_errors_of_form_that_gain_so_much_more_on_another_day_are_one_case_of_twenty():
