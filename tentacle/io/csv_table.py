@@ -21,6 +21,8 @@ from tentacle.io.plain_file import read_plain
 from tentacle.io.written_file import write_text
 from tentacle.signals import Array
 
+NEVER_BLANK = ("t_s", "s")  # columns that place a row: no file may leave a cell of them empty
+
 
 @dataclass(frozen=True)
 class CsvTable:
@@ -83,7 +85,8 @@ def read_csv(
     body = data[body_start:]
     values = _parse_at_once(body, len(names))
     if values is None:
-        values = _parse_row_by_row(body, names, file, header_row)
+        blanks = [name for name in names if blank_allowed and name not in NEVER_BLANK]
+        values = _parse_row_by_row(body, names, blanks, file, header_row)
     if values.shape[0] == 0:
         raise InputError("no rows under the header", file=file, row=header_row, expected="at least one row of numbers")
     kept = [name for name in names if name in required or name in optional]
@@ -92,6 +95,11 @@ def read_csv(
     if not blank_allowed:
         table.require_values(*kept)
     return table
+
+
+def column_names(file: Path) -> tuple[str, ...]:
+    """The names in a CSV file's header."""
+    return tuple(_header(_read_bytes(file), file)[1])
 
 
 def _read_bytes(file: Path) -> bytes:
@@ -182,7 +190,8 @@ def _fill_blank_cells(body: bytes) -> bytes:
     return body
 
 
-def _parse_row_by_row(body: bytes, names: list[str], file: Path, header_row: int) -> Array:
+def _parse_row_by_row(body: bytes, names: list[str], blanks: list[str], file: Path, header_row: int) -> Array:
+    """All rows (N, columns); InputError at the first bad cell. blanks: the columns in which a cell may be empty."""
     rows = []
     for row, line in enumerate(body.decode("utf-8", errors="replace").split("\n"), start=header_row + 1):
         content = line.partition("#")[0]
@@ -194,22 +203,33 @@ def _parse_row_by_row(body: bytes, names: list[str], file: Path, header_row: int
             if len(cells) == 2 * len(names):
                 problem += ": decimal commas (2,5 in place of 2.5)?"
             raise InputError(problem, file=file, row=row, expected=f"{len(names)}: {','.join(names)}")
-        rows.append([_parse_cell(cell, name, file, row) for cell, name in zip(cells, names, strict=True)])
+        values = [_number(cell) for cell in cells]
+        if None in values:
+            index = values.index(None)
+            text = _bare(cells[index])
+            shown = text if len(text) <= 40 else text[:37] + "..."
+            expected = "a number, or an empty cell for what was not seen" if names[index] in blanks else "a number"
+            raise InputError(
+                f"{shown!r} is no finite number", file=file, row=row, field=names[index], expected=expected
+            )
+        rows.append(values)
     return np.array(rows, dtype=float).reshape(len(rows), len(names))
 
 
-def _parse_cell(cell: str, name: str, file: Path, row: int) -> float:
-    text = cell.strip().strip('"').strip()
+def _number(cell: str) -> float | None:
+    """The finite number in a cell, NaN of an empty one, None of anything else."""
+    text = _bare(cell)
     if not text:
         return np.nan
     try:
-        value = float(text) if "_" not in text else np.nan  # 1_000 is a number to Python alone
+        value = float(text)
     except ValueError:
-        value = np.nan
-    if not np.isfinite(value):
-        shown = text if len(text) <= 40 else text[:37] + "..."
-        raise InputError(f"{shown!r} is no finite number", file=file, row=row, field=name, expected="a number")
-    return value
+        return None
+    return value if np.isfinite(value) and "_" not in text else None  # 1_000 is a number to Python alone
+
+
+def _bare(cell: str) -> str:
+    return cell.strip().strip('"').strip()
 
 
 def _row_numbers(body: bytes, header_row: int, count: int) -> NDArray[np.int64]:

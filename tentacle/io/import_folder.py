@@ -26,7 +26,7 @@ import numpy as np
 from tentacle.base_motion import FEWEST_SAMPLES
 from tentacle.errors import InputError
 from tentacle.io.acceleration_file import read_acceleration
-from tentacle.io.csv_table import CsvTable, read_csv
+from tentacle.io.csv_table import CsvTable, column_names, read_csv
 from tentacle.io.declaration_file import RecordingFile, read_recording_file
 from tentacle.io.plain_file import is_there
 from tentacle.io.sound_recording import (
@@ -188,7 +188,12 @@ def _read_markers(file: Path, declared: RecordingFile, reach: float) -> tuple[Ma
     pairs = [(f"{name}_x_m", f"{name}_y_m") for name in names]
     columns = ("t_s", *(column for pair in pairs for column in pair))
     deep = tuple(f"{name}_z_m" for name in names)
-    table = read_csv(file, columns, optional=deep, blank_allowed=True)
+    try:
+        table = read_csv(file, columns, optional=deep, blank_allowed=True)
+    except InputError as error:
+        if "column" not in error.problem or (told := _other_markers(file, names, error)) is None:
+            raise
+        raise told from error
     table.require_values("t_s")
     table.require_rising("t_s")
     _check_points(table, pairs, reach)
@@ -198,6 +203,23 @@ def _read_markers(file: Path, declared: RecordingFile, reach: float) -> tuple[Ma
         xy, share = _in_plane(xy, table, deep, reach)
     positions = np.array([declared.markers[name] for name in names])
     return Markers(table["t_s"], names, positions[:, 0].copy(), positions[:, 1].copy(), xy), share
+
+
+def _other_markers(file: Path, declared: tuple[str, ...], error: InputError) -> InputError | None:
+    """The error in words, where markers.csv and [markers] do not have the same markers; None where they do."""
+    columns = column_names(file)
+    found = [name.removesuffix("_x_m") for name in columns if name.endswith("_x_m") and f"{name[:-4]}_y_m" in columns]
+    lacking, further = ([name for name in a if name not in b] for a, b in ((declared, found), (found, declared)))
+    if not found or not (lacking or further):
+        return None
+    told = f"markers.csv has {', '.join(found)}, and [markers] of recording.toml has {', '.join(declared)}"
+    remedies = []
+    if lacking:
+        remedies.append(f"columns {lacking[0]}_x_m and {lacking[0]}_y_m, or no {lacking[0]} in [markers]")
+    if further:
+        remedies.append(f"{further[0]} = {{ s = ..., d = ... }} in [markers], or no columns of {further[0]}")
+    field = ", ".join([*lacking, *further])
+    return InputError(told, file=file, row=error.row, field=field, expected="; ".join(remedies))
 
 
 def _in_plane(xy: Array, table: CsvTable, deep: tuple[str, ...], reach: float) -> tuple[Array, float]:

@@ -99,7 +99,23 @@ BAD = {
     "marker undeclared": (good(markers__csv=MARKERS), "recording.toml: markers: missing, and there is markers.csv"),
     "marker without columns": (
         good(recording__toml=CONE + "[markers]\nend = {s = 1, d = 0}", markers__csv=MARKERS),
-        "markers.csv:1: end_x_m,end_y_m: columns missing",
+        "markers.csv:1: end, tip: markers.csv has tip, and [markers] of recording.toml has end; expected columns "
+        "end_x_m and end_y_m, or no end in [markers]; tip = { s = ..., d = ... } in [markers], or no columns of tip",
+    ),
+    "marker with a column, undeclared": (
+        good(
+            recording__toml=CONE + "[markers]\ntip = {s = 1, d = 0}",
+            markers__csv=MARKERS.replace("t_s,", "t_s,end_x_m,end_y_m,").replace("\n0", "\n0,0,0"),
+        ),
+        "markers.csv:1: end: markers.csv has end, tip, and [markers] of recording.toml has tip; expected end = {",
+    ),
+    "marker nan": (
+        good(recording__toml=CONE + "[markers]\ntip = {s = 1, d = 0}", markers__csv=MARKERS.replace("0.02", "NaN")),
+        "markers.csv:3: tip_x_m: 'NaN' is no finite number; expected a number, or an empty cell for what was not seen",
+    ),
+    "marker at a time that is none": (
+        good(recording__toml=CONE + "[markers]\ntip = {s = 1, d = 0}", markers__csv=MARKERS.replace("0.1,", "NaN,")),
+        "markers.csv:3: t_s: 'NaN' is no finite number; expected a number",
     ),
     "marker not declared": (
         good(
