@@ -14,7 +14,7 @@ that it declares, and its markers' places. What one arm cannot be is refused:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from inference.prepare import RELEASE, Prepared
 from tentacle.declared import SPECIMEN_FIELDS, Uncertain, value_in
 from tentacle.errors import InputError
 from tentacle.recording import Declaration, Recording
-from tentacle.specimen import Specimen
+from tentacle.specimen import Rectangle, Specimen
 
 SAME = 0.1  # relative: two measurements of one section or one density
 FIELDS = (*(f"specimen.{name}" for name in SPECIMEN_FIELDS), "fluid.density_kg_m3", "gravity.angle_rad")
@@ -65,12 +65,13 @@ def _difference(first: Declaration, other: Declaration) -> tuple[str, tuple[obje
     if _apart(*lengths) > CORRELATION_LENGTH:
         return "specimen.length_m", lengths, f"lengths within {100 * CORRELATION_LENGTH:.0f} %"
     if _apart(one.density, two.density) > SAME:
-        return "specimen.density_kg_m3", (one.density, two.density), f"densities within {100 * SAME:.0f} %"
-    one_size, two_size, apart = min((_sections(one, two, end) for end in ("tip", "clamp")), key=lambda found: found[2])
-    if apart > SAME:
-        values = (f"{1e3 * one_size:.4g} mm", f"{1e3 * two_size:.4g} mm")
-        return "specimen", values, f"thickness and width within {100 * SAME:.0f} % at the same place"
-    return None
+        return (
+            "specimen.density_kg_m3",
+            (f"{one.density:g}", f"{two.density:g}"),
+            f"densities within {100 * SAME:.0f} %",
+        )
+    worst = min((_sections(one, two, end) for end in ("tip", "clamp")), key=lambda found: found.apart)
+    return (worst.field, worst.values, worst.expected) if worst.apart > SAME else None
 
 
 def own_geometry_words(prepared: Sequence[Prepared]) -> list[str]:
@@ -86,18 +87,36 @@ def _apart(one: float, two: float) -> float:
     return abs(one - two) / max(abs(one), abs(two))
 
 
-def _sections(one: Specimen, two: Specimen, end: str) -> tuple[float, float, float]:
-    """Thickness or width [m] of both arms, at equal distance from that end, where they differ most; by how much, over
-    the thickest section: a pointed tip is measured to no per cent.
+@dataclass(frozen=True)
+class SectionsApart:
+    """Where two arms' sections differ most: the field, its two values, what is expected, and by how much (relative)."""
+
+    field: str
+    values: tuple[str, str]
+    expected: str
+    apart: float
+
+
+def _sections(one: Specimen, two: Specimen, end: str) -> SectionsApart:
+    """The two arms, both of one kind of section, at equal distances from that end. Thickness is compared over the
+    largest thickness, and width over the largest width: a pointed tip is measured to no per cent.
     """
     along = PLACES * min(one.length, two.length)
     sizes = []
     for arm in (one, two):
         s = 1.0 - along / arm.length if end == "tip" else along / arm.length
-        sizes.append(np.concatenate([2.0 * arm.section.half_thickness(s), arm.section.width(s)]))
-    worst = int(np.argmax(np.abs(sizes[0] - sizes[1])))
-    first, second = float(sizes[0][worst]), float(sizes[1][worst])
-    return first, second, abs(first - second) / float(max(sizes[0].max(), sizes[1].max()))
+        sizes.append(np.stack([2.0 * arm.section.half_thickness(s), arm.section.width(s)]))
+    share = np.abs(sizes[0] - sizes[1]) / np.maximum(*sizes).max(axis=1, keepdims=True)
+    which, place = np.unravel_index(int(np.argmax(share)), share.shape)
+    first, second = (float(size[which, place]) for size in sizes)
+    name, apart = ("thicknesses", "widths")[int(which)], float(share[which, place])
+    expected = f"{name} within {100 * SAME:.0f} %"
+    if isinstance(one.section, Rectangle):
+        field = ("specimen.height_m", "specimen.width_m")[int(which)]
+        return SectionsApart(field, (f"{first:g}", f"{second:g}"), expected, apart)
+    values = f"{1e3 * first:.4g} mm", f"{1e3 * second:.4g} mm"
+    expected += f" at one distance from the {end} (these are twice the radius, {1e3 * along[place]:.3g} mm from it)"
+    return SectionsApart("specimen.base_radius_m, tip_radius_m", values, expected, apart)
 
 
 def one_arm(prepared: Sequence[Prepared]) -> tuple[Declaration, list[Prepared]]:

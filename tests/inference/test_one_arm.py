@@ -70,7 +70,7 @@ def test_a_number_that_all_state_alike_is_one_number(recorded):
     [
         ({"length": 0.25}, ("length_m", "0.25", "0.14")),
         ({"density": 1300.0}, ("density_kg_m3", "1300", "1070")),
-        ({"section": Cone(0.016, 0.0064)}, ("specimen", "32 mm", "25 mm")),
+        ({"section": Cone(0.016, 0.0064)}, ("base_radius_m, tip_radius_m", "32 mm", "25 mm", "0 mm from")),
         ({"section": Rectangle(0.02, 0.02)}, ("section", "rectangle", "cone")),
         ({"stiffness": "affine"}, ("stiffness", "affine", "section")),
     ],
@@ -80,6 +80,21 @@ def test_what_one_arm_cannot_be_is_refused_with_both_values(recorded, changes, t
         same_arm([recorded(), declaring(recorded(), **changes)])
     assert all(word in str(refused.value) for word in told)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("section", "told"),
+    [
+        (Rectangle(0.02, 0.012), "specimen.height_m: is 0.012 here and 0.01 in"),  # 1.7 times as stiff
+        (Rectangle(0.024, 0.01), "specimen.width_m: is 0.024 here and 0.02 in"),
+    ],
+)
+def test_a_beam_s_thickness_is_compared_with_its_thickness_and_not_with_its_width(recorded, section, told):
+    beam = declaring(recorded(), section=Rectangle(0.02, 0.01))
+    same_arm([beam, declaring(beam, section=Rectangle(0.0215, 0.0107))])  # 7 %: callipers on soft silicone
+    with pytest.raises(InputError) as refused:
+        same_arm([beam, declaring(beam, section=section)])
+    assert told in str(refused.value)
 
 
 def test_one_arm_clamped_elsewhere_cut_loaded_or_in_air_is_accepted(recorded):
