@@ -72,6 +72,36 @@ def place_slips(recording: Recording) -> list[Slip | None]:
     return [_scale_slip(seen) for seen in (_points_of(recording), _markers_of(recording)) if seen is not None]
 
 
+def spacing_slip(recording: Recording) -> Slip | None:
+    """Points of which every two neighbours are farther apart, or nearer to each other, than the arm lets them be. Their
+    distances do not depend on where the base is, so that a slip here is none of the base's path.
+    """
+    length = recording.declaration.specimen.length
+    if recording.midline is not None:
+        slip = _length_slip(recording)
+        return slip if slip is not None and slip.certain else None
+    markers = recording.markers
+    if markers is None:
+        return None
+    order = np.argsort(markers.s, kind="stable")
+    arc = np.hypot(np.diff(markers.s[order]) * length, np.diff(markers.d[order]))
+    apart = np.linalg.norm(np.diff(markers.xy[:, order], axis=1), axis=2)
+    kept = (arc > LEAST_ARC * length) & (np.isfinite(apart).sum(axis=0) >= FEWEST_FRAMES)
+    if kept.sum() < 2:  # the s of one of two markers may be wrong
+        return None
+    farthest, arc = np.nanquantile(apart[:, kept], FARTHEST, axis=0), arc[kept]
+    shares = farthest / arc
+    alike = np.abs(shares / np.median(shares) - 1.0).max() < SHARED
+    far = (farthest > MARKER_REACH * arc + 0.05 * length).all()
+    if not alike or not (far or (shares < TOO_NEAR[0]).all()):
+        return None
+    k = int(np.argmax(arc))
+    one, other = (markers.names[order[np.flatnonzero(kept)[k] + end]] for end in (0, 1))
+    seen = f"{one} and {other} are {1e3 * farthest[k]:.3g} mm apart; on the arm they are {1e3 * arc[k]:.3g} mm apart"
+    remedy = f"metres on the scale of specimen.length_m{factor_words(float(np.median(shares)))}"
+    return Slip("markers.csv", "x_m, y_m", seen, remedy, True)
+
+
 def path_slip(recording: Recording) -> Slip | None:
     """A path of the base that takes the arm's points farther from the clamp than the arm reaches; the recording's
     positions are counted from the base.

@@ -10,16 +10,19 @@ is an error. If an unusual set-up could explain it, it is advice, with the numbe
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from tentacle.base_motion import FEWEST_SAMPLES, Travel, fit_travel, seen_from_base
+from tentacle.base_motion import FEWEST_SAMPLES, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.io.video_file import count_frames, frame_rate
-from tentacle.place_slips import NEAR_MARKER, path_slip, place_slips
+from tentacle.place_slips import NEAR_MARKER, path_slip, place_slips, spacing_slip
 from tentacle.recording import Recording
 from tentacle.sensor_slips import sensor_slips
-from tentacle.signals import Array, BaseTravel
+from tentacle.signals import Array
 from tentacle.slip import Slip
+from tentacle.travel_slips import axes_slip, log_slips
 
 NEAR_ROOT = 0.15  # of the arm: within, the midline's direction is the base's to some degrees
 SLOWEST = 1.0  # s between pictures: too long for the motion of a soft arm
@@ -29,9 +32,6 @@ CONCENTRATED = 0.7  # mean resultant length of the root's directions: a swing of
 FEWEST_PX = 20.0  # an arm shorter in the picture has no shape
 MOST_PX = 20_000.0  # no camera's picture is as wide
 MILLISECONDS = (300.0, 3000.0)  # a log that lasts as many times the pictures' span counts in other units
-LAST_TRAVEL = 0.1  # s, of a base's log, in which it is seen whether the base stands
-STANDS = 0.005  # of the arm's length: how far a base that stands may move in it
-LONGEST_STAND = 0.1  # of the time for which the arm is seen: longer, a base that stands beyond its log is told
 
 
 def refuse_slips(recording: Recording) -> None:
@@ -49,10 +49,16 @@ def find_slips(recording: Recording) -> list[Slip]:
     found, travel = [_slow_clock(recording), *_log_clocks(recording), _picture_slip(recording)], None
     if recording.travel is not None:
         travel = fit_travel(recording.travel)
-        found += _travel_slips(recording, recording.travel, travel)
+        found += log_slips(recording, recording.travel, travel)
+        if (spacing := spacing_slip(recording)) is not None:
+            return [spacing]
+        axes, out_of_reach = axes_slip(recording, travel), path_slip(seen_from_base(recording, travel))
+        if axes is not None and (axes.certain or (out_of_reach and recording.declaration.seen_from == "base")):
+            return [replace(axes, certain=True)]
+        if out_of_reach:
+            return [out_of_reach]
         recording = seen_from_base(recording, travel)
-        if (path := path_slip(recording)) is not None:
-            return [path]
+        found.append(axes)
     root, chord = root_direction(recording), marker_direction(recording)
     if root is not None:
         found += [_root_slip("midline.csv", *root), _servo_slip(recording, *root)]
@@ -80,32 +86,6 @@ def _short_logs(recording: Recording) -> list[Slip]:
         for file, log in logs.items()
         if log is not None and len(log.t) < FEWEST_SAMPLES
     ]
-
-
-def _travel_slips(recording: Recording, log: BaseTravel, travel: Travel) -> list[Slip]:
-    """A path of the base that begins or ends while the arm is seen and the base moves."""
-    pictures, found = recording.midline or recording.markers, list[Slip]()
-    if pictures is None:
-        return []
-    start, stop = float(pictures.t[0]), float(pictures.t[-1])
-    length, noise = recording.declaration.specimen.length, float(np.std(log.xy - travel(log.t)[:2].T))
-    for end, inner, missing, verb in (
-        (travel.last, max(travel.first, travel.last - LAST_TRAVEL), stop - travel.last, "ends"),
-        (travel.first, min(travel.last, travel.first + LAST_TRAVEL), travel.first - start, "begins"),
-    ):
-        if missing < LAST_TRAVEL:
-            continue
-        path = travel(np.linspace(inner, end, 20))[:2]
-        moved = float(np.linalg.norm(path - path[:, -1:], axis=0).max())
-        moves = moved > STANDS * length + 4.0 * noise
-        if not moves and missing < LONGEST_STAND * (stop - start):
-            continue
-        seen = f"{verb} at {end:.4g} s, and the arm is seen from {start:.4g} to {stop:.4g} s"
-        if moves:
-            seen += f"; the base moves there, {1e3 * moved:.3g} mm in {LAST_TRAVEL:g} s"
-        remedy = "the base's path while the arm is seen (it is taken to stand before and after)"
-        found.append(Slip("base.csv", "t_s", seen, remedy, moves))
-    return found
 
 
 def _slow_clock(recording: Recording) -> Slip | None:
