@@ -21,7 +21,6 @@ from tentacle.base_motion import BaseMotion
 
 AnyObservation = TypeVar("AnyObservation", bound=Observation)
 SURE = 3.0  # standard errors by which an instant must lie beyond the log
-RESTS = 0.05  # of the rms rate: a base slower than that at the log's end rests there
 
 
 def within_log(observation: AnyObservation, motion: BaseMotion | None) -> tuple[AnyObservation, int]:
@@ -35,12 +34,11 @@ def _known(observation: Observation, motion: BaseMotion | None) -> NDArray[np.bo
     known: NDArray[np.bool_] = np.ones(t.size, dtype=bool)
     if motion is None:
         return known
-    usual = float(np.sqrt(np.mean(motion(np.linspace(motion.start, motion.stop, 4 * t.size))[1] ** 2)))
     shift, error = _shift(observation, motion)
     shown, surely = t + shift, SURE * error
-    if abs(float(motion(motion.start)[1])) > RESTS * usual:
+    if not motion.rests_at(motion.start, t.size):
         known &= shown >= motion.start - surely
-    if abs(float(motion(motion.stop)[1])) > RESTS * usual:
+    if not motion.rests_at(motion.stop, t.size):
         known &= shown <= motion.stop + surely
     return known
 

@@ -27,6 +27,7 @@ FEWEST_SAMPLES = SPLINE_DEGREE + 1
 REST_MARGIN = 1.0  # s beyond the first and last sample in which the base comes to rest, for a time offset
 STOPPING = 0.05  # s, the time constant of that
 FEWEST_INTERVALS = 2
+RESTS = 0.05  # of the rms rate: a base slower than that at the log's end rests there
 INTERVAL_RATIO = 1.15  # factor between the numbers of knot intervals that are tried
 SAMPLES_PER_INTERVAL = 2  # the finest one before interpolation
 
@@ -63,6 +64,13 @@ class BaseMotion:
                 np.where(beyond == 0.0, acceleration, -np.sign(beyond) * rate * fading / STOPPING),
             ]
         )
+
+    def rests_at(self, end: float, frames: int) -> bool:
+        """Whether the base hardly turns at an end of its log, beside how it turns on average; frames: of the pictures
+        that show it, each four times sampled for the average.
+        """
+        usual = float(np.sqrt(np.mean(self(np.linspace(self.start, self.stop, 4 * frames))[1] ** 2)))
+        return abs(float(self(end)[1])) <= RESTS * usual
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from tentacle.base_motion import FEWEST_SAMPLES, fit_travel, seen_from_base
+from tentacle.drive_slips import drive_slips
 from tentacle.errors import InputError
 from tentacle.io.video_file import count_frames, frame_rate
 from tentacle.place_slips import NEAR_MARKER, path_slip, place_slips, spacing_slip
@@ -47,6 +48,7 @@ def find_slips(recording: Recording) -> list[Slip]:
     if short:
         return short
     found, travel = [_slow_clock(recording), *_log_clocks(recording), _picture_slip(recording)], None
+    found += drive_slips(recording)
     if recording.travel is not None:
         travel = fit_travel(recording.travel)
         found += log_slips(recording, recording.travel, travel)
